@@ -17,6 +17,7 @@ mod newmark;
 mod projected;
 mod rest;
 mod scheme;
+mod statics;
 mod trapezoidal;
 mod triple_jump;
 
@@ -33,6 +34,7 @@ pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
 pub use scheme::{Affine, Course, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
+pub use statics::STATICS;
 pub use trapezoidal::TRAPEZOIDAL;
 pub use triple_jump::TRIPLE_JUMP;
 
@@ -42,6 +44,9 @@ pub static CATALOGUE: &[&Scheme] =
 
 /// Those that solve none.
 pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];
+
+/// Those that know no motion.
+pub static STATIC: &[&Scheme] = &[&STATICS];
 
 /// Those of the catalogue that take numbers.
 pub static FAMILIES: &[&Family] =

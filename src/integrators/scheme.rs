@@ -107,6 +107,8 @@ pub enum Course {
     /// Without equations: positions follow from the forces at the start, with a mass at every node alone. No step may be longer than the
     /// fastest vibration admits.
     Explicit(Lumping),
+    /// From equilibrium to equilibrium: nothing has a velocity, and the row has no coefficients that anybody reads.
+    Equilibria,
 }
 
 /// How the mass of a cell is shared among its nodes, to be at the nodes alone.
@@ -228,7 +230,7 @@ impl Scheme {
     pub fn after(&self, before: f64, dt: f64) -> Scheme {
         match self.course {
             Course::ByRatio(row) => Scheme { course: self.course, ..row(before / dt) },
-            Course::Whole | Course::Stages(_) | Course::Explicit(_) => *self,
+            Course::Whole | Course::Stages(_) | Course::Explicit(_) | Course::Equilibria => *self,
         }
     }
 
@@ -236,7 +238,7 @@ impl Scheme {
     pub fn stages(&self) -> &'static [(f64, Scheme)] {
         match self.course {
             Course::Stages(stages) => stages,
-            Course::Whole | Course::ByRatio(_) | Course::Explicit(_) => &[],
+            Course::Whole | Course::ByRatio(_) | Course::Explicit(_) | Course::Equilibria => &[],
         }
     }
 
@@ -248,6 +250,11 @@ impl Scheme {
     /// How the mass is put to the nodes, of a scheme that solves no equations.
     pub fn lumping(&self) -> Option<Lumping> {
         if let Course::Explicit(lumping) = self.course { Some(lumping) } else { None }
+    }
+
+    /// Whether steps go from equilibrium to equilibrium, without inertia.
+    pub fn is_static(&self) -> bool {
+        matches!(self.course, Course::Equilibria)
     }
 
     /// Whether the forces of some step act longer than in the one that follows.

@@ -48,6 +48,9 @@ pub const LANCZOS_DEPENDENT: f64 = 1e-11;
 /// What a vibration mode may miss, relative to its eigenvalue of the inverse operator: the error of the frequency is the square of that.
 pub const MODE_RESIDUAL: f64 = 1e-8;
 
+/// How far beyond the last load factor those below are counted, relative to it: farther than round-off, and nearer than the next one.
+pub const COUNTED_BEYOND: f64 = 1e-4;
+
 /// Distance of two eigenvalues, relative to that from the shift, below which a count between them would not be safe from round-off.
 pub const MODE_GAP: f64 = 1e-7;
 
@@ -64,7 +67,8 @@ pub const MODE_FLOOR: f64 = 1e-14;
 /// Part of an increment of the load by which loads are differentiated: most are linear, and round-off is divided by it.
 pub const LOAD_DIFFERENCE: f64 = 1e-3;
 
-/// Residual of an equilibrium on a path relative to the largest force: a tenth of what `settle` accepts.
+/// Residual of an equilibrium on a path relative to the largest force: a tenth of what `settle` accepts. A correction of that share of the
+/// displacements is none.
 pub const PATH: f64 = 1e-12;
 
 /// The same where a correction no longer halves it: round-off of stiff cells that hardly strain.
@@ -237,6 +241,10 @@ pub const CONSERVED: f64 = 1e-8;
 
 /// Energy that counts as none in any units: round-off of a model in which nothing happens.
 pub const NO_ENERGY: f64 = 1e-40;
+
+/// Energy that the forces at both ends of a step of statics leave unexplained, relative to all, from which on it is told: a large step on a
+/// curved path stays below.
+pub const LEAP: f64 = 0.05;
 
 /// Energy that contact has taken or keeps, relative to all, from which on it is told: it begins to show in a plot.
 pub const LOST: f64 = 1e-3;

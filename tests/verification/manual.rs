@@ -22,10 +22,11 @@ pub const SCRIPTS: &[(&str, usize)] = &[
     ("08_rigid_motion", 28),
     ("09_conservation", 25),
     ("10_waves_and_impacts", 33),
-    ("11_vibrations", 16),
+    ("11_vibrations", 49),
     ("12_integrators", 26),
     ("13_friction", 7),
-    ("14_solids_in_space", 28),
+    ("14_solids_in_space", 30),
+    ("15_paths_and_stability", 17),
 ];
 
 /// What a script computes against what is known.

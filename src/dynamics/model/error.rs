@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::remedy::Remedy;
+use super::remedy::{Ease, Remedy};
 use crate::bodies::FormulationError;
 use crate::machine::memory::written;
 use crate::math::digits::three_digits;
@@ -107,10 +107,10 @@ pub enum ModelError {
         /// Its name.
         body: String,
     },
-    /// What a time integrator does not do.
+    /// What the steps of a time integrator do not do.
     #[error("{steps} do not take {what}: {reason}")]
-    NotIntegrated {
-        /// Steps of its kind.
+    NotTaken {
+        /// Which steps.
         steps: &'static str,
         /// What the model has.
         what: String,
@@ -273,7 +273,7 @@ impl ModelError {
             ModelError::UnknownBoundary { .. } => "use one of its boundaries, or select one with `Mesh::boundary_where`".into(),
             ModelError::UnsoundIntegrator { .. } => "mend its row: `integrators::Scheme` has what each coefficient stands for".into(),
             ModelError::NoLumpedMass { .. } => "lump the mass by its diagonal: `hrz`".into(),
-            ModelError::NotIntegrated { instead, .. } => (*instead).into(),
+            ModelError::NotTaken { instead, .. } => (*instead).into(),
             ModelError::EmptyBoundary { .. } => "choose a boundary that has facets".into(),
             ModelError::PointBoundary { .. } => {
                 "points can be held, moved and loaded with a force; other loads and contacts need facets".into()
@@ -462,7 +462,10 @@ impl StepError {
 
     /// The same of equilibria that were followed up to a time.
     pub(in crate::dynamics) fn after_equilibria_until(mut self, reached: f64) -> Self {
-        if let StepError::NotConverged { cause, .. } = &mut self {
+        if let StepError::NotConverged { cause, remedy, .. } = &mut self {
+            if *remedy == Remedy::Ease(Ease::SupportsAndLoads, "") {
+                *remedy = Remedy::FollowPath;
+            }
             cause.push_str(&format!("; equilibria were followed up to t = {reached:.4}"));
         }
         self

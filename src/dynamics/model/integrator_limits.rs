@@ -13,8 +13,25 @@ pub fn check_integrator(model: &Model, integrator: &Scheme, chooses_size: bool) 
     if integrator.lumping().is_some() {
         return check_explicit(model, chooses_size);
     }
+    if integrator.is_static() {
+        return check_static(model, chooses_size);
+    }
     if integrator.goes_back() {
         return check_backward(model, chooses_size);
+    }
+    Ok(())
+}
+
+/// What has no meaning where nothing moves.
+fn check_static(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
+    let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "steps of `statics`", what, reason, instead });
+    if chooses_size {
+        let reason = "every equilibrium is exact, and no error grows from step to step";
+        return refused("a size that they choose".into(), reason, "give steps a size: one that fails is taken in increments");
+    }
+    if let Some(given) = model.initial_velocities.first() {
+        let what = format!("the initial velocity of body \"{}\"", model.bodies[given.body].name);
+        return refused(what, "nothing has a velocity in an equilibrium", "leave it out, or take an integrator with inertia");
     }
     Ok(())
 }
@@ -22,7 +39,7 @@ pub fn check_integrator(model: &Model, integrator: &Scheme, chooses_size: bool) 
 /// What turns energy into heat would turn heat into energy.
 fn check_backward(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     let refused = |what: String, reason| {
-        Err(ModelError::NotIntegrated { steps: "steps with a stage back in time", what, reason, instead: "take `energy_momentum`" })
+        Err(ModelError::NotTaken { steps: "steps with a stage back in time", what, reason, instead: "take `energy_momentum`" })
     };
     if chooses_size {
         return refused("a size that follows from the error".into(), "errors of fourth order are not estimated");
@@ -45,7 +62,7 @@ fn check_backward(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
 
 /// What is held by equations.
 fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
-    let refused = |what: String, reason, instead| Err(ModelError::NotIntegrated { steps: "explicit steps", what, reason, instead });
+    let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "explicit steps", what, reason, instead });
     if chooses_size {
         let reason = "what bounds their size is the fastest vibration, not the error";
         return refused("steps that choose their size".into(), reason, "give steps a size, nine tenths of the stable one");

@@ -16,6 +16,8 @@ pub enum Remedy {
     HoldOnce,
     /// Ask for less at a time, and what to do besides or instead, as it follows in the sentence.
     Ease(Ease, &'static str),
+    /// Look at what was defined again, or go on by the length of the path, which passes a limit point of the load.
+    FollowPath,
     /// Apply a load more slowly, or ask for less at a time.
     LoadSlowly(Ease),
 }
@@ -43,6 +45,9 @@ impl fmt::Display for Remedy {
                 write!(out, "hold every body by supports against rigid motion, and name each contact pair and each support only once")
             }
             Remedy::Ease(ease, besides) => write!(out, "{ease}{besides}"),
+            Remedy::FollowPath => {
+                write!(out, "check supports and loads; past a limit point of the load equilibria are followed by the length of the path")
+            }
             Remedy::LoadSlowly(ease) => write!(out, "apply the load more slowly, or {ease}"),
         }
     }

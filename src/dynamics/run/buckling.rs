@@ -13,6 +13,8 @@ pub struct Buckling {
     pub factors: Vec<f64>,
     /// For each of them the displacements of the nodes of every body, the largest of length 1.
     pub shapes: Vec<Vec<Vec<[f64; 3]>>>,
+    /// Whether there are no others below the last, counted by the inertia of the stiffness under a little more than that load.
+    pub is_complete: bool,
     /// By how much the strain energy of the state differs from that of the linear model with the same displacements, relative.
     pub nonlinearity: f64,
 }

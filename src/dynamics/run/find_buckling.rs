@@ -24,6 +24,9 @@ const VECTORS: usize = 20;
 const BESIDES: usize = 300;
 const LOOK_AFTER: usize = 4;
 
+/// How often factors that are missing are looked for again.
+const MOST_RECOUNTS: usize = 8;
+
 /// `K_0^-1 (K_0 - K_1)`.
 struct Softening<'a, 'b, const D: usize> {
     vibrations: &'a mut Vibrations<'b, D>,
@@ -70,7 +73,7 @@ where
         }
         let outcome = self.about_rest(|vibrations, state, is_interrupted| search(vibrations, &state.displacements, count, is_interrupted));
         let outcome = outcome.map_err(ModesError::Step)?;
-        let (found, linear) = outcome.map_err(|failure| self.modes_error(failure.into()))?;
+        let (found, linear, is_complete) = outcome.map_err(|failure| self.modes_error(failure.into()))?;
         let found = found?;
         if found.len() < count {
             return Err(BucklingError::NotFound { count, found: found.len() });
@@ -80,13 +83,14 @@ where
             time: self.state.row.time,
             factors: found.iter().map(|(factor, _)| *factor).collect(),
             shapes: found.into_iter().map(|(_, x)| self.by_body(&shape_of::<D>(x))).collect(),
+            is_complete,
             nonlinearity: (strain / linear - 1.0).abs(),
         })
     }
 }
 
-/// Load factors with their motions, and the strain energy of the linear model with the displacements of the state.
-type Found = (Result<Vec<(f64, Vec<f64>)>, BucklingError>, f64);
+/// Load factors with their motions, the strain energy of the linear model with the displacements of the state, and whether none is missing.
+type Found = (Result<Vec<(f64, Vec<f64>)>, BucklingError>, f64, bool);
 
 fn search<const D: usize>(
     vibrations: &mut Vibrations<D>,
@@ -99,12 +103,12 @@ where
 {
     let [stiffness, change] = vibrations.factorize_unloaded()?;
     if vibrations.below().is_some_and(|below| below > 0) {
-        return Ok((Err(BucklingError::Loose), 1.0));
+        return Ok((Err(BucklingError::Loose), 1.0, false));
     }
     let linear = 0.5 * product(displacements, &vibrations.times(&stiffness, displacements));
     let motions = vibrations.motions();
     let mut operator = Softening { vibrations, stiffness, change };
-    let mut lanczos = Lanczos::new(displacements.len(), D.min(motions));
+    let (mut lanczos, mut recounts) = (Lanczos::new(displacements.len(), D.min(motions)), 0);
     loop {
         if is_interrupted() {
             return Err(Failure::Linear(LinearError::Interrupted));
@@ -116,13 +120,26 @@ where
         }
         let ritz = lanczos.ritz();
         let floor = tolerances::MODE_GAP * ritz.first().map_or(0.0, |first| first.theta.abs());
+        let ritz: Vec<Ritz> = ritz.into_iter().take_while(|ritz| ritz.theta > 0.0).collect();
         let softer = ritz.iter().take_while(|ritz| ritz.theta > floor);
         let is_done = |residual: f64, theta: f64| residual <= tolerances::MODE_RESIDUAL * theta;
         let found: Vec<_> = softer.take_while(|ritz| is_spent || is_done(ritz.residual, ritz.theta)).take(count).collect();
-        if found.len() == count || is_spent {
-            let of = |ritz: &&Ritz| (1.0 / ritz.theta, lanczos.vector(&ritz.coefficients));
-            let found = found.iter().filter(|ritz| is_done(ritz.residual, ritz.theta)).map(of).collect();
-            return Ok((Ok(found), linear));
+        if found.len() < count && !is_spent {
+            continue;
         }
+        let of = |ritz: &&Ritz| (1.0 / ritz.theta, lanczos.vector(&ritz.coefficients));
+        let done: Vec<_> = found.iter().filter(|ritz| is_done(ritz.residual, ritz.theta)).map(of).collect();
+        let Some((last, _)) = done.last() else { return Ok((Ok(done), linear, false)) };
+        let next = ritz.iter().map(|ritz| 1.0 / ritz.theta).find(|factor| *factor > last * (1.0 + tolerances::MODE_GAP));
+        let place = next.map_or(f64::INFINITY, |next| 0.5 * (last + next)).min(last * (1.0 + tolerances::COUNTED_BEYOND));
+        let known = ritz.iter().filter(|ritz| ritz.theta * place > 1.0).count();
+        let below = operator.vibrations.load_factors_below(&operator.stiffness, &operator.change, place)?;
+        if is_spent || recounts == MOST_RECOUNTS || below.is_none_or(|below| below <= known) {
+            return Ok((Ok(done), linear, below == Some(known)));
+        }
+        // Some are missing: one of each that is there several times.
+        recounts += 1;
+        operator.vibrations.factorize_unloaded()?;
+        lanczos.begin(&mut operator)?;
     }
 }

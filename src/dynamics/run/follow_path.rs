@@ -219,7 +219,8 @@ where
         let mut least = f64::INFINITY;
         for corrections in 1..=CORRECTIONS {
             let response = self.respond(&guess, rates)?;
-            let is_stuck = response.residual <= tolerances::PATH_STUCK && response.residual >= 0.5 * least;
+            let is_trifle = || norm(&response.correction) <= tolerances::PATH * norm(&guess.u);
+            let is_stuck = response.residual >= 0.5 * least && (response.residual <= tolerances::PATH_STUCK || is_trifle());
             if response.residual <= tolerances::PATH || is_stuck {
                 return Ok((guess, corrections));
             }

@@ -8,6 +8,7 @@ pub mod contact_quantities;
 pub mod diagnosis;
 pub mod energy_account;
 pub mod engine;
+pub mod equilibria;
 pub mod explicit;
 pub mod explicit_ledger;
 pub mod failed;

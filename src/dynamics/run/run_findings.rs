@@ -9,7 +9,7 @@ use super::ledger::LedgerRow;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 use crate::math::digits::{percent, three_digits};
-use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LOST, PASSING, SLIDING};
+use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LEAP, LOST, PASSING, SLIDING};
 
 /// Share of the factorizations that may be for nothing before it is told, of more than a few.
 const DISCARDED: f64 = 1.0 / 3.0;
@@ -24,6 +24,8 @@ pub enum RunFindingKind {
     EnergyDefect,
     /// The integrator does not promise to keep the energy, and did not; the value is the largest share that it added or took so far.
     NotConserved,
+    /// A step of statics leapt to another equilibrium, or was too large; the value is the share of the energy that it does not explain.
+    Leap,
     /// Bodies between which nothing is defined are inside each other; the value is the depth in facets.
     PassedThrough,
     /// The sides of a contact overlap by more than a tenth of a facet; the value is the largest depth in facets.
@@ -54,6 +56,7 @@ impl RunFindingKind {
         ("positive_contact_work", "contact gave energy in a step, which no update rule does: the largest share of the energy"),
         ("energy_defect", "energy appeared or vanished in a step beyond round-off: the largest share of the energy"),
         ("not_conserved", "the integrator added or took energy, which it does not promise to keep: the largest share of the energy"),
+        ("leap", "a step of statics leapt to another equilibrium, or was too large: the share of the energy that it does not explain"),
         ("depth", "the sides of a contact overlapped by more than a tenth of a facet: the largest depth in facets"),
         ("energy_taken", "closings under the update rule gap took energy: its share of the energy"),
         ("reserve_held", "contacts of the update rule velocity keep energy at the end: its share of the energy"),
@@ -79,6 +82,7 @@ impl RunFindingKind {
             RunFindingKind::PositiveContactWork => "positive_contact_work",
             RunFindingKind::EnergyDefect => "energy_defect",
             RunFindingKind::NotConserved => "not_conserved",
+            RunFindingKind::Leap => "leap",
             RunFindingKind::PassedThrough => "passed_through",
             RunFindingKind::Depth => "depth",
             RunFindingKind::EnergyTaken => "energy_taken",
@@ -120,6 +124,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::PositiveContactWork => write!(out, "{contact} gave energy"),
             RunFindingKind::EnergyDefect => write!(out, "energy is not kept to round-off"),
             RunFindingKind::NotConserved => write!(out, "energy is not conserved"),
+            RunFindingKind::Leap => write!(out, "the way from equilibrium to equilibrium is not followed"),
             RunFindingKind::PassedThrough => write!(out, "bodies have passed into each other"),
             RunFindingKind::Depth => write!(out, "the sides of {contact} overlap"),
             RunFindingKind::EnergyTaken => write!(out, "{contact} took energy"),
@@ -143,6 +148,7 @@ impl RunFinding {
             RunFindingKind::PositiveContactWork => "no update rule should do so: do not trust the run from there on, and try a smaller dt",
             RunFindingKind::EnergyDefect => "do not trust the run from there on, and try a smaller dt",
             RunFindingKind::NotConserved => "take an integrator that conserves energy, or a smaller dt, which changes less",
+            RunFindingKind::Leap => "with a smaller dt a leap at a limit point stays, and an error of the step goes",
             RunFindingKind::PassedThrough => "define contacts between what touches, or move the bodies apart",
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin at rest; one that came later is less with a \
@@ -208,6 +214,8 @@ pub struct Measures<'a> {
     pub integrator: &'static str,
     /// Whether its contact gives in one step what it takes in the next, as forward increments of multipliers do: then sums count.
     pub is_explicit: bool,
+    /// Whether its steps go from equilibrium to equilibrium: their works are those of the trapezoidal rule.
+    pub is_static: bool,
     /// Why steps were halved.
     pub halvings: &'a [Halving],
     /// Why they would have to be, but could not.
@@ -270,6 +278,28 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
     let explanation = format!("its reserve is {}, {} of the energy", three_digits(last.reserve), percent(held));
     add(RunFindingKind::ReserveHeld, only, held, LOST.max(round_off), last, explanation);
 
+    found.extend(halved(measures, last));
+    if measures.is_static {
+        use RunFindingKind::{EnergyTaken, NotConserved, PositiveContactWork};
+        found.retain(|finding| !matches!(finding.kind, PositiveContactWork | NotConserved | EnergyTaken));
+        found.extend(leap(rows, scale));
+    }
+    let &Measures { factorizations, discarded, .. } = measures;
+    let share = discarded as f64 / factorizations.max(1) as f64;
+    if share > DISCARDED && factorizations > FEW {
+        let explanation = format!(
+            "of {factorizations} factorizations {discarded} belong to attempts of Newton's method that failed or to steps that were taken \
+             back"
+        );
+        let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
+        found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
+    }
+    found
+}
+
+/// Why steps were halved, or should have been.
+fn halved(measures: &Measures, last: &LedgerRow) -> Vec<RunFinding> {
+    let mut found = Vec::new();
     for Halving { motion, step, time, dt, .. } in measures.refused {
         found.extend(motion.iter().map(|motion| RunFinding::of_motion(RunFindingKind::TooFast, motion, *dt, *step, *time)));
     }
@@ -288,17 +318,16 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
             }
         }
     }
-    let &Measures { factorizations, discarded, .. } = measures;
-    let share = discarded as f64 / factorizations.max(1) as f64;
-    if share > DISCARDED && factorizations > FEW {
-        let explanation = format!(
-            "of {factorizations} factorizations {discarded} belong to attempts of Newton's method that failed or to steps that were taken \
-             back"
-        );
-        let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
-        found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
-    }
     found
+}
+
+/// The step of statics whose ends explain the least of what its energy has become.
+fn leap(rows: &[LedgerRow], scale: f64) -> Option<RunFinding> {
+    let row = rows.iter().max_by(|a, b| a.energy_defect.abs().total_cmp(&b.energy_defect.abs()))?;
+    let (value, kind) = (row.energy_defect.abs() / scale, RunFindingKind::Leap);
+    let explanation = format!("the forces at both ends of a step leave {} of the energy unexplained", percent(value));
+    let found = RunFinding { kind, contact: None, value, limit: LEAP, step: row.step, time: row.time, explanation };
+    (value > LEAP).then_some(found)
 }
 
 /// What contact gave over the energy, in the step that gave most or in all explicit ones together, with the limit, where, and in words.
@@ -364,6 +393,7 @@ mod tests {
             defect: Some(1e-11),
             integrator: "midpoint",
             is_explicit: false,
+            is_static: false,
             halvings: &[],
             chooses_steps: false,
             refused: &[],
@@ -453,10 +483,10 @@ mod tests {
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
-            CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Motion, NotConserved, PassedThrough,
+            CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved, PassedThrough,
             PositiveContactWork, ReserveHeld, TooFast, Turned,
         };
-        let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Depth, EnergyTaken, ReserveHeld];
+        let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Leap, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
             TooFast(Sliding),
             PassedThrough,

@@ -32,6 +32,9 @@ where
         if integrator.lumping().is_some() {
             return self.explicit_piece(dt);
         }
+        if integrator.is_static() {
+            return self.static_piece(dt);
+        }
         let stages = integrator.stages();
         if stages.is_empty() {
             return self.stage(&integrator.after(self.state.remembered.dt, dt), dt, may_be_halved);

@@ -251,6 +251,7 @@ where
             stiffness: system.nodes.stiffness() * system.nodes.extent.powi(2),
             integrator: self.options.integrator.name,
             is_explicit: self.options.integrator.lumping().is_some(),
+            is_static: self.options.integrator.is_static(),
             defect: conserves.then_some(tolerances::DEFECT * self.options.tolerance),
             halvings: self.halvings.all(),
             chooses_steps: self.options.control.is_some(),

@@ -137,6 +137,21 @@ where
         Ok([stiffness, change])
     }
 
+    /// How many load factors lie below one, by the inertia of the stiffness under that multiple of the load, which is in the solver then;
+    /// `None` where the factors do not tell.
+    ///
+    /// # Errors
+    /// A stiffness cannot be computed, or does not fit into memory.
+    pub fn load_factors_below(&mut self, stiffness: &[f64], change: &[f64], factor: f64) -> Result<Option<usize>, Failure> {
+        let at = self.stiffness_at(self.rest.at, self.rest.lambda, 0.0)?;
+        self.values.iter_mut().zip(stiffness.iter().zip(change)).for_each(|(value, (k, d))| *value = k + factor * d);
+        let rows = self.rows(&at);
+        self.constrain(&at, &rows, 0.0);
+        self.system.recycle(at);
+        self.factorize_values()?;
+        Ok(self.below())
+    }
+
     /// How unsymmetric the stiffness is, relative to its size; nothing where that is round-off.
     pub fn told_asymmetry(&self) -> f64 {
         if self.asymmetry > tolerances::ASYMMETRY { self.asymmetry } else { 0.0 }

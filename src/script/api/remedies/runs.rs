@@ -41,6 +41,7 @@ impl ScriptWords for Remedy {
                 "hold every body against rigid motion with `fix`, and name each contact pair and each support only once".into()
             }
             Remedy::Ease(ease, besides) => format!("{}{besides}", ease.remedy()),
+            Remedy::FollowPath => "check supports and loads; past a limit point of the load `sim.follow_load` goes on".into(),
             Remedy::LoadSlowly(ease) => format!("apply the load more slowly, such as with `ramp`, or {}", ease.remedy()),
         }
     }
@@ -59,6 +60,10 @@ impl ScriptWords for RunFinding {
     fn remedy(&self) -> String {
         let words = match self.kind {
             RunFindingKind::NotConserved => "`energy_momentum()` conserves; with this integrator a smaller dt changes less",
+            RunFindingKind::Leap => {
+                "with a smaller `dt` a leap at a limit point stays, and `sim.follow_load` goes on past it; an error of the step goes; \
+                 where loads do not begin at 0 call `sim.settle()` first"
+            }
             RunFindingKind::PassedThrough => "define what touches with `model.add_contact(…)`, or move the bodies apart",
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \

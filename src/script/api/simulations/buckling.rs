@@ -85,6 +85,10 @@ fn buckling() -> Function {
 /// Tells where the way to the state, or on to the first factor, is not straight.
 fn warn(call: &Call, buckling: &Buckling) {
     let warning = |title: String| Diagnostic::warning(title, call.place(&Target::Call));
+    if !buckling.is_complete {
+        let title = "load factors may be missing: those below the last could not be counted".to_string();
+        call.host.warn(warning(title).hint("ask for a few more with `count`"));
+    }
     let off = buckling.nonlinearity;
     if off > LINEAR_STATE {
         let title = format!("the state is not that of a linear model: its strain energy is off by {}", brief(off));

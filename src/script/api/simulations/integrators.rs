@@ -16,7 +16,7 @@ pub struct IntegratorHandle(pub Scheme);
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
     const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()`, `newmark()`, \
-         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()` or `central_differences()`";
+         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()`, `central_differences()` or `statics()`";
 
     fn describe(&self) -> String {
         let title = title(&self.0);
@@ -26,7 +26,7 @@ impl Handle for IntegratorHandle {
 
 /// An integrator as tables show it: its name, or the call that makes it where its numbers are not the defaults.
 pub fn title(integrator: &Scheme) -> String {
-    if integrators::CATALOGUE.iter().chain(integrators::EXPLICIT).any(|row| *row == integrator) {
+    if integrators::CATALOGUE.iter().chain(integrators::EXPLICIT).chain(integrators::STATIC).any(|row| *row == integrator) {
         return integrator.name.into();
     }
     if let Some(lumping) = integrator.lumping() {

@@ -33,6 +33,7 @@ pub mod results;
 pub mod settling;
 pub mod simulate;
 pub mod states;
+pub mod statics;
 pub mod step_control;
 pub mod step_failures;
 pub mod stepping;
@@ -45,6 +46,7 @@ pub mod writing;
 pub fn functions() -> Vec<Function> {
     let mut all = integrators::functions();
     all.extend(explicit::functions());
+    all.extend(statics::functions());
     all.push(step_control::auto());
     all.extend(simulate::functions());
     all.extend([stepping::step(), stepping::run_to(), settling::settle(), stepping::on_step()]);

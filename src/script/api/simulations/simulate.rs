@@ -12,6 +12,7 @@ use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::integrators::{IntegratorHandle, title};
 use super::journal::Journal;
+use super::modes::warn_of_damping;
 use super::step_control::{STEP_SIZE, StepSize, step_size};
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
@@ -174,6 +175,9 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     *handle.0.overlaps.borrow_mut() = overlaps;
     handle.0.accepts_overlap.set(accepts_overlap);
     handle.note_contact();
+    if integrator.is_static() {
+        warn_of_damping(call, &handle, "equilibria are those of the relaxed model", "take an integrator with inertia to see what it does");
+    }
     keep_model(call.host, &original);
     Ok(handle)
 }

@@ -91,7 +91,7 @@ impl SimulationHandle {
             return;
         }
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
-        if simulation.row().step > 0 {
+        if simulation.row().step > 0 || simulation.options().integrator.is_static() {
             return;
         }
         // What a time function fails with is told by the step.

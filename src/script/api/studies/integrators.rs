@@ -138,6 +138,10 @@ fn integrators_of(options: &Options) -> Result<Vec<Scheme>, Failure> {
         return Err(argument.fail("`integrators` of `compare_integrators` is empty").hint("write `[energy_momentum(), hht()]`"));
     }
     let one = |(index, entry): (usize, &Dynamic)| {
+        if entry.clone().try_cast::<IntegratorHandle>().is_some_and(|handle| handle.0.is_static()) {
+            let failure = argument.fail("`compare_integrators` compares motions, and `statics()` has none").label(format!("entry {index}"));
+            return Err(failure.hint("run it by itself: `simulate(model, #{ integrator: statics(), dt: 0.1 })`"));
+        }
         entry.clone().try_cast::<IntegratorHandle>().map(|handle| handle.0).ok_or_else(|| {
             let failure = argument.fail("`integrators` of `compare_integrators` must be an array of integrators");
             let given = describe(argument.call().engine(), entry);

@@ -1,0 +1,89 @@
+//! A step of statics: to the equilibrium at its end, with its row of the ledger.
+//!
+//! Works are those of the trapezoidal rule: the mean of the forces at both ends times the way between them. Where a load and its way are in
+//! proportion that is exact; what it is off by, the `energy_defect` of the row, falls with the square of the step. Where the model leaps to
+//! an equilibrium far away, it is the energy that the leap sets free.
+
+use std::sync::Arc;
+
+use super::engine::Engine;
+use super::state::State;
+use crate::bodies::{Elements, Space};
+use crate::contact::{Outlook, Travel};
+use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::start::{StepKind, StepStart};
+
+/// Nodal forces in an equilibrium `[force]`.
+struct Balanced {
+    /// Loads, and reactions where supports move.
+    outside: Vec<f64>,
+    /// Contacts of all kinds, ties and joints.
+    contact: Vec<f64>,
+    /// Those that press between bodies.
+    between: Vec<f64>,
+    /// Energy that penalties keep `[energy]`.
+    kept: f64,
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The state in the equilibrium at the end of a step, as [`Self::settle_at`] finds it.
+    pub(super) fn static_piece(&mut self, dt: f64) -> Result<State, Failure> {
+        let before = self.state.clone();
+        let begun = self.balanced()?;
+        Arc::make_mut(&mut self.state).velocities.fill(0.0);
+        let settled = self.settle_at(before.row.time + dt).map_err(Failure::Fatal).and_then(|_| self.balanced());
+        let reached = std::mem::replace(&mut self.state, before.clone());
+        let ended = match settled {
+            Ok(ended) => ended,
+            Err(failure) => {
+                self.restore_search();
+                return Err(failure);
+            }
+        };
+        let mut state = Arc::unwrap_or_clone(reached);
+        let moved: Vec<f64> = state.displacements.iter().zip(&before.displacements).map(|(now, then)| now - then).collect();
+        let work = |forces: fn(&Balanced) -> &Vec<f64>| -> f64 {
+            let ends = forces(&begun).iter().zip(forces(&ended));
+            ends.zip(&moved).map(|((first, last), moved)| 0.5 * (first + last) * moved).sum()
+        };
+        let row = &mut state.row;
+        row.dt = dt;
+        row.contact_work = work(|forces| &forces.between) + 0.0;
+        // What obstacles and drives do: what contacts do and neither pressing between bodies, friction nor penalties explain.
+        let driven = work(|forces| &forces.contact) - row.contact_work - row.friction_work + (ended.kept - begun.kept);
+        row.load_work = work(|forces| &forces.outside) + driven + 0.0;
+        row.energy_defect = row.total() - before.row.total() - row.load_work - row.contact_work - row.friction_work;
+        state.drift = before.drift + state.row.energy_defect;
+        state.loads_ended = state.row.time;
+        Ok(state)
+    }
+
+    /// Forces at the present state, which is at rest.
+    fn balanced(&mut self) -> Result<Balanced, Failure> {
+        let state = self.state.clone();
+        let still = vec![0.0; self.system.nodes.count()];
+        let travel = Travel::Each { sizes: &still, besides: 0.0 };
+        let outlook = Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 };
+        self.begin_at_rest(&outlook, &[]).map_err(Failure::Fatal)?;
+        let undamped = vec![0.0; self.system.bodies.len()];
+        let kind = StepKind::Rest { damping: &undamped, velocities: None };
+        let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
+        let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, kind };
+        let at = self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda)?;
+        let forces = &at.forces;
+        let whole = |forces_of: &[f64]| -> Vec<f64> { forces_of.iter().map(|force| forces.whole(*force)).collect() };
+        let mut outside = whole(&forces.load);
+        for one in &self.system.supports.prescribed {
+            outside[one.unknown] += forces.whole(forces.residual(one.unknown));
+        }
+        let between = self.system.pressed(&at.pairs, &state.lambda, |pair| pair.kind == PairKind::Surfaces && pair.has_multipliers());
+        let kept = self.system.penalty_energy(&state.penalty_gap);
+        let balanced = Balanced { outside, contact: whole(&forces.contact), between, kept };
+        self.system.recycle(at);
+        Ok(balanced)
+    }
+}
