@@ -54,25 +54,24 @@ where
             // It goes as it is driven.
             lost[pair.rows.clone()].fill(0.0);
         }
-        let right = |force: &[f64]| -> Vec<f64> {
-            let free = force.iter().zip(&self.supports.fixed).map(|(force, fixed)| if *fixed { 0.0 } else { scale * force });
-            free.chain(lost.iter().copied()).collect()
-        };
         let against: Vec<f64> = self.image(&stiffness, v).iter().map(|force| -force).collect();
-        let mut first = right(&against);
+        let mut first = self.right_side(&against, scale, &lost);
         self.counters.times.assembly += clock.elapsed();
         self.solve_with(&matrix.values, &mut first, Instant::now())?;
-        first.truncate(unknowns);
-        let force = self.image(&stiffness, &first);
-        let mut second: Vec<f64> = force.iter().zip(&self.supports.fixed).map(|(f, fixed)| if *fixed { 0.0 } else { scale * f }).collect();
-        second.extend(lost);
-        let clock = Instant::now();
+        let force = self.image(&stiffness, &first[..unknowns]);
+        let (clock, mut second) = (Instant::now(), self.right_side(&force, scale, &lost));
         self.matrix.solver.solve(&matrix.values, &mut second).map_err(Failure::Linear)?;
         self.counters.times.solve += clock.elapsed();
         let lambda: Vec<f64> = second.split_off(unknowns).iter().map(|p| p / scale).collect();
         let mut response = self.response(evaluated, &matrix, second, lambda, &force);
         self.add_driven(at, &rates, &mut response);
         Ok(response)
+    }
+
+    /// Scaled forces where nodes are free, then what the rows give.
+    fn right_side(&self, force: &[f64], scale: f64, rows: &[f64]) -> Vec<f64> {
+        let free = force.iter().zip(&self.supports.fixed).map(|(force, fixed)| if *fixed { 0.0 } else { scale * force });
+        free.chain(rows.iter().copied()).collect()
     }
 
     /// Adds what the ground exerts through joints to the impulses from outside, and the work of what drives them.
