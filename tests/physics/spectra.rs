@@ -252,7 +252,8 @@ fn the_energy_decaying_scheme_has_the_spectral_radius_that_was_given() {
             // Two eigenvalues meet where steps are long.
             let radius = radius(&eigenvalues(&computed));
             println!("{} {dt}: matrix off by {off:.1e}, radius {radius:.9}", scheme.describe());
-            assert!(off < 1e-11, "{}, Omega = {dt}: {computed} {exact}", scheme.describe());
+            // Round-off of the stiffness, which counts by the square of the step beside the mass.
+            assert!(off < f64::max(1e-11, 1e-14 * dt), "{}, Omega = {dt}: {computed} {exact}", scheme.describe());
             assert!(radius < before + 1e-6, "{}, Omega = {dt}: {radius} after {before}", scheme.describe());
             before = radius;
         }

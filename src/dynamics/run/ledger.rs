@@ -214,9 +214,11 @@ impl ProbeValues {
     }
 }
 
-/// What all parts turned into heat, and the share of the model's own parts `[energy]`; no zero with a sign.
-pub(super) fn heat(dissipated: &[f64], own: &[PartTotals]) -> [f64; 2] {
-    [dissipated.iter().sum(), own.iter().map(|part| part.dissipated).sum()].map(|sum: f64| sum + 0.0)
+/// What all parts turned into heat and the time integrator took, the share of the model's own parts, and that of the integrator `[energy]`;
+/// no zero with a sign.
+pub(super) fn heat(dissipated: &[f64], own: &[PartTotals], numerical: f64) -> [f64; 3] {
+    let [all, own] = [dissipated.iter().sum(), own.iter().map(|part| part.dissipated).sum()].map(|sum: f64| sum + 0.0);
+    [all + numerical, own, numerical]
 }
 
 impl<const D: usize> System<D>

@@ -114,7 +114,7 @@ where
             Ok(mut push) => {
                 let moving = self.system.supports.prescribed.iter().zip(end.motion.prescribed_v_1);
                 push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
-                Ok(self.system.is_balanced(&push, &end.solution.at.q_1, &[]).then_some(push))
+                Ok(self.system.is_balanced(&push, &end.solution.at.q_1, 0.0).then_some(push))
             }
             Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
                 Err(failure.or_end(self.state.row.time))

@@ -10,7 +10,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::Equation;
-use crate::math::norms::largest_size;
+use crate::math::norms::{largest_size, sum_of_sizes};
 use crate::math::tolerances;
 
 /// A change of the velocities by impulses.
@@ -140,15 +140,13 @@ where
     }
 
     /// Whether the momenta of a push that the model keeps are the impulses from outside, as far as round-off lets them: where constraints
-    /// all but depend on one another, the solution is accurate in its residual and in nothing else. Momenta count by those of `beside`, at
-    /// least by those of the push itself.
-    pub fn is_balanced(&self, push: &ImpulseResponse, q_1: &[f64], beside: &[f64]) -> bool {
+    /// all but depend on one another, the solution is accurate in its residual and in nothing else. `beside`: a momentum that is none.
+    pub fn is_balanced(&self, push: &ImpulseResponse, q_1: &[f64], beside: f64) -> bool {
         let momenta = self.nodes.momenta_of(&push.velocity);
-        let sizes = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
-        let (size, reach) = (sizes(&momenta).max(sizes(beside)), largest_size(q_1).max(self.nodes.extent));
+        let (limit, reach) = ((tolerances::PUSH * sum_of_sizes(&momenta)).max(beside), largest_size(q_1).max(self.nodes.extent));
         let off: Vec<f64> = momenta.iter().zip(&push.impulse).map(|(momentum, impulse)| momentum - impulse).collect();
         let far = |sum: [f64; 3], limit: f64| sum.iter().any(|x| x.abs() > limit);
         let (resultant, moment) = (self.nodes.resultant(&off), self.nodes.moment(q_1, &off));
-        !far(resultant, tolerances::PUSH * size) && !far(moment, tolerances::PUSH * size * reach)
+        !far(resultant, limit) && !far(moment, limit * reach)
     }
 }

@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use super::counters::Counters;
 use super::iterate::{Linearization, Spare};
-use super::making::{bodies_of, loads_of, mass_of, part_followers, varying_gravity};
+use super::making::{PointInertia, bodies_of, deformable, loads_of, mass_of, part_followers, varying_gravity};
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Space};
@@ -112,12 +112,10 @@ where
         let mut supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
         let mut loads = loads_of(model, &bodies);
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
-        let deformable = || model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none());
-        let viscous = deformable().filter_map(|(index, body)| ViscousBody::new(body, first(index)));
-        let viscous = viscous.map(|part| Box::new(part) as Box<dyn Part>);
-        let damped = deformable().filter(|_| !integrator.dissipation.is_none());
+        let mut others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
+        others.extend(deformable(model).filter_map(|(index, body)| Some(Box::new(ViscousBody::new(body, first(index))?) as Box<dyn Part>)));
+        let damped = deformable(model).filter(|_| !integrator.dissipation.is_none());
         let dampings = damped.map(|(index, body)| StepDamping::new(body, first(index))).collect();
-        let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).chain(viscous).collect();
         let followers = part_followers(model, &mut bodies, first, &others);
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
@@ -191,13 +189,6 @@ where
     pub fn strain_energy(&self, u: &[f64]) -> f64 {
         self.bodies.iter().map(|body| body.elements.strain_energy(u)).sum()
     }
-}
-
-/// A mass at a node, with the node's block in the matrix.
-pub(super) struct PointInertia {
-    pub(super) node: u32,
-    pub(super) mass: f64,
-    pub(super) place: Block,
 }
 
 impl<const D: usize> System<D> {

@@ -22,12 +22,15 @@ use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::integrators::Derivative;
+use crate::math::norms::sum_of_sizes;
+use crate::math::tolerances;
 
 impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The change `-(I - F)^2 v` of velocities, with the rows that hold as they are at the end of the step.
+    /// The change `-(I - F)^2 v` of velocities, with the rows that hold as they are at the end of the step; nothing where these all but
+    /// depend on one another.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
@@ -38,7 +41,7 @@ where
         evaluated: [&[Evaluation]; 2],
         hold: &[bool],
         v: &[f64],
-    ) -> Result<ImpulseResponse, Failure> {
+    ) -> Result<Option<ImpulseResponse>, Failure> {
         let clock = Instant::now();
         let (unknowns, scale) =
             (v.len(), if hold.contains(&true) { self.end_scale(evaluated) } else { 1.0 / self.nodes.largest_nodal_mass });
@@ -65,7 +68,9 @@ where
         let lambda: Vec<f64> = second.split_off(unknowns).iter().map(|p| p / scale).collect();
         let mut response = self.response(evaluated, &matrix, second, lambda, &force);
         self.add_driven(at, &rates, &mut response);
-        Ok(response)
+        let momenta = self.nodes.momenta_of(v);
+        let round_off = tolerances::PUSH * sum_of_sizes(&momenta) + tolerances::FILTER * sum_of_sizes(&force);
+        Ok(self.is_balanced(&response, &at.q_1, round_off).then_some(response))
     }
 
     /// Scaled forces where nodes are free, then what the rows give.
