@@ -9,10 +9,10 @@
 //! dv + Omega^2 ((q_0 + q_1)/2 + chi/2 (q_1 - q_0)) = 0,    q_1 - q_0 = (v_0 + v)/2,    v_1 = (1 - k (1 - F)^2) v
 //! ```
 //!
-//! (velocities times `dt`), and for `Omega` to infinity the eigenvalues `-(1 - chi)/(1 + chi)` and `-(1 - k)`, both `-rho`. Velocities lose
-//! by the fourth power of `Omega` where vibrations are slow, strains by the second: that makes it a scheme of first order, and no stress that
-//! follows from the strains of the step alone does better. Armero and Romero filter velocities node by node, which keeps momenta with
-//! lumped masses alone, and changes the equations of the step.
+//! (velocities times `dt`), and for `Omega` to infinity the eigenvalues `-(1 - chi)/(1 + chi)` and `-(1 - k)`, both `-rho`. Velocities
+//! lose by the fourth power of `Omega` where vibrations are slow, strains by the second: that makes it a scheme of first order, and no
+//! stress that follows from the strains of the step alone does better. Armero and Romero filter velocities node by node, which keeps
+//! momenta with lumped masses alone, and changes the equations of the step.
 
 use super::derivative::Derivative;
 use super::family::Family;

@@ -1,7 +1,8 @@
 //! The filter of velocities at the end of a step of a scheme that dissipates: `v - k (I - F)^2 v`, `F = (M + beta K)^-1 M`.
 //!
-//! `K` is the stiffness by the moduli of the bodies at rest at the positions there ([`StepDamping`]). It resists no rigid velocity, so that
-//! these and both momenta stay. Rows that hold are springs without end in `K`: what moves against them is filtered, too. With `d = -(I - F) v`,
+//! `K` is the stiffness by the moduli of the bodies at rest at the positions there (`parts/step_damping.rs`). It resists no rigid velocity,
+//! so that these and both momenta stay. Rows that hold are springs without end in `K`: what moves against them is filtered, too. With
+//! `d = -(I - F) v`,
 //!
 //! ```text
 //! [ M + beta K   -G^T ] [ d ]   [ -beta K v ]
