@@ -93,7 +93,7 @@ mod tests {
         rows.push(row(3, 2.0));
         assert!(EnergyAccount::of(&rows).to_string().ends_with(", settling took 0.5 (16.67 %)"));
         (rows[3].dissipation, rows[3].numerical) = (0.25, 0.25);
-        assert!(EnergyAccount::of(&rows).to_string().contains(", numerical damping took 0.25 (8.333 %)"));
+        assert!(EnergyAccount::of(&rows).to_string().contains(", numerical damping took 0.25 (8.33 %)"));
         rows[4].friction_work = -0.5;
         assert!(EnergyAccount::of(&rows).to_string().contains(", friction took 0.5 (16.67 %), numerical damping"));
     }
