@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringLaw};
-use conserva::integrators::{Affine, Course, Derivative, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use conserva::integrators::{Affine, Course, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
 
@@ -25,6 +25,7 @@ pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
         weight: gamma,
         lag: Lag::once(gamma),
         course: Course::Whole,
+        dissipation: Dissipation::NONE,
         parameters: Parameters::NONE,
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
         // Of the average acceleration; what makes `gamma` > 1/2 one of first order comes before it.

@@ -1,7 +1,7 @@
 //! Backward Euler: the forces and the velocity of the end of the step. It takes energy from fast motion and never adds any in linear ones.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// The linear momentum exact; energy and angular momentum fade.
 pub static BACKWARD_EULER: Scheme = Scheme {
@@ -14,6 +14,7 @@ pub static BACKWARD_EULER: Scheme = Scheme {
     weight: 1.0,
     lag: Lag::once(1.0),
     course: Course::Whole,
+    dissipation: Dissipation::NONE,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 1 },
     error: LeadingError { first: 0.5, second: 1.0 / 3.0 },

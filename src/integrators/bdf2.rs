@@ -13,7 +13,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
 
 const PROMISES: Promises = Promises { energy: false, momentum: true, angular_momentum: false, order: 2 };
 
@@ -40,6 +40,7 @@ const fn after(ratio: f64) -> Scheme {
         weight,
         lag: Lag { used: before, force: 0.0, inertia: 1.0, gamma: 1.0 },
         course: Course::Whole,
+        dissipation: Dissipation::NONE,
         parameters: Parameters::NONE,
         promises: PROMISES,
         error: LeadingError { first: 0.0, second: (1.0 + ratio) / 6.0 },

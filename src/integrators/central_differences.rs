@@ -10,7 +10,7 @@
 //! dampers act are those in the middle of the step that has led to the positions: with them the method is of first order.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
 
 /// The method with a way to lump the mass.
 pub const fn central_differences(lumping: Lumping) -> Scheme {
@@ -26,6 +26,7 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
         weight: 0.5,
         lag: Lag::once(0.5),
         course: Course::Explicit(lumping),
+        dissipation: Dissipation::NONE,
         parameters: Parameters::NONE,
         promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
         error: LeadingError { first: 0.0, second: 1.0 / 24.0 },

@@ -2,7 +2,7 @@
 //! ZAMP 43, 1992; Gonzalez, CMAME 190, 2000).
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// Energy and both momenta exact.
 pub static ENERGY_MOMENTUM: Scheme = ROW;
@@ -18,6 +18,7 @@ pub(super) const ROW: Scheme = Scheme {
     weight: 1.0,
     lag: Lag::once(1.0),
     course: Course::Whole,
+    dissipation: Dissipation::NONE,
     parameters: Parameters::NONE,
     promises: Promises { energy: true, momentum: true, angular_momentum: true, order: 2 },
     error: LeadingError::TRAPEZOIDAL,

@@ -19,7 +19,7 @@
 use super::derivative::Derivative;
 use super::family::Family;
 use super::newmark::kinematics;
-use super::scheme::{Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
 use crate::math::catalogue::{Interval, Parameter};
 
 const fn family(name: &'static str, summary: &'static str, parameters: Parameters, alpha_m: f64, alpha_f: f64) -> Scheme {
@@ -36,6 +36,7 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
         weight: of_forces * (1.0 - alpha_f),
         lag: Lag { used: 1.0, force: of_forces * alpha_f, inertia: 1.0 - of_forces, gamma },
         course: Course::Whole,
+        dissipation: Dissipation::NONE,
         parameters,
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
         error: {

@@ -1,7 +1,7 @@
 //! Implicit midpoint rule: the forces of the mean configuration. Its energy may grow without bound in stiff, large motions.
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, Course, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// Both momenta exact, the energy not.
 pub static MIDPOINT: Scheme = Scheme {
@@ -14,6 +14,7 @@ pub static MIDPOINT: Scheme = Scheme {
     weight: 1.0,
     lag: Lag::once(1.0),
     course: Course::Whole,
+    dissipation: Dissipation::NONE,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
     error: LeadingError::TRAPEZOIDAL,

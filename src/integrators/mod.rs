@@ -9,6 +9,7 @@ mod bdf2;
 mod central_differences;
 mod derivative;
 mod discrete_gradient;
+mod energy_decaying;
 mod energy_momentum;
 mod family;
 mod generalized_alpha;
@@ -26,6 +27,7 @@ pub use bdf2::{BDF2, TR_BDF2};
 pub use central_differences::{CENTRAL_DIFFERENCES, central_differences};
 pub use derivative::{Configuration, Derivative, Placement};
 pub use discrete_gradient::discrete_gradient;
+pub use energy_decaying::{ENERGY_DECAYING, energy_decaying};
 pub use energy_momentum::ENERGY_MOMENTUM;
 pub use family::Family;
 pub use generalized_alpha::{GENERALIZED_ALPHA, HHT, WBZ, generalized_alpha, hht, wbz};
@@ -33,14 +35,26 @@ pub use midpoint::MIDPOINT;
 pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
-pub use scheme::{Affine, Course, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
+pub use scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
 pub use statics::STATICS;
 pub use trapezoidal::TRAPEZOIDAL;
 pub use triple_jump::TRIPLE_JUMP;
 
 /// All time integrators that solve equations, in the order of the reference: their steps may have any size.
-pub static CATALOGUE: &[&Scheme] =
-    &[&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &NEWMARK, &HHT, &WBZ, &GENERALIZED_ALPHA, &BDF2, &TR_BDF2, &TRIPLE_JUMP];
+pub static CATALOGUE: &[&Scheme] = &[
+    &ENERGY_MOMENTUM,
+    &ENERGY_DECAYING,
+    &MIDPOINT,
+    &TRAPEZOIDAL,
+    &BACKWARD_EULER,
+    &NEWMARK,
+    &HHT,
+    &WBZ,
+    &GENERALIZED_ALPHA,
+    &BDF2,
+    &TR_BDF2,
+    &TRIPLE_JUMP,
+];
 
 /// Those that solve none.
 pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];
@@ -49,5 +63,10 @@ pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];
 pub static STATIC: &[&Scheme] = &[&STATICS];
 
 /// Those of the catalogue that take numbers.
-pub static FAMILIES: &[&Family] =
-    &[&newmark::FAMILY, &generalized_alpha::HHT_FAMILY, &generalized_alpha::WBZ_FAMILY, &generalized_alpha::GENERALIZED_ALPHA_FAMILY];
+pub static FAMILIES: &[&Family] = &[
+    &energy_decaying::FAMILY,
+    &newmark::FAMILY,
+    &generalized_alpha::HHT_FAMILY,
+    &generalized_alpha::WBZ_FAMILY,
+    &generalized_alpha::GENERALIZED_ALPHA_FAMILY,
+];

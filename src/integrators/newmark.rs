@@ -10,7 +10,7 @@
 
 use super::derivative::Derivative;
 use super::family::Family;
-use super::scheme::{Affine, Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
 use crate::math::catalogue::{Interval, Parameter};
 
 const GAMMA: f64 = 0.6;
@@ -38,6 +38,7 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
         weight: gamma,
         lag: Lag::once(gamma),
         course: Course::Whole,
+        dissipation: Dissipation::NONE,
         parameters: Parameters { names: &["beta", "gamma"], values: [beta, gamma] },
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
         error: {

@@ -1,7 +1,7 @@
 //! Statics as a scheme: time stands still, a damping takes the place of inertia, and velocities stay as they are.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// Equilibrium by damped steps. It belongs to no time integrator and is not in the catalogue.
 pub static REST: Scheme = Scheme {
@@ -14,6 +14,7 @@ pub static REST: Scheme = Scheme {
     weight: 0.5,
     lag: Lag::once(1.0),
     course: Course::Whole,
+    dissipation: Dissipation::NONE,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },
     error: LeadingError { first: 0.0, second: 0.0 },

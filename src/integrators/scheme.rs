@@ -40,6 +40,8 @@ pub struct Scheme {
     pub lag: Lag,
     /// How a step goes.
     pub course: Course,
+    /// What it takes from vibrations of bodies besides.
+    pub dissipation: Dissipation,
     /// Numbers that a user has chosen, by their names.
     pub parameters: Parameters,
     /// What it keeps.
@@ -133,6 +135,33 @@ impl Lumping {
     }
 }
 
+/// What a scheme takes from vibrations of bodies, in two parts, of which neither knows rigid motions: both momenta stay, the energy falls,
+/// and the ledger has what it falls by (after Armero and Romero, Comput. Methods Appl. Mech. Engrg. 190, 2001).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dissipation {
+    /// `chi` of the stress `chi/2 C (E_1 - E_0)` that acts in the middle of a step beside that of the law, from 0 to 1; `C` are the
+    /// isotropic moduli of the law at rest.
+    pub strain: f64,
+    /// Share `k` of the velocities of the fastest vibrations that goes at the end of a step, from 0 to 1: `v - k (I - F)^2 v` with
+    /// `F = (M + dt^2/4 K)^-1 M`, where `K` is the stiffness by `C` at the end of the step, without that of the stress.
+    pub velocity: f64,
+}
+
+impl Dissipation {
+    /// Nothing.
+    pub const NONE: Dissipation = Dissipation { strain: 0.0, velocity: 0.0 };
+
+    /// What leaves a share, from 0 to 1, of the amplitude of a vibration much faster than a step after each.
+    pub const fn to_radius(radius: f64) -> Self {
+        Dissipation { strain: (1.0 - radius) / (1.0 + radius), velocity: 1.0 - radius }
+    }
+
+    /// Whether it is nothing.
+    pub fn is_none(&self) -> bool {
+        self.strain == 0.0 && self.velocity == 0.0
+    }
+}
+
 /// The numbers that make one row of a family, by their names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
@@ -198,7 +227,7 @@ impl Affine {
 /// What a scheme keeps in a motion without loads, for every step size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Promises {
-    /// The total energy.
+    /// The total energy, but for what the ledger has as dissipation: it never grows.
     pub energy: bool,
     /// The linear momentum.
     pub momentum: bool,
@@ -313,6 +342,13 @@ impl Scheme {
         if (whole - 1.0).abs() < 8.0 * f64::EPSILON && ends_as_the_row { Ok(()) } else { Err("the stages are no step together") }
     }
 
+    /// Whether velocities may be changed at the end of a step, by the shares that it has.
+    fn can_dissipate(&self) -> bool {
+        let Dissipation { strain, velocity } = self.dissipation;
+        let are_shares = [strain, velocity].iter().all(|share| (0.0..=1.0).contains(share));
+        are_shares && self.remembers.is_empty() && matches!(self.course, Course::Whole)
+    }
+
     /// Whether a row is a scheme where a steady force is remembered by a factor.
     fn check_row(&self, found: f64) -> Result<(), &'static str> {
         const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
@@ -335,6 +371,10 @@ impl Scheme {
             (
                 !self.remembers(History::Acceleration) || is(a.moved + a.velocity, 0.0) && is(0.5 * a.moved + a.acceleration, 1.0),
                 "a steady motion has an acceleration, or a motion of constant acceleration has another one",
+            ),
+            (
+                self.dissipation.is_none() || self.can_dissipate(),
+                "shares that dissipate are in [0, 1], in whole steps that remember nothing",
             ),
         ];
         asks.into_iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, wrong)| Err(wrong))

@@ -2,7 +2,7 @@
 //! Div. ASCE 85, 1959).
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, Course, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
 
 /// Linear momentum exact, energy and angular momentum in small motions only.
 pub static TRAPEZOIDAL: Scheme = Scheme {
@@ -15,6 +15,7 @@ pub static TRAPEZOIDAL: Scheme = Scheme {
     weight: 0.5,
     lag: Lag::once(0.5),
     course: Course::Whole,
+    dissipation: Dissipation::NONE,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
     error: LeadingError::TRAPEZOIDAL,

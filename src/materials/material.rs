@@ -271,9 +271,14 @@ impl Material {
         self.laws.space.clone()
     }
 
+    /// Bulk modulus and mean shear modulus at zero strain `[stress]`, of a law that is not isotropic means over all directions.
+    pub fn moduli_at_rest(&self) -> [f64; 2] {
+        moduli_at_rest(&*self.laws.space)
+    }
+
     /// Bulk modulus over mean shear modulus at zero strain; infinite without a shear modulus.
     pub fn bulk_over_shear(&self) -> f64 {
-        let [bulk, shear] = moduli_at_rest(&*self.laws.space);
+        let [bulk, shear] = self.moduli_at_rest();
         bulk / shear
     }
 

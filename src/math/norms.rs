@@ -16,6 +16,11 @@ pub fn largest_size(values: &[f64]) -> f64 {
     largest.iter().chain(rest).fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
+/// The sum of the sizes of all components.
+pub fn sum_of_sizes(values: &[f64]) -> f64 {
+    values.iter().map(|value| value.abs()).sum()
+}
+
 /// The length of a vector.
 pub fn length(vector: [f64; 3]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()

@@ -259,6 +259,10 @@ pub const CORNER_AUGMENTATION: f64 = 1e6;
 /// Momentum that a push of the `velocity` rule may have, over the sum of its nodal momenta: the promise of 1e-11 a step.
 pub const PUSH: f64 = 1e-12;
 
+/// Momentum that the filter of velocities may have besides, over the sum of those that its stiffness exchanges: their round-off, which is
+/// above that of the velocities where steps are long.
+pub const FILTER: f64 = 1e-14;
+
 /// Overlap in shortest secondary facets, at the end of a step, of a pair that took no part in it, from which on the step is taken back.
 pub const OVERLOOKED: f64 = 1e-6;
 

@@ -71,7 +71,10 @@ fn free_flight_keeps_what_each_integrator_promises() {
         let momentum = drift(&rows, |row| row.momentum);
         let angular_momentum = drift(&rows, |row| row.angular_momentum);
         let defect = worst(&rows, |row| row.energy_defect);
-        let gain = (rows[40].total() - energy).abs();
+        let dissipated: f64 = rows.iter().map(|row| row.dissipation).sum();
+        let gain = (rows[40].total() + dissipated - energy).abs();
+        let least = rows.iter().map(|row| row.dissipation).fold(0.0, f64::min);
+        assert!(least == 0.0 && (dissipated > 1e-6 * energy) != integrator.dissipation.is_none(), "{name}: dissipates {dissipated:.1e}");
         // All quantities are of order ten. What a step leaves is set by Newton's tolerance, 1e-13 of the energy, and by round-off of the
         // solve.
         assert!(worst(&rows, |row| row.strain) > 1e-3 * energy, "{name}: the bar deforms");

@@ -4,12 +4,14 @@
 //! `Omega = omega dt`. States are made by hand: positions, velocities, and what the scheme remembers.
 //!
 //! Closed forms: Hughes (The Finite Element Method, 1987, section 9), Hilber, Hughes and Taylor (1977), Wood, Bossak and Zienkiewicz
-//! (1980), Chung and Hulbert (1993), and for the differentiation formulas the characteristic polynomial and the stability function at `i
-//! Omega` (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996; Bank et al. 1985).
+//! (1980), Chung and Hulbert (1993), the scalar equations of the energy-decaying scheme, and for the differentiation formulas the
+//! characteristic polynomial and the stability function at `i Omega` (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996;
+//! Bank et al. 1985).
 
 use conserva::dynamics::{Model, Options, Simulation, State};
 use conserva::integrators::{
-    BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, TRIPLE_JUMP, generalized_alpha, hht, newmark, wbz,
+    BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, TRIPLE_JUMP, energy_decaying, generalized_alpha, hht,
+    newmark, wbz,
 };
 use conserva::materials::{LINEAR, Material};
 use conserva::mesh::rectangle;
@@ -234,6 +236,37 @@ fn the_alpha_methods_have_the_matrices_of_their_authors() {
     }
 }
 
+/// Of the energy-decaying scheme: `v - v_0 + dt ((q_0 + q)/2 + chi/2 (q - q_0)) = 0`, `q - q_0 = dt (v_0 + v)/2`, and the filter of `v`.
+fn decaying(rho: f64, dt: f64) -> DMatrix<f64> {
+    let chi = (1.0 - rho) / (1.0 + rho);
+    let left = nalgebra::Matrix2::new(0.5 * dt * (1.0 + chi), 1.0, 1.0, -0.5 * dt);
+    let right = nalgebra::Matrix2::new(-0.5 * dt * (1.0 - chi), 1.0, 1.0, 0.5 * dt);
+    let lost = 0.25 * dt * dt / (1.0 + 0.25 * dt * dt);
+    let filter = nalgebra::Matrix2::new(1.0, 0.0, 0.0, 1.0 - (1.0 - rho) * lost * lost);
+    let matrix = filter * left.lu().solve(&right).expect("it is regular");
+    DMatrix::from_iterator(2, 2, matrix.iter().copied())
+}
+
+#[test]
+fn the_energy_decaying_scheme_has_the_spectral_radius_that_was_given() {
+    for rho in [0.0, 0.3, 0.8, 1.0] {
+        let scheme = energy_decaying(rho);
+        let mut before = 1.0 + 1e-12;
+        for dt in STEPS {
+            let (computed, exact) = (scaled(&two(&scheme, dt), dt), scaled(&decaying(rho, dt), dt));
+            // Over the amplitude before the step: that after it may be nothing.
+            let off = (&computed - &exact).amax() / exact.amax().max(1.0);
+            // Two eigenvalues meet where steps are long.
+            let radius = radius(&eigenvalues(&computed));
+            println!("{} {dt}: matrix off by {off:.1e}, radius {radius:.9}", scheme.describe());
+            assert!(off < 1e-11, "{}, Omega = {dt}: {computed} {exact}", scheme.describe());
+            assert!(radius < before + 1e-6, "{}, Omega = {dt}: {radius} after {before}", scheme.describe());
+            before = radius;
+        }
+        assert!((before - rho).abs() < 1e-3, "{}: {before}", scheme.describe());
+    }
+}
+
 #[test]
 fn newmark_has_the_closed_forms() {
     for [beta, gamma] in [[0.25, 0.5], [0.3025, 0.6], [0.5, 1.0], [1.0 / 6.0, 0.5]] {
@@ -264,6 +297,9 @@ fn slow_vibrations_are_off_by_the_leading_error() {
     };
     for scheme in [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER, &TR_BDF2] {
         check(scheme, &two(scheme, dt));
+    }
+    for scheme in [energy_decaying(0.0), energy_decaying(0.3), energy_decaying(0.8), energy_decaying(1.0)] {
+        check(&scheme, &two(&scheme, dt));
     }
     check(&BDF2, &four(&BDF2, dt));
     for scheme in [newmark(0.25, 0.5), newmark(0.3025, 0.6), newmark(0.5, 1.0), newmark(1.0 / 6.0, 0.5)] {

@@ -27,6 +27,7 @@ pub mod rigid_bodies;
 pub mod slip_group;
 pub mod slip_vector;
 pub mod spring;
+pub mod step_damping;
 pub mod supports;
 pub mod time_values;
 pub mod torsion;

@@ -60,10 +60,12 @@ impl ViscousBody {
     /// The viscous part of a body whose nodes are numbered from `first`; `None` for a body without viscosity.
     pub fn new(body: &BodyDefinition, first: usize) -> Option<Self> {
         let viscosity = body.material.viscosity().clone();
-        if viscosity.is_none() {
-            return None;
-        }
-        let (mesh, plane) = (&body.mesh, body.formulation.plane);
+        (!viscosity.is_none()).then(|| ViscousBody::with(body, first, body.formulation.plane, viscosity))
+    }
+
+    /// The part of a body with another viscosity and another completion to space than its own.
+    pub fn with(body: &BodyDefinition, first: usize, plane: Plane, viscosity: Viscosity) -> Self {
+        let mesh = &body.mesh;
         let across = match plane {
             Plane::Strain => Across::Kept,
             Plane::Axisymmetric => Across::Around,
@@ -71,7 +73,7 @@ impl ViscousBody {
         };
         let cells = mesh.cells().map(|cell| cell.iter().map(|&node| node + first as u32).collect()).collect();
         let (points, kinematics) = (points_of(mesh, plane), body.material.kinematics());
-        Some(ViscousBody { dimension: mesh.dimension(), viscosity, kinematics, across, cells, points, places: Vec::new() })
+        ViscousBody { dimension: mesh.dimension(), viscosity, kinematics, across, cells, points, places: Vec::new() }
     }
 
     /// Components of a strain that are remembered.

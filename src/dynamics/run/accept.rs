@@ -103,7 +103,7 @@ where
         let (memory, dissipated) =
             if system.others.is_empty() { (self.state.memory.clone(), Vec::new()) } else { system.memory_after(start, &at) };
         row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
-        [row.dissipation, row.damping] = heat(&dissipated, &row.parts);
+        [row.dissipation, row.damping, row.numerical] = heat(&dissipated, &row.parts, self.taken(start, &at, jump.as_ref()));
         row.potential = self.potential(&at, &penalty_gap, &memory) + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);

@@ -23,6 +23,8 @@ pub struct EnergyAccount {
     pub viscosity: f64,
     /// What dampers and drag turned into heat, negative.
     pub damping: f64,
+    /// What the time integrator took from vibrations on purpose, negative.
+    pub numerical: f64,
     /// What the time integrator added: the sum of the energy defects.
     pub integrator: f64,
     /// What came otherwise: by `settle`, or by going back to another state.
@@ -38,12 +40,12 @@ impl EnergyAccount {
         let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
         let friction = sum(|row| row.friction_work);
         let (loads, contact) = (sum(|row| row.load_work), sum(|row| row.contact_work));
-        let (viscosity, damping) = (-sum(|row| row.dissipation - row.damping), -sum(|row| row.damping));
-        let integrator = sum(|row| row.energy_defect);
+        let (damping, numerical) = (-sum(|row| row.damping), -sum(|row| row.numerical));
+        let (viscosity, integrator) = (-sum(|row| row.dissipation - row.damping - row.numerical), sum(|row| row.energy_defect));
         let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max);
-        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - damping - integrator;
+        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - damping - numerical - integrator;
         let (start, end) = (first.total(), last.total());
-        EnergyAccount { start, end, loads, contact, friction, viscosity, damping, integrator, otherwise, scale }
+        EnergyAccount { start, end, loads, contact, friction, viscosity, damping, numerical, integrator, otherwise, scale }
     }
 
     /// What changed the energy beyond round-off, each with its amount.
@@ -54,6 +56,7 @@ impl EnergyAccount {
             ("friction", self.friction),
             ("viscosity", self.viscosity),
             ("dampers", self.damping),
+            ("numerical damping", self.numerical),
             ("the integrator", self.integrator),
             ("settling", self.otherwise),
         ];
@@ -89,7 +92,9 @@ mod tests {
         assert!(EnergyAccount::of(&rows).to_string().ends_with(", the integrator gave 3e-5 (1e-3 %)"));
         rows.push(row(3, 2.0));
         assert!(EnergyAccount::of(&rows).to_string().ends_with(", settling took 0.5 (16.67 %)"));
+        (rows[3].dissipation, rows[3].numerical) = (0.25, 0.25);
+        assert!(EnergyAccount::of(&rows).to_string().contains(", numerical damping took 0.25 (8.33 %)"));
         rows[4].friction_work = -0.5;
-        assert!(EnergyAccount::of(&rows).to_string().contains(", friction took 0.5 (16.67 %), the integrator"));
+        assert!(EnergyAccount::of(&rows).to_string().contains(", friction took 0.5 (16.67 %), numerical damping"));
     }
 }

@@ -17,7 +17,6 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::integrator_limits::check_integrator;
 use crate::dynamics::model::part::Pose;
-use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::newton::Trace;
@@ -81,9 +80,8 @@ where
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
-        let lumping = options.integrator.lumping();
         check_integrator(model, &options.integrator, options.control.is_some())?;
-        let mut system = System::<D>::new(model, options.threads, default_rule(&options.integrator), lumping)?;
+        let mut system = System::<D>::new(model, options.threads, &options.integrator)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.move_obstacles(0.0, 0.0);

@@ -74,7 +74,7 @@ where
             probes: self.probe_values(&at.u_1, &v_1),
             ..LedgerRow::default()
         };
-        [row.dissipation, row.damping] = heat(&dissipated, &row.parts);
+        [row.dissipation, row.damping, _] = heat(&dissipated, &row.parts, 0.0);
         row.potential = self.potential(&at, &penalty_gap, &memory);
         self.book_explicit_work(&mut row, motion, &leap, &at, &forces, (&ends, &v_1));
         self.book_explicit_momenta(&mut row, start, &at, &ends);

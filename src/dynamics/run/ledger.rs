@@ -31,10 +31,13 @@ pub struct LedgerRow {
     pub contact_work: f64,
     /// Work of friction in this step `[energy]`, never positive: what it turns into heat.
     pub friction_work: f64,
-    /// What viscous materials, dampers and drag turned into heat in this step `[energy]`, never negative.
+    /// What viscous materials, dampers and drag turned into heat in this step, and what a time integrator that dissipates took from
+    /// vibrations `[energy]`, never negative.
     pub dissipation: f64,
-    /// The part of it that is not of viscous materials `[energy]`.
+    /// The part of it that is of dampers and drag `[energy]`.
     pub damping: f64,
+    /// The part of it that the time integrator took `[energy]`.
+    pub numerical: f64,
     /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
     /// conserves.
     pub energy_defect: f64,
@@ -211,9 +214,11 @@ impl ProbeValues {
     }
 }
 
-/// What all parts turned into heat, and the share of the model's own parts `[energy]`; no zero with a sign.
-pub(super) fn heat(dissipated: &[f64], own: &[PartTotals]) -> [f64; 2] {
-    [dissipated.iter().sum(), own.iter().map(|part| part.dissipated).sum()].map(|sum: f64| sum + 0.0)
+/// What all parts turned into heat and the time integrator took, the share of the model's own parts, and that of the integrator `[energy]`;
+/// no zero with a sign.
+pub(super) fn heat(dissipated: &[f64], own: &[PartTotals], numerical: f64) -> [f64; 3] {
+    let [all, own] = [dissipated.iter().sum(), own.iter().map(|part| part.dissipated).sum()].map(|sum: f64| sum + 0.0);
+    [all + numerical, own, numerical]
 }
 
 impl<const D: usize> System<D>
@@ -248,6 +253,7 @@ impl LedgerRow {
             return;
         }
         let sums = |row: &LedgerRow| [row.load_work, row.contact_work, row.friction_work, row.dissipation, row.damping, row.energy_defect];
+        self.numerical += before.numerical;
         let [load, contact, friction, dissipation, damping, defect] = sums(before);
         self.load_work += load;
         self.contact_work += contact;

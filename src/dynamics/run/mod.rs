@@ -45,3 +45,4 @@ pub mod tally;
 pub mod time_loop;
 pub mod validity;
 pub mod velocity_correction;
+pub mod velocity_filter;

@@ -26,6 +26,8 @@ pub struct VelocityCorrection {
     pub friction: Vec<f64>,
     /// The reserves after the step.
     pub reserve: Vec<f64>,
+    /// What the time integrator has taken from it `[energy]`.
+    pub dissipated: f64,
 }
 
 impl VelocityCorrection {
@@ -40,6 +42,7 @@ impl VelocityCorrection {
             lambda: none.clone(),
             friction: none,
             reserve,
+            dissipated: 0.0,
         }
     }
 }
@@ -111,7 +114,7 @@ where
             Ok(mut push) => {
                 let moving = self.system.supports.prescribed.iter().zip(end.motion.prescribed_v_1);
                 push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
-                Ok(self.system.is_balanced(&push, &end.solution.at.q_1).then_some(push))
+                Ok(self.system.is_balanced(&push, &end.solution.at.q_1, 0.0).then_some(push))
             }
             Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
                 Err(failure.or_end(self.state.row.time))

@@ -96,6 +96,8 @@ where
         let tangent = wants_tangent.then_some(&mut tangent[..]);
         let mut sums = Sums { internal: &mut internal, load: &mut forces.load, tangent, workers: &self.workers };
         self.parts().zip(start.memory).try_for_each(|(part, memory)| part.linearize(&iterate, memory, &mut sums))?;
+        let chi = start.dissipation().strain;
+        self.dampings.iter().filter(|_| chi > 0.0).try_for_each(|damping| damping.linearize(&iterate, chi, &mut sums))?;
         if let Some(values) = sums.tangent {
             self.add_point_inertia(|body| told.inertia[body], values);
             *tangent_of = generation;
@@ -161,6 +163,13 @@ where
             memory
         });
         (Arc::new(remembered.collect()), dissipated)
+    }
+
+    /// What the stress of the time integrator has dissipated in a step that ends at an iterate `[energy]`.
+    pub fn dissipated_by_strains(&self, start: &StepStart, at: &Linearization) -> f64 {
+        let (chi, told) = (start.dissipation().strain, Told::default());
+        let iterate = start.iterate(&at.q_1, &at.u_1, &told);
+        self.dampings.iter().filter(|_| chi > 0.0).map(|damping| damping.dissipated(&iterate, chi)).sum()
     }
 
     /// What parts exert on nodes at an iterate from outside the model, through potentials and dampers (against the motion that they drive)

@@ -10,7 +10,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::Equation;
-use crate::math::norms::largest_size;
+use crate::math::norms::{largest_size, sum_of_sizes};
 use crate::math::tolerances;
 
 /// A change of the velocities by impulses.
@@ -23,6 +23,14 @@ pub struct ImpulseResponse {
     pub impulse: Vec<f64>,
     /// Work of obstacles that move.
     pub work: f64,
+}
+
+/// The matrix of velocities at the end of a step.
+pub(super) struct EndMatrix {
+    /// Its values, with supports and constraints.
+    pub(super) values: Vec<f64>,
+    /// Masses and stiffness alone, not scaled, where supports hold something.
+    free: Option<Vec<f64>>,
 }
 
 /// What makes a push.
@@ -50,14 +58,10 @@ where
     /// The system is singular, or the run was interrupted.
     pub fn push(&mut self, at: &Linearization, beta: f64, cause: &Cause) -> Result<ImpulseResponse, Failure> {
         let clock = Instant::now();
-        let (q_1, &Cause { rows: evaluated, lambda, hold, rate, ratios }) = (&at.q_1, cause);
+        let (unknowns, &Cause { rows: evaluated, lambda, hold, rate, ratios }) = (at.q_1.len(), cause);
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, beta, &mut values);
-        let free_values = self.supports.fixed.contains(&true).then(|| values.clone());
-        // Masses as large as gradients, or the round-off of the constraints would be felt as momentum.
-        let gradient = evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
-        let scale = gradient / self.nodes.largest_nodal_mass;
-        values.iter_mut().for_each(|value| *value *= scale);
+        let scale = self.end_scale(evaluated);
         let mut rows = ConstraintRows::held(hold);
         let mut given: Vec<f64> = hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }).collect();
         for pair in &self.pairs {
@@ -66,18 +70,46 @@ where
                 given[row] = scale * ratios[row] * lambda[pressing];
             }
         }
-        self.write_constraints(evaluated, &rows, 1.0, |pair| &pair.gradient_end, &mut values);
-        self.matrix.finish(&rows, self.nodes.modulus, &mut values);
-        let mut right = vec![0.0; q_1.len()];
+        let matrix = self.end_matrix(evaluated, &rows, scale, values);
+        let mut right = vec![0.0; unknowns];
         self.for_each_end_gradient(evaluated, |_, row, k, gradient| right[k] += scale * lambda[row] * gradient);
         right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(f, _)| *f = 0.0);
         right.extend(given);
         self.counters.times.assembly += clock.elapsed();
-        self.solve_with(&values, &mut right, Instant::now())?;
-        let mu = right.split_off(q_1.len());
+        self.solve_with(&matrix.values, &mut right, Instant::now())?;
+        let mu = right.split_off(unknowns);
         let lambda: Vec<f64> = lambda.iter().zip(&mu).map(|(lambda, mu)| lambda + mu / scale).collect();
-        let mut push = ImpulseResponse { velocity: right, lambda, impulse: Vec::new(), work: 0.0 };
-        let (mut on_nodes, mut from_obstacles, mut work) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()], 0.0);
+        Ok(self.response(evaluated, &matrix, right, lambda, &[]))
+    }
+
+    /// What masses are multiplied by to be as large as gradients: else the round-off of the constraints would be felt as momentum.
+    pub(super) fn end_scale(&self, evaluated: [&[Evaluation]; 2]) -> f64 {
+        let gradient = evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
+        gradient / self.nodes.largest_nodal_mass
+    }
+
+    /// The matrix of velocities that change at the end of a step, of masses and stiffness and these rows.
+    pub(super) fn end_matrix(&self, evaluated: [&[Evaluation]; 2], rows: &ConstraintRows, scale: f64, mut values: Vec<f64>) -> EndMatrix {
+        let free = self.supports.fixed.contains(&true).then(|| values.clone());
+        values.iter_mut().for_each(|value| *value *= scale);
+        self.write_constraints(evaluated, rows, 1.0, |pair| &pair.gradient_end, &mut values);
+        self.matrix.finish(rows, self.nodes.modulus, &mut values);
+        EndMatrix { values, free }
+    }
+
+    /// A change of the velocities that impulses of the rows make, and forces `given` besides if there are any, with what supports and
+    /// obstacles push.
+    pub(super) fn response(
+        &self,
+        evaluated: [&[Evaluation]; 2],
+        matrix: &EndMatrix,
+        velocity: Vec<f64>,
+        lambda: Vec<f64>,
+        given: &[f64],
+    ) -> ImpulseResponse {
+        let unknowns = velocity.len();
+        let mut push = ImpulseResponse { velocity, lambda, impulse: Vec::new(), work: 0.0 };
+        let (mut on_nodes, mut from_obstacles, mut work) = (vec![0.0; unknowns], vec![0.0; unknowns], 0.0);
         self.for_each_end_gradient(evaluated, |pair, row, k, gradient| {
             let f = push.lambda[row] * gradient;
             on_nodes[k] += f;
@@ -88,27 +120,33 @@ where
         });
         (push.impulse, push.work) = (from_obstacles, work);
         // What the supports must push so that their nodes stay, besides what obstacles push.
-        if let Some(values) = free_values {
-            let mut vector = push.velocity.clone();
-            vector.resize(q_1.len() + self.multipliers, 0.0);
-            let mut needed = vec![0.0; q_1.len() + self.multipliers];
-            self.matrix.pattern.multiply_into(&values, &vector, &mut needed);
-            for k in (0..q_1.len()).filter(|&k| self.supports.fixed[k]) {
-                push.impulse[k] += needed[k] - on_nodes[k];
+        if let Some(values) = &matrix.free {
+            let needed = self.image(values, &push.velocity);
+            for k in (0..unknowns).filter(|&k| self.supports.fixed[k]) {
+                push.impulse[k] += needed[k] - on_nodes[k] - given.get(k).unwrap_or(&0.0);
             }
         }
-        Ok(push)
+        push
+    }
+
+    /// Values of the matrix times a nodal vector.
+    pub(super) fn image(&self, values: &[f64], nodal: &[f64]) -> Vec<f64> {
+        let (mut vector, size) = (nodal.to_vec(), nodal.len() + self.multipliers);
+        vector.resize(size, 0.0);
+        let mut image = vec![0.0; size];
+        self.matrix.pattern.multiply_into(values, &vector, &mut image);
+        image.truncate(nodal.len());
+        image
     }
 
     /// Whether the momenta of a push that the model keeps are the impulses from outside, as far as round-off lets them: where constraints
-    /// all but depend on one another, the solution is accurate in its residual and in nothing else.
-    pub fn is_balanced(&self, push: &ImpulseResponse, q_1: &[f64]) -> bool {
+    /// all but depend on one another, the solution is accurate in its residual and in nothing else. `beside`: a momentum that is none.
+    pub fn is_balanced(&self, push: &ImpulseResponse, q_1: &[f64], beside: f64) -> bool {
         let momenta = self.nodes.momenta_of(&push.velocity);
-        let sizes = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
-        let (size, reach) = (sizes(&momenta), largest_size(q_1).max(self.nodes.extent));
+        let (limit, reach) = ((tolerances::PUSH * sum_of_sizes(&momenta)).max(beside), largest_size(q_1).max(self.nodes.extent));
         let off: Vec<f64> = momenta.iter().zip(&push.impulse).map(|(momentum, impulse)| momentum - impulse).collect();
         let far = |sum: [f64; 3], limit: f64| sum.iter().any(|x| x.abs() > limit);
         let (resultant, moment) = (self.nodes.resultant(&off), self.nodes.moment(q_1, &off));
-        !far(resultant, tolerances::PUSH * size) && !far(moment, tolerances::PUSH * size * reach)
+        !far(resultant, limit) && !far(moment, limit * reach)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use crate::bodies::{Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
-use crate::dynamics::model::definitions::{LoadKind, Model};
+use crate::dynamics::model::definitions::{BodyDefinition, LoadKind, Model};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::body::Body;
@@ -12,7 +12,19 @@ use crate::dynamics::parts::carried::Carried;
 use crate::dynamics::parts::loads::NodalLoad;
 use crate::dynamics::parts::rigid_bodies::used_nodes;
 use crate::integrators::Lumping;
-use crate::linear::{NodeMatrix, Pattern};
+use crate::linear::{Block, NodeMatrix, Pattern};
+
+/// A mass at a node, with the node's block in the matrix.
+pub struct PointInertia {
+    pub node: u32,
+    pub mass: f64,
+    pub place: Block,
+}
+
+/// The bodies that deform, with their numbers.
+pub fn deformable(model: &Model) -> impl Iterator<Item = (usize, &BodyDefinition)> {
+    model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none())
+}
 
 /// Parts what rigid bodies carry into nodes on which something acts and followers, and returns these.
 pub(super) fn part_followers<const D: usize>(

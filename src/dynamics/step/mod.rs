@@ -27,4 +27,5 @@ pub mod scheme_memory;
 pub mod search_history;
 pub mod start;
 pub mod system;
+pub mod velocity_filter;
 pub mod vibrations;

@@ -3,7 +3,7 @@
 use super::scheme_memory::SchemeMemory;
 use crate::dynamics::model::part::{Iterate, Pose};
 use crate::dynamics::parts::supports::PrescribedUnknown;
-use crate::integrators::{Affine, Configuration, Derivative, History, REST, Scheme};
+use crate::integrators::{Affine, Configuration, Derivative, Dissipation, History, REST, Scheme};
 
 /// What a step starts from and how it is integrated.
 pub struct StepStart<'a> {
@@ -103,6 +103,11 @@ impl StepStart<'_> {
             StepKind::Motion(Motion { scheme, dt, .. }) => scheme.inertia(*dt),
             StepKind::Rest { damping, .. } => REST.weight * damping[body],
         }
+    }
+
+    /// What the scheme takes from vibrations.
+    pub fn dissipation(&self) -> Dissipation {
+        self.scheme().dissipation
     }
 
     /// How potentials are differentiated.

@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use super::counters::Counters;
 use super::iterate::{Linearization, Spare};
-use super::making::{bodies_of, loads_of, mass_of, part_followers, varying_gravity};
+use super::making::{PointInertia, bodies_of, deformable, loads_of, mass_of, part_followers, varying_gravity};
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Space};
@@ -24,7 +24,7 @@ use crate::dynamics::model::boundaries::middles;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::{ModelError, StepError};
 use crate::dynamics::model::part::{Numbering, Part, Pose};
-use crate::dynamics::model::update_rules::UpdateRule;
+use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::friction_rows::FrictionRows;
@@ -33,9 +33,10 @@ use crate::dynamics::parts::loads::{NodalLoad, loads_into};
 use crate::dynamics::parts::nodes::Nodes;
 use crate::dynamics::parts::pairing::contact_pairs;
 use crate::dynamics::parts::rigid_bodies::point_pairs;
+use crate::dynamics::parts::step_damping::StepDamping;
 use crate::dynamics::parts::supports::Supports;
 use crate::dynamics::parts::viscosity::ViscousBody;
-use crate::integrators::Lumping;
+use crate::integrators::Scheme;
 use crate::linear::{Block, LinearError, Pattern, Watch, Work};
 use crate::machine::memory::{self, Shortage};
 use crate::math::workers::Workers;
@@ -54,6 +55,8 @@ pub struct System<const D: usize> {
     pub others: Vec<Box<dyn Part>>,
     /// How many of these, the first, are the model's own parts.
     pub own_parts: usize,
+    /// What the time integrator takes from the vibrations of deformable bodies; none where it takes nothing.
+    pub dampings: Vec<StepDamping>,
     /// Masses that these have at nodes.
     pub(super) point_masses: Vec<PointInertia>,
     /// Contacts, obstacles and ties, then the corners that belong to them.
@@ -95,28 +98,29 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The equations of a model in its initial configuration; `default_rule` is that of contacts that name none. With a mass at the nodes
-    /// alone there is no matrix until one is asked for, if bodies and loads are all that there is.
+    /// The equations of a model in its initial configuration for a time integrator. With a mass at the nodes alone there is no matrix until
+    /// one is asked for, if bodies and loads are all that there is.
     ///
     /// # Errors
     /// A model that cannot be simulated.
-    pub fn new(model: &Model, threads: usize, default_rule: &'static UpdateRule, lumping: Option<Lumping>) -> Result<Self, ModelError> {
+    pub fn new(model: &Model, threads: usize, integrator: &Scheme) -> Result<Self, ModelError> {
         model.check()?;
+        let lumping = integrator.lumping();
         let (mut bodies, reference) = bodies_of(model, lumping.is_some())?;
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
         let first = |body: usize| firsts[body];
         let mut supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);
         let mut loads = loads_of(model, &bodies);
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
-        let viscous = model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none());
-        let viscous = viscous.filter_map(|(index, body)| ViscousBody::new(body, first(index)));
-        let viscous = viscous.map(|part| Box::new(part) as Box<dyn Part>);
-        let others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).chain(viscous).collect();
+        let mut others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
+        others.extend(deformable(model).filter_map(|(index, body)| Some(Box::new(ViscousBody::new(body, first(index))?) as Box<dyn Part>)));
+        let damped = deformable(model).filter(|_| !integrator.dissipation.is_none());
+        let dampings = damped.map(|(index, body)| StepDamping::new(body, first(index))).collect();
         let followers = part_followers(model, &mut bodies, first, &others);
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
         let points = point_pairs(model, &bodies, &reference);
-        let pairs = contact_pairs(model, first, &middles, &reference, default_rule, points);
+        let pairs = contact_pairs(model, first, &middles, &reference, default_rule(integrator), points);
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);
@@ -140,6 +144,7 @@ where
             loads,
             others,
             own_parts: model.parts.len(),
+            dampings,
             point_masses: masses.into_iter().map(|(node, mass)| PointInertia { node, mass, place: Block::default() }).collect(),
             pairs,
             multipliers,
@@ -184,13 +189,6 @@ where
     pub fn strain_energy(&self, u: &[f64]) -> f64 {
         self.bodies.iter().map(|body| body.elements.strain_energy(u)).sum()
     }
-}
-
-/// A mass at a node, with the node's block in the matrix.
-pub(super) struct PointInertia {
-    pub(super) node: u32,
-    pub(super) mass: f64,
-    pub(super) place: Block,
 }
 
 impl<const D: usize> System<D> {
@@ -360,6 +358,7 @@ impl<const D: usize> System<D> {
         self.bodies.iter_mut().for_each(|body| body.place(pattern));
         self.loads.iter_mut().for_each(|load| load.place(pattern));
         self.others.iter_mut().for_each(|part| part.place(pattern));
+        self.dampings.iter_mut().for_each(|damping| damping.place(pattern));
         self.point_masses.iter_mut().for_each(|point| point.place = pattern.block(point.node, point.node));
         self.pairs.iter_mut().for_each(|pair| pair.place(pattern, nodes));
         self.matrix.place::<D>(&self.supports.fixed, self.multipliers);

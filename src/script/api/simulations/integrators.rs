@@ -15,8 +15,9 @@ pub struct IntegratorHandle(pub Scheme);
 
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `midpoint()`, `trapezoidal()`, `backward_euler()`, `newmark()`, \
-         `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()`, `central_differences()` or `statics()`";
+    const MAKER: &'static str = "make one with `energy_momentum()`, `energy_decaying()`, `midpoint()`, `trapezoidal()`, \
+         `backward_euler()`, `newmark()`, `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()`, `central_differences()` or \
+         `statics()`";
 
     fn describe(&self) -> String {
         let title = title(&self.0);

@@ -1,0 +1,93 @@
+//! The filter of velocities at the end of a step of a scheme that dissipates: `v - k (I - F)^2 v`, `F = (M + beta K)^-1 M`.
+//!
+//! `K` is the stiffness by the moduli of the bodies at rest at the positions there (`parts/step_damping.rs`). It resists no rigid velocity,
+//! so that these and both momenta stay. Rows that hold are springs without end in `K`: what moves against them is filtered, too. With
+//! `d = -(I - F) v`,
+//!
+//! ```text
+//! [ M + beta K   -G^T ] [ d ]   [ -beta K v ]
+//! [ G              0  ] [ p ] = [ -G v      ]
+//! ```
+//!
+//! where what obstacles and supports have as velocities is no motion against them; the second time `K d` and `G d` stand there. `I - F` is
+//! symmetric in the kinetic energy and between 0 and 1, so that this never grows, but for the work of obstacles and supports that move.
+
+use std::time::Instant;
+
+use super::constraint_rows::ConstraintRows;
+use super::failure::Failure;
+use super::impulse_response::ImpulseResponse;
+use super::iterate::Linearization;
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
+use crate::dynamics::parts::contact_pair::PairKind;
+use crate::integrators::Derivative;
+use crate::math::norms::sum_of_sizes;
+use crate::math::tolerances;
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// The change `-(I - F)^2 v` of velocities, with the rows that hold as they are at the end of the step; nothing where these all but
+    /// depend on one another.
+    ///
+    /// # Errors
+    /// The system is singular, or the run was interrupted.
+    pub fn filtered(
+        &mut self,
+        at: &Linearization,
+        beta: f64,
+        evaluated: [&[Evaluation]; 2],
+        hold: &[bool],
+        v: &[f64],
+    ) -> Result<Option<ImpulseResponse>, Failure> {
+        let clock = Instant::now();
+        let (unknowns, scale) =
+            (v.len(), if hold.contains(&true) { self.end_scale(evaluated) } else { 1.0 / self.nodes.largest_nodal_mass });
+        let mut stiffness = vec![0.0; self.matrix.pattern.values()];
+        self.dampings.iter().for_each(|damping| damping.add_stiffness(&at.u_1, beta, &self.workers, &mut stiffness));
+        let mut values = stiffness.clone();
+        self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
+        let rows = ConstraintRows::held(hold);
+        let matrix = self.end_matrix(evaluated, &rows, scale, values);
+        let rates = self.rates(evaluated, v);
+        let mut lost: Vec<f64> = (0..hold.len()).map(|row| if hold[row] { -rates[row] } else { 0.0 }).collect();
+        for pair in self.pairs.iter().filter(|pair| pair.drive.is_some()) {
+            // It goes as it is driven.
+            lost[pair.rows.clone()].fill(0.0);
+        }
+        let against: Vec<f64> = self.image(&stiffness, v).iter().map(|force| -force).collect();
+        let mut first = self.right_side(&against, scale, &lost);
+        self.counters.times.assembly += clock.elapsed();
+        self.solve_with(&matrix.values, &mut first, Instant::now())?;
+        let force = self.image(&stiffness, &first[..unknowns]);
+        let (clock, mut second) = (Instant::now(), self.right_side(&force, scale, &lost));
+        self.matrix.solver.solve(&matrix.values, &mut second).map_err(Failure::Linear)?;
+        self.counters.times.solve += clock.elapsed();
+        let lambda: Vec<f64> = second.split_off(unknowns).iter().map(|p| p / scale).collect();
+        let mut response = self.response(evaluated, &matrix, second, lambda, &force);
+        self.add_driven(at, &rates, &mut response);
+        let momenta = self.nodes.momenta_of(v);
+        let round_off = tolerances::PUSH * sum_of_sizes(&momenta) + tolerances::FILTER * sum_of_sizes(&force);
+        Ok(self.is_balanced(&response, &at.q_1, round_off).then_some(response))
+    }
+
+    /// Scaled forces where nodes are free, then what the rows give.
+    fn right_side(&self, force: &[f64], scale: f64, rows: &[f64]) -> Vec<f64> {
+        let free = force.iter().zip(&self.supports.fixed).map(|(force, fixed)| if *fixed { 0.0 } else { scale * force });
+        free.chain(rows.iter().copied()).collect()
+    }
+
+    /// Adds what the ground exerts through joints to the impulses from outside, and the work of what drives them.
+    fn add_driven(&self, at: &Linearization, rates: &[f64], response: &mut ImpulseResponse) {
+        for pair in self.pairs.iter().filter(|pair| pair.kind == PairKind::Joint) {
+            let (lambda, none) = (&response.lambda[pair.rows.clone()], vec![0.0; pair.rows.len()]);
+            if pair.drive.is_some() {
+                response.work += pair.rows.clone().map(|row| response.lambda[row] * rates[row]).sum::<f64>();
+            }
+            pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, &none, lambda, &mut response.impulse);
+        }
+    }
+}
