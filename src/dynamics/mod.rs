@@ -9,7 +9,7 @@ pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Rescaled, Sine, Table
 pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
-pub use model::joints::{Anchor, Coordinate, JointDefinition, JointKind};
+pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};

@@ -53,6 +53,14 @@ pub enum ModelError {
         /// What is wrong.
         reason: String,
     },
+    /// A gear between joints that have nothing to couple.
+    #[error("gear \"{joint}\" cannot be made: {reason}")]
+    UnsoundGear {
+        /// Name of the gear.
+        joint: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// A joint that holds one way, with a time integrator that remembers forces.
     #[error("joint \"{joint}\" holds one way, and with the integrator \"{integrator}\" forces act on after their step")]
     OneSidedJoint {
@@ -298,6 +306,9 @@ impl ModelError {
             }
             ModelError::UnsoundJoint { .. } => {
                 "join a body to another one or to the ground, and give a direction where one is needed".into()
+            }
+            ModelError::UnsoundGear { .. } => {
+                "couple the angles or travels of two joints of rigid bodies: hinges (in the plane of the kind \"point\"), sliders, slots".into()
             }
             ModelError::UnsoundDrive { .. } => {
                 "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain that; hinges \

@@ -155,6 +155,7 @@ where
     /// Equilibrium at the present time, prescribed nodes moved by no more than `stride` in a step `[length]`.
     pub(super) fn settle_from_here(&mut self, stride: f64, care: Care) -> Result<SettleReport, StepError> {
         self.tries.clear();
+        self.count_turns();
         let iterations_before = self.statistics.newton_iterations;
         let balance = Balance::new(&self.system, &self.model);
         let begun = self.state.positions.clone();

@@ -12,6 +12,7 @@ pub mod dampers;
 pub mod data;
 pub mod description;
 pub mod ends;
+pub mod gears;
 pub mod growth;
 pub mod handle;
 pub mod loads;
@@ -41,6 +42,7 @@ pub fn functions() -> Vec<Function> {
     all.push(body_forces::body_force());
     all.extend([
         rigid::add_joint(),
+        gears::add_gear(),
         motors::add_motor(),
         motors::add_actuator(),
         springs::add_spring(),
