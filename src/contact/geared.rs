@@ -127,8 +127,7 @@ impl Geared {
             if !term.is_angle {
                 return vec![(term.factor, [0.0; 2])];
             }
-            let (w, slope) =
-                if is_mean { gradient_between(pair(&self.z_0, term), pair(z, term)) } else { gradient_at(pair(z, term)) };
+            let (w, slope) = if is_mean { gradient_between(pair(&self.z_0, term), pair(z, term)) } else { gradient_at(pair(z, term)) };
             w.into_iter().zip(slope).map(|(w, slope)| (term.factor * w, slope.map(|s| term.factor * s))).collect()
         };
         self.terms.iter().flat_map(of).collect()

@@ -9,6 +9,12 @@ use crate::math::digits::three_digits;
 use crate::math::norms::{largest_extent, length};
 use crate::math::tolerances;
 
+const GEAR_REMEDY: &str =
+    "couple the angles or travels of two joints of rigid bodies: hinges (in the plane of the kind \"point\"), sliders, slots";
+
+const DRIVE_REMEDY: &str = "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain \
+                            that; hinges have an angle, sliders and slots a travel, links and cables a distance";
+
 impl BodyDefinition {
     /// The node nearest to a point at rest, and its distance.
     pub fn nearest_node(&self, point: [f64; 3]) -> (u32, f64) {
@@ -78,7 +84,8 @@ impl Model {
 
     /// What is wrong with the gear of that index.
     fn check_gear(&self, index: usize, gear: &Gear) -> Result<(), ModelError> {
-        let unsound = |reason: String| Err(ModelError::UnsoundGear { joint: self.joints[index].name.clone(), reason });
+        let unsound =
+            |reason: String| Err(ModelError::Unsound { what: "gear", name: self.joints[index].name.clone(), reason, remedy: GEAR_REMEDY });
         if !(gear.ratio.is_finite() && gear.ratio != 0.0) {
             return unsound(format!("the ratio {} couples nothing", gear.ratio));
         }
@@ -153,7 +160,7 @@ impl Model {
 
     /// What is wrong with a drive or with limits.
     fn check_coordinate(&self, joint: &JointDefinition) -> Result<(), ModelError> {
-        let unsound = |reason: String| Err(ModelError::UnsoundDrive { joint: joint.name.clone(), reason });
+        let unsound = |reason: String| Err(ModelError::Unsound { what: "joint", name: joint.name.clone(), reason, remedy: DRIVE_REMEDY });
         let what = match (&joint.drive, &joint.limits) {
             (None, None) => return Ok(()),
             (Some(_), Some(_)) => return unsound("it has a drive and limits, and a drive leaves nothing to limit".into()),

@@ -23,6 +23,9 @@ use crate::integrators::Derivative;
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances::EQUAL;
 
+const REMEDY: &str = "a stiffness and a damping are symmetric, without negative eigenvalues, and have a row for each motion: those along \
+                      the axes, then turns about them";
+
 /// A bushing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BushingDefinition {
@@ -70,7 +73,7 @@ impl PartDefinition for BushingDefinition {
 
     fn check(&self, _point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
         let count = self.motions();
-        let unsound = |reason: String| Err(ModelError::UnsoundBushing { bushing: self.name.clone(), reason });
+        let unsound = |reason: String| Err(ModelError::Unsound { what: "bushing", name: self.name.clone(), reason, remedy: REMEDY });
         for (what, entries) in [("stiffness", &self.stiffness), ("damping", &self.damping)] {
             if entries.len() != count * count {
                 return unsound(format!("its {what} has {} entries, and {count} x {count} are needed", entries.len()));
@@ -234,11 +237,7 @@ impl Bushing {
         let z_1 = plain.gap.clone();
         let z: Vec<f64> =
             if is_discrete { self.invariants.gap(at.q_0).iter().zip(&z_1).map(|(a, b)| 0.5 * (a + b)).collect() } else { z_1.clone() };
-        let mean = if is_discrete {
-            0.5 * (self.motions(&self.invariants.gap(at.q_0)) + self.motions(&z_1))
-        } else {
-            self.motions(&z_1)
-        };
+        let mean = if is_discrete { 0.5 * (self.motions(&self.invariants.gap(at.q_0)) + self.motions(&z_1)) } else { self.motions(&z_1) };
         let gradients = DMatrix::from_row_slice(rows, count, &plain.gradient_bar);
         let shares = self.shares(&z);
         let own = |values: &[f64]| {
@@ -255,10 +254,7 @@ impl Bushing {
         if !wants_slope {
             return Response { force, slope: None, power };
         }
-        let hessian = |weights: &[f64]| {
-            let by = if is_discrete { 1.0 } else { share };
-            DMatrix::from_row_slice(count, count, &evaluated(weights).tangent) * by
-        };
+        let hessian = |weights: &[f64]| DMatrix::from_row_slice(count, count, &evaluated(weights).tangent);
         // Of the invariants about which shares and motions are taken.
         let changes = DMatrix::from_row_slice(rows, count, &plain.gradient_end) * share;
         let last = rows - 1;
@@ -376,17 +372,10 @@ mod tests {
             let ([rest, q_0], [_, q_1]) = (positions(dimension, 0.2), positions(dimension, 0.31));
             let per_body = dimension + 1;
             let first = [0, per_body];
-            let part = {
-                let numbering = Numbering { dimension, first: &first, reference: &rest };
-                let mut part = bushing(dimension, is_grounded, damps).part(&numbering);
-                let pattern = Pattern::new(&vec![Vertex::coordinates(dimension as u8); 2 * per_body], [].into_iter());
-                let _ = (&mut part, pattern);
-                part
-            };
+            let mut part = bushing(dimension, is_grounded, damps).part(&Numbering { dimension, first: &first, reference: &rest });
             let count = q_0.len();
             let all: Vec<u32> = (0..2 * per_body as u32).collect();
             let pattern = Pattern::new(&vec![Vertex::coordinates(dimension as u8); 2 * per_body], [&all[..]].into_iter());
-            let mut part = part;
             part.place(&pattern);
             for derivative in Derivative::ALL {
                 let dt = 0.1;
@@ -418,7 +407,10 @@ mod tests {
                 let work: f64 = force.iter().zip(q_1.iter().zip(&q_0)).map(|(f, (b, a))| f * (b - a)).sum();
                 let energy = |q: &[f64]| part.energy(Pose { q, u: q }, &[]);
                 let change = energy(&q_1) - energy(&q_0) + heat;
-                assert!(derivative != Derivative::DiscreteGradient || (work - change).abs() < 1e-12 * work.abs().max(1.0), "{work} {change}");
+                assert!(
+                    derivative != Derivative::DiscreteGradient || (work - change).abs() < 1e-12 * work.abs().max(1.0),
+                    "{work} {change}"
+                );
                 for column in 0..count {
                     let [up, down] = [1e-6, -1e-6].map(|h| {
                         let mut q = q_1.clone();
@@ -429,7 +421,10 @@ mod tests {
                         let block = pattern.block((row / dimension) as u32, (column / dimension) as u32);
                         let entry = values[block.at(row % dimension, column % dimension)];
                         let slope = (up[row] - down[row]) / 2e-6;
-                        assert!((slope - entry).abs() < 1e-5 * (1.0 + entry.abs()), "{dimension} {derivative:?} [{row}][{column}] {slope} {entry}");
+                        assert!(
+                            (slope - entry).abs() < 1e-5 * (1.0 + entry.abs()),
+                            "{dimension} {derivative:?} [{row}][{column}] {slope} {entry}"
+                        );
                     }
                 }
             }

@@ -70,8 +70,7 @@ pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference:
         let joined = model.joints_of(joint).flat_map(JointDefinition::bodies);
         let size = joined.filter_map(|body| bodies[body].rigid.as_ref()).map(|rigid| rigid.size).fold(extent, f64::min);
         if let JointKind::Gear(gear) = joint.kind {
-            let coupled: Vec<FreeMotion> =
-                model.joints_of(joint).filter_map(|joint| FreeMotion::new(model, bodies, joint, size)).collect();
+            let coupled: Vec<FreeMotion> = model.joints_of(joint).filter_map(|joint| FreeMotion::new(model, bodies, joint, size)).collect();
             let mut pair = made(&joint.name, PairKind::Joint, body, size, Box::new(geared(&coupled, gear.ratio, size)));
             pair.geared = Some(gear.joints);
             pairs.push(pair);

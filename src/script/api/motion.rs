@@ -10,7 +10,10 @@ use std::sync::Arc;
 use super::units::{Dimension, Units};
 use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
-use crate::dynamics::{Amplitude, Change, Coefficient, Coordinate, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, Rescaled, TimeFunction, TimeFunctionError, Turn};
+use crate::dynamics::{
+    Amplitude, Change, Coefficient, Coordinate, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription,
+    Rescaled, TimeFunction, TimeFunctionError, Turn,
+};
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
 use crate::script::language::digits::{brief, number_text};

@@ -2,7 +2,9 @@
 
 use super::data::ModelData;
 use crate::contact::{Obstacle, ObstacleInSpace};
-use crate::dynamics::{Amplitude, BodyBoundary, BodyDefinition, Coordinate, Gear, Interaction, JointKind, Model, Partner, Prescription, Turn};
+use crate::dynamics::{
+    Amplitude, BodyBoundary, BodyDefinition, Coordinate, Gear, Interaction, JointKind, Model, Partner, Prescription, Turn,
+};
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::wording::joined;

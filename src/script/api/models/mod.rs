@@ -6,6 +6,7 @@ pub mod arguments;
 pub mod bodies;
 pub mod body_forces;
 pub mod building;
+pub mod bushings;
 pub mod chambers;
 pub mod change;
 pub mod dampers;
@@ -48,6 +49,7 @@ pub fn functions() -> Vec<Function> {
         springs::add_spring(),
         springs::add_torsion_spring(),
         dampers::add_damper(),
+        bushings::add_bushing(),
         dampers::add_drag(),
         dampers::add_damping(),
         chambers::add_chamber(),
