@@ -4,16 +4,16 @@
 //! Phi = a_1 s_1 + a_2 s_2        [length]
 //! ```
 //!
-//! An angle `s` is that of the plane vector `z = (x, y)` of its cosine and sine, both products of directions, counted over whole turns. In a
-//! step from `z_0` to `z_1` it turns by `d = atan2(c, z_0.z_1)`, `c = x_0 y_1 - y_0 x_1`, and with the mean `z` of both
+//! An angle `s` is that of the plane vector `z = (x, y)` of its cosine and sine, both products of directions, counted over whole turns.
+//! In a step from `z_0` to `z_1` it turns by `d = atan2(c, z_0.z_1)`, `c = x_0 y_1 - y_0 x_1`, and with the mean `z` of both
 //!
 //! ```text
 //! (d / c) (-y, x) . (z_1 - z_0) = d
 //! ```
 //!
-//! so `d / c (-y, x)` is its discrete gradient with respect to `z`, whose own discrete gradients those of [`PointConstraints`] are: products of
-//! directions do not change with rigid motions of both ends, so that energy and momenta stay exact (O. Gonzalez, *Time integration and
-//! discrete Hamiltonian systems*, J. Nonlinear Science 6, 1996).
+//! so `d / c (-y, x)` is its discrete gradient with respect to `z`, whose own discrete gradients those of [`PointConstraints`] are:
+//! products of directions do not change with rigid motions of both ends, so that energy and momenta stay exact (O. Gonzalez, *Time
+//! integration and discrete Hamiltonian systems*, J. Nonlinear Science 6, 1996).
 
 use std::f64::consts::TAU;
 use std::sync::{Mutex, PoisonError};

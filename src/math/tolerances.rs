@@ -370,6 +370,10 @@ pub const CLEARLY: f64 = 1e-3;
 /// Least damping of a body in `settle` over the stiffness of its slowest elastic motion.
 pub const LEAST_DAMPING: f64 = 1e-8;
 
+/// The same of a rigid body over its loads, per length: round-off of the constraints' forces then moves it by 1e-14 of its size, and what
+/// touches it by a hundredth of its own depth less than it should.
+pub const RIGID_DAMPING: f64 = 1e-2;
+
 /// Motion in a step of `settle`, in facets, below which a body is not expected to move in the next one.
 pub const STANDS: f64 = 1e-3;
 

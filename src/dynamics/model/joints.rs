@@ -30,7 +30,8 @@ pub enum JointKind {
     Link,
     /// All, up to this distance of both points `[length]`: a cable that is slack or taut.
     Cable(f64),
-    /// All but a sum of the coordinates of two joints before it, angles or travels: `s_1 + ratio s_2` stays. Its ends are those of the first.
+    /// All but a sum of the coordinates of two joints before it, angles or travels: `s_1 + ratio s_2` stays. Its ends are those of the
+    /// first.
     Gear(Gear),
 }
 

@@ -7,10 +7,11 @@
 //! s = (d, (4 - c) / 3 sin phi n),    V = s.K s / 2
 //! ```
 //!
-//! `(4 - cos phi) / 3 sin phi` is `phi (1 - phi^4 / 30 + ...)`. `d`, `c` and `sin phi n` are products of vectors, hence quadratic in positions
-//! and unchanged by rigid motions; their gradients in the middle of a step are discrete gradients, and so are those of `s` and `V` by the
-//! rule for products, `uv' - ... = (u + u')/2 (v' - v) + (v + v')/2 (u' - u)`: the energy is exact, and so are the momenta between two
-//! bodies (O. Gonzalez, J. Nonlinear Science 6, 1996). Damping adds `C ds/dt` to `K s`; the heat is `dt s'.C s'`.
+//! `(4 - cos phi) / 3 sin phi` is `phi (1 - phi^4 / 30 + ...)`. `d`, `c` and `sin phi n` are products of vectors, hence quadratic in
+//! positions and unchanged by rigid motions; their gradients in the middle of a step are discrete gradients, and so are those of `s` and
+//! `V` by the rule for products, `u_1 v_1 - u_0 v_0 = (u_0 + u_1)/2 (v_1 - v_0) + (v_0 + v_1)/2 (u_1 - u_0)`: the energy is exact, and so
+//! are the momenta between two bodies (O. Gonzalez, J. Nonlinear Science 6, 1996). Damping adds `C ds/dt` to `K s`; the heat is
+//! `dt s'.C s'`.
 
 use std::sync::Arc;
 

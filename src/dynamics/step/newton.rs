@@ -386,10 +386,6 @@ where
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
         record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
-        if task.start.is_at_rest() {
-            // Where nothing deforms, no energy tells that forces are in balance as far as their digits go.
-            record.floor = record.floor.max(tolerances::FORCE_FLOOR * forces.scale);
-        }
         record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
         let contact_work;
         (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);

@@ -34,8 +34,8 @@ pub fn add_bushing() -> Function {
         name: "add_bushing",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "holds a rigid body to another one, or to the ground, by stiffness and damping against all their relative motions, as a \
-                  rubber mount does: what it stores is part of `potential`; the history has its `displacement`, `angle`, `force`, \
+        summary: "holds a rigid body to another one, or to the ground, by stiffness and damping against all relative motions, as a rubber \
+                  mount does: what it stores is part of `potential`; the history has its `displacement`, `angle`, `force`, \
                   `moment` and `energy`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique among springs, dampers, chambers and masses"),
@@ -43,8 +43,8 @@ pub fn add_bushing() -> Function {
         ],
         returns: "",
         example: plate_example(
-            "let engine = press.add_rigid_body(\"engine\", rectangle(#{ size: [1.0, 0.5], cells: [2, 1], origin: [5.0, 0.0] }), #{ density: \
-             1.0 });\n\
+            "let engine = press.add_rigid_body(\"engine\", rectangle(#{ size: [1.0, 0.5], cells: [2, 1], origin: [5.0, 0.0] }), #{ \
+             density: 1.0 });\n\
              press.add_bushing(\"mount\", #{ from: engine, to: \"ground\", point: [5.5, 0.0], stiffness: [50.0, 80.0, 5.0], damping: [0.5, \
              0.8, 0.05] });",
         ),
