@@ -86,8 +86,11 @@ pub fn add_motor() -> Function {
     }
 }
 
+/// A rigid body by its index, with its masters.
+pub type Mastered = (usize, Vec<u32>);
+
 /// Two rigid bodies with their masters, or one and the ground; `what` is done to them.
-pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[Option<(usize, Vec<u32>)>; 2], Failure> {
+pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[Option<Mastered>; 2], Failure> {
     let (from, to) = (options.argument("from"), options.argument("to"));
     let is_ground = to.value().read_lock::<ImmutableString>().is_some_and(|word| *word == GROUND);
     let first = masters_of(&from, model, what)?;
@@ -99,7 +102,7 @@ pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[
 }
 
 /// A rigid body with its masters.
-fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<(usize, Vec<u32>), Failure> {
+fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Mastered, Failure> {
     if !argument.is_given() {
         return Err(argument.missing());
     }
