@@ -199,6 +199,9 @@ pub trait RigidObstacle {
     /// What is prescribed over time of a joint, at the start and at the end of this step.
     fn drive(&mut self, _values: [f64; 2]) {}
 
+    /// What the coordinates that a gear couples are, about, at the start of this step, their angles over whole turns.
+    fn count_from(&mut self, _coordinates: [f64; 2]) {}
+
     /// How a rigid obstacle carries along what sticks to it in this step: by a displacement, and, if it is round, by an angle about its
     /// center `[length]`, `[rad]`. At rest that is its motion since the equilibrium before, although it stands where it is.
     fn carry(&mut self, _shift: [f64; 3], _angle: f64) {}

@@ -21,6 +21,7 @@ mod faces;
 #[cfg(test)]
 mod fixtures;
 mod friction;
+mod geared;
 mod kernel;
 mod method;
 mod methods;
@@ -52,6 +53,7 @@ mod window;
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces};
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
+pub use geared::Geared;
 pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;

@@ -190,6 +190,37 @@ impl PointConstraints {
         values
     }
 
+    /// Values, gradients and tangent of a step from `q_0`, nothing where there is none, to `q_1`.
+    pub fn evaluate_from(&self, q_0: &[f64], derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        let patches = &self.sides.patches;
+        out.prepare(patches, self.sides.weights.len());
+        let placement = derivative.placement();
+        for (p, group) in self.groups.iter().enumerate().take(patches.len()) {
+            out.clear_patch(patches, p);
+            out.live[p] = true;
+            let end = self.vectors_at(group, q_1);
+            let is_mean = placement.share < 1.0 && !q_0.is_empty();
+            let tested = if is_mean { group.in_middle() } else { &group.functions };
+            let test = if is_mean {
+                let mean = |(a, b): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+                self.vectors_at(group, q_0).iter().zip(&end).map(mean).collect()
+            } else {
+                end.clone()
+            };
+            let count = patches.unknowns(p);
+            let (gradients, tangent) = (patches.gradient_range(p), patches.tangent_range(p));
+            for (m, (function, tested)) in group.functions.iter().zip(tested).enumerate() {
+                let range = gradients.start + m * count..gradients.start + (m + 1) * count;
+                self.gradient_into(group, function, &end, &mut out.gradient_end[range.clone()]);
+                self.gradient_into(group, tested, &test, &mut out.gradient_bar[range]);
+                let row = group.first_row + m;
+                self.hessian_into(group, tested, placement.share * lambda[row], &mut out.tangent[tangent.clone()]);
+                out.gap[row] = value(function, &end);
+            }
+        }
+        out.coverage.fill(1.0);
+    }
+
     fn vectors_at(&self, group: &Group, q: &[f64]) -> Vec<[f64; 3]> {
         group.vectors.iter().map(|vector| vector.at(self.dimension, q)).collect()
     }
@@ -226,33 +257,7 @@ impl PatchFunctions for PointConstraints {
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        let patches = &self.sides.patches;
-        out.prepare(patches, self.sides.weights.len());
-        let placement = derivative.placement();
-        for (p, group) in self.groups.iter().enumerate().take(patches.len()) {
-            out.clear_patch(patches, p);
-            out.live[p] = true;
-            let end = self.vectors_at(group, q_1);
-            let is_mean = placement.share < 1.0 && !self.q_0.is_empty();
-            let tested = if is_mean { group.in_middle() } else { &group.functions };
-            let test = if is_mean {
-                let mean = |(a, b): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
-                self.vectors_at(group, &self.q_0).iter().zip(&end).map(mean).collect()
-            } else {
-                end.clone()
-            };
-            let count = patches.unknowns(p);
-            let (gradients, tangent) = (patches.gradient_range(p), patches.tangent_range(p));
-            for (m, (function, tested)) in group.functions.iter().zip(tested).enumerate() {
-                let range = gradients.start + m * count..gradients.start + (m + 1) * count;
-                self.gradient_into(group, function, &end, &mut out.gradient_end[range.clone()]);
-                self.gradient_into(group, tested, &test, &mut out.gradient_bar[range]);
-                let row = group.first_row + m;
-                self.hessian_into(group, tested, placement.share * lambda[row], &mut out.tangent[tangent.clone()]);
-                out.gap[row] = value(function, &end);
-            }
-        }
-        out.coverage.fill(1.0);
+        self.evaluate_from(&self.q_0, derivative, q_1, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

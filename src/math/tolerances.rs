@@ -382,6 +382,10 @@ pub const CLEARLY: f64 = 1e-3;
 /// Least damping of a body in `settle` over the stiffness of its slowest elastic motion.
 pub const LEAST_DAMPING: f64 = 1e-8;
 
+/// The same of a rigid body over its loads, per length: round-off of the constraints' forces then moves it by 1e-14 of its size, and what
+/// touches it by a hundredth of its own depth less than it should.
+pub const RIGID_DAMPING: f64 = 1e-2;
+
 /// Motion in a step of `settle`, in facets, below which a body is not expected to move in the next one.
 pub const STANDS: f64 = 1e-3;
 
@@ -493,3 +497,7 @@ pub const LINEAR_STATE: f64 = 0.05;
 
 /// The same times the load factor: how far the way to the buckling load is from straight.
 pub const LINEAR_PATH: f64 = 0.2;
+
+/// Tangent of the turn of a gear in a step below which functions of it are summed as series of seven terms: what is left of them there is
+/// round-off.
+pub const SMALL_TURN: f64 = 0.05;

@@ -45,13 +45,17 @@ pub enum ModelError {
         /// What is wrong.
         reason: String,
     },
-    /// A drive or limits that do not go with a joint.
-    #[error("joint \"{joint}\" cannot be made: {reason}")]
-    UnsoundDrive {
-        /// Name of the joint.
-        joint: String,
+    /// A drive, limits, a gear or a bushing that cannot be.
+    #[error("{what} \"{name}\" cannot be made: {reason}")]
+    Unsound {
+        /// What it is.
+        what: &'static str,
+        /// Its name.
+        name: String,
         /// What is wrong.
         reason: String,
+        /// What to do.
+        remedy: &'static str,
     },
     /// A joint that holds one way, with a time integrator that remembers forces.
     #[error("joint \"{joint}\" holds one way, and with the integrator \"{integrator}\" forces act on after their step")]
@@ -301,11 +305,7 @@ impl ModelError {
             ModelError::UnsoundJoint { .. } => {
                 "join a body to another one or to the ground, and give a direction where one is needed".into()
             }
-            ModelError::UnsoundDrive { .. } => {
-                "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain that; hinges \
-                 have an angle, sliders and slots a travel, links and cables a distance"
-                    .into()
-            }
+            ModelError::Unsound { remedy, .. } => (*remedy).into(),
             ModelError::OneSidedJoint { .. } => {
                 "stops and cables take an integrator without a memory of forces, such as the energy-momentum method, the midpoint rule or \
                  backward Euler: with others they would make energy out of nothing"

@@ -2,12 +2,18 @@
 
 use super::definitions::{BodyDefinition, Model};
 use super::error::ModelError;
-use super::joints::{Anchor, Coordinate, JointDefinition, JointKind};
+use super::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
 use crate::bodies::{Frame, Plane};
 use crate::integrators::Scheme;
 use crate::math::digits::three_digits;
 use crate::math::norms::{largest_extent, length};
 use crate::math::tolerances;
+
+const GEAR_REMEDY: &str =
+    "couple the angles or travels of two joints of rigid bodies: hinges (in the plane of the kind \"point\"), sliders, slots";
+
+const DRIVE_REMEDY: &str = "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain \
+                            that; hinges have an angle, sliders and slots a travel, links and cables a distance";
 
 impl BodyDefinition {
     /// The node nearest to a point at rest, and its distance.
@@ -37,7 +43,17 @@ impl Model {
 
     /// Whether a joint joins two bodies: where it is they may lie in each other.
     pub fn are_joined(&self, first: usize, second: usize) -> bool {
-        self.joints.iter().any(|joint| joint.bodies().any(|body| body == first) && joint.bodies().any(|body| body == second))
+        let joins = |joint: &JointDefinition, body: usize| self.joints_of(joint).any(|joint| joint.bodies().any(|other| other == body));
+        self.joints.iter().any(|joint| joins(joint, first) && joins(joint, second))
+    }
+
+    /// The joints that a gear couples, or the joint alone.
+    pub fn joints_of<'a>(&'a self, joint: &'a JointDefinition) -> impl Iterator<Item = &'a JointDefinition> {
+        let coupled = match joint.kind {
+            JointKind::Gear(gear) => gear.joints.map(|index| self.joints.get(index)),
+            _ => [Some(joint), None],
+        };
+        coupled.into_iter().flatten()
     }
 
     /// Largest extent of the bodies at rest along an axis `[length]`.
@@ -59,8 +75,47 @@ impl Model {
                 return Err(ModelError::DuplicateName { what: "joint", name: joint.name.clone() });
             }
             self.check_joint(joint)?;
+            if let JointKind::Gear(gear) = &joint.kind {
+                self.check_gear(index, gear)?;
+            }
         }
         Ok(())
+    }
+
+    /// What is wrong with the gear of that index.
+    fn check_gear(&self, index: usize, gear: &Gear) -> Result<(), ModelError> {
+        let unsound =
+            |reason: String| Err(ModelError::Unsound { what: "gear", name: self.joints[index].name.clone(), reason, remedy: GEAR_REMEDY });
+        if !(gear.ratio.is_finite() && gear.ratio != 0.0) {
+            return unsound(format!("the ratio {} couples nothing", gear.ratio));
+        }
+        let [first, second] = gear.joints;
+        if first == second || first.max(second) >= index {
+            return unsound("it couples two joints that were added before it".into());
+        }
+        let coupled = [&self.joints[first], &self.joints[second]];
+        for joint in coupled {
+            if !matches!(joint.kind.coordinate(self.dimension()), Some(Coordinate::Angle | Coordinate::Travel)) {
+                return unsound(format!("joint \"{}\" is a {}, which has neither an angle nor a travel", joint.name, joint.kind.name()));
+            }
+            self.check_directions(joint).or_else(unsound)?;
+        }
+        match coupled.iter().all(|joint| joint.drive.is_some()) {
+            true => unsound(format!("joints \"{}\" and \"{}\" are both driven", coupled[0].name, coupled[1].name)),
+            false => Ok(()),
+        }
+    }
+
+    /// Whether both ends of a joint with an angle have directions.
+    fn check_directions(&self, joint: &JointDefinition) -> Result<(), String> {
+        let deforms = |end: &&Anchor| end.body.is_some_and(|body| self.bodies[body].rigid.is_none());
+        match (joint.kind.coordinate(self.dimension()), joint.ends.iter().find(deforms)) {
+            (Some(Coordinate::Angle), Some(end)) => {
+                let body = end.body.map_or("", |body| &self.bodies[body].name);
+                Err(format!("an angle needs directions, and a node of body \"{body}\", which deforms, has none"))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn check_joint(&self, joint: &JointDefinition) -> Result<(), ModelError> {
@@ -105,7 +160,7 @@ impl Model {
 
     /// What is wrong with a drive or with limits.
     fn check_coordinate(&self, joint: &JointDefinition) -> Result<(), ModelError> {
-        let unsound = |reason: String| Err(ModelError::UnsoundDrive { joint: joint.name.clone(), reason });
+        let unsound = |reason: String| Err(ModelError::Unsound { what: "joint", name: joint.name.clone(), reason, remedy: DRIVE_REMEDY });
         let what = match (&joint.drive, &joint.limits) {
             (None, None) => return Ok(()),
             (Some(_), Some(_)) => return unsound("it has a drive and limits, and a drive leaves nothing to limit".into()),
@@ -117,11 +172,7 @@ impl Model {
             let left = if joint.kind == JointKind::Weld { "nothing" } else { "turning about a point in space, which is no single angle" };
             return unsound(format!("there is nothing to {what}: a {kind} leaves {left}"));
         };
-        let deforms = |end: &&Anchor| end.body.is_some_and(|body| self.bodies[body].rigid.is_none());
-        if let (Coordinate::Angle, Some(end)) = (coordinate, joint.ends.iter().find(deforms)) {
-            let body = end.body.map_or("", |body| &self.bodies[body].name);
-            return unsound(format!("an angle needs directions, and a node of body \"{body}\", which deforms, has none"));
-        }
+        self.check_directions(joint).or_else(unsound)?;
         let (rest, name) = (joint.at_rest(), coordinate.name());
         if let Some(drive) = &joint.drive {
             let start = drive.value(0.0).unwrap_or(f64::NAN);
@@ -173,7 +224,7 @@ impl Model {
         let at_nodes = off(&joint.ends[0]).max(off(&joint.ends[1]));
         let distance = joint.distance();
         let between = match joint.kind {
-            JointKind::Link => 0.0,
+            JointKind::Link | JointKind::Gear(_) => 0.0,
             JointKind::Cable(longest) => (length(distance) - longest).max(0.0),
             JointKind::Slider(direction) | JointKind::Slot(direction) => {
                 let along: f64 = (0..3).map(|i| distance[i] * direction[i]).sum::<f64>() / length(direction).powi(2);

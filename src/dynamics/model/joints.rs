@@ -30,6 +30,18 @@ pub enum JointKind {
     Link,
     /// All, up to this distance of both points `[length]`: a cable that is slack or taut.
     Cable(f64),
+    /// All but a sum of the coordinates of two joints before it, angles or travels: `s_1 + ratio s_2` stays. Its ends are those of the
+    /// first.
+    Gear(Gear),
+}
+
+/// Two joints whose coordinates change in a fixed ratio.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gear {
+    /// Their indices in the model.
+    pub joints: [usize; 2],
+    /// Factor of the second coordinate: positive where wheels turn against each other.
+    pub ratio: f64,
 }
 
 /// What a joint leaves free, as one number.
@@ -67,7 +79,7 @@ impl JointKind {
             JointKind::Hinge(_) => Some(Coordinate::Angle),
             JointKind::Slider(_) | JointKind::Slot(_) => Some(Coordinate::Travel),
             JointKind::Link | JointKind::Cable(_) => Some(Coordinate::Distance),
-            JointKind::Point | JointKind::Weld => None,
+            JointKind::Point | JointKind::Weld | JointKind::Gear(_) => None,
         }
     }
 
@@ -81,6 +93,7 @@ impl JointKind {
             JointKind::Weld => "weld",
             JointKind::Link => "link",
             JointKind::Cable(_) => "cable",
+            JointKind::Gear(_) => "gear",
         }
     }
 
@@ -88,7 +101,7 @@ impl JointKind {
     pub fn direction(self) -> Option<[f64; 3]> {
         match self {
             JointKind::Hinge(direction) | JointKind::Slider(direction) | JointKind::Slot(direction) => Some(direction),
-            JointKind::Point | JointKind::Weld | JointKind::Link | JointKind::Cable(_) => None,
+            JointKind::Point | JointKind::Weld | JointKind::Link | JointKind::Cable(_) | JointKind::Gear(_) => None,
         }
     }
 
@@ -98,14 +111,14 @@ impl JointKind {
             JointKind::Hinge(direction) => JointKind::Hinge(turned(direction)),
             JointKind::Slider(direction) => JointKind::Slider(turned(direction)),
             JointKind::Slot(direction) => JointKind::Slot(turned(direction)),
-            JointKind::Point | JointKind::Weld | JointKind::Link | JointKind::Cable(_) => self,
+            JointKind::Point | JointKind::Weld | JointKind::Link | JointKind::Cable(_) | JointKind::Gear(_) => self,
         }
     }
 
     /// Whether an end must have directions, which a node of a deformable body has not.
     pub(super) fn turns(self, end: usize) -> bool {
         match self {
-            JointKind::Point | JointKind::Link | JointKind::Cable(_) => false,
+            JointKind::Point | JointKind::Link | JointKind::Cable(_) | JointKind::Gear(_) => false,
             JointKind::Slot(_) => end == 0,
             JointKind::Hinge(_) | JointKind::Slider(_) | JointKind::Weld => true,
         }

@@ -69,6 +69,8 @@ pub struct ContactPair {
     pub turn: Option<Amplitude>,
     /// What is prescribed of a joint over time.
     pub drive: Option<(Coordinate, Amplitude)>,
+    /// The joints of the model whose coordinates it couples.
+    pub geared: Option<[usize; 2]>,
     /// Mean velocity of the obstacle in this step.
     pub obstacle_velocity: [f64; 3],
     /// Its constraint functions.
@@ -155,6 +157,7 @@ impl ContactPair {
             motion: [None, None, None],
             turn: None,
             drive: None,
+            geared: None,
             obstacle_velocity: [0.0; 3],
             law: if kind.is_bilateral() { &Bilateral } else { &Unilateral },
             update: &GAP,

@@ -6,6 +6,7 @@
 //! ```text
 //! drive   Phi = h sin(phi - s)                                     = h (cos s b.n - sin s b.a)
 //! stops   Phi = h (cos(phi - m) - cos w) / sin w >= 0              m: middle of the range, w: half its width
+//! gear    Phi = h (phi_1 + ratio phi_2)                            over whole turns, see `contact/geared.rs`
 //! ```
 //!
 //! A travel is `r.t` with the vector `r` between the points and a direction `t` of the first end, a distance `|r|`, prescribed or limited
@@ -14,7 +15,7 @@
 
 use super::body::Body;
 use super::joint_ends::{End, across};
-use crate::contact::{DrivenFunction, PointConstraints, PointFunction, PointVector};
+use crate::contact::{DrivenFunction, Geared, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointKind};
 
@@ -109,6 +110,30 @@ impl FreeMotion {
         };
         kernel.add(self.vectors.clone(), functions, None, self.is_grounded);
     }
+}
+
+/// The constraint `s_1 + ratio s_2 = 0` of the coordinates of two joints, as a length: an angle counts by `size`.
+pub fn geared(coupled: &[FreeMotion], ratio: f64, size: f64) -> Geared {
+    let (mut vectors, mut functions, mut coordinates) = (Vec::new(), Vec::new(), Vec::new());
+    let product = |a: usize, b: usize, constant: f64| PointFunction { products: vec![(a, b, 1.0)], linear: Vec::new(), constant };
+    for (motion, factor) in coupled.iter().zip([1.0, ratio]) {
+        let first = vectors.len();
+        vectors.extend(motion.vectors.iter().cloned());
+        let is_angle = motion.coordinate == Coordinate::Angle;
+        match is_angle {
+            true => functions.extend([product(first, first + 1, 0.0), product(first, first + 2, 0.0)]),
+            false => functions.push(product(first, first + 1, -motion.rest)),
+        }
+        coordinates.push((is_angle, factor));
+    }
+    // The larger of both moves by its own length.
+    let arm = |(is_angle, factor): &(bool, f64)| factor.abs() / if *is_angle { size } else { 1.0 };
+    let largest = coordinates.iter().map(arm).fold(0.0, f64::max);
+    coordinates.iter_mut().for_each(|(_, factor)| *factor /= largest);
+    let dimension = coupled.first().map_or(2, |motion| motion.dimension);
+    let mut inner = PointConstraints::new(dimension, size);
+    inner.add(vectors, functions, None, coupled.iter().any(|motion| motion.is_grounded));
+    Geared::new(inner, dimension, coordinates, size)
 }
 
 /// `sign (|r|^2 - distance^2) / (2 length)` of the first vector.

@@ -10,15 +10,14 @@ use std::collections::BTreeSet;
 use super::body::Body;
 use super::carried::Carried;
 use super::contact_pair::{ContactPair, PairKind};
-use super::free_motion::FreeMotion;
+use super::free_motion::{FreeMotion, geared};
 use super::joint_ends::{End, across, node_vector};
 use super::laws::Unilateral;
-use crate::contact::{PointConstraints, PointFunction, PointVector};
-use crate::dynamics::model::amplitude::Amplitude;
+use crate::contact::{ContactKernel, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::boundaries::inner_nodes;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Partner};
-use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointKind};
+use crate::dynamics::model::joints::{JointDefinition, JointKind};
 use crate::dynamics::model::update_rules::PERSISTENCY;
 use crate::math::norms::{largest_size, length};
 use crate::math::tolerances;
@@ -45,48 +44,53 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
     used
 }
 
-/// How a joint holds.
-struct Held {
-    is_one_sided: bool,
-    drive: Option<(Coordinate, Amplitude)>,
-}
-
 /// The constraints of rigid bodies and joints: for each body its rigidity and what it carries, then for each joint what it
 /// holds and its stops.
 pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference: &[f64]) -> Vec<ContactPair> {
     let mut pairs = Vec::new();
     let reach = largest_size(reference);
-    let mut add = |name: &str, kind: PairKind, body: usize, size: f64, kernel: PointConstraints, joint: Option<Held>| {
-        if !kernel.is_empty() {
-            let mut pair = ContactPair::new(name, kind, Box::new(kernel), model.modulus(body), reach);
-            pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
-            pair.closed = (tolerances::CLOSED * size).max(10.0 * pair.gap_tolerance);
-            if let Some(Held { is_one_sided, drive }) = joint {
-                if is_one_sided {
-                    // What is taut, or at a stop, gives back what it took.
-                    (pair.law, pair.update) = (&Unilateral, &PERSISTENCY);
-                }
-                pair.drive = drive;
-            }
-            pairs.push(pair);
-        }
+    let made = |name: &str, kind: PairKind, body: usize, size: f64, kernel: Box<dyn ContactKernel>| {
+        let mut pair = ContactPair::new(name, kind, kernel, model.modulus(body), reach);
+        pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
+        pair.closed = (tolerances::CLOSED * size).max(10.0 * pair.gap_tolerance);
+        pair
+    };
+    let of_points = |name: &str, kind: PairKind, body: usize, size: f64, kernel: PointConstraints| {
+        (!kernel.is_empty()).then(|| made(name, kind, body, size, Box::new(kernel)))
     };
     for body in bodies {
         let Some(rigid) = &body.rigid else { continue };
-        add(&body.name, PairKind::Rigidity, body.number, rigid.size, rigidity::<D>(rigid, reference), None);
-        add(&body.name, PairKind::Rigidity, body.number, rigid.size, ties::<D>(rigid), None);
+        for kernel in [rigidity::<D>(rigid, reference), ties::<D>(rigid)] {
+            pairs.extend(of_points(&body.name, PairKind::Rigidity, body.number, rigid.size, kernel));
+        }
     }
     let extent = model.extent();
     for joint in &model.joints {
         let body = joint.bodies().next().unwrap_or(0);
-        let size = joint.bodies().filter_map(|body| bodies[body].rigid.as_ref()).map(|rigid| rigid.size).fold(extent, f64::min);
-        let drive = joint.drive.clone().and_then(|drive| Some((joint.kind.coordinate(D)?, drive)));
-        let held = Held { is_one_sided: matches!(joint.kind, JointKind::Cable(_)), drive };
-        add(&joint.name, PairKind::Joint, body, size, joint_constraints(model, bodies, joint, size), Some(held));
-        let stopped = Held { is_one_sided: true, drive: None };
-        add(&joint.name, PairKind::Joint, body, size, stops(model, bodies, joint, size), Some(stopped));
+        let joined = model.joints_of(joint).flat_map(JointDefinition::bodies);
+        let size = joined.filter_map(|body| bodies[body].rigid.as_ref()).map(|rigid| rigid.size).fold(extent, f64::min);
+        if let JointKind::Gear(gear) = joint.kind {
+            let coupled: Vec<FreeMotion> = model.joints_of(joint).filter_map(|joint| FreeMotion::new(model, bodies, joint, size)).collect();
+            let mut pair = made(&joint.name, PairKind::Joint, body, size, Box::new(geared(&coupled, gear.ratio, size)));
+            pair.geared = Some(gear.joints);
+            pairs.push(pair);
+            continue;
+        }
+        let pair = of_points(&joint.name, PairKind::Joint, body, size, joint_constraints(model, bodies, joint, size));
+        pairs.extend(pair.map(|mut pair| {
+            pair.drive = joint.drive.clone().and_then(|drive| Some((joint.kind.coordinate(D)?, drive)));
+            if matches!(joint.kind, JointKind::Cable(_)) { one_sided(pair) } else { pair }
+        }));
+        let stops = of_points(&joint.name, PairKind::Joint, body, size, stops(model, bodies, joint, size));
+        pairs.extend(stops.map(one_sided));
     }
     pairs
+}
+
+/// What is taut, or at a stop, gives back what it took.
+fn one_sided(mut pair: ContactPair) -> ContactPair {
+    (pair.law, pair.update) = (&Unilateral, &PERSISTENCY);
+    pair
 }
 
 /// The distances between masters stay: `(|x_i - x_j|^2 / l - l) / 2 = 0` of every two.
@@ -157,6 +161,8 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
         JointKind::Cable(longest) => {
             functions.push(PointFunction { constant: 0.5 * longest, ..product(0, 0, -0.5 / longest) });
         }
+        // Two joints hold it, not its ends.
+        JointKind::Gear(_) => {}
         JointKind::Point => functions.extend(components(D)),
         JointKind::Weld => {
             functions.extend(components(D));

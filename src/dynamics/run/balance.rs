@@ -33,6 +33,8 @@ pub struct Piece {
     nodes: Vec<usize>,
     /// Square of the frequency of its slowest elastic motion: wave speed over its extent.
     pub frequency_squared: f64,
+    /// Mass of a rigid body.
+    rigid_mass: Option<f64>,
     modulus: f64,
     /// Largest modulus times the cells' aspect ratio, for the round-off of forces: that of a strain is over the shortest edge, and its
     /// force acts on the longest.
@@ -82,6 +84,17 @@ impl Pull {
     }
 }
 
+impl Piece {
+    /// Damping that keeps its rigid motions regular: a trifle of its own stiffness. A rigid body has none, and its constraints as many
+    /// digits as the damping has of their forces.
+    pub fn least_damping<const D: usize>(&self, forces: &Forces) -> f64 {
+        let Some(mass) = self.rigid_mass else { return tolerances::LEAST_DAMPING * self.frequency_squared };
+        let on_node = |&node: &usize| (node * D..(node + 1) * D).map(|k| forces.without_contact[k].abs().max(forces.contact[k].abs()));
+        let load: f64 = self.nodes.iter().flat_map(on_node).sum();
+        (tolerances::RIGID_DAMPING * load / (mass * self.extent)).max(tolerances::LEAST_DAMPING * self.frequency_squared)
+    }
+}
+
 impl Balance {
     pub fn new<const D: usize>(system: &System<D>, model: &Model) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
@@ -98,7 +111,9 @@ impl Balance {
                     let modulus = model.modulus(body);
                     let own = if definition.rigid.is_some() { modulus } else { definition.material.stiffness() };
                     let stiffness = aspect * own;
-                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared: 0.0, modulus, stiffness, extent: 0.0, radius: 0.0 });
+                    let rigid_mass = definition.rigid.map(|inertia| inertia.mass);
+                    let (frequency_squared, extent, radius) = (0.0, 0.0, 0.0);
+                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared, rigid_mass, modulus, stiffness, extent, radius });
                     numbers.len() - 1
                 });
                 pieces[first + place].nodes.push(node);

@@ -73,6 +73,7 @@ where
         let (state, tally) = (self.state.clone(), self.tally());
         let still = vec![0.0; self.system.nodes.count()];
         let travel = Travel::Each { sizes: &still, besides: 0.0 };
+        self.count_turns();
         self.begin_at_rest(&Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 }, &[])?;
         let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
         let options = &self.options;

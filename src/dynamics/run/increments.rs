@@ -142,6 +142,7 @@ where
             state.clock = Clock { origin: time, count: 0, dt: self.options.dt };
         }
         let begun = self.state.clone();
+        self.count_turns();
         match self.settle_from_here(f64::INFINITY, care) {
             // What was moved at once has been pushed into the other side round a corner: in small parts it comes another way.
             Err(StepError::StillOverlaps { .. }) if !self.system.supports.prescribed.is_empty() => {

@@ -66,6 +66,17 @@ where
         total
     }
 
+    /// Lets gears count the turns of their joints from those in the present state on.
+    pub(super) fn count_turns(&mut self) {
+        let known = &self.state.row.joints;
+        let value = |joint: usize| known.get(joint).map_or(0.0, |known| known.value);
+        for pair in &mut self.system.pairs {
+            if let Some(joints) = pair.geared {
+                pair.kernel.count_from(joints.map(value));
+            }
+        }
+    }
+
     /// Joints that the velocities at the start do not fit, with the rate at which what they hold would part `[length/time]`.
     pub fn loose_joints(&self) -> Vec<(String, f64)> {
         let (q, v) = (&self.state.positions, &self.state.velocities);

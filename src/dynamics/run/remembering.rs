@@ -34,6 +34,7 @@ where
         let kind = StepKind::Rest { damping: &undamped, velocities: Some(&state.velocities) };
         let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, kind };
         self.system.move_obstacles(state.row.time, 0.0)?;
+        self.count_turns();
         let begun = self.system.begin_step(&Outlook::within(&state.positions, 0.0)).map_err(Failure::Linear);
         let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));
         let remembered = at.and_then(|at| self.memory_at(&at).map(|memory| (at, memory)));

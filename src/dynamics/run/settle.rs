@@ -278,7 +278,7 @@ where
     /// A damped step, or the experience that more damping is needed or more motion to be expected.
     fn step_to_rest(&mut self, balance: &Balance, present: &Present, progress: &mut Progress) -> Result<(), StepError> {
         let Present { positions, displacements, imbalance, .. } = present;
-        let plan = self.plan(balance, imbalance, progress, positions);
+        let plan = self.plan(balance, present, progress);
         // How far nodes may move: as their piece is expected to, and both sides as far as is prescribed.
         let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| progress.leeway * size).collect();
         // Where something was overlooked, what was not expected to move did.
@@ -344,7 +344,7 @@ where
     }
 
     /// The damping of the next step, and how far it is expected to move the pieces.
-    fn plan(&self, balance: &Balance, imbalance: &Imbalance, progress: &Progress, q: &[f64]) -> Plan {
+    fn plan(&self, balance: &Balance, Present { imbalance, positions: q, at, .. }: &Present, progress: &Progress) -> Plan {
         let facet = self.shortest_facet();
         let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
         // What is far from all others may fall farther, but not turn farther.
@@ -352,7 +352,7 @@ where
         let falls: Vec<f64> = balance.clearances(&self.system, q, &imbalance.pieces).into_iter().map(fall).collect();
         let mut damping = vec![0.0f64; self.system.bodies.len()];
         for ((piece, pull), &fall) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls) {
-            let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(tolerances::LEAST_DAMPING * piece.frequency_squared);
+            let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(piece.least_damping::<D>(&at.forces));
             damping[piece.body] = damping[piece.body].max(progress.excess * needed);
         }
         let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };

@@ -87,6 +87,7 @@ where
         let outlook =
             Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach, depth: 0.0 };
         self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
+        self.count_turns();
         self.system.begin_step(&outlook).map_err(Failure::Linear)?;
         self.system.begin_friction(time + 0.5 * dt, &state.positions).map_err(Failure::Fatal)?;
 

@@ -11,8 +11,8 @@ use super::units::{Dimension, Units};
 use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
-    Amplitude, Change, Coefficient, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription, Rescaled,
-    TimeFunction, TimeFunctionError, Turn,
+    Amplitude, Change, Coefficient, Coordinate, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription,
+    Rescaled, TimeFunction, TimeFunctionError, Turn,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
@@ -137,6 +137,7 @@ impl Motion {
             body.material = self.material(&body.material)?;
             body.rigid = body.rigid.map(|inertia| self.inertia(&inertia, dimension));
         }
+        let coordinates: Vec<Option<Coordinate>> = model.joints.iter().map(|joint| joint.kind.coordinate(dimension)).collect();
         for joint in &mut moved.joints {
             joint.kind = joint.kind.along(|direction| self.vector(direction, 1.0));
             joint.ends.iter_mut().for_each(|end| end.point = self.point(end.point));
@@ -145,6 +146,10 @@ impl Motion {
             joint.limits = joint.limits.map(|limits| limits.map(|limit| scale * limit));
             if let JointKind::Cable(longest) = &mut joint.kind {
                 *longest *= units.length;
+            }
+            if let JointKind::Gear(gear) = &mut joint.kind {
+                let [first, second] = gear.joints.map(|index| coordinates[index].map_or(0, Coordinate::lengths));
+                gear.ratio *= units.length.powi(first - second);
             }
         }
         moved.gravity = self.vector(model.gravity, speed / units.time);

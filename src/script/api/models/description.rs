@@ -2,7 +2,9 @@
 
 use super::data::ModelData;
 use crate::contact::{Obstacle, ObstacleInSpace};
-use crate::dynamics::{Amplitude, BodyBoundary, BodyDefinition, Coordinate, Interaction, Model, Partner, Prescription, Turn};
+use crate::dynamics::{
+    Amplitude, BodyBoundary, BodyDefinition, Coordinate, Gear, Interaction, JointKind, Model, Partner, Prescription, Turn,
+};
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::wording::joined;
@@ -26,6 +28,10 @@ pub fn describe_model(data: &ModelData) -> String {
         lines.push(format!("  gravity {}", vector_text(&model.gravity[..model.dimension()])));
     }
     lines.extend(model.joints.iter().map(|joint| {
+        if let JointKind::Gear(Gear { joints, ratio }) = joint.kind {
+            let [first, second] = joints.map(|index| &model.joints[index].name);
+            return format!("  gear \"{}\" of joints \"{first}\" and \"{second}\" with the ratio {}", joint.name, number_text(ratio));
+        }
         let names =
             joint.ends.iter().rev().map(|end| end.body.map_or("the ground".into(), |body| format!("\"{}\"", model.bodies[body].name)));
         let at = vector_text(&joint.ends[1].point[..model.dimension()]);

@@ -6,12 +6,14 @@ pub mod arguments;
 pub mod bodies;
 pub mod body_forces;
 pub mod building;
+pub mod bushings;
 pub mod chambers;
 pub mod change;
 pub mod dampers;
 pub mod data;
 pub mod description;
 pub mod ends;
+pub mod gears;
 pub mod growth;
 pub mod handle;
 pub mod loads;
@@ -41,11 +43,13 @@ pub fn functions() -> Vec<Function> {
     all.push(body_forces::body_force());
     all.extend([
         rigid::add_joint(),
+        gears::add_gear(),
         motors::add_motor(),
         motors::add_actuator(),
         springs::add_spring(),
         springs::add_torsion_spring(),
         dampers::add_damper(),
+        bushings::add_bushing(),
         dampers::add_drag(),
         dampers::add_damping(),
         chambers::add_chamber(),

@@ -77,15 +77,7 @@ pub fn add_motor() -> Function {
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.name("name")?, call.options("options")?);
-            let to = options.argument("to");
-            let is_ground = to.value().read_lock::<ImmutableString>().is_some_and(|word| *word == GROUND);
-            let from = options.argument("from");
-            let bodies = [Some(masters_of(&from, &model)?), if is_ground { None } else { Some(masters_of(&to, &model)?) }];
-            if let [Some((a, _)), Some((b, _))] = &bodies
-                && a == b
-            {
-                return Err(to.fail("a motor turns a body against another one").hint("name two bodies, or the ground").into());
-            }
+            let bodies = bodies_of(&options, &model, "a motor turns")?;
             let axis = axis_of(&options, model.0.borrow().model.dimension())?;
             let torque = amplitude_of(&options.argument("torque"))?;
             change(call, &model, |data| data.model.parts.push(Arc::new(MotorDefinition { name, bodies, axis, torque })))?;
@@ -94,8 +86,23 @@ pub fn add_motor() -> Function {
     }
 }
 
+/// A rigid body by its index, with its masters.
+pub type Mastered = (usize, Vec<u32>);
+
+/// Two rigid bodies with their masters, or one and the ground; `what` is done to them.
+pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[Option<Mastered>; 2], Failure> {
+    let (from, to) = (options.argument("from"), options.argument("to"));
+    let is_ground = to.value().read_lock::<ImmutableString>().is_some_and(|word| *word == GROUND);
+    let first = masters_of(&from, model, what)?;
+    let second = if is_ground { None } else { Some(masters_of(&to, model, what)?) };
+    if second.as_ref().is_some_and(|(body, _)| *body == first.0) {
+        return Err(to.fail(format!("{what} a body against another one")).hint("name two bodies, or the ground"));
+    }
+    Ok([Some(first), second])
+}
+
 /// A rigid body with its masters.
-fn masters_of(argument: &Argument, model: &ModelHandle) -> Result<(usize, Vec<u32>), Failure> {
+fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Mastered, Failure> {
     if !argument.is_given() {
         return Err(argument.missing());
     }
@@ -105,7 +112,7 @@ fn masters_of(argument: &Argument, model: &ModelHandle) -> Result<(usize, Vec<u3
     match Frame::new(&body.mesh).filter(|_| body.rigid.is_some()) {
         Some(frame) => Ok((index, frame.masters)),
         None => {
-            let failure = argument.fail(format!("body \"{}\" deforms, and a motor turns rigid bodies", body.name));
+            let failure = argument.fail(format!("body \"{}\" deforms, and {what} rigid bodies", body.name));
             Err(failure.hint("add it with `add_rigid_body`, or load a boundary of it: `model.torque(boundary, amplitude)`"))
         }
     }
