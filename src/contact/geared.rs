@@ -24,7 +24,10 @@ use super::points::PointConstraints;
 use super::surface::{Sides, Surface};
 use super::window::Outlook;
 use crate::integrators::Derivative;
-use crate::math::tolerances::SMALL_TURN;
+
+/// Tangent of the turn of a gear in a step below which functions of it are summed as series of seven terms: what is left of them there is
+/// round-off.
+const SMALL_TURN: f64 = 0.05;
 
 /// A coordinate of a gear.
 #[derive(Clone, Debug)]

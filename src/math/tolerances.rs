@@ -497,7 +497,3 @@ pub const LINEAR_STATE: f64 = 0.05;
 
 /// The same times the load factor: how far the way to the buckling load is from straight.
 pub const LINEAR_PATH: f64 = 0.2;
-
-/// Tangent of the turn of a gear in a step below which functions of it are summed as series of seven terms: what is left of them there is
-/// round-off.
-pub const SMALL_TURN: f64 = 0.05;

@@ -210,7 +210,9 @@ fn a_dashpot_is_right_in_every_scheme() {
 fn a_mass_at_a_node_is_right_in_every_scheme() {
     for &scheme in CATALOGUE.iter().chain(&[&AVERAGE]) {
         let of = |steps: usize| ballast::run(scheme, steps).unwrap_or_else(|error| panic!("{error}"));
-        let rate = (of(400) / of(800)).log2();
+        // Steps whose errors are well above round-off.
+        let steps = if scheme.promises.order > 2 { 50 } else { 400 };
+        let rate = (of(steps) / of(2 * steps)).log2();
         assert!((rate - order_beside_bodies(scheme)).abs() < 0.1, "{}: {rate}", scheme.name);
     }
 }

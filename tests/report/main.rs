@@ -192,8 +192,8 @@ sim.step(2);
     assert_eq!(page.complaints, Vec::<Value>::new());
 }
 
-/// A cut across a tube: its wall has a face, plain where only the surface is recorded and colored where the inside is, its hole has none, and
-/// what is on the viewer's side is gone.
+/// A cut across a tube: its wall has a face, plain where only the surface is recorded and colored where the inside is, its hole has none,
+/// and what is on the viewer's side is gone.
 #[test]
 fn a_cut_shows_the_inside() {
     let folder = folder("cut");

@@ -24,7 +24,7 @@ pub fn check_integrator(model: &Model, integrator: &Scheme, chooses_size: bool) 
 
 /// What has no meaning where nothing moves.
 fn check_static(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
-    let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "steps of `statics`", what, reason, instead });
+    let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "steps without inertia", what, reason, instead });
     if chooses_size {
         let reason = "every equilibrium is exact, and no error grows from step to step";
         return refused("a size that they choose".into(), reason, "give steps a size: one that fails is taken in increments");

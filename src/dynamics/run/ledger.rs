@@ -248,7 +248,7 @@ impl LedgerRow {
     pub(super) fn join(&mut self, before: &LedgerRow, first: usize, own: f64, whole: f64) {
         let passed = if before.step > first { before.dt } else { 0.0 };
         self.step = first + 1;
-        self.dt = if passed + own < whole * (1.0 - tolerances::SAME_MOMENT) { passed + own } else { whole };
+        self.dt = if (passed + own - whole).abs() > tolerances::SAME_MOMENT * whole { passed + own } else { whole };
         if passed == 0.0 {
             return;
         }

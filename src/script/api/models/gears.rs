@@ -26,7 +26,7 @@ pub fn add_gear() -> Function {
             "factor of the second coordinate: of gears teeth of the second wheel over those of the first, positive where they turn against \
              each other, negative of an inner gear or a belt; of a pinion and a rack -1 over the pinion's radius, if both run the same way",
         )
-        .of("1, or a power of length"),
+        .of("any"),
     ];
     Function {
         name: "add_gear",

@@ -16,8 +16,8 @@ pub struct IntegratorHandle(pub Scheme);
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
     const MAKER: &'static str = "make one with `energy_momentum()`, `energy_decaying()`, `midpoint()`, `trapezoidal()`, \
-         `backward_euler()`, `newmark()`, `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()`, `central_differences()` or \
-         `statics()`";
+         `backward_euler()`, `newmark()`, `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()`, \
+         `central_differences()` or `statics()`";
 
     fn describe(&self) -> String {
         let title = title(&self.0);
