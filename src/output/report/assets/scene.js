@@ -75,13 +75,14 @@ class Scene {
     }
   }
 
-  // The plane of the cut: pixels with x p[0] + y p[1] + depth p[2] + p[3] > 0 are taken away, those on the viewer's side.
+  // The plane of the cut: pixels with x p[0] + y p[1] + depth p[2] + p[3] > 0 are taken away, those on the viewer's side. Nodes in the plane
+  // are left, whatever their round-off: it lies a hundredth of a pixel before them.
   plane() {
     if (!this.isSpace || !this.cut) return null;
     const { axis, share } = this.cut, { low, high } = this.bounds, { width, height } = this.canvas, { zoom, shift, center } = this;
     const [a, b, c] = this.axes().map((direction) => direction[axis]), sign = c < 0 ? -1 : 1;
     const at = low[axis] + share * (high[axis] - low[axis]) - center[axis];
-    return [sign * a, -sign * b, sign * c, -sign * (a * (width / 2 + shift[0] * zoom) - b * (height / 2 + shift[1] * zoom) + at * zoom)];
+    return [sign * a, -sign * b, sign * c, -sign * (a * (width / 2 + shift[0] * zoom) - b * (height / 2 + shift[1] * zoom) + at * zoom) - 0.01];
   }
 
   // Places of all nodes in pixels, with their depth, magnified displacements included.
