@@ -35,6 +35,7 @@ use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed};
 use crate::dynamics::step::start::{StepKind, StepStart};
+use crate::dynamics::step::system::System;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -301,7 +302,7 @@ where
         let refused = match outcome.and_then(|solution| self.check_search(&outlook, progress.leeway, &solution).map(|()| solution)) {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
-            Ok(solution) if present.is_pushed_by(&solution.at.moved, &self.system.supports.fixed) => {
+            Ok(solution) if present.is_pushed_by(&solution.at.moved, &self.system) => {
                 let motion = solution.at.moved.clone();
                 progress.parts += usize::from(is_part);
                 progress.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
@@ -491,10 +492,13 @@ impl Progress {
 
 impl Present {
     /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
-    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, there is no such way.
-    fn is_pushed_by(&self, moved: &[f64], fixed: &[bool]) -> bool {
+    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way, there is no
+    /// such way.
+    fn is_pushed_by<const D: usize>(&self, moved: &[f64], system: &System<D>) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
-        let work = || (0..moved.len()).filter(|&k| !fixed[k]).map(|k| push(k) * moved[k]).sum::<f64>();
-        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= 0.0
+        let free = || (0..moved.len()).filter(|&k| !system.supports.fixed[k]);
+        let work = || free().map(|k| push(k) * moved[k]).sum::<f64>();
+        let round_off = || tolerances::FORCE_FLOOR * system.nodes.extent * free().map(|k| push(k).abs()).sum::<f64>();
+        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= -round_off()
     }
 }

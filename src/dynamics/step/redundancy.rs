@@ -11,7 +11,7 @@ use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
 use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY};
 
-/// A constraint row by its free unknowns.
+/// A constraint row by its unknowns.
 type Row = BTreeMap<usize, f64>;
 
 impl<const D: usize> System<D> {
@@ -25,8 +25,10 @@ impl<const D: usize> System<D> {
         for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
-            for (number, row) in self.rows_of(pair, &evaluation) {
-                let size = largest(&row);
+            for (number, mut row) in self.rows_of(pair, &evaluation) {
+                // Of all its entries: what supports leave of a row may be round-off.
+                let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
+                row.retain(|&unknown, value| !self.supports.fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
                 let rest = reduced(row, size, &pivots);
                 let entry = rest.iter().map(|(&unknown, &value)| (unknown, value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
                 match entry.filter(|(_, value)| value.abs() > DEPENDENT * size) {
@@ -40,7 +42,7 @@ impl<const D: usize> System<D> {
         redundant
     }
 
-    /// The rows of a pair by their free unknowns; none of nodes that lie opposite nothing.
+    /// The rows of a pair by their unknowns; none of nodes that lie opposite nothing.
     fn rows_of(&self, pair: &ContactPair, evaluation: &Evaluation) -> BTreeMap<usize, Row> {
         let mut rows: BTreeMap<usize, Row> = BTreeMap::new();
         for row in pair.live_rows(evaluation) {
@@ -48,19 +50,12 @@ impl<const D: usize> System<D> {
             let sums = rows.entry(row.row).or_default();
             for (&node, entries) in row.nodes.iter().zip(entries.chunks_exact(D)) {
                 for (i, &entry) in entries.iter().enumerate() {
-                    let unknown = node as usize * D + i;
-                    if !self.supports.fixed[unknown] {
-                        *sums.entry(unknown).or_insert(0.0) += entry;
-                    }
+                    *sums.entry(node as usize * D + i).or_insert(0.0) += entry;
                 }
             }
         }
         rows
     }
-}
-
-fn largest(row: &Row) -> f64 {
-    row.values().fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
 /// What is left of a row of that size when the unknowns of all pivots are eliminated. Couplings along a surface fade from node to node, and
