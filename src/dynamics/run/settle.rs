@@ -213,13 +213,6 @@ where
         })
     }
 
-    /// Takes the forces of friction away.
-    pub(super) fn let_go(&mut self) {
-        let (pressing, State { lambda, active, .. }) = (self.system.pressing, Arc::make_mut(&mut self.state));
-        lambda[pressing..].fill(0.0);
-        active[pressing..].fill(RowState::Open);
-    }
-
     /// Judges the present state, with the contact pairs of a state at rest.
     fn look(&mut self, balance: &Balance, progress: &Progress) -> Result<Present, StepError> {
         let (positions, displacements) = (self.state.positions.clone(), self.state.displacements.clone());
@@ -492,13 +485,13 @@ impl Progress {
 
 impl Present {
     /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
-    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way, there is no
-    /// such way.
+    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way, there is
+    /// no such way.
     fn is_pushed_by<const D: usize>(&self, moved: &[f64], system: &System<D>) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
-        let free = || (0..moved.len()).filter(|&k| !system.supports.fixed[k]);
-        let work = || free().map(|k| push(k) * moved[k]).sum::<f64>();
-        let round_off = || tolerances::FORCE_FLOOR * system.nodes.extent * free().map(|k| push(k).abs()).sum::<f64>();
-        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || work() >= -round_off()
+        let free = (0..moved.len()).filter(|&k| !system.supports.fixed[k]);
+        let (work, size) = free.fold((0.0, 0.0), |(work, size), k| (work + push(k) * moved[k], size + push(k).abs()));
+        let climbs = work < -tolerances::FORCE_FLOOR * system.nodes.extent * size;
+        !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || !climbs
     }
 }

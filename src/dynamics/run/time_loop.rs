@@ -29,6 +29,7 @@ use super::validity::Excess;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::failure::Failure;
 use crate::math::tolerances;
 
@@ -140,7 +141,10 @@ where
         let before = self.state.clone();
         self.rest_friction = friction;
         if !friction {
-            self.let_go();
+            // Its forces are taken away.
+            let (pressing, State { lambda, active, .. }) = (self.system.pressing, Arc::make_mut(&mut self.state));
+            lambda[pressing..].fill(0.0);
+            active[pressing..].fill(RowState::Open);
         }
         let mut outcome = self.settle_at(time);
         self.rest_friction = true;
