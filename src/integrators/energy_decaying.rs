@@ -14,9 +14,9 @@
 //! stress that follows from the strains of the step alone does better. Armero and Romero filter velocities node by node, which keeps
 //! momenta with lumped masses alone, and changes the equations of the step.
 
-use super::derivative::Derivative;
+use super::energy_momentum::ROW;
 use super::family::Family;
-use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Dissipation, LeadingError, Parameters, Promises, Scheme};
 use crate::math::catalogue::{Interval, Parameter};
 
 /// The scheme for a spectral radius from 0 to 1 in steps without end.
@@ -27,17 +27,11 @@ pub const fn energy_decaying(spectral_radius: f64) -> Scheme {
         name: "energy_decaying",
         summary: "energy-momentum scheme that damps fast vibrations of bodies (after Armero and Romero 2001), of first order: both momenta \
                   exact, rigid motions undamped, and the energy never grows, for every step size",
-        derivative: Derivative::DiscreteGradient,
-        remembers: &[],
-        velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
-        acceleration: Affine::NONE,
-        weight: 1.0,
-        lag: Lag::once(1.0),
-        course: Course::Whole,
         dissipation,
         parameters: Parameters { names: &["spectral_radius"], values: [spectral_radius, 0.0] },
-        promises: Promises { energy: true, momentum: true, angular_momentum: true, order: if chi > 0.0 { 1 } else { 2 } },
+        promises: Promises { order: if chi > 0.0 { 1 } else { 2 }, ..ROW.promises },
         error: LeadingError { first: 0.25 * chi, second: 1.0 / 12.0 + chi * chi / 32.0 },
+        ..ROW
     }
 }
 

@@ -6,7 +6,7 @@ use super::scheme::{Course, LeadingError, Promises, Scheme};
 /// Equilibria along the loads. Of the coefficients, those of backward Euler, nobody reads one.
 pub static STATICS: Scheme = Scheme {
     name: "statics",
-    summary: "statics: each step goes to the equilibrium at its end, without inertia; loads, prescribed motions and obstacles take the way \
+    summary: "statics, each step to the equilibrium at its end, without inertia; loads, prescribed motions and obstacles take the way \
               of their functions of time, and so does friction; viscosity, dampers and drag do nothing",
     course: Course::Equilibria,
     promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },

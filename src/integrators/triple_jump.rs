@@ -25,6 +25,7 @@ const STAGE: Scheme = Scheme {
     summary: "energy-momentum scheme in three stages, the middle one back in time, of fourth order: keeps the energy and both momenta, for \
               smooth motions that are wanted to many digits; nothing may damp",
     promises: Promises { order: 4, ..ROW.promises },
+    // Its errors are of higher order.
     error: LeadingError { first: 0.0, second: 0.0 },
     ..ROW
 };

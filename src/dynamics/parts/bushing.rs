@@ -338,9 +338,9 @@ impl Part for Bushing {
 
 #[cfg(test)]
 mod tests {
+    use super::super::in_step::linearized;
     use super::*;
     use crate::linear::Vertex;
-    use crate::math::workers::Workers;
 
     fn bushing(dimension: usize, is_grounded: bool, damps: f64) -> BushingDefinition {
         let count = if dimension == 2 { 3 } else { 6 };
@@ -379,31 +379,7 @@ mod tests {
             let pattern = Pattern::new(&vec![Vertex::coordinates(dimension as u8); 2 * per_body], [&all[..]].into_iter());
             part.place(&pattern);
             for derivative in Derivative::ALL {
-                let dt = 0.1;
-                let linearized = |q_1: &[f64]| {
-                    let share = derivative.placement().share;
-                    let q_test: Vec<f64> = q_0.iter().zip(q_1).map(|(a, b)| a + share * (b - a)).collect();
-                    let velocity: Vec<f64> = q_0.iter().zip(q_1).map(|(a, b)| (b - a) / dt).collect();
-                    let at = Iterate {
-                        derivative,
-                        weight: 1.0,
-                        time: 0.0,
-                        dt,
-                        q_0: &q_0,
-                        q_1,
-                        u_0: &q_0,
-                        u_1: q_1,
-                        q_test: &q_test,
-                        velocity: &velocity,
-                        velocity_slope: 1.0 / dt,
-                        inertia: &[],
-                    };
-                    let (mut internal, mut load, mut values) = (vec![0.0; count], vec![0.0; count], vec![0.0; pattern.values()]);
-                    let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
-                    assert!(part.linearize(&at, &[], &mut sums).is_ok());
-                    let heat = part.remembered(&at, &[]).dissipated;
-                    (internal, values, heat)
-                };
+                let linearized = |q_1: &[f64]| linearized(&*part, &pattern, derivative, [&q_0, q_1], 0.1);
                 let (force, values, heat) = linearized(&q_1);
                 let work: f64 = force.iter().zip(q_1.iter().zip(&q_0)).map(|(f, (b, a))| f * (b - a)).sum();
                 let energy = |q: &[f64]| part.energy(Pose { q, u: q }, &[]);

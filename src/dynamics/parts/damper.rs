@@ -141,10 +141,10 @@ impl Part for Damper {
 
 #[cfg(test)]
 mod tests {
+    use super::super::in_step::linearized;
     use super::*;
     use crate::integrators::Derivative;
     use crate::linear::{Pattern, Vertex};
-    use crate::math::workers::Workers;
 
     #[test]
     fn its_tangent_is_its_derivative_and_its_heat_the_work() {
@@ -154,30 +154,8 @@ mod tests {
         let mut damper = Damper { line: Line::new(&ends, &numbering), law, is_outside: true };
         let pattern = Pattern::new(&[Vertex::coordinates(3); 2], [&[0u32, 1][..]].into_iter());
         damper.place(&pattern);
-        let (dt, q_0) = (0.1, [0.1, -0.2, 0.3, 1.0, 0.4, -0.5]);
-        let linearized = |q_1: &[f64]| {
-            let q_test: Vec<f64> = q_0.iter().zip(q_1).map(|(a, b)| 0.5 * (a + b)).collect();
-            let velocity: Vec<f64> = q_0.iter().zip(q_1).map(|(a, b)| (b - a) / dt).collect();
-            let at = Iterate {
-                derivative: Derivative::DiscreteGradient,
-                weight: 1.0,
-                time: 0.0,
-                dt,
-                q_0: &q_0,
-                q_1,
-                u_0: &q_0,
-                u_1: q_1,
-                q_test: &q_test,
-                velocity: &velocity,
-                velocity_slope: 1.0 / dt,
-                inertia: &[],
-            };
-            let (mut internal, mut load, mut values) = (vec![0.0; 6], vec![0.0; 6], vec![0.0; pattern.values()]);
-            let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
-            assert!(damper.linearize(&at, &[], &mut sums).is_ok());
-            let heat = damper.remembered(&at, &[]).dissipated;
-            (internal, values, heat)
-        };
+        let q_0 = [0.1, -0.2, 0.3, 1.0, 0.4, -0.5];
+        let linearized = |q_1: &[f64]| linearized(&damper, &pattern, Derivative::DiscreteGradient, [&q_0, q_1], 0.1);
         let q_1: Vec<f64> = q_0.iter().enumerate().map(|(k, q)| q + 0.1 * (1.7 * k as f64).sin()).collect();
         let (force, values, heat) = linearized(&q_1);
         let work: f64 = force.iter().zip(q_1.iter().zip(q_0)).map(|(f, (b, a))| f * (b - a)).sum();

@@ -15,6 +15,8 @@ pub mod drag;
 pub mod force_laws;
 pub mod free_motion;
 pub mod friction_rows;
+#[cfg(test)]
+mod in_step;
 pub mod joint_ends;
 pub mod laws;
 pub mod line;

@@ -109,25 +109,16 @@ class Scene {
 
   // One triangle with colors at its corners (0 to 255), clipped to the picture.
   triangle(ax, ay, az, av, bx, by, bz, bv, cx, cy, cz, cv, colors) {
-    const { width, height } = this.canvas, { pixels, depths, knife } = this;
+    const { width } = this.canvas, { pixels, depths, knife } = this;
     const area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
     if (!(Math.abs(area) > 1e-6)) return;
-    const top = Math.max(Math.ceil(Math.min(ay, by, cy) - 0.5), 0), bottom = Math.min(Math.floor(Math.max(ay, by, cy) - 0.5), height - 1);
     const gx = ((bv - av) * (cy - ay) - (cv - av) * (by - ay)) / area, gy = ((cv - av) * (bx - ax) - (bv - av) * (cx - ax)) / area;
     const hx = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area, hy = ((cz - az) * (bx - ax) - (bz - az) * (cx - ax)) / area;
-    for (let row = top; row <= bottom; row += 1) {
-      const y = row + 0.5;
-      let left = Infinity, right = -Infinity;
-      // Where the row crosses the sides.
-      if ((ay <= y) !== (by <= y)) { const x = ax + (bx - ax) * (y - ay) / (by - ay); if (x < left) left = x; if (x > right) right = x; }
-      if ((by <= y) !== (cy <= y)) { const x = bx + (cx - bx) * (y - by) / (cy - by); if (x < left) left = x; if (x > right) right = x; }
-      if ((cy <= y) !== (ay <= y)) { const x = cx + (ax - cx) * (y - cy) / (ay - cy); if (x < left) left = x; if (x > right) right = x; }
-      const first = Math.max(Math.ceil(left - 0.5), 0), last = Math.min(Math.ceil(right - 0.5) - 1, width - 1);
-      let value = av + gx * (first + 0.5 - ax) + gy * (y - ay), at = row * width + first;
+    const rise = knife ? knife[0] + knife[2] * hx : 0;
+    this.rows(ax, ay, bx, by, cx, cy, (y, first, last) => {
+      let value = av + gx * (first + 0.5 - ax) + gy * (y - ay), at = (y - 0.5) * width + first;
       if (depths) {
-        let depth = az + hx * (first + 0.5 - ax) + hy * (y - ay);
-        let beyond = knife ? knife[0] * (first + 0.5) + knife[1] * y + knife[2] * depth + knife[3] : 0;
-        const rise = knife ? knife[0] + knife[2] * hx : 0;
+        let depth = az + hx * (first + 0.5 - ax) + hy * (y - ay), beyond = knife ? this.beyond(first + 0.5, y, depth) : 0;
         for (let x = first; x <= last; x += 1, at += 1, value += gx, depth += hx, beyond += rise) {
           if (beyond <= 0 && depth > depths[at]) {
             depths[at] = depth;
@@ -137,7 +128,28 @@ class Scene {
       } else {
         for (let x = first; x <= last; x += 1, at += 1, value += gx) pixels[at] = colors[value < 0 ? 0 : value > 255 ? 255 : value | 0];
       }
+    });
+  }
+
+  // Pixels of a triangle, row by row: the middle of the row, its first and its last pixel.
+  rows(ax, ay, bx, by, cx, cy, visit) {
+    const { width, height } = this.canvas;
+    const top = Math.max(Math.ceil(Math.min(ay, by, cy) - 0.5), 0), bottom = Math.min(Math.floor(Math.max(ay, by, cy) - 0.5), height - 1);
+    for (let row = top; row <= bottom; row += 1) {
+      const y = row + 0.5;
+      let left = Infinity, right = -Infinity;
+      // Where the row crosses the sides.
+      if ((ay <= y) !== (by <= y)) { const x = ax + (bx - ax) * (y - ay) / (by - ay); if (x < left) left = x; if (x > right) right = x; }
+      if ((by <= y) !== (cy <= y)) { const x = bx + (cx - bx) * (y - by) / (cy - by); if (x < left) left = x; if (x > right) right = x; }
+      if ((cy <= y) !== (ay <= y)) { const x = cx + (ax - cx) * (y - cy) / (ay - cy); if (x < left) left = x; if (x > right) right = x; }
+      visit(y, Math.max(Math.ceil(left - 0.5), 0), Math.min(Math.ceil(right - 0.5) - 1, width - 1));
     }
+  }
+
+  // How far a place of the picture lies on the side of the cut that is taken away.
+  beyond(x, y, depth) {
+    const { knife } = this;
+    return knife[0] * x + knife[1] * y + knife[2] * depth + knife[3];
   }
 
   paintBody(k, plain) {
@@ -161,11 +173,12 @@ class Scene {
   // than entered behind the plane.
   paintCut(k, plain, color) {
     const { cells, triangles } = this.bodies[k], { knife } = this, p = this.places[k], v = this.values[k];
-    const beyond = (i) => knife[0] * p[3 * i] + knife[1] * p[3 * i + 1] + knife[2] * p[3 * i + 2] + knife[3];
     if (Math.abs(knife[2]) < 1e-3) return;
     if (cells.length) {
+      const heights = Float64Array.from({ length: p.length / 3 }, (_, i) => this.beyond(p[3 * i], p[3 * i + 1], p[3 * i + 2]));
+      // Its faces lie in the plane, and are not cut themselves.
       this.knife = null;
-      for (let t = 0; t < cells.length; t += 4) this.paintCell(cells.subarray(t, t + 4), beyond, p, v, plain ?? this.shades[7]);
+      for (let t = 0; t < cells.length; t += 4) this.paintCell(cells.subarray(t, t + 4), heights, p, v, plain ?? this.shades[7]);
       this.knife = knife;
       return;
     }
@@ -183,12 +196,13 @@ class Scene {
   }
 
   // The cut through a tetrahedron.
-  paintCell(corners, beyond, p, v, colors) {
-    const heights = [...corners].map(beyond), points = [];
+  paintCell(corners, heights, p, v, colors) {
+    const points = [];
     for (let i = 0; i < 4; i += 1) {
       for (let j = 0; j < i; j += 1) {
-        if ((heights[i] > 0) === (heights[j] > 0)) continue;
-        const a = corners[i], b = corners[j], share = heights[i] / (heights[i] - heights[j]);
+        const a = corners[i], b = corners[j];
+        if ((heights[a] > 0) === (heights[b] > 0)) continue;
+        const share = heights[a] / (heights[a] - heights[b]);
         points.push([0, 1, 2].map((d) => p[3 * a + d] + share * (p[3 * b + d] - p[3 * a + d])).concat(v[a] + share * (v[b] - v[a])));
       }
     }
@@ -201,28 +215,17 @@ class Scene {
 
   // Counts a facet at the pixels behind the plane: 1 where it is seen from inside, -1 from outside.
   count(inside, p, i, j, l) {
-    const { width, height } = this.canvas, { knife } = this;
+    const { width } = this.canvas;
     const area = (p[j] - p[i]) * (p[l + 1] - p[i + 1]) - (p[l] - p[i]) * (p[j + 1] - p[i + 1]);
     if (!(Math.abs(area) > 1e-6)) return;
     const hx = ((p[j + 2] - p[i + 2]) * (p[l + 1] - p[i + 1]) - (p[l + 2] - p[i + 2]) * (p[j + 1] - p[i + 1])) / area;
     const hy = ((p[l + 2] - p[i + 2]) * (p[j] - p[i]) - (p[j + 2] - p[i + 2]) * (p[l] - p[i])) / area;
-    const ys = [p[i + 1], p[j + 1], p[l + 1]];
-    const top = Math.max(Math.ceil(Math.min(...ys) - 0.5), 0), bottom = Math.min(Math.floor(Math.max(...ys) - 0.5), height - 1);
-    for (let row = top; row <= bottom; row += 1) {
-      const y = row + 0.5;
-      let left = Infinity, right = -Infinity;
-      for (const [a, b] of [[i, j], [j, l], [l, i]]) {
-        if ((p[a + 1] <= y) === (p[b + 1] <= y)) continue;
-        const x = p[a] + (p[b] - p[a]) * (y - p[a + 1]) / (p[b + 1] - p[a + 1]);
-        left = Math.min(left, x);
-        right = Math.max(right, x);
-      }
-      const first = Math.max(Math.ceil(left - 0.5), 0), last = Math.min(Math.ceil(right - 0.5) - 1, width - 1);
+    this.rows(p[i], p[i + 1], p[j], p[j + 1], p[l], p[l + 1], (y, first, last) => {
       for (let x = first; x <= last; x += 1) {
         const depth = p[i + 2] + hx * (x + 0.5 - p[i]) + hy * (y - p[i + 1]);
-        if (knife[0] * (x + 0.5) + knife[1] * y + knife[2] * depth + knife[3] <= 0) inside[row * width + x] += area > 0 ? 1 : -1;
+        if (this.beyond(x + 0.5, y, depth) <= 0) inside[(y - 0.5) * width + x] += area > 0 ? 1 : -1;
       }
-    }
+    });
   }
 
   // Surfaces of rigid obstacles in space, where they face the viewer.
@@ -259,8 +262,8 @@ class Scene {
       const share = steps ? s / steps : 0;
       const x = Math.floor(p[i] + share * (p[j] - p[i])), y = Math.floor(p[i + 1] + share * (p[j + 1] - p[i + 1]));
       if (x < 0 || y < 0 || x >= width || y >= height) continue;
-      const at = y * width + x, depth = p[i + 2] + share * (p[j + 2] - p[i + 2]), { knife } = this;
-      if (knife && knife[0] * (x + 0.5) + knife[1] * (y + 0.5) + knife[2] * depth + knife[3] > this.fineness) continue;
+      const at = y * width + x, depth = p[i + 2] + share * (p[j + 2] - p[i + 2]);
+      if (this.knife && this.beyond(x + 0.5, y + 0.5, depth) > this.fineness) continue;
       if (depth + 2.5 * this.fineness >= this.depths[at]) this.pixels[at] = color;
     }
   }
@@ -426,12 +429,11 @@ class Scene {
 
   // The node next to a pixel of the page, within a few pixels.
   nearest(x, y) {
-    const { knife } = this;
     let best = null, distance = (12 * this.fineness) ** 2, depth = -Infinity;
     this.bodies.forEach(({ nodes }, k) => {
       const p = this.places[k];
       for (let i = 0; i < nodes; i += 1) {
-        if (knife && knife[0] * p[3 * i] + knife[1] * p[3 * i + 1] + knife[2] * p[3 * i + 2] + knife[3] > 0) continue;
+        if (this.knife && this.beyond(p[3 * i], p[3 * i + 1], p[3 * i + 2]) > 0) continue;
         const d = (p[3 * i] - x * this.fineness) ** 2 + (p[3 * i + 1] - y * this.fineness) ** 2;
         if (d < distance - 4 || (d < distance + 4 && p[3 * i + 2] > depth)) {
           distance = d;
