@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (shipped, mut rows, mut by_text) = (shipped(&metadata), Vec::new(), BTreeMap::<String, Vec<String>>::new());
     for package in metadata["packages"].as_array().into_iter().flatten() {
         let field = |key: &str| package[key].as_str().unwrap_or_default();
-        if field("name") == "conserva" || !shipped.contains(field("id")) {
+        if package["source"].is_null() || !shipped.contains(field("id")) {
             continue;
         }
         let name = format!("{} {}", field("name"), field("version"));

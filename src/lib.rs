@@ -120,27 +120,15 @@
 //! Models, simulations and their states can be sent to other threads. `examples/` has more programs, `docs/reference.md` the language of
 //! the scripts.
 //!
-//! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
+//! The modules stand in floor order, after those of the kernels: each names only modules above it in this list (`src/README.md` tells why).
 //! The method is that of C. Hesch and P. Betsch, "Energy-momentum schemes for large deformation contact problems", PAMM 2007.
 
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-pub mod machine;
-pub mod math;
-
-pub mod elements;
-pub mod linear;
-pub mod materials;
-
-pub mod mesh;
-
-pub mod integrators;
-
-pub mod bodies;
-pub mod contact;
-
-pub mod dynamics;
+/// The kernels have a package of their own, so that they are compiled beside the script engine, and it without them again.
+#[doc(inline)]
+pub use conserva_kernels::{bodies, contact, dynamics, elements, integrators, linear, machine, materials, math, mesh};
 
 pub mod output;
 

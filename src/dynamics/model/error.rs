@@ -337,7 +337,6 @@ impl ModelError {
 
 /// A step that could not be taken.
 #[derive(Debug, Error)]
-#[non_exhaustive]
 pub enum StepError {
     /// A time function failed.
     #[error("the amplitude of the load on \"{boundary}\" failed at t = {time}")]

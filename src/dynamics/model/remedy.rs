@@ -4,7 +4,6 @@ use std::fmt;
 
 /// What mends a step that failed; `Display` says it in one sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum Remedy {
     /// Guide a body that contact alone does not hold.
     Guide,
@@ -24,7 +23,6 @@ pub enum Remedy {
 
 /// How less is asked for at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum Ease {
     /// By steps below this size `[time]`, or by more halvings of them.
     SmallerStep(f64),

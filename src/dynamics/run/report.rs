@@ -5,7 +5,6 @@ use crate::math::digits::three_digits;
 
 /// What made a step fail.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum FailureCause {
     /// The contact state of some nodes changed at least every second time in the last iterations.
     CyclingContact {
