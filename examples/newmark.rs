@@ -26,6 +26,7 @@ pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
         lag: Lag::once(gamma),
         course: Course::Whole,
         dissipation: Dissipation::NONE,
+        averages_stress: false,
         parameters: Parameters::NONE,
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
         // Of the average acceleration; what makes `gamma` > 1/2 one of first order comes before it.

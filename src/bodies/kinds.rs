@@ -14,12 +14,17 @@ pub struct Space<const D: usize>;
 /// Chooses the cells of a mesh by its cell kind.
 pub trait Elements<const D: usize> {
     /// The loop over the cells of `mesh`, whose nodes begin at `first_node` of the model, by a formulation that goes with mesh and material
-    /// ([`Formulation::check`]).
+    /// ([`Formulation::check`]), for a time integrator that averages the stress over a step or not.
     ///
     /// # Errors
     /// The first cell that is inside out in the mesh.
-    fn elements(mesh: &Mesh, material: &Material, formulation: Formulation, first_node: usize)
-    -> Result<Box<dyn ElementLoop<D>>, Inverted>;
+    fn elements(
+        mesh: &Mesh,
+        material: &Material,
+        formulation: Formulation,
+        first_node: usize,
+        averages_stress: bool,
+    ) -> Result<Box<dyn ElementLoop<D>>, Inverted>;
 }
 
 /// A loop over cells of one kind.
@@ -37,8 +42,12 @@ impl Elements<2> for Space<2> {
         material: &Material,
         formulation: Formulation,
         first_node: usize,
+        averages_stress: bool,
     ) -> Result<Box<dyn ElementLoop<2>>, Inverted> {
-        let physics = Physics::of_plane(material, formulation);
+        let mut physics = Physics::of_plane(material, formulation);
+        if averages_stress {
+            physics = physics.averaged();
+        }
         match mesh.kind {
             CellKind::Tri3 => cells::<Tri3, 2, 3, 4, 3, 1>(mesh, physics, first_node),
             CellKind::Quad4 => cells::<Quad4, 2, 3, 4, 4, 4>(mesh, physics, first_node),
@@ -56,8 +65,12 @@ impl Elements<3> for Space<3> {
         material: &Material,
         formulation: Formulation,
         first_node: usize,
+        averages_stress: bool,
     ) -> Result<Box<dyn ElementLoop<3>>, Inverted> {
-        let physics = Physics::of_space(material, formulation);
+        let mut physics = Physics::of_space(material, formulation);
+        if averages_stress {
+            physics = physics.averaged();
+        }
         match mesh.kind {
             CellKind::Tet4 => cells::<Tet4, 3, 6, 6, 4, 1>(mesh, physics, first_node),
             CellKind::Hex8 => cells::<Hex8, 3, 6, 6, 8, 8>(mesh, physics, first_node),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::batch::Strain;
 use super::formulation::{Dilatation, Formulation, Plane};
 use super::special::Special;
-use crate::materials::{BatchedLaw, Components, Kinematics, Material, PlaneStress};
+use crate::materials::{BatchedLaw, Components, Kinematics, Material, MeanValue, PlaneStress};
 use crate::math::lanes::Lanes;
 use crate::math::tensor::mandel_place;
 
@@ -37,6 +37,17 @@ impl<const S: usize, const L: usize> Physics<S, L> {
             _ => material.space(),
         };
         Physics { law, special, spatial_law, plane_stress: None, strain: strain_of(material), density: material.density() }
+    }
+
+    /// With the mean-value discrete gradients of its laws. The volumetric part of a law is a function of one number, which has but one
+    /// discrete gradient.
+    pub(super) fn averaged(self) -> Self
+    where
+        MeanValue<S>: BatchedLaw<S>,
+        MeanValue<L>: BatchedLaw<L>,
+    {
+        let special = self.special.map(|special| Special { law: Arc::new(MeanValue(special.law)), ..special });
+        Physics { law: Arc::new(MeanValue(self.law)), special, ..self }
     }
 
     /// Whether the body is stretched around an axis.

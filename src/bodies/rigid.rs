@@ -85,7 +85,7 @@ fn of_cells<const D: usize>(mesh: &Mesh, material: &Material, formulation: Formu
 where
     Space<D>: Elements<D>,
 {
-    let elements = Space::<D>::elements(mesh, material, formulation, 0)?;
+    let elements = Space::<D>::elements(mesh, material, formulation, 0, false)?;
     let vertices = vec![Vertex::coordinates(D as u8); mesh.points.len()];
     let pattern = Pattern::new(&vertices, elements.cliques().iter().map(|clique| &clique[..]));
     let mut matrix = NodeMatrix::new(&pattern, mesh.points.len());

@@ -41,6 +41,7 @@ const fn after(ratio: f64) -> Scheme {
         lag: Lag { used: before, force: 0.0, inertia: 1.0, gamma: 1.0 },
         course: Course::Whole,
         dissipation: Dissipation::NONE,
+        averages_stress: false,
         parameters: Parameters::NONE,
         promises: PROMISES,
         error: LeadingError { first: 0.0, second: (1.0 + ratio) / 6.0 },

@@ -27,6 +27,7 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
         lag: Lag::once(0.5),
         course: Course::Explicit(lumping),
         dissipation: Dissipation::NONE,
+        averages_stress: false,
         parameters: Parameters::NONE,
         promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
         error: LeadingError { first: 0.0, second: 1.0 / 24.0 },

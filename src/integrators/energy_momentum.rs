@@ -19,6 +19,7 @@ pub(super) const ROW: Scheme = Scheme {
     lag: Lag::once(1.0),
     course: Course::Whole,
     dissipation: Dissipation::NONE,
+    averages_stress: false,
     parameters: Parameters::NONE,
     promises: Promises { energy: true, momentum: true, angular_momentum: true, order: 2 },
     error: LeadingError::TRAPEZOIDAL,

@@ -37,6 +37,7 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
         lag: Lag { used: 1.0, force: of_forces * alpha_f, inertia: 1.0 - of_forces, gamma },
         course: Course::Whole,
         dissipation: Dissipation::NONE,
+        averages_stress: false,
         parameters,
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
         error: {

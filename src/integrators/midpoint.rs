@@ -15,6 +15,7 @@ pub static MIDPOINT: Scheme = Scheme {
     lag: Lag::once(1.0),
     course: Course::Whole,
     dissipation: Dissipation::NONE,
+    averages_stress: false,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
     error: LeadingError::TRAPEZOIDAL,

@@ -13,6 +13,7 @@ mod energy_decaying;
 mod energy_momentum;
 mod family;
 mod generalized_alpha;
+mod mean_value;
 mod midpoint;
 mod newmark;
 mod projected;
@@ -31,6 +32,7 @@ pub use energy_decaying::{ENERGY_DECAYING, energy_decaying};
 pub use energy_momentum::ENERGY_MOMENTUM;
 pub use family::Family;
 pub use generalized_alpha::{GENERALIZED_ALPHA, HHT, WBZ, generalized_alpha, hht, wbz};
+pub use mean_value::MEAN_VALUE;
 pub use midpoint::MIDPOINT;
 pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
@@ -43,6 +45,7 @@ pub use triple_jump::TRIPLE_JUMP;
 /// All time integrators that solve equations, in the order of the reference: their steps may have any size.
 pub static CATALOGUE: &[&Scheme] = &[
     &ENERGY_MOMENTUM,
+    &MEAN_VALUE,
     &ENERGY_DECAYING,
     &MIDPOINT,
     &TRAPEZOIDAL,

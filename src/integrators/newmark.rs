@@ -39,6 +39,7 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
         lag: Lag::once(gamma),
         course: Course::Whole,
         dissipation: Dissipation::NONE,
+        averages_stress: false,
         parameters: Parameters { names: &["beta", "gamma"], values: [beta, gamma] },
         promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
         error: {

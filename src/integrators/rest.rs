@@ -15,6 +15,7 @@ pub static REST: Scheme = Scheme {
     lag: Lag::once(1.0),
     course: Course::Whole,
     dissipation: Dissipation::NONE,
+    averages_stress: false,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },
     error: LeadingError { first: 0.0, second: 0.0 },

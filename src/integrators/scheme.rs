@@ -42,6 +42,9 @@ pub struct Scheme {
     pub course: Course,
     /// What it takes from vibrations of bodies besides.
     pub dissipation: Dissipation,
+    /// Whether the discrete gradient of a body's energy begins with the mean of its stress over the step, not with the stress at its mean
+    /// strain.
+    pub averages_stress: bool,
     /// Numbers that a user has chosen, by their names.
     pub parameters: Parameters,
     /// What it keeps.

@@ -16,6 +16,7 @@ pub static TRAPEZOIDAL: Scheme = Scheme {
     lag: Lag::once(0.5),
     course: Course::Whole,
     dissipation: Dissipation::NONE,
+    averages_stress: false,
     parameters: Parameters::NONE,
     promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
     error: LeadingError::TRAPEZOIDAL,

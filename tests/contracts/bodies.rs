@@ -3,7 +3,7 @@
 
 use conserva::bodies::{Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
 use conserva::elements::CellKind;
-use conserva::integrators::{BACKWARD_EULER, Derivative, ENERGY_MOMENTUM, MIDPOINT, Scheme, TRAPEZOIDAL};
+use conserva::integrators::{BACKWARD_EULER, Derivative, ENERGY_MOMENTUM, MEAN_VALUE, MIDPOINT, Scheme, TRAPEZOIDAL};
 use conserva::linear::{NodeMatrix, Pattern, Vertex};
 use conserva::materials::{CATALOGUE, Kinematics, Material, MaterialRow, NeoHookean, StoredEnergy};
 use conserva::math::workers::Workers;
@@ -64,8 +64,8 @@ impl<const D: usize> Loop<D>
 where
     Space<D>: Elements<D>,
 {
-    fn new(mesh: &Mesh, material: &Material, formulation: Formulation) -> Self {
-        let mut elements = Space::<D>::elements(mesh, material, formulation, 0).expect("no cell is inside out");
+    fn new(mesh: &Mesh, material: &Material, formulation: Formulation, integrator: &Scheme) -> Self {
+        let mut elements = Space::<D>::elements(mesh, material, formulation, 0, integrator.averages_stress).expect("no cell is inside out");
         let nodes = mesh.points.len();
         let pattern = Pattern::new(&vec![Vertex::coordinates(D as u8); nodes], elements.cliques().iter().map(|clique| &clique[..]));
         elements.place(&pattern);
@@ -140,7 +140,7 @@ fn formulations(mesh: &Mesh, material: &Material) -> Vec<(Formulation, String)> 
 }
 
 /// Integrators that differ in what the element loop is told of them.
-const SEEN: [&Scheme; 4] = [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER];
+const SEEN: [&Scheme; 5] = [&ENERGY_MOMENTUM, &MEAN_VALUE, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER];
 
 /// Calls a contract for every cell kind, material, formulation and integrator.
 macro_rules! for_all {
@@ -153,8 +153,8 @@ macro_rules! for_all {
                         let form = material.volumetric_form().map_or("", |form| form.name);
                         let name = format!("{} {} {form} {how} {}", kind.name(), material.name(), integrator.name);
                         match kind.dimension() {
-                            2 => $contract::<2>(Loop::new(&mesh, &material, formulation), integrator, &name),
-                            _ => $contract::<3>(Loop::new(&mesh, &material, formulation), integrator, &name),
+                            2 => $contract::<2>(Loop::new(&mesh, &material, formulation, integrator), integrator, &name),
+                            _ => $contract::<3>(Loop::new(&mesh, &material, formulation, integrator), integrator, &name),
                         }
                     }
                 }
@@ -230,7 +230,8 @@ fn tangent_holds_the_weighted_mass() {
 #[test]
 fn sums_do_not_depend_on_the_number_of_threads() {
     let material = NeoHookean { youngs_modulus: MODULUS, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
-    let cells = Loop::<2>::new(&rectangle([6.0, 4.0], [60, 40], [0.0; 2]).expect("the mesh is sound"), &material, Formulation::default());
+    let mesh = rectangle([6.0, 4.0], [60, 40], [0.0; 2]).expect("the mesh is sound");
+    let cells = Loop::<2>::new(&mesh, &material, Formulation::default(), &ENERGY_MOMENTUM);
     let mut random = Random(17);
     let (q_0, q_1) = (cells.random_state(0.01, &mut random), cells.random_state(0.01, &mut random));
     let (u_0, u_1) = (&cells.displacements(&q_0)[..], &cells.displacements(&q_1)[..]);

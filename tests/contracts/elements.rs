@@ -109,12 +109,12 @@ fn mass(kind: CellKind) {
         Pattern::new(&vec![Vertex::coordinates(dimension); row.nodes], cliques.iter().map(|clique| &clique[..]))
     };
     let mass = if row.dimension == 2 {
-        let elements = Space::<2>::elements(&mesh, &material, Formulation::default(), 0).expect("no cell is inside out");
+        let elements = Space::<2>::elements(&mesh, &material, Formulation::default(), 0, false).expect("no cell is inside out");
         let mut mass = NodeMatrix::new(&pattern(2, elements.cliques()), row.nodes);
         elements.add_mass(&mut mass);
         mass
     } else {
-        let elements = Space::<3>::elements(&mesh, &material, Formulation::default(), 0).expect("no cell is inside out");
+        let elements = Space::<3>::elements(&mesh, &material, Formulation::default(), 0, false).expect("no cell is inside out");
         let mut mass = NodeMatrix::new(&pattern(3, elements.cliques()), row.nodes);
         elements.add_mass(&mut mass);
         mass

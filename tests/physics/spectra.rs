@@ -10,8 +10,8 @@
 
 use conserva::dynamics::{Model, Options, Simulation, State};
 use conserva::integrators::{
-    BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, TRIPLE_JUMP, energy_decaying, generalized_alpha, hht,
-    newmark, wbz,
+    BACKWARD_EULER, BDF2, ENERGY_MOMENTUM, MEAN_VALUE, MIDPOINT, Scheme, TR_BDF2, TRAPEZOIDAL, TRIPLE_JUMP, energy_decaying,
+    generalized_alpha, hht, newmark, wbz,
 };
 use conserva::materials::{LINEAR, Material};
 use conserva::mesh::rectangle;
@@ -184,7 +184,7 @@ fn rules_without_memory_have_the_closed_forms() {
     for dt in STEPS {
         let z = Complex::new(0.0, dt);
         let trapezoidal = (1.0 + 0.5 * z) / (1.0 - 0.5 * z);
-        for scheme in [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL] {
+        for scheme in [&ENERGY_MOMENTUM, &MEAN_VALUE, &MIDPOINT, &TRAPEZOIDAL] {
             compare(scheme.name, dt, &two(scheme, dt), &[trapezoidal, trapezoidal.conj()], 1e-10);
         }
         let of_share = |share: f64| (1.0 + 0.5 * share * z) / (1.0 - 0.5 * share * z);

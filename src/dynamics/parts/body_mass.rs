@@ -27,8 +27,8 @@ impl BodyMass {
     pub fn new(body: &BodyDefinition, number: usize, numbering: &Numbering) -> Self {
         let (BodyDefinition { mesh, material, formulation, .. }, first) = (body, numbering.first[number]);
         let cells = match numbering.dimension {
-            2 => Space::<2>::elements(mesh, material, *formulation, first).ok().map(Cells::Plane),
-            _ => Space::<3>::elements(mesh, material, *formulation, first).ok().map(Cells::Space),
+            2 => Space::<2>::elements(mesh, material, *formulation, first, false).ok().map(Cells::Plane),
+            _ => Space::<3>::elements(mesh, material, *formulation, first, false).ok().map(Cells::Space),
         };
         BodyMass { nodes: numbering.reference.len() / numbering.dimension, cells, entries: Vec::new() }
     }

@@ -11,7 +11,7 @@ use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::carried::Carried;
 use crate::dynamics::parts::loads::NodalLoad;
 use crate::dynamics::parts::rigid_bodies::used_nodes;
-use crate::integrators::Lumping;
+use crate::integrators::{Lumping, Scheme};
 use crate::linear::{Block, NodeMatrix, Pattern};
 
 /// A mass at a node, with the node's block in the matrix.
@@ -51,7 +51,7 @@ pub(super) fn part_followers<const D: usize>(
 }
 
 /// The bodies of a model, and the positions of their nodes at rest.
-pub(super) fn bodies_of<const D: usize>(model: &Model, is_lumped: bool) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
+pub(super) fn bodies_of<const D: usize>(model: &Model, integrator: &Scheme) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
 where
     Space<D>: Elements<D>,
 {
@@ -59,17 +59,24 @@ where
     for (number, body) in model.bodies.iter().enumerate() {
         let first = reference.len() / D;
         let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
-        let elements =
-            match &frame {
-                Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
-                None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first).map_err(
-                    |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
-                )?,
-            };
+        let elements = match &frame {
+            Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
+            None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first, integrator.averages_stress).map_err(
+                |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
+            )?,
+        };
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
         let nodes = first..reference.len() / D;
         let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));
-        bodies.push(Body { name: body.name.clone(), number, nodes, is_lumped, elements, recovery: OnceLock::new(), rigid });
+        bodies.push(Body {
+            name: body.name.clone(),
+            number,
+            nodes,
+            is_lumped: integrator.lumping().is_some(),
+            elements,
+            recovery: OnceLock::new(),
+            rigid,
+        });
     }
     Ok((bodies, reference))
 }

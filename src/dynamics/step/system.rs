@@ -106,7 +106,7 @@ where
     pub fn new(model: &Model, threads: usize, integrator: &Scheme) -> Result<Self, ModelError> {
         model.check()?;
         let lumping = integrator.lumping();
-        let (mut bodies, reference) = bodies_of(model, lumping.is_some())?;
+        let (mut bodies, reference) = bodies_of(model, integrator)?;
         let firsts: Vec<usize> = bodies.iter().map(|body| body.nodes.start).collect();
         let first = |body: usize| firsts[body];
         let mut supports = Supports::new::<D>(model, reference.len(), |body, node| node + first(body) as u32);

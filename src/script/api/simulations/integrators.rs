@@ -15,7 +15,7 @@ pub struct IntegratorHandle(pub Scheme);
 
 impl Handle for IntegratorHandle {
     const NAME: &'static str = "Integrator";
-    const MAKER: &'static str = "make one with `energy_momentum()`, `energy_decaying()`, `midpoint()`, `trapezoidal()`, \
+    const MAKER: &'static str = "make one with `energy_momentum()`, `mean_value()`, `energy_decaying()`, `midpoint()`, `trapezoidal()`, \
          `backward_euler()`, `newmark()`, `hht()`, `wbz()`, `generalized_alpha()`, `bdf2()`, `tr_bdf2()`, `triple_jump()`, \
          `central_differences()` or `statics()`";
 
