@@ -6,6 +6,7 @@ use super::handle::MeshHandle;
 use super::kinds::{PLANE, element, kind_of};
 use super::layers;
 use crate::math::catalogue::Interval;
+use crate::math::tolerances::SUM_OF_LENGTHS;
 use crate::mesh::{self, CellSize, Curve, MeshError, SelectionError, Side};
 use crate::script::api::remedies::ScriptWords;
 use crate::script::language::arguments::{Argument, Arguments, Options};
@@ -203,6 +204,7 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failur
         return Err(wrong(entries.first().map_or("it is empty".into(), |entry| format!("it begins with {}", describe(engine, entry)))));
     };
     let mut sides: Vec<Side> = Vec::new();
+    let mut first = None;
     let mut at = start;
     for entry in &entries[1..] {
         let curve = match (point_of(entry), entry.clone().try_cast::<CurveHandle>()) {
@@ -213,8 +215,14 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failur
         let side = curve.side(at).map_err(refused)?;
         at = side.curve.end();
         sides.push(side);
+        first.get_or_insert(curve);
     }
-    if at != start {
+    let size = sides.iter().flat_map(|side| side.curve.end()).fold(0.0, |size: f64, x| size.max(x.abs()));
+    let gap = (at[0] - start[0]).hypot(at[1] - start[1]);
+    if let Some(first) = first.filter(|_| gap > 0.0 && gap <= SUM_OF_LENGTHS * size) {
+        // closed but for round-off: a line in between would be a side of no length
+        sides[0] = first.side(at).map_err(refused)?;
+    } else if at != start {
         sides.push(Side { curve: Curve::line(at, start).map_err(refused)?, name: None });
     }
     Ok(sides)
