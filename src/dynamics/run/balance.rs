@@ -174,7 +174,8 @@ impl Balance {
         imbalance
     }
 
-    /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
+    /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing,
+    /// 0 where something yields that holds it.
     /// Pieces that are pulled alike do not come nearer to each other: they fall together.
     pub fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
         let mut piece_of = vec![0; system.nodes.nodal_mass.len()];
@@ -182,6 +183,11 @@ impl Balance {
             piece.nodes.iter().for_each(|&node| piece_of[node] = number);
         }
         let mut clearances = vec![f64::INFINITY; self.pieces.len()];
+        // What a part may hold, such as a spring, follows its forces: a long way at once goes past where they balance, and a compressed
+        // spring turns over.
+        for part in &system.others[..system.own_parts] {
+            part.for_each_coupling(&mut |nodes| nodes.iter().for_each(|&node| clearances[piece_of[node as usize]] = 0.0));
+        }
         let mut together = Vec::new();
         for pair in system.pairs.iter().filter(|pair| pair.corners.is_none()) {
             let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &piece_of, q);
