@@ -126,9 +126,15 @@
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-/// The kernels have a package of their own, so that they are compiled beside the script engine, and it without them again.
+// The kernels are packages of their own (`packages/`): what is above one does not compile it again.
 #[doc(inline)]
-pub use conserva_kernels::{bodies, contact, dynamics, elements, integrators, linear, machine, materials, math, mesh};
+pub use conserva_base::{elements, integrators, linear, machine, materials, math, mesh};
+#[doc(inline)]
+pub use conserva_bodies::bodies;
+#[doc(inline)]
+pub use conserva_contact::contact;
+#[doc(inline)]
+pub use conserva_dynamics::dynamics;
 
 pub mod output;
 

@@ -49,7 +49,7 @@ const EXCESSIVE: f64 = 1.5;
 
 impl Candidates {
     /// Whether the pairs are those of the surfaces of another list.
-    pub(crate) fn is_sound_beside(&self, own: &Self) -> bool {
+    pub fn is_sound_beside(&self, own: &Self) -> bool {
         let counts = |list: &Self| [list.secondary_at_search.len(), list.primary_at_search.len()];
         let ranks = |list: &Self| list.ranks.as_ref().map(|ranks| ranks.each_ref().map(Vec::len));
         let [secondary, primary] = own.facets;

@@ -48,7 +48,7 @@ pub use file_error::{FileError, FileProblem, Place};
 pub use files::{Triangles, read_mesh, read_mesh_bytes, read_surface, read_surface_bytes};
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub use layers::Layers;
-pub(crate) use plane::{cross, is_inside};
+pub use plane::{cross, is_inside};
 pub use polygon::{layered_polygon, polygon, polygon_of};
 pub use region::{layered_region, region};
 pub use round::{arc, disk, graded_ring, half_disk, ring};

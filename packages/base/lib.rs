@@ -1,0 +1,24 @@
+//! Floors 0 to 3 of Conserva: numbers, reference cells, the linear solver, stored-energy laws, meshes, time integrators.
+//!
+//! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
+
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+#[path = "../../src/machine/mod.rs"]
+pub mod machine;
+#[path = "../../src/math/mod.rs"]
+pub mod math;
+
+#[path = "../../src/elements/mod.rs"]
+pub mod elements;
+#[path = "../../src/linear/mod.rs"]
+pub mod linear;
+#[path = "../../src/materials/mod.rs"]
+pub mod materials;
+
+#[path = "../../src/mesh/mod.rs"]
+pub mod mesh;
+
+#[path = "../../src/integrators/mod.rs"]
+pub mod integrators;

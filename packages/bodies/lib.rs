@@ -1,0 +1,12 @@
+//! Floor 4 of Conserva: the element loop over the cells of a body.
+//!
+//! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
+
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+#[doc(no_inline)]
+pub use conserva_base::{elements, integrators, linear, machine, materials, math, mesh};
+
+#[path = "../../src/bodies/mod.rs"]
+pub mod bodies;

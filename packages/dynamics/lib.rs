@@ -1,0 +1,16 @@
+//! Floor 5 of Conserva: models, steps and runs.
+//!
+//! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
+
+#![deny(missing_docs)]
+#![forbid(unsafe_code)]
+
+#[doc(no_inline)]
+pub use conserva_base::{elements, integrators, linear, machine, materials, math, mesh};
+#[doc(no_inline)]
+pub use conserva_bodies::bodies;
+#[doc(no_inline)]
+pub use conserva_contact::contact;
+
+#[path = "../../src/dynamics/mod.rs"]
+pub mod dynamics;
