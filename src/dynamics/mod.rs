@@ -27,6 +27,7 @@ pub use parts::joint_ends::across;
 pub use parts::line::End;
 pub use parts::motor::MotorDefinition;
 pub use parts::point_mass::PointMassDefinition;
+pub use parts::rotating_frame::{RotatingFrameDefinition, Spin};
 pub use parts::spring::SpringDefinition;
 pub use parts::torsion::TorsionDefinition;
 pub use run::buckling::{Buckling, BucklingError};

@@ -34,7 +34,7 @@ pub fn body_force() -> Function {
         ],
         returns: "",
         example: plate_example("press.body_force(\"to the center\", plate, |x, v, t| [-4.0 * x[0], -4.0 * x[1]]);"),
-        see_also: &["gravity", "force", "add_damping"],
+        see_also: &["gravity", "rotating_frame", "force", "add_damping"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let (name, body) = (call.name("name")?, body_of(&call.argument("body"), &model)?);
