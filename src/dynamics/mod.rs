@@ -6,7 +6,7 @@ mod run;
 mod step;
 
 pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Rescaled, Sine, Table, TimeFunction, TimeFunctionError};
-pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
+pub use model::definitions::{BodyDefinition, Growth, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
 pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
