@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::{Dynamic, FnPtr};
 
-use super::arguments::body_of;
+use super::arguments::deformable_of;
 use super::change::change;
 use super::handle::{BodyHandle, ModelHandle};
 use crate::dynamics::BodyForceDefinition;
@@ -37,7 +37,7 @@ pub fn body_force() -> Function {
         see_also: &["gravity", "rotating_frame", "force", "add_damping"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, body) = (call.name("name")?, body_of(&call.argument("body"), &model)?);
+            let (name, body) = (call.name("name")?, deformable_of(&call.argument("body"), &model)?);
             let argument = call.argument("force");
             let value = argument.value();
             let Some(function) = value.read_lock::<FnPtr>().map(|function| function.clone()) else {
