@@ -52,12 +52,15 @@ pub(super) struct Batch<const D: usize, const A: usize> {
     pub(super) edges: [[Lanes<false>; D]; A],
     /// First coordinate of the last node at rest, the radius of a body of revolution there.
     pub(super) last: Lanes<false>,
+    /// Stress-free length over that at rest at each point; empty where cells are without stress at rest.
+    pub(super) growth: Vec<Lanes<false>>,
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
     /// The batch of up to eight cells with such points, whose nodes are numbered from `first_node`.
     pub(super) fn new(cells: &[&[u32]], points: &[[f64; 3]], first_node: usize) -> Self {
-        let mut batch = Batch { nodes: [[0; WIDTH]; A], count: cells.len(), edges: [[Lanes::ZERO; D]; A], last: Lanes::ZERO };
+        let mut batch =
+            Batch { nodes: [[0; WIDTH]; A], count: cells.len(), edges: [[Lanes::ZERO; D]; A], last: Lanes::ZERO, growth: Vec::new() };
         for lane in 0..WIDTH {
             let cell = cells.get(lane).unwrap_or(&cells[0]);
             batch.last.0[lane] = points[cell[A - 1] as usize][0];
@@ -97,14 +100,19 @@ impl<const D: usize, const A: usize> Batch<D, A> {
 pub(super) struct Point<const FMA: bool, const D: usize, const A: usize> {
     /// Gradients of the shape functions; that of the last node is left out.
     pub(super) gradients: [[Lanes<FMA>; D]; A],
-    /// Volume that belongs to the point.
+    /// Volume that belongs to the point, without stress.
     pub(super) volume: Lanes<FMA>,
+    /// The same at rest: what has the mass.
+    pub(super) weighed: Lanes<FMA>,
+    /// Stretch at rest less 1, against what is without stress.
+    pub(super) slack: Lanes<FMA>,
     /// One over its distance from the axis of a body of revolution.
     pub(super) curvature: Lanes<FMA>,
 }
 
 impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
-    pub(super) const ZERO: Self = Point { gradients: [[Lanes::ZERO; D]; A], volume: Lanes::ZERO, curvature: Lanes::ZERO };
+    pub(super) const ZERO: Self =
+        Point { gradients: [[Lanes::ZERO; D]; A], volume: Lanes::ZERO, weighed: Lanes::ZERO, slack: Lanes::ZERO, curvature: Lanes::ZERO };
 
     /// The point of cells with such edges, where the shape functions have these gradients on the reference cell.
     #[inline(always)]
@@ -119,7 +127,8 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         }
         let (determinant, cofactor) = determinant_and_cofactor(&jacobian);
         let inverse = Lanes::splat(1.0) / determinant;
-        let mut point = Point { gradients: [[Lanes::ZERO; D]; A], volume: determinant * weight, curvature: Lanes::ZERO };
+        let volume = determinant * weight;
+        let mut point = Point { volume, weighed: volume, ..Self::ZERO };
         for i in 0..D {
             for j in 0..D {
                 let slope = cofactor[i][j] * inverse;
@@ -140,9 +149,20 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         }
         self.curvature = Lanes::splat(1.0) / radius;
         self.volume = self.volume * radius * std::f64::consts::TAU;
+        self.weighed = self.volume;
     }
 
-    /// Stretch of the circumference less 1.
+    /// The same point of cells whose lengths without stress are larger by a factor, in so many directions.
+    #[inline(always)]
+    pub(super) fn grow(&mut self, factor: Lanes<FMA>, directions: usize) {
+        let inverse = Lanes::splat(1.0) / factor;
+        self.slack = (Lanes::splat(1.0) - factor) * inverse;
+        self.curvature = self.curvature * inverse;
+        self.gradients.iter_mut().flatten().for_each(|slope| *slope = *slope * inverse);
+        (0..directions).for_each(|_| self.volume = self.volume * factor);
+    }
+
+    /// Stretch of the circumference less 1, of cells that are without stress at rest.
     #[inline(always)]
     pub(super) fn hoop(&self, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
         let mut moved = u[A - 1][0];
@@ -152,11 +172,12 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         moved * self.curvature
     }
 
-    /// Displacement gradient.
+    /// Displacement gradient against what is without stress.
     #[inline(always)]
     pub(super) fn displacement_gradient(&self, u: &[[Lanes<FMA>; D]; A]) -> [[Lanes<FMA>; D]; D] {
         let mut h = [[Lanes::ZERO; D]; D];
         for i in 0..D {
+            h[i][i] = self.slack;
             for j in 0..D {
                 for a in 0..many::<A>() - 1 {
                     h[i][j] = u[a][i].mul_add(self.gradients[a][j], h[i][j]);

@@ -140,6 +140,9 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         if is_axisymmetric {
             work.revolve(batch, table);
         }
+        if !batch.growth.is_empty() {
+            work.grow(batch, physics.directions::<D>());
+        }
         work.set_start(batch, step.u_0);
         work.set_end(batch, step.u_1);
         if work.is_inside_out() {
@@ -213,6 +216,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 /// A batch at its points.
 pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     pub(super) volumes: [Lanes<false>; Q],
+    /// Those that have the mass.
+    pub(super) weighed: [Lanes<false>; Q],
     gradient: [[[Lanes<false>; D]; D]; Q],
     strain: [Components<S>; Q],
     /// What a special stress needs to know, where there is one.
@@ -238,11 +243,15 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         if is_axisymmetric {
             work.revolve(self.batch, table);
         }
+        if !self.batch.growth.is_empty() {
+            work.grow(self.batch, self.cells.physics.directions::<D>());
+        }
         if let Some(u) = self.u {
             work.set_end(self.batch, u);
         }
         let mut deformation = Deformation {
             volumes: std::array::from_fn(|q| Lanes(work.points[q].volume.0)),
+            weighed: std::array::from_fn(|q| Lanes(work.points[q].weighed.0)),
             gradient: std::array::from_fn(|q| relabel_rows(&work.gradient_1[q])),
             strain: work.strain_1,
             smallest_determinants: work.smallest_determinants().0,
@@ -325,10 +334,21 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
     }
 
+    fn grow(&mut self, factor: &dyn Fn(u32) -> f64) -> f64 {
+        let (shapes, mut least) = (&self.table.shapes, f64::INFINITY);
+        for batch in &mut self.batches {
+            let nodes = &batch.nodes;
+            let at = |q: usize, lane: usize| (0..A).map(|a| shapes[q][a] * factor(nodes[a][lane])).sum::<f64>();
+            batch.growth = (0..Q).map(|q| Lanes(std::array::from_fn(|lane| at(q, lane)))).collect();
+            least = batch.growth.iter().flat_map(|factors| factors.0).fold(least, f64::min);
+        }
+        least
+    }
+
     fn add_mass(&self, mass: &mut NodeMatrix) {
         let products = &self.table.products;
         for (index, batch) in self.batches.iter().enumerate() {
-            let volumes = self.deform(batch, None).volumes;
+            let volumes = self.deform(batch, None).weighed;
             for lane in 0..batch.count {
                 let nodes = self.nodes(index, lane);
                 for a in 0..many::<A>() {

@@ -69,6 +69,12 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Finds where each cell's blocks stand in a matrix.
     fn place(&mut self, pattern: &Pattern);
 
+    /// Makes lengths without stress larger by a factor, given at the nodes, that cells interpolate; masses stay. Gives the least factor at
+    /// a point.
+    fn grow(&mut self, _factor: &dyn Fn(u32) -> f64) -> f64 {
+        f64::INFINITY
+    }
+
     /// Adds the consistent mass.
     fn add_mass(&self, mass: &mut NodeMatrix);
 

@@ -33,7 +33,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn nodal_masses(&self, batch: &Batch<D, A>, by_row_sums: bool) -> NodalMasses<A> {
-        let volumes = self.deform(batch, None).volumes;
+        let volumes = self.deform(batch, None).weighed;
         let products = &self.table.products;
         let mut masses = [[0.0; WIDTH]; A];
         for lane in 0..WIDTH {

@@ -55,6 +55,11 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         self.special.as_ref().is_some_and(|special| special.is_axisymmetric)
     }
 
+    /// Number of directions in which cells in so many dimensions have lengths.
+    pub(super) fn directions<const D: usize>(&self) -> usize {
+        if self.is_axisymmetric() { 3 } else { D }
+    }
+
     /// Strain in space at a point; `hoop` is the displacement gradient around an axis.
     pub(super) fn spatial_strain(&self, strain: &Components<S>, hoop: Lanes<false>) -> Components<6> {
         let mut all = [Lanes::ZERO; 6];

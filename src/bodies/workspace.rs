@@ -63,6 +63,14 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
+    /// Points of cells that are strained at rest.
+    #[inline(always)]
+    pub(super) fn grow(&mut self, batch: &Batch<D, A>, directions: usize) {
+        for (point, factor) in self.points.iter_mut().zip(&batch.growth) {
+            point.grow(cast::<FMA>(*factor), directions);
+        }
+    }
+
     /// What a special stress needs to know of the batch; around the axis, at start and end where they are given.
     #[inline(always)]
     pub(super) fn special_points(&self, batch: &Batch<D, A>, table: &Table<D, A, Q>, around: [Option<&[f64]>; 2]) -> SpecialPoints<D> {
@@ -87,6 +95,9 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             let u = batch.displacements::<FMA>(all);
             for q in 0..many::<Q>() {
                 points.hoop[time][q] = Lanes(self.points[q].hoop(&u, &table.shapes[q]).0);
+                if !batch.growth.is_empty() {
+                    points.hoop[time][q] = points.hoop[time][q] + Lanes(self.points[q].slack.0);
+                }
             }
         }
         points
@@ -272,7 +283,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             for b in 0..=a {
                 let mut mass = Lanes::ZERO;
                 for q in 0..many::<Q>() {
-                    mass = self.points[q].volume.mul_add(Lanes::splat(factor * table.products[q][a][b]), mass);
+                    mass = self.points[q].weighed.mul_add(Lanes::splat(factor * table.products[q][a][b]), mass);
                 }
                 for i in 0..D {
                     self.tangent[b][i][a][i] = self.tangent[b][i][a][i] + mass;

@@ -6,7 +6,7 @@ mod run;
 mod step;
 
 pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Rescaled, Sine, Table, TimeFunction, TimeFunctionError};
-pub use model::definitions::{BodyDefinition, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
+pub use model::definitions::{BodyDefinition, Growth, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::{ModelError, StepError};
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
 pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
@@ -27,6 +27,7 @@ pub use parts::joint_ends::across;
 pub use parts::line::End;
 pub use parts::motor::MotorDefinition;
 pub use parts::point_mass::PointMassDefinition;
+pub use parts::rotating_frame::{RotatingFrameDefinition, Spin};
 pub use parts::spring::SpringDefinition;
 pub use parts::torsion::TorsionDefinition;
 pub use run::buckling::{Buckling, BucklingError};

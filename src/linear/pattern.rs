@@ -231,26 +231,31 @@ impl Pattern {
     }
 
     /// Number of vertices.
+    #[inline]
     pub fn vertices(&self) -> usize {
         self.lengths.len()
     }
 
     /// A vertex.
+    #[inline]
     pub fn vertex(&self, vertex: usize) -> Vertex {
         Vertex { role: self.roles[vertex], size: self.size(vertex) as u8 }
     }
 
     /// Number of unknowns of a vertex.
+    #[inline]
     pub fn size(&self, vertex: usize) -> usize {
         self.first[vertex + 1] - self.first[vertex]
     }
 
     /// Whether the unknowns of a vertex are multipliers.
+    #[inline]
     pub fn is_multiplier(&self, vertex: usize) -> bool {
         self.roles[vertex] == Role::Multipliers
     }
 
     /// Anchor of a multiplier, if it has one.
+    #[inline]
     pub fn anchor(&self, vertex: usize) -> Option<u32> {
         self.anchors.get(vertex).copied().filter(|&anchor| anchor != u32::MAX)
     }
@@ -270,16 +275,19 @@ impl Pattern {
     }
 
     /// Number of unknowns.
+    #[inline]
     pub fn unknowns(&self) -> usize {
         self.first[self.first.len() - 1]
     }
 
     /// Number of stored values.
+    #[inline]
     pub fn values(&self) -> usize {
         self.columns[self.columns.len() - 1]
     }
 
     /// First unknown of a vertex.
+    #[inline]
     pub fn first_unknown(&self, vertex: usize) -> usize {
         self.first[vertex]
     }
@@ -288,6 +296,7 @@ impl Pattern {
     ///
     /// # Panics
     /// When the two are not coupled in the pattern.
+    #[inline]
     pub fn block(&self, u: u32, v: u32) -> Block {
         self.find_block(u, v).expect("the vertices are coupled in the pattern")
     }
@@ -301,6 +310,7 @@ impl Pattern {
     }
 
     /// Neighbors of a vertex, itself included, in ascending order.
+    #[inline]
     pub fn neighbors(&self, vertex: usize) -> &[u32] {
         &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
     }

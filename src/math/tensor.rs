@@ -16,6 +16,7 @@ pub struct Mandel<R, const S: usize>(pub [R; S]);
 /// Where component `(i, j)` stands among the Mandel components of a space of `D` dimensions, and by what it is scaled.
 ///
 /// `E_ij = scale * mandel[index]` with scale 1 on the diagonal and `1/sqrt2` off it.
+#[inline(always)]
 pub const fn mandel_index<const D: usize>(i: usize, j: usize) -> usize {
     if i == j {
         i
@@ -32,6 +33,7 @@ pub const fn mandel_index<const D: usize>(i: usize, j: usize) -> usize {
 }
 
 /// The scale that belongs to [`mandel_index`].
+#[inline(always)]
 pub const fn mandel_scale(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 }
 }
@@ -282,6 +284,7 @@ pub const fn mandel_place<const S: usize>(component: usize) -> usize {
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
 /// Indices of the Mandel components of a tensor with `S` of them.
+#[inline(always)]
 pub const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
     let mut pairs = [(0, 1); S];
     let mut k = 0;

@@ -83,6 +83,15 @@ pub struct InitialDisplacement {
     pub displacement: Vec<[f64; 3]>,
 }
 
+/// How much larger the parts of a body are without stress than in its mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Growth {
+    /// Index of the body in the model.
+    pub body: usize,
+    /// Stress-free length over that in the mesh, at each node; in the plane and around an axis in all directions of its bodies.
+    pub factors: Vec<f64>,
+}
+
 /// A problem: what there is, how it is held and loaded, what touches what.
 #[derive(Clone, Default)]
 pub struct Model {
@@ -108,6 +117,8 @@ pub struct Model {
     pub joints: Vec<JointDefinition>,
     /// Displacements of the nodes of bodies at the start `[length]`; a later one of the same body replaces an earlier one.
     pub initial_displacements: Vec<InitialDisplacement>,
+    /// Bodies that are not without stress in their meshes; a later one of the same body replaces an earlier one.
+    pub growths: Vec<Growth>,
     /// Initial velocities; a later one of the same body replaces an earlier one.
     pub initial_velocities: Vec<InitialVelocity>,
 }
@@ -284,6 +295,7 @@ impl Model {
             }
         }
         self.check_symmetry()?;
+        self.check_growths()?;
         let held = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|prescription| &prescription.on));
         let forced = self.loads.iter().filter(|load| matches!(load.kind, LoadKind::Force(_))).map(|load| &load.on);
         for on in held.chain(forced) {

@@ -7,6 +7,7 @@ pub mod definitions;
 pub mod depths;
 pub mod error;
 pub mod findings;
+pub mod growth;
 pub mod hulls;
 pub mod integrator_limits;
 pub mod interactions;

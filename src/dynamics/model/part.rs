@@ -11,7 +11,7 @@ use super::amplitude::Amplitude;
 use super::error::{ModelError, StepError};
 use crate::bodies::Inverted;
 use crate::integrators::Derivative;
-use crate::linear::Pattern;
+use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
 
 /// Where the nodes are. Both are flat, node after node, of the whole model.
@@ -48,6 +48,8 @@ pub struct Iterate<'a> {
     pub velocity: &'a [f64],
     /// Derivative of each of them with respect to its component of `q_1`: 0 where they do not change with it `[1/time]`.
     pub velocity_slope: f64,
+    /// Whether an equilibrium is asked for, in which nothing moves.
+    pub is_still: bool,
     /// Factor of the mass in the tangent, body by body `[1/time^2]`.
     pub inertia: &'a [f64],
 }
@@ -81,6 +83,9 @@ pub enum Refusal {
 pub trait Part: Send {
     /// Tells groups of nodes that it couples: every two of a group have a block in the matrix.
     fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32]));
+
+    /// Learns what all nodes weigh, before it finds its places.
+    fn weigh(&mut self, _mass: &NodeMatrix) {}
 
     /// Finds its places in a new pattern.
     fn place(&mut self, pattern: &Pattern);
@@ -166,6 +171,11 @@ pub trait PartDefinition: Send + Sync {
 
     /// Whether it turns energy into heat, which the history then tells as a column `name.dissipation`.
     fn dissipates(&self) -> bool {
+        false
+    }
+
+    /// Whether it has forces across velocities, which do no work.
+    fn is_gyroscopic(&self) -> bool {
         false
     }
 

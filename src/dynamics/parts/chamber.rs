@@ -532,6 +532,7 @@ mod tests {
                             q_test: q_1,
                             velocity: q_1,
                             velocity_slope: 0.0,
+                            is_still: false,
                             inertia: &[],
                         };
                         let (mut internal, mut load) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()]);

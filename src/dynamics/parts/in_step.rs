@@ -28,6 +28,7 @@ pub(super) fn linearized(
         q_test: &q_test,
         velocity: &velocity,
         velocity_slope: 1.0 / dt,
+        is_still: false,
         inertia: &[],
     };
     let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);

@@ -27,6 +27,7 @@ pub mod nodes;
 pub mod pairing;
 pub mod point_mass;
 pub mod rigid_bodies;
+pub mod rotating_frame;
 pub mod slip_group;
 pub mod slip_vector;
 pub mod spring;

@@ -196,8 +196,21 @@ mod tests {
         let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);
         let (u_0, u_1, inertia) = (q_0, q_1, &[][..]);
         let (velocity, velocity_slope) = (q_1, 0.0);
-        let at =
-            Iterate { derivative, weight: 1.0, time: 0.0, dt: 0.1, q_0, q_1, u_0, u_1, q_test: q_1, velocity, velocity_slope, inertia };
+        let at = Iterate {
+            derivative,
+            weight: 1.0,
+            time: 0.0,
+            dt: 0.1,
+            q_0,
+            q_1,
+            u_0,
+            u_1,
+            q_test: q_1,
+            velocity,
+            velocity_slope,
+            is_still: false,
+            inertia,
+        };
         let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
         assert!(spring.linearize(&at, &[], &mut sums).is_ok());
         let count = 2 * dimension;

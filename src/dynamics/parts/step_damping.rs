@@ -63,6 +63,7 @@ impl StepDamping {
             q_test: &[],
             velocity: &[],
             velocity_slope: 0.0,
+            is_still: false,
             inertia: &[],
         };
         let (mut internal, mut load) = (vec![0.0; u.len()], Vec::new());

@@ -300,6 +300,7 @@ mod tests {
                     q_test: q_1,
                     velocity: q_1,
                     velocity_slope: 0.0,
+                    is_still: false,
                     inertia: &[],
                 };
                 (torsion.forces(&at, 6.2), torsion.remembered(&at, &[6.2]).memory)

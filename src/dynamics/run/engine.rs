@@ -95,9 +95,10 @@ where
             .map_err(|shortage| ModelError::TooLarge { reason: format!("whose contacts couple many nodes: {shortage}") })?;
         let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
         let memory = system.memory_at_rest();
+        let is_strained = !(model.initial_displacements.is_empty() && model.growths.is_empty());
         let row = LedgerRow {
             kinetic: system.nodes.kinetic_energy(&velocities),
-            strain: if model.initial_displacements.is_empty() { 0.0 } else { system.strain_energy(&displacements) },
+            strain: if is_strained { system.strain_energy(&displacements) } else { 0.0 },
             potential: system.nodes.potential_energy(&positions) + system.stored_energy(Pose { q: &positions, u: &displacements }, &memory),
             momentum,
             angular_momentum,

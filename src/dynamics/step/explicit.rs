@@ -99,7 +99,8 @@ where
             let (q_1, u_1) = (moved(start.q_0), moved(start.u_0));
             let velocity: Vec<f64> = motion.iter().map(|x| size * x / dt).collect();
             let iterate = start.iterate(&q_1, &u_1, &told);
-            let iterate = Iterate { weight: 1.0, dt, q_test: &q_1, velocity: &velocity, velocity_slope: 1.0 / dt, ..iterate };
+            let iterate =
+                Iterate { weight: 1.0, dt, q_test: &q_1, velocity: &velocity, velocity_slope: 1.0 / dt, is_still: false, ..iterate };
             Ok(self.forces_of(&iterate, start.memory)?.internal)
         };
         let (ahead, behind) = (at(size)?, at(-size)?);

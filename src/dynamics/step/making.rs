@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use crate::bodies::{Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
 use crate::dynamics::model::definitions::{BodyDefinition, LoadKind, Model};
 use crate::dynamics::model::error::ModelError;
+use crate::dynamics::model::growth::unsound;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::carried::Carried;
@@ -59,12 +60,17 @@ where
     for (number, body) in model.bodies.iter().enumerate() {
         let first = reference.len() / D;
         let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
-        let elements = match &frame {
+        let mut elements = match &frame {
             Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
             None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first, integrator.averages_stress).map_err(
                 |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
             )?,
         };
+        if let Some(factors) = model.growth(number)
+            && elements.grow(&|node| factors[node as usize - first]) <= 0.0
+        {
+            return Err(unsound(&body.name, "between nodes the factor is not positive".into()));
+        }
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
         let nodes = first..reference.len() / D;
         let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));

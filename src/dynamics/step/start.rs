@@ -183,6 +183,7 @@ impl StepStart<'_> {
             q_test: &told.q_test,
             velocity: &told.velocity,
             velocity_slope,
+            is_still: matches!(self.kind, StepKind::Rest { velocities: None, .. }),
             inertia: &told.inertia,
         }
     }

@@ -133,6 +133,7 @@ where
             Pattern::new(&[], std::iter::empty::<&[u32]>())
         };
         let mass = mass_of(&bodies, lumping, &pattern, count, &mut masses)?;
+        others.iter_mut().for_each(|part| part.weigh(&mass));
         let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), mass);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);

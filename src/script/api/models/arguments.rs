@@ -42,6 +42,20 @@ pub fn body_of(argument: &Argument, model: &ModelHandle) -> Result<BodyHandle, F
     Ok(body)
 }
 
+/// The body of an argument that must deform, because forces go by the mass of its cells.
+///
+/// # Errors
+/// As [`body_of`], or a rigid body.
+pub fn deformable_of(argument: &Argument, model: &ModelHandle) -> Result<BodyHandle, Failure> {
+    let body = body_of(argument, model)?;
+    let definition = body.definition();
+    if definition.rigid.is_none() {
+        return Ok(body);
+    }
+    let failure = argument.fail(format!("body \"{}\" is rigid, and its cells have no mass of their own", definition.name));
+    Err(failure.hint("push it at a boundary with `force`, or damp it with `add_damper` or `add_bushing`; `gravity` is on all bodies"))
+}
+
 fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> Result<(), Failure> {
     if Rc::ptr_eq(&body.model.0, &model.0) {
         return Ok(());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::{Dynamic, FnPtr};
 
-use super::arguments::body_of;
+use super::arguments::deformable_of;
 use super::change::change;
 use super::handle::{BodyHandle, ModelHandle};
 use crate::dynamics::BodyForceDefinition;
@@ -34,10 +34,10 @@ pub fn body_force() -> Function {
         ],
         returns: "",
         example: plate_example("press.body_force(\"to the center\", plate, |x, v, t| [-4.0 * x[0], -4.0 * x[1]]);"),
-        see_also: &["gravity", "force", "add_damping"],
+        see_also: &["gravity", "rotating_frame", "force", "add_damping"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (name, body) = (call.name("name")?, body_of(&call.argument("body"), &model)?);
+            let (name, body) = (call.name("name")?, deformable_of(&call.argument("body"), &model)?);
             let argument = call.argument("force");
             let value = argument.value();
             let Some(function) = value.read_lock::<FnPtr>().map(|function| function.clone()) else {

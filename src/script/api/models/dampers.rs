@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::Dynamic;
 
-use super::arguments::{body_of, boundary_of};
+use super::arguments::{boundary_of, deformable_of};
 use super::change::change;
 use super::ends::{constants_parameter, end_parameters, ends_of, one_of, text_of};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
@@ -153,7 +153,7 @@ pub fn add_damping() -> Function {
         see_also: &["add_drag", "add_damper", "viscous"],
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
-            let (body, options) = (body_of(&call.argument("body"), &model)?, call.options("options")?);
+            let (body, options) = (deformable_of(&call.argument("body"), &model)?, call.options("options")?);
             let (rate, time) = (options.number("mass")?, options.number("stiffness")?);
             let mut definition = body.definition();
             // The moduli of Lame at rest, of Young's modulus and the bulk over the shear modulus.

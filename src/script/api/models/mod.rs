@@ -13,6 +13,7 @@ pub mod dampers;
 pub mod data;
 pub mod description;
 pub mod ends;
+pub mod frames;
 pub mod gears;
 pub mod growth;
 pub mod handle;
@@ -33,6 +34,7 @@ pub fn functions() -> Vec<Function> {
         supports::fix(),
         supports::prescribe(),
         building::gravity(),
+        frames::rotating_frame(),
         building::initial_velocity(),
         building::initial_displacement(),
         growth::grow(),

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use rhai::{Dynamic, Map};
 
 use super::handle::SimulationHandle;
-use super::modes::{self, array, warn_of_damping};
+use super::modes::{self, array, warn_of_damping, warn_of_turning};
 use crate::dynamics::{BodyBoundary, Excitation, HarmonicError, HarmonicOptions, HarmonicResponse};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::plate_example;
@@ -111,6 +111,7 @@ fn harmonic_response() -> Function {
                 let title = "loads that turn with the surface make the stiffness unsymmetric: the response is that of its symmetric part";
                 call.host.warn(Diagnostic::warning(title.to_string(), call.place(&Target::Call)));
             }
+            warn_of_turning(call, &handle);
             let cause = "what damps the response are the options `loss_factor`, `mass_damping` and `stiffness_damping`";
             warn_of_damping(call, &handle, cause, "give what the damping amounts to as one of them; a run has it all");
             Ok(Dynamic::from(ResponseHandle { response: Rc::new(response), simulation: handle, unit }))

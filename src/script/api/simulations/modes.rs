@@ -247,6 +247,7 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
         let title = format!("modes leave out how the torque on \"{}\" turns with it", model.boundary_name(&load.on));
         call.host.warn(warning(title).cause("its forces follow the boundary and have no potential").hint("a run shows what it does"));
     }
+    warn_of_turning(call, handle);
     warn_of_damping(call, handle, "modes are those of the undamped, relaxed model", "a run shows how vibrations decay");
     if sliding > 0 {
         let title = format!("{sliding} nodes slide against friction: they slide freely in the modes");
@@ -262,6 +263,15 @@ pub(super) fn warn_of_damping(call: &Call, handle: &SimulationHandle, cause: &st
     let damper = model.parts.iter().find(|part| part.dissipates()).map(|part| format!("what \"{}\" damps is left out", part.name()));
     for title in viscous.into_iter().chain(damper) {
         call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).cause(cause).hint(hint));
+    }
+}
+
+/// Tells that forces across velocities are left out.
+pub(super) fn warn_of_turning(call: &Call, handle: &SimulationHandle) {
+    if let Some(part) = handle.0.model.model.parts.iter().find(|part| part.is_gyroscopic()) {
+        let title = format!("the Coriolis forces of the {} are left out", part.name());
+        let cause = "they couple motions a quarter of an oscillation apart; what is there is its centrifugal force";
+        call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).cause(cause).hint("a run shows what they do"));
     }
 }
 

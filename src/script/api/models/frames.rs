@@ -1,0 +1,81 @@
+//! Frames that turn.
+
+use std::sync::Arc;
+
+use rhai::Dynamic;
+
+use super::change::change;
+use super::handle::ModelHandle;
+use crate::dynamics::{RotatingFrameDefinition, Spin, Turn};
+use crate::script::api::examples::plate_example;
+use crate::script::api::time_functions::amplitude_of;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::as_number;
+
+/// `rotating_frame`.
+pub fn rotating_frame() -> Function {
+    let keys = vec![
+        Parameter::new("velocity", Kind::Amplitude, "the angular velocity, a number or a function of time").of("1/time"),
+        Parameter::new("axis", Kind::Vector, "the axis, in space: the frame turns about it counter-clockwise")
+            .of("1")
+            .or(Absent::Means("the third axis of plane models, that of symmetry of bodies of revolution")),
+        Parameter::new("center", Kind::Vector, "a point of the axis").of("length").or(Absent::Means("the origin")),
+    ];
+    Function {
+        name: "rotating_frame",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "takes all positions and velocities for those in a frame that turns: everything with a mass feels the centrifugal force, \
+                  with a potential where the velocity is constant, the Coriolis force, which does no work, and where the velocity varies \
+                  Euler's, whose work is that of a load; equilibria feel the centrifugal force alone",
+        parameters: vec![Parameter::new("options", Kind::Options(keys), "how it turns")],
+        returns: "",
+        example: plate_example("press.rotating_frame(#{ velocity: 0.5, center: [1.0, 0.0] });\nprint(press);"),
+        see_also: &["gravity", "body_force"],
+        body: body(|call| {
+            let (model, options) = (call.receiver::<ModelHandle>(), call.options("options")?);
+            let definition = frame_of(&options, &model)?;
+            change(call, &model, |data| data.model.parts.push(Arc::new(definition)))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// The frame that options describe: how its axis lies follows from the bodies.
+fn frame_of(options: &Options, model: &ModelHandle) -> Result<RotatingFrameDefinition, Failure> {
+    let (dimension, is_round) = {
+        let data = model.0.borrow();
+        (data.model.dimension(), data.model.is_axisymmetric())
+    };
+    let [velocity, axis, center] = ["velocity", "axis", "center"].map(|name| options.argument(name));
+    let speed = amplitude_of(&velocity)?;
+    let velocity = as_number(&velocity.value()).map_or(Spin::Varying(speed), Spin::Constant);
+    let is_given = axis.is_given();
+    let axis = match (dimension, is_given) {
+        (2, false) => {
+            if is_round {
+                [0.0, 1.0, 0.0]
+            } else {
+                Turn::UPRIGHT
+            }
+        }
+        (2, true) => {
+            let which = if is_round { "that of symmetry" } else { "the third one" };
+            return Err(axis
+                .fail(format!("the model has two dimensions: its frame turns about one axis, {which}"))
+                .hint("remove the option"));
+        }
+        (_, false) => return Err(axis.missing()),
+        (_, true) => axis.vector(3)?,
+    };
+    let place = if center.is_given() { center.vector(dimension)? } else { [0.0; 3] };
+    if is_round && place[0] != 0.0 {
+        let failure = center.fail("the frame of bodies of revolution turns about their axis");
+        return Err(failure.hint("remove the option, or give a point with the radius 0"));
+    }
+    Ok(RotatingFrameDefinition { axis, center: place, velocity })
+}
