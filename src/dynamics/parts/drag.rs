@@ -99,8 +99,8 @@ impl NodeDrag {
 }
 
 impl Part for NodeDrag {
-    fn for_each_coupling(&self, _visit: &mut dyn FnMut(&[u32])) {
-        // A node is always coupled with itself.
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        self.nodes.iter().for_each(|&(node, _)| visit(&[node]));
     }
 
     fn place(&mut self, pattern: &Pattern) {

@@ -270,7 +270,7 @@ where
         let add = |sum: &mut [f64], share: f64, forces: &[f64]| sum.iter_mut().zip(forces).for_each(|(sum, force)| *sum += share * force);
         let Some([internal, _]) = system.outside_of(start, [&at.q_1, &at.u_1, &at.moved])? else { return Ok(()) };
         add(ground, -scheme.weight, &internal);
-        if scheme.remembers(History::Force) {
+        if scheme.remembers(History::Force) && !self.options.integrator.is_long() {
             let (undamped, nowhere) = (vec![0.0; system.bodies.len()], vec![0.0; at.q_1.len()]);
             let kind = StepKind::Rest { damping: &undamped, velocities: Some(motion.v_0) };
             let before = StepStart { kind, ..*start };

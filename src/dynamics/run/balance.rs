@@ -19,6 +19,9 @@ use crate::dynamics::step::iterate::Forces;
 use crate::dynamics::step::system::System;
 use crate::math::tolerances;
 
+/// How far a piece is moved to see whether what yields resists, in extents of the model: not to where a spring has the same length again.
+const GLANCE: f64 = 0.01;
+
 /// Rigid motions in space; the plane has three of them.
 const MOTIONS: usize = 6;
 
@@ -85,6 +88,11 @@ impl Pull {
 }
 
 impl Piece {
+    /// Its nodes, those among them that a rigid body carries along.
+    fn whole<const D: usize>(&self, system: &System<D>) -> Box<dyn Iterator<Item = usize> + '_> {
+        if self.rigid_mass.is_some() { Box::new(system.bodies[self.body].nodes.clone()) } else { Box::new(self.nodes.iter().copied()) }
+    }
+
     /// Damping that keeps its rigid motions regular: a trifle of its own stiffness. A rigid body has none, and its constraints as many
     /// digits as the damping has of their forces.
     pub fn least_damping<const D: usize>(&self, forces: &Forces) -> f64 {
@@ -174,19 +182,44 @@ impl Balance {
         imbalance
     }
 
+    /// Whether something that stores energy resists or helps a piece that moves as it is pulled, such as a spring: it follows its forces,
+    /// because a long way at once goes past where they balance, and a compressed spring turns over.
+    fn yields<const D: usize>(&self, system: &System<D>, number: usize, pull: &Pull, q: &[f64]) -> bool
+    where
+        Space<D>: Elements<D>,
+    {
+        let size = pull.shift_size();
+        if system.own_parts == 0 || size == 0.0 {
+            return false;
+        }
+        let mut moved = q.to_vec();
+        for node in self.pieces[number].whole(system) {
+            (0..D).for_each(|i| moved[node * D + i] += GLANCE * system.nodes.extent / size * pull.shift[i]);
+        }
+        let displacements = |q: &[f64]| -> Vec<f64> { q.iter().zip(&system.nodes.reference).map(|(q, reference)| q - reference).collect() };
+        let (u, moved_u, memory) = (displacements(q), displacements(&moved), system.memory_at_rest());
+        system.own_parts(&memory).any(|(part, memory)| {
+            let [before, after] = [(q, &u), (&moved[..], &moved_u)].map(|(q, u)| part.energy(Pose { q, u }, memory));
+            (after - before).abs() > tolerances::ALIKE * before.abs().max(after.abs())
+        })
+    }
+
     /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing,
     /// 0 where something yields that holds it.
     /// Pieces that are pulled alike do not come nearer to each other: they fall together.
-    pub fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
+    pub fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64>
+    where
+        Space<D>: Elements<D>,
+    {
         let mut piece_of = vec![0; system.nodes.nodal_mass.len()];
         for (number, piece) in self.pieces.iter().enumerate() {
-            piece.nodes.iter().for_each(|&node| piece_of[node] = number);
+            piece.whole(system).for_each(|node| piece_of[node] = number);
         }
-        let mut clearances = vec![f64::INFINITY; self.pieces.len()];
-        // What a part may hold, such as a spring, follows its forces: a long way at once goes past where they balance, and a compressed
-        // spring turns over.
-        for part in &system.others[..system.own_parts] {
-            part.for_each_coupling(&mut |nodes| nodes.iter().for_each(|&node| clearances[piece_of[node as usize]] = 0.0));
+        let mut clearances: Vec<f64> = vec![f64::INFINITY; self.pieces.len()];
+        for (number, pull) in pulls.iter().enumerate() {
+            if self.yields(system, number, pull, q) {
+                clearances[number] = 0.0;
+            }
         }
         let mut together = Vec::new();
         for pair in system.pairs.iter().filter(|pair| pair.corners.is_none()) {

@@ -37,7 +37,7 @@ where
         self.count_turns();
         let begun = self.system.begin_step(&Outlook::within(&state.positions, 0.0)).map_err(Failure::Linear);
         let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));
-        let remembered = at.and_then(|at| self.memory_at(&at).map(|memory| (at, memory)));
+        let remembered = at.and_then(|at| self.memory_at(&start, &at).map(|memory| (at, memory)));
         let (at, remembered) = remembered.map_err(|failure| self.error_of(failure))?;
         Arc::make_mut(&mut self.state).remembered = Arc::new(remembered);
         self.system.recycle(at);
@@ -45,7 +45,7 @@ where
     }
 
     /// What the time integrator remembers of the forces at an iterate at rest.
-    fn memory_at(&mut self, at: &Linearization) -> Result<SchemeMemory, Failure> {
+    fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeMemory, Failure> {
         let scheme = self.options.integrator;
         let (forces, mut remembered) = (&at.forces, SchemeMemory { of: scheme.describe(), ..SchemeMemory::default() });
         let residual = |factor: f64| (0..at.q_1.len()).map(|k| factor * forces.residual(k)).collect();
@@ -56,7 +56,7 @@ where
             remembered.force.answered = residual(forces.whole(1.0));
         }
         if scheme.is_long() {
-            remembered.outside = self.outside_at(at).map(|force| Lagging::steady(&scheme, &force));
+            remembered.outside = self.outside_at(start, at).map_err(Failure::Fatal)?.map(|force| Lagging::steady(&scheme, &force));
         }
         if scheme.remembers(History::Acceleration) {
             let given = self.prescribed_accelerations(at.q_1.len()).map_err(Failure::Fatal)?;
@@ -70,15 +70,21 @@ where
         Ok(remembered)
     }
 
-    /// Loads and the forces of obstacles at an iterate at rest.
-    fn outside_at(&self, at: &Linearization) -> [Vec<f64>; 2] {
+    /// Loads and the forces of obstacles and of the ground at an iterate at rest.
+    ///
+    /// # Errors
+    /// A time function failed.
+    fn outside_at(&self, start: &StepStart, at: &Linearization) -> Result<[Vec<f64>; 2], StepError> {
         let (none, mut obstacles) = (vec![0.0; self.system.multipliers], vec![0.0; at.q_1.len()]);
         for pair in &self.system.pairs {
             let rows = pair.rows.clone();
             pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, &none[rows.clone()], &at.lambda[rows], &mut obstacles);
         }
+        if let Some([internal, _]) = self.system.outside_of(start, [start.q_0, start.u_0, &vec![0.0; start.q_0.len()]])? {
+            obstacles.iter_mut().zip(internal).for_each(|(sum, force)| *sum -= force);
+        }
         let whole = at.forces.whole(1.0);
-        [at.forces.load.iter().map(|load| whole * load).collect(), obstacles]
+        Ok([at.forces.load.iter().map(|load| whole * load).collect(), obstacles])
     }
 
     /// Accelerations of prescribed nodes from now on, 0 for all others of so many unknowns.
