@@ -184,7 +184,7 @@ impl Balance {
 
     /// Whether something that stores energy resists or helps a piece that moves as it is pulled, such as a spring: it follows its forces,
     /// because a long way at once goes past where they balance, and a compressed spring turns over.
-    fn yields<const D: usize>(&self, system: &System<D>, number: usize, pull: &Pull, q: &[f64]) -> bool
+    pub fn is_resisted<const D: usize>(&self, system: &System<D>, number: usize, pull: &Pull, q: &[f64]) -> bool
     where
         Space<D>: Elements<D>,
     {
@@ -204,23 +204,14 @@ impl Balance {
         })
     }
 
-    /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing,
-    /// 0 where something yields that holds it.
+    /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
     /// Pieces that are pulled alike do not come nearer to each other: they fall together.
-    pub fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64>
-    where
-        Space<D>: Elements<D>,
-    {
+    pub fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
         let mut piece_of = vec![0; system.nodes.nodal_mass.len()];
         for (number, piece) in self.pieces.iter().enumerate() {
             piece.whole(system).for_each(|node| piece_of[node] = number);
         }
-        let mut clearances: Vec<f64> = vec![f64::INFINITY; self.pieces.len()];
-        for (number, pull) in pulls.iter().enumerate() {
-            if self.yields(system, number, pull, q) {
-                clearances[number] = 0.0;
-            }
-        }
+        let mut clearances = vec![f64::INFINITY; self.pieces.len()];
         let mut together = Vec::new();
         for pair in system.pairs.iter().filter(|pair| pair.corners.is_none()) {
             let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &piece_of, q);

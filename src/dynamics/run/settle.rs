@@ -352,7 +352,8 @@ where
         let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };
         for (number, ((piece, pull), &fall)) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls).enumerate() {
             let (mu, flies) = (plan.damping[piece.body], fall > turn);
-            plan.shift.push(if flies { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
+            let jumps = flies && !balance.is_resisted(&self.system, number, pull, q);
+            plan.shift.push(if jumps { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
             let loose = (pull.shift_size() + pull.turn) / mu;
             let expected = match &progress.travelled {
                 _ if progress.stood >= MAX_STOOD => 0.0,
