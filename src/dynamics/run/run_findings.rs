@@ -155,7 +155,8 @@ impl RunFinding {
                  smaller dt, or a larger penalty"
             }
             RunFindingKind::EnergyTaken => {
-                "the update rules `persistency` and `velocity` keep the energy; with `gap` or explicit steps finer facets lose less"
+                "the update rule `persistency` keeps the energy, `velocity` all but what slides off its contact; with `gap` or explicit \
+                 steps finer facets lose less"
             }
             RunFindingKind::ReserveHeld => "nothing is lost: it is part of `potential` and becomes motion when the contact opens",
             RunFindingKind::Motion(MotionKind::Sliding) => {

@@ -39,6 +39,9 @@ pub fn rotating_frame() -> Function {
         body: body(|call| {
             let (model, options) = (call.receiver::<ModelHandle>(), call.options("options")?);
             let definition = frame_of(&options, &model)?;
+            if model.0.borrow().model.parts.iter().any(|part| part.is_gyroscopic()) {
+                return Err(call.fail("the model's frame turns already").hint("give one velocity, about one axis").into());
+            }
             change(call, &model, |data| data.model.parts.push(Arc::new(definition)))?;
             Ok(Dynamic::UNIT)
         }),

@@ -70,7 +70,8 @@ impl ScriptWords for RunFinding {
                  smaller dt, or a larger `penalty`"
             }
             RunFindingKind::EnergyTaken => {
-                "`update: \"persistency\"` and `\"velocity\"` keep the energy; with `\"gap\"` or explicit steps finer facets lose less"
+                "`update: \"persistency\"` keeps the energy, `\"velocity\"` all but what slides off its contact; with `\"gap\"` or \
+                 explicit steps finer facets lose less"
             }
             RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more `max_halvings`",
             RunFindingKind::CoarseCells => {
