@@ -124,6 +124,18 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         &self.cliques[batch * WIDTH + lane]
     }
 
+    /// The points of a batch, around an axis those of the circumference, against what is without stress.
+    #[inline(always)]
+    fn set_points<const FMA: bool>(&self, batch: &Batch<D, A>, work: &mut Workspace<FMA, D, S, A, Q>) {
+        work.set_points(batch, &self.table);
+        if self.physics.is_axisymmetric() {
+            work.revolve(batch, &self.table);
+        }
+        if !batch.growth.is_empty() {
+            work.grow(batch, self.physics.directions::<D>());
+        }
+    }
+
     /// Forces of a batch in a step and, with a share of the geometric stiffness, its tangent; whether no cell is inside out.
     #[inline(always)]
     pub(super) fn respond<const FMA: bool>(
@@ -136,13 +148,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     ) -> bool {
         let (table, physics) = (&self.table, &self.physics);
         let is_axisymmetric = physics.is_axisymmetric();
-        work.set_points(batch, table);
-        if is_axisymmetric {
-            work.revolve(batch, table);
-        }
-        if !batch.growth.is_empty() {
-            work.grow(batch, physics.directions::<D>());
-        }
+        self.set_points(batch, work);
         work.set_start(batch, step.u_0);
         work.set_end(batch, step.u_1);
         if work.is_inside_out() {
@@ -238,14 +244,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     fn run<const FMA: bool>(self) -> Deformation<D, S, Q> {
         let table = &self.cells.table;
         let mut work = Workspace::<FMA, D, S, A, Q>::new(self.cells.physics.strain);
-        work.set_points(self.batch, table);
         let is_axisymmetric = self.cells.physics.is_axisymmetric();
-        if is_axisymmetric {
-            work.revolve(self.batch, table);
-        }
-        if !self.batch.growth.is_empty() {
-            work.grow(self.batch, self.cells.physics.directions::<D>());
-        }
+        self.cells.set_points(self.batch, &mut work);
         if let Some(u) = self.u {
             work.set_end(self.batch, u);
         }

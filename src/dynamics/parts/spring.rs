@@ -181,10 +181,10 @@ impl Part for Spring {
 
 #[cfg(test)]
 mod tests {
+    use super::super::in_step;
     use super::*;
     use crate::dynamics::parts::force_laws::{Elastic, Sides};
     use crate::linear::Vertex;
-    use crate::math::workers::Workers;
 
     /// Force and tangent (row by row of both nodes) of a spring of rest length 0.7 in a step.
     fn linearized(law: &SpringLaw, dimension: usize, derivative: Derivative, q_0: &[f64], q_1: &[f64]) -> (Vec<f64>, Vec<f64>, Spring) {
@@ -193,26 +193,7 @@ mod tests {
         let line = Line::new(&[End::Node(0, 0), End::Node(0, 1)], &numbering);
         let mut spring = Spring { line, law: law.clone(), rest_length: 0.7, is_outside: false };
         spring.place(&pattern);
-        let (mut internal, mut load, mut values) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()], vec![0.0; pattern.values()]);
-        let (u_0, u_1, inertia) = (q_0, q_1, &[][..]);
-        let (velocity, velocity_slope) = (q_1, 0.0);
-        let at = Iterate {
-            derivative,
-            weight: 1.0,
-            time: 0.0,
-            dt: 0.1,
-            q_0,
-            q_1,
-            u_0,
-            u_1,
-            q_test: q_1,
-            velocity,
-            velocity_slope,
-            is_still: false,
-            inertia,
-        };
-        let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(&mut values), workers: &Workers::new(1) };
-        assert!(spring.linearize(&at, &[], &mut sums).is_ok());
+        let (internal, values, _) = in_step::linearized(&spring, &pattern, derivative, [q_0, q_1], 0.1);
         let count = 2 * dimension;
         let entry = |row: usize, column: usize| {
             let block = pattern.block((row / dimension) as u32, (column / dimension) as u32);

@@ -184,7 +184,7 @@ impl Balance {
 
     /// Whether something that stores energy resists or helps a piece that moves as it is pulled, such as a spring: it follows its forces,
     /// because a long way at once goes past where they balance, and a compressed spring turns over.
-    pub fn is_resisted<const D: usize>(&self, system: &System<D>, number: usize, pull: &Pull, q: &[f64]) -> bool
+    pub fn is_resisted<const D: usize>(&self, system: &System<D>, memory: &[Vec<f64>], (number, pull): (usize, &Pull), q: &[f64]) -> bool
     where
         Space<D>: Elements<D>,
     {
@@ -197,8 +197,8 @@ impl Balance {
             (0..D).for_each(|i| moved[node * D + i] += GLANCE * system.nodes.extent / size * pull.shift[i]);
         }
         let displacements = |q: &[f64]| -> Vec<f64> { q.iter().zip(&system.nodes.reference).map(|(q, reference)| q - reference).collect() };
-        let (u, moved_u, memory) = (displacements(q), displacements(&moved), system.memory_at_rest());
-        system.own_parts(&memory).any(|(part, memory)| {
+        let (u, moved_u) = (displacements(q), displacements(&moved));
+        system.own_parts(memory).any(|(part, memory)| {
             let [before, after] = [(q, &u), (&moved[..], &moved_u)].map(|(q, u)| part.energy(Pose { q, u }, memory));
             (after - before).abs() > tolerances::ALIKE * before.abs().max(after.abs())
         })

@@ -352,7 +352,7 @@ where
         let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };
         for (number, ((piece, pull), &fall)) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls).enumerate() {
             let (mu, flies) = (plan.damping[piece.body], fall > turn);
-            let jumps = flies && !balance.is_resisted(&self.system, number, pull, q);
+            let jumps = flies && !balance.is_resisted(&self.system, &self.state.memory, (number, pull), q);
             plan.shift.push(if jumps { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
             let loose = (pull.shift_size() + pull.turn) / mu;
             let expected = match &progress.travelled {
