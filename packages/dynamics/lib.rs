@@ -1,6 +1,5 @@
 //! Floor 5 of Conserva: models, steps and runs.
-//!
-//! The modules stand in floor order: each names only modules above it in this list (`src/README.md` tells why).
+//! `src/README.md` tells what is in it.
 
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
