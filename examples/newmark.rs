@@ -7,7 +7,7 @@ use std::error::Error;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringLaw};
+use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringElement, SpringLaw};
 use conserva::integrators::{Affine, Course, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
@@ -59,7 +59,11 @@ pub fn oscillator() -> Result<Model, Box<dyn Error>> {
     // From the right end of the wall's lower edge to the left end of the block's.
     let ends = [(0, 1), (1, 0)];
     let (ends, law) = (ends.map(End::from), SpringLaw::linear(STIFFNESS));
-    model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, law, rest_length: Some(2.0 - AMPLITUDE) }));
+    model.parts.push(Arc::new(SpringDefinition {
+        name: "spring".into(),
+        ends,
+        element: SpringElement { law, rest_length: Some(2.0 - AMPLITUDE) },
+    }));
     Ok(model)
 }
 

@@ -2,9 +2,7 @@
 
 use std::collections::HashSet;
 
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
-
+use super::point_index::PointIndex;
 use super::topology::{FacetKey, facet_key};
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
@@ -21,14 +19,14 @@ impl Mesh {
         }
         let points = || self.points.iter().chain(&other.points);
         let extent = points().flatten().fold(0.0, |most, x| f64::max(most, x.abs()));
-        let near = (SAME_PLACE * extent).powi(2);
-        let tree = RTree::bulk_load(self.points.iter().zip(0u32..).map(|(point, node)| GeomWithData::new(*point, node)).collect());
+        let near = SAME_PLACE * extent;
+        let index = PointIndex::new(&self.points);
         let mut joined = self.clone();
         let mut common = 0;
-        let mut number = |point: &[f64; 3]| match tree.nearest_neighbor(*point) {
-            Some(found) if (0..3).map(|i| (found.geom()[i] - point[i]).powi(2)).sum::<f64>() <= near => {
+        let mut number = |point: &[f64; 3]| match index.nearest(*point) {
+            Some((node, distance)) if distance <= near => {
                 common += 1;
-                found.data
+                node as u32
             }
             _ => {
                 joined.points.push(*point);

@@ -23,6 +23,7 @@ mod layers;
 mod local_refinement;
 mod path;
 mod plane;
+mod point_index;
 mod polygon;
 mod region;
 mod revolve;
@@ -49,6 +50,7 @@ pub use files::{Triangles, read_mesh, read_mesh_bytes, read_surface, read_surfac
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub use layers::Layers;
 pub use plane::{cross, is_inside};
+pub use point_index::PointIndex;
 pub use polygon::{layered_polygon, polygon, polygon_of};
 pub use region::{layered_region, region};
 pub use round::{arc, disk, graded_ring, half_disk, ring};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use conserva::dynamics::{End, PERSISTENCY, PointMassDefinition, SpringDefinition, SpringLaw, VELOCITY};
+use conserva::dynamics::{End, PERSISTENCY, PointMassDefinition, SpringDefinition, SpringElement, SpringLaw, VELOCITY};
 use conserva::integrators::{CATALOGUE, ENERGY_MOMENTUM};
 use conserva::mesh::rectangle;
 
@@ -43,7 +43,11 @@ fn masses_swing_with_their_period() {
         builder.model.parts.push(Arc::new(PointMassDefinition { name: format!("mass {}", node.0), node, mass: 0.999 }));
     }
     let (ends, law) = (ends.map(End::from), SpringLaw::linear(stiffness));
-    builder.model.parts.push(Arc::new(SpringDefinition { name: "spring".into(), ends, law, rest_length: Some(1.8) }));
+    builder.model.parts.push(Arc::new(SpringDefinition {
+        name: "spring".into(),
+        ends,
+        element: SpringElement { law, rest_length: Some(1.8) },
+    }));
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, dt);
     let turn = 2.0 * (0.5 * (2.0 * stiffness).sqrt() * dt).atan();
     for row in &run(&mut sim, 2.0)[1..] {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use conserva::dynamics::{End, SpringDefinition, SpringLaw};
+use conserva::dynamics::{End, SpringDefinition, SpringElement, SpringLaw};
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::mesh::{Mesh, block, rectangle};
 
@@ -22,8 +22,7 @@ fn joined(meshes: [Mesh; 2], modulus: f64, rest_length: Option<f64>) -> Builder 
     builder.model.parts.push(Arc::new(SpringDefinition {
         name: "spring".into(),
         ends: ends.map(End::from),
-        law: SpringLaw::linear(STIFFNESS),
-        rest_length,
+        element: SpringElement { law: SpringLaw::linear(STIFFNESS), rest_length },
     }));
     builder
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::amplitude::Amplitude;
+use super::couplings::{Coupling, CouplingKind};
 use super::error::ModelError;
 use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use super::joints::JointDefinition;
@@ -115,6 +116,8 @@ pub struct Model {
     pub parts: Vec<Arc<dyn PartDefinition>>,
     /// Exact joints between bodies, and to the ground.
     pub joints: Vec<JointDefinition>,
+    /// Nodes of boundaries that linear equations couple.
+    pub couplings: Vec<Coupling>,
     /// Displacements of the nodes of bodies at the start `[length]`; a later one of the same body replaces an earlier one.
     pub initial_displacements: Vec<InitialDisplacement>,
     /// Bodies that are not without stress in their meshes; a later one of the same body replaces an earlier one.
@@ -145,7 +148,8 @@ impl Model {
             _ => None,
         });
         let loads = self.loads.iter().map(|load| &load.amplitude).chain(&self.gravity_amplitude);
-        let drives = self.joints.iter().filter_map(|joint| joint.drive.as_ref());
+        let offsets = self.couplings.iter().flat_map(|coupling| coupling.kind.functions());
+        let drives = self.joints.iter().filter_map(|joint| joint.drive.as_ref()).chain(offsets);
         let all = loads.chain(self.prescriptions.iter().flat_map(Prescription::functions)).chain(motions.flatten()).chain(drives);
         let of_parts = self.parts.iter().flat_map(|part| part.functions());
         let of_parts = of_parts.flat_map(|function| function.corners());
@@ -189,6 +193,12 @@ impl Model {
         names
     }
 
+    /// What tells reactions, in their order: [`Model::support_names`], then the couplings.
+    pub fn reaction_names(&self) -> Vec<String> {
+        let couplings = self.couplings.iter().map(|coupling| coupling.name.clone());
+        self.support_names().into_iter().chain(couplings).collect()
+    }
+
     /// Bodies that gravity moves for ever: no support holds them, and neither interactions nor other parts join them to anything that is
     /// held or to an obstacle.
     pub fn falling(&self) -> Vec<&BodyDefinition> {
@@ -202,9 +212,14 @@ impl Model {
         let joined: Vec<Vec<usize>> = touching
             .chain(self.parts.iter().map(|part| part.bodies()))
             .chain(self.joints.iter().map(|joint| joint.bodies().collect()))
+            .chain(self.couplings.iter().map(|coupling| coupling.kind.boundaries().iter().map(|on| on.body).collect()))
             .collect();
         let parts = self.parts.iter().filter(|part| part.is_grounded()).flat_map(|part| part.bodies());
-        let grounded = self.joints.iter().filter(|joint| joint.is_grounded()).flat_map(|joint| joint.bodies()).chain(parts);
+        let planes = self.couplings.iter().filter_map(|coupling| match &coupling.kind {
+            CouplingKind::Plane { on, .. } => Some(on.body),
+            CouplingKind::Periodic { .. } => None,
+        });
+        let grounded = self.joints.iter().filter(|joint| joint.is_grounded()).flat_map(|joint| joint.bodies()).chain(parts).chain(planes);
         let mut kept: BTreeSet<usize> = held.chain(on_obstacles).chain(grounded).collect();
         while let Some(group) = joined.iter().find(|group| {
             let count = group.iter().filter(|body| kept.contains(body)).count();
@@ -348,6 +363,7 @@ impl Model {
             }
         }
         self.check_joints()?;
+        self.check_couplings()?;
         self.check_repeated()
     }
 

@@ -56,6 +56,11 @@ impl Model {
             if found.iter().any(Finding::is_behind) && !Depths::of(self).at(&reference, 0.0, &|depth| depth.contact == index).is_empty() {
                 found.retain(|finding| !finding.is_behind());
             }
+            // What joints guide turns towards the other side later.
+            let is_guided = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
+            if std::iter::once(secondary).chain(primary).any(is_guided) {
+                found.retain(|finding| !matches!(finding, Finding::FacingAway { .. }));
+            }
             add(name, found);
             if let Partner::Surfaces(primary) = partner {
                 add(name, press_fits(secondary, primary));

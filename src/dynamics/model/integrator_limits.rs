@@ -79,6 +79,10 @@ fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     if let Some(joint) = model.joints.first() {
         return refused(format!("joint \"{}\"", joint.name), "what it holds are equations", "join the points by stiff springs");
     }
+    if let Some(coupling) = model.couplings.first() {
+        let what = format!("{} \"{}\"", coupling.kind.name(), coupling.name);
+        return refused(what, "what it holds are equations", implicit);
+    }
     for interaction in &model.interactions {
         let name = &interaction.name;
         if interaction.is_tie() {

@@ -3,6 +3,7 @@
 pub mod amplitude;
 pub mod boundaries;
 pub mod builder;
+pub mod couplings;
 pub mod definitions;
 pub mod depths;
 pub mod error;
@@ -18,5 +19,6 @@ pub mod overlaps;
 pub mod part;
 pub mod prescription;
 pub mod remedy;
+pub mod step_error;
 pub mod unpaired;
 pub mod update_rules;

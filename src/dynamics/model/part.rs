@@ -8,7 +8,8 @@
 use std::sync::Arc;
 
 use super::amplitude::Amplitude;
-use super::error::{ModelError, StepError};
+use super::error::ModelError;
+use super::step_error::StepError;
 use crate::bodies::Inverted;
 use crate::integrators::Derivative;
 use crate::linear::{NodeMatrix, Pattern};
@@ -154,6 +155,30 @@ pub struct Change<'a> {
     pub units: [f64; 3],
     /// Whether the model is plane, its forces then per thickness.
     pub is_plane: bool,
+}
+
+impl Change<'_> {
+    /// Factor of a force, per thickness in the plane.
+    pub fn force(&self) -> f64 {
+        let [mass, length, time] = self.units;
+        mass * length / (time * time) / self.thickness()
+    }
+
+    /// Factor of an energy and of a moment, per thickness in the plane.
+    pub fn energy(&self) -> f64 {
+        let [mass, length, time] = self.units;
+        mass * length * length / (time * time) / self.thickness()
+    }
+
+    /// Factor of a stiffness, per thickness in the plane.
+    pub fn stiffness(&self) -> f64 {
+        let [mass, _, time] = self.units;
+        mass / (time * time) / self.thickness()
+    }
+
+    fn thickness(&self) -> f64 {
+        if self.is_plane { self.units[1] } else { 1.0 }
+    }
 }
 
 /// A part of a model as it is defined.

@@ -3,67 +3,36 @@
 //! `f = F(t) e` on its head and `-f` on its tail, `e` the direction of the line between them where forces act in the step: momenta are
 //! kept, but for an end on the ground, and its work is that of a load.
 
-use std::sync::Arc;
-
-use super::line::{End, Line, bodies_of, check_apart, is_grounded};
+use super::line::{Line, LineDefinition, LineElement};
 use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
-use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
 use crate::linear::Pattern;
 
 /// An actuator between two ends.
+pub type ActuatorDefinition = LineDefinition<ActuatorElement>;
+
+/// What an actuator is: the force that pushes its ends apart, over time `[force]` (per thickness in the plane).
 #[derive(Clone)]
-pub struct ActuatorDefinition {
-    /// Name, unique among the parts.
-    pub name: String,
-    /// Its ends.
-    pub ends: [End; 2],
-    /// Force that pushes them apart, over time `[force]` (per thickness in the plane).
-    pub force: Amplitude,
-}
+pub struct ActuatorElement(pub Amplitude);
 
-impl PartDefinition for ActuatorDefinition {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn bodies(&self) -> Vec<usize> {
-        bodies_of(&self.ends)
-    }
-
-    fn is_grounded(&self) -> bool {
-        is_grounded(&self.ends)
-    }
+impl LineElement for ActuatorElement {
+    const READINGS: &'static [&'static str] = &["length", "force", "work"];
 
     fn functions(&self) -> Vec<Amplitude> {
-        vec![self.force.clone()]
+        vec![self.0.clone()]
     }
 
-    fn readings(&self) -> &'static [&'static str] {
-        &["length", "force", "work"]
+    fn part(&self, name: &str, line: Line, _: f64, _: bool) -> Box<dyn Part> {
+        Box::new(Actuator { name: name.into(), line, force: self.0.clone() })
     }
 
-    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
-        check_apart(&self.name, &self.ends, point)
+    fn changed(&self, change: &Change) -> Self {
+        ActuatorElement(Rescaled::of(&self.0, change.units[2], change.force()))
     }
 
-    fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
-        Box::new(Actuator { name: self.name.clone(), line: Line::new(&self.ends, numbering), force: self.force.clone() })
-    }
-
-    fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
-        let [mass, length, time] = change.units;
-        let value = mass * length / (time * time) / if change.is_plane { length } else { 1.0 };
-        Arc::new(ActuatorDefinition {
-            name: self.name.clone(),
-            ends: [0, 1].map(|k| self.ends[k].changed(change)),
-            force: Rescaled::of(&self.force, time, value),
-        })
-    }
-
-    fn describe(&self) -> String {
-        format!("actuator \"{}\": force {}", self.name, self.force.describe())
+    fn describe(&self, name: &str) -> String {
+        format!("actuator \"{name}\": force {}", self.0.describe())
     }
 }
 

@@ -120,8 +120,8 @@ impl PartDefinition for BushingDefinition {
     }
 
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
-        let [mass, length, time] = change.units;
-        let energy = mass * length * length / (time * time) / if change.is_plane { length } else { 1.0 };
+        let [_, length, time] = change.units;
+        let energy = change.energy();
         let (count, shifts) = (self.motions(), if change.is_plane { 2 } else { 3 });
         let scaled = |entries: &[f64], by: f64| -> Vec<f64> {
             let unit = |k: usize| if k < shifts { length } else { 1.0 };

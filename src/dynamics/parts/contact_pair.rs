@@ -5,21 +5,22 @@
 //! What a pair is at an iterate stands in an [`Evaluation`], which belongs to the iterate and not to the pair.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::friction_rows::FrictionRows;
 use super::laws::{Bilateral, Equation, Penalty, RowLaw, Unilateral};
 use super::time_values::value_of;
 use crate::contact::{ContactKernel, Evaluation, Patches};
 use crate::dynamics::model::amplitude::Amplitude;
-use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::interactions::Interaction;
 use crate::dynamics::model::joints::Coordinate;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
 
 /// What a pair consists of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum PairKind {
     /// Two surfaces, or one with itself.
     Surfaces,
@@ -31,18 +32,31 @@ pub enum PairKind {
     Rigidity,
     /// What a joint holds.
     Joint,
+    /// A coupling of nodes by equations, one for each node.
+    Coupling(Arc<CoupledNodes>),
 }
 
 impl PairKind {
     /// Whether it holds what it joins in both directions, and is no contact.
-    pub fn is_bilateral(self) -> bool {
-        matches!(self, PairKind::Tie | PairKind::Rigidity | PairKind::Joint)
+    pub fn is_bilateral(&self) -> bool {
+        matches!(self, PairKind::Tie) || self.is_of_points()
     }
 
-    /// Whether it is what a rigid body or a joint is made of, and none of the model's interactions.
-    pub fn is_of_points(self) -> bool {
-        matches!(self, PairKind::Rigidity | PairKind::Joint)
+    /// Whether it is what a rigid body, a joint or a coupling is made of, and none of the model's interactions.
+    pub fn is_of_points(&self) -> bool {
+        matches!(self, PairKind::Rigidity | PairKind::Joint | PairKind::Coupling(_))
     }
+}
+
+/// The nodes on which the equations of a coupling push, row by row, those of the plane or of the second boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoupledNodes {
+    /// Index of the coupling in the model.
+    pub coupling: usize,
+    /// Direction of the forces, of length 1.
+    pub along: [f64; 3],
+    /// The nodes.
+    pub nodes: Vec<u32>,
 }
 
 /// What a pair adds to the contact of a pair before it: constraints of the corners that its weighted gaps do not see.
@@ -152,6 +166,7 @@ impl ContactPair {
         let gap_tolerance = (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1));
         ContactPair {
             name: name.into(),
+            law: if kind.is_bilateral() { &Bilateral } else { &Unilateral },
             kind,
             corners: None,
             motion: [None, None, None],
@@ -159,7 +174,6 @@ impl ContactPair {
             drive: None,
             geared: None,
             obstacle_velocity: [0.0; 3],
-            law: if kind.is_bilateral() { &Bilateral } else { &Unilateral },
             update: &GAP,
             augmentation: None,
             is_axisymmetric: false,

@@ -9,66 +9,33 @@
 //! df/dr_1 = (F' e (x) (c e + k (w - s e)/|r|)) + F k (I - e (x) e)/|r|
 //! ```
 
-use std::sync::Arc;
-
 use super::force_laws::Viscous;
-use super::line::{End, Line, bodies_of, check_apart, is_grounded};
-use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use super::line::{Line, LineDefinition, LineElement};
+use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
 use crate::linear::Pattern;
 
 /// A damper between two ends.
+pub type DamperDefinition = LineDefinition<DamperElement>;
+
+/// What a damper is: its force by speed (per thickness in the plane).
 #[derive(Clone, Debug, PartialEq)]
-pub struct DamperDefinition {
-    /// Name, unique among the parts.
-    pub name: String,
-    /// Its ends.
-    pub ends: [End; 2],
-    /// Force by speed (per thickness in the plane).
-    pub law: Viscous,
-}
+pub struct DamperElement(pub Viscous);
 
-impl PartDefinition for DamperDefinition {
-    fn name(&self) -> &str {
-        &self.name
+impl LineElement for DamperElement {
+    const READINGS: &'static [&'static str] = &["speed", "force"];
+    const DISSIPATES: bool = true;
+
+    fn part(&self, _: &str, line: Line, _: f64, is_grounded: bool) -> Box<dyn Part> {
+        Box::new(Damper { line, law: self.0.clone(), is_outside: is_grounded })
     }
 
-    fn bodies(&self) -> Vec<usize> {
-        bodies_of(&self.ends)
+    fn changed(&self, change: &Change) -> Self {
+        let [_, length, time] = change.units;
+        DamperElement(self.0.changed([length / time, change.force()]))
     }
 
-    fn is_grounded(&self) -> bool {
-        is_grounded(&self.ends)
-    }
-
-    fn readings(&self) -> &'static [&'static str] {
-        &["speed", "force"]
-    }
-
-    fn dissipates(&self) -> bool {
-        true
-    }
-
-    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
-        check_apart(&self.name, &self.ends, point)
-    }
-
-    fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
-        Box::new(Damper { line: Line::new(&self.ends, numbering), law: self.law.clone(), is_outside: self.is_grounded() })
-    }
-
-    fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
-        let [mass, length, time] = change.units;
-        let force = mass * length / (time * time) / if change.is_plane { length } else { 1.0 };
-        Arc::new(DamperDefinition {
-            name: self.name.clone(),
-            ends: [0, 1].map(|k| self.ends[k].changed(change)),
-            law: self.law.changed([length / time, force]),
-        })
-    }
-
-    fn describe(&self) -> String {
-        format!("damper \"{}\": {}", self.name, self.law.describe())
+    fn describe(&self, name: &str) -> String {
+        format!("damper \"{name}\": {}", self.0.describe())
     }
 }
 
@@ -142,7 +109,9 @@ impl Part for Damper {
 #[cfg(test)]
 mod tests {
     use super::super::in_step::linearized;
+    use super::super::line::End;
     use super::*;
+    use crate::dynamics::model::part::Numbering;
     use crate::integrators::Derivative;
     use crate::linear::{Pattern, Vertex};
 

@@ -3,8 +3,11 @@
 //! An end is a node, the weighted mean of the nodes of a boundary, or a point of the ground. The vector from one to the other is linear in
 //! the positions, `r = sum s_i q_i + ground`, and a force `f` on its head acts on node `i` as `s_i f`.
 
+use std::sync::Arc;
+
+use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Numbering, Sums};
+use crate::dynamics::model::part::{Change, Numbering, Part, PartDefinition, Sums};
 use crate::linear::{Block, Pattern};
 
 /// An end of a spring or a damper.
@@ -16,15 +19,6 @@ pub enum End {
     Mean(usize, Vec<(u32, f64)>),
     /// A point that does not move `[length]`.
     Ground([f64; 3]),
-}
-
-/// That the ends of a part are apart while the bodies are undeformed.
-///
-/// # Errors
-/// They are at one place, and no line leads from one to the other.
-pub fn check_apart(name: &str, ends: &[End; 2], point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
-    let [a, b] = [0, 1].map(|k| ends[k].place(point));
-    if a == b { Err(ModelError::SpringOfNoLength { spring: name.into() }) } else { Ok(()) }
 }
 
 impl From<(usize, u32)> for End {
@@ -73,16 +67,86 @@ impl End {
     }
 }
 
-/// The bodies of two ends, each once.
-pub fn bodies_of(ends: &[End; 2]) -> Vec<usize> {
-    let mut bodies: Vec<usize> = ends.iter().filter_map(End::body).collect();
-    bodies.dedup();
-    bodies
+/// What acts along the line between two ends: a spring, a damper, an actuator.
+pub trait LineElement: Clone + Send + Sync + 'static {
+    /// Names of what the history tells of it.
+    const READINGS: &'static [&'static str];
+    /// Whether it turns energy into heat.
+    const DISSIPATES: bool = false;
+
+    /// Its functions of time.
+    fn functions(&self) -> Vec<Amplitude> {
+        Vec::new()
+    }
+
+    /// The part of that name on a line of that length at rest; `is_grounded`: whether one end is the ground.
+    fn part(&self, name: &str, line: Line, at_rest: f64, is_grounded: bool) -> Box<dyn Part>;
+
+    /// The same in a model that is moved.
+    fn changed(&self, change: &Change) -> Self;
+
+    /// The part of that name in words.
+    fn describe(&self, name: &str) -> String;
 }
 
-/// Whether one of two ends is the ground.
-pub fn is_grounded(ends: &[End; 2]) -> bool {
-    ends.iter().any(|end| end.body().is_none())
+/// A part between two ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineDefinition<E> {
+    /// Name, unique among the parts.
+    pub name: String,
+    /// Its ends.
+    pub ends: [End; 2],
+    /// What acts between them.
+    pub element: E,
+}
+
+impl<E: LineElement> PartDefinition for LineDefinition<E> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn bodies(&self) -> Vec<usize> {
+        let mut bodies: Vec<usize> = self.ends.iter().filter_map(End::body).collect();
+        bodies.dedup();
+        bodies
+    }
+
+    fn is_grounded(&self) -> bool {
+        self.ends.iter().any(|end| end.body().is_none())
+    }
+
+    fn functions(&self) -> Vec<Amplitude> {
+        self.element.functions()
+    }
+
+    fn readings(&self) -> &'static [&'static str] {
+        E::READINGS
+    }
+
+    fn dissipates(&self) -> bool {
+        E::DISSIPATES
+    }
+
+    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
+        // No line leads from one place to itself.
+        let [a, b] = [0, 1].map(|k| self.ends[k].place(point));
+        if a == b { Err(ModelError::SpringOfNoLength { spring: self.name.clone() }) } else { Ok(()) }
+    }
+
+    fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
+        let line = Line::new(&self.ends, numbering);
+        let at_rest = line.vector(numbering.reference).1;
+        self.element.part(&self.name, line, at_rest, self.is_grounded())
+    }
+
+    fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
+        let ends = [0, 1].map(|k| self.ends[k].changed(change));
+        Arc::new(LineDefinition { name: self.name.clone(), ends, element: self.element.changed(change) })
+    }
+
+    fn describe(&self) -> String {
+        self.element.describe(&self.name)
+    }
 }
 
 /// A line in the numbering of the model, from its first to its second end.

@@ -4,8 +4,8 @@ use super::time_values::value_of;
 use crate::bodies::{Plane, face_pressure, face_pressure_arms, pressure_shares, round_pressure, torque_forces};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::definitions::LoadKind;
-use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
 /// A load with its nodal weights.
@@ -16,6 +16,8 @@ pub struct NodalLoad<const D: usize> {
     pub weights: Vec<(u32, f64)>,
     /// Facets of a pressure, each by its nodes, with the places of their blocks, row by row.
     pub facets: Vec<(Vec<u32>, Vec<Block>)>,
+    /// Whether nodes of a facet are coupled by a cell, as those of a body that deforms are.
+    pub is_on_cells: bool,
     /// How the body is completed to space.
     pub plane: Plane,
     /// Its size over time.
@@ -128,8 +130,10 @@ fn places<const D: usize>(nodes: &[u32], q: &[f64]) -> Vec<[f64; D]> {
 }
 
 impl<const D: usize> Part for NodalLoad<D> {
-    fn for_each_coupling(&self, _tell: &mut dyn FnMut(&[u32])) {
-        // Facets of a pressure are facets of cells, whose nodes are coupled.
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        if !self.is_on_cells {
+            self.facets.iter().for_each(|(nodes, _)| visit(nodes));
+        }
     }
 
     fn place(&mut self, pattern: &Pattern) {

@@ -10,6 +10,7 @@ pub mod bushing;
 pub mod carried;
 pub mod chamber;
 pub mod contact_pair;
+pub mod couplings;
 pub mod damper;
 pub mod drag;
 pub mod force_laws;

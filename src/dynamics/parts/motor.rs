@@ -74,10 +74,8 @@ impl PartDefinition for MotorDefinition {
     }
 
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
-        let [mass, length, time] = change.units;
-        let value = mass * length * length / (time * time) / if change.is_plane { length } else { 1.0 };
         let axis = if change.is_plane { self.axis } else { (change.direction)(self.axis) };
-        Arc::new(MotorDefinition { axis, torque: Rescaled::of(&self.torque, time, value), ..self.clone() })
+        Arc::new(MotorDefinition { axis, torque: Rescaled::of(&self.torque, change.units[2], change.energy()), ..self.clone() })
     }
 
     fn describe(&self) -> String {

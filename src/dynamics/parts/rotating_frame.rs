@@ -16,8 +16,9 @@ use std::sync::Arc;
 
 use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
-use crate::dynamics::model::error::{ModelError, StepError};
+use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, NodeMatrix, Pattern};
 
 /// How fast a frame turns.

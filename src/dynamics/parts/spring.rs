@@ -11,70 +11,43 @@
 //! It does exactly the work by which `V` changes, pulls both ends with opposite forces along the line of `r_mid`, and keeps both momenta,
 //! but for an end on the ground.
 
-use std::sync::Arc;
-
 use super::force_laws::SpringLaw;
-use super::line::{End, Line, bodies_of, check_apart, is_grounded};
-use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
+use super::line::{Line, LineDefinition, LineElement};
+use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Sums};
 use crate::integrators::{Configuration, Derivative};
 use crate::linear::Pattern;
 
 /// A spring between two ends.
+pub type SpringDefinition = LineDefinition<SpringElement>;
+
+/// What a spring is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SpringDefinition {
-    /// Name, unique among the parts.
-    pub name: String,
-    /// Its ends.
-    pub ends: [End; 2],
+pub struct SpringElement {
     /// What it stores (per thickness in the plane).
     pub law: SpringLaw,
     /// Length `L` at which it does not pull `[length]`; `None`: its length in the undeformed bodies.
     pub rest_length: Option<f64>,
 }
 
-impl PartDefinition for SpringDefinition {
-    fn name(&self) -> &str {
-        &self.name
+impl LineElement for SpringElement {
+    const READINGS: &'static [&'static str] = &["length", "force", "energy"];
+
+    fn part(&self, _: &str, line: Line, at_rest: f64, is_grounded: bool) -> Box<dyn Part> {
+        let rest_length = self.rest_length.unwrap_or(at_rest);
+        Box::new(Spring { line, law: self.law.clone(), rest_length, is_outside: is_grounded })
     }
 
-    fn bodies(&self) -> Vec<usize> {
-        bodies_of(&self.ends)
-    }
-
-    fn is_grounded(&self) -> bool {
-        is_grounded(&self.ends)
-    }
-
-    fn readings(&self) -> &'static [&'static str] {
-        &["length", "force", "energy"]
-    }
-
-    fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
-        check_apart(&self.name, &self.ends, point)
-    }
-
-    fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
-        let line = Line::new(&self.ends, numbering);
-        let rest_length = self.rest_length.unwrap_or_else(|| line.vector(numbering.reference).1);
-        Box::new(Spring { line, law: self.law.clone(), rest_length, is_outside: self.is_grounded() })
-    }
-
-    fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
-        let [mass, length, time] = change.units;
-        let thickness = if change.is_plane { length } else { 1.0 };
-        let (stiffness, force) = (mass / (time * time) / thickness, mass * length / (time * time) / thickness);
-        Arc::new(SpringDefinition {
-            name: self.name.clone(),
-            ends: [0, 1].map(|k| self.ends[k].changed(change)),
-            law: self.law.changed([length, force, stiffness]),
+    fn changed(&self, change: &Change) -> Self {
+        let length = change.units[1];
+        SpringElement {
+            law: self.law.changed([length, change.force(), change.stiffness()]),
             rest_length: self.rest_length.map(|rest| length * rest),
-        })
+        }
     }
 
-    fn describe(&self) -> String {
+    fn describe(&self, name: &str) -> String {
         let rest = self.rest_length.map_or("its length at the start".into(), |length| format!("{length}"));
-        format!("spring \"{}\": {}, at rest at {rest}", self.name, self.law.describe())
+        format!("spring \"{name}\": {}, at rest at {rest}", self.law.describe())
     }
 }
 
@@ -181,8 +154,12 @@ impl Part for Spring {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::in_step;
+    use super::super::line::End;
     use super::*;
+    use crate::dynamics::model::part::Numbering;
     use crate::dynamics::parts::force_laws::{Elastic, Sides};
     use crate::linear::Vertex;
 

@@ -3,9 +3,9 @@
 //! They stay in the numbering; their rows and columns of the matrix are replaced by the identity.
 
 use crate::dynamics::model::definitions::Model;
-use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::interactions::BodyBoundary;
 use crate::dynamics::model::prescription::{PrescribedMotion, Prescription};
+use crate::dynamics::model::step_error::StepError;
 
 /// A displacement component that follows a time function.
 pub struct PrescribedUnknown {

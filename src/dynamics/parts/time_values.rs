@@ -1,7 +1,7 @@
 //! What time functions give.
 
 use crate::dynamics::model::amplitude::Amplitude;
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 
 /// What the time function of something of that name gives.
 ///

@@ -64,8 +64,7 @@ impl PartDefinition for TorsionDefinition {
     }
 
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
-        let [mass, length, time] = change.units;
-        let moment = mass * length / (time * time);
+        let moment = change.energy();
         Arc::new(TorsionDefinition { law: self.law.changed([1.0, moment, moment]), ..self.clone() })
     }
 

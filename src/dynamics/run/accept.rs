@@ -9,7 +9,7 @@ use super::slip_memory::{add_heat, slipped};
 use super::state::State;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{PairKind, RowBlock};
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
@@ -118,6 +118,7 @@ where
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
+        row.reactions.extend(self.coupling_reactions(middle, &at, &lambda, start.time + dt)?);
         row.joints = self.joint_totals(&at.q_1, &lambda, &outside.drive_works);
         row.probes = self.probe_values(&at.u_1, &v_1);
         let state = State {

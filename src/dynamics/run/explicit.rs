@@ -14,7 +14,7 @@ use super::engine::Engine;
 use super::state::State;
 use crate::bodies::{Elements, Inverted, Space};
 use crate::contact::{Evaluation, Outlook, Travel};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::contact_impulses::push;
 use crate::dynamics::step::explicit::PartForces;
 use crate::dynamics::step::failure::Failure;

@@ -4,8 +4,8 @@ use super::diagnosis::{Evidence, rigid_motion_of};
 use super::engine::Engine;
 use super::report::{FailureReport, TryReport};
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::remedy::Ease;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::Trace;
 

@@ -11,7 +11,7 @@ use super::state::State;
 use super::steps::Steps;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::vibrations::{Rest, Vibrations};
 use crate::linear::{Lanczos, LinearError, Ritz, product};

@@ -14,7 +14,7 @@ use super::settle::Care;
 use super::steps::Steps;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::contact_set::constraint_rows;
 use crate::dynamics::step::failure::Failure;

@@ -15,7 +15,7 @@ use super::settle::{Care, STRIDE};
 use super::slip_memory::{SlipMemory, friction_work};
 use super::state::{Clock, State};
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::math::tolerances::{EIGHTH_TURN, PASSING};
 
 /// Change of an increment after one that failed, and after one that did not.

@@ -62,8 +62,8 @@ pub struct LedgerRow {
     pub max_penetration: f64,
     /// One for each contact pair, in the order of the model; none before the first step.
     pub contacts: Vec<ContactTotals>,
-    /// One for each boundary that supports hold or move, in the order of [`Model::support_names`](crate::dynamics::Model::support_names);
-    /// none before the first step.
+    /// One for each boundary that supports hold or move, then for each coupling, in the order of
+    /// [`Model::reaction_names`](crate::dynamics::Model::reaction_names); none before the first step.
     pub reactions: Vec<Reaction>,
     /// One for each part of [`Model::parts`](crate::dynamics::Model::parts), in their order.
     pub parts: Vec<PartTotals>,

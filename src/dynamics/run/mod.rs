@@ -5,6 +5,7 @@ pub mod balance;
 pub mod buckling;
 pub mod closing;
 pub mod contact_quantities;
+pub mod coupled;
 pub mod diagnosis;
 pub mod energy_account;
 pub mod engine;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use thiserror::Error;
 
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 
 /// Vibrations about a state, the slowest first.
 #[derive(Clone, Debug)]

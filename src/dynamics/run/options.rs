@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::pace::StepControl;
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::counters::PhaseTimes;
 use crate::integrators::Scheme;
 use crate::linear::Work;

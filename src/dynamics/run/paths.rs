@@ -5,7 +5,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::state::State;
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 
 /// How a path is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]

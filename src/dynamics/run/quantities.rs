@@ -184,8 +184,9 @@ where
             let is_driven = pair.drive.is_some() && system.redundant[pair.rows.end - 1];
             Some(RedundantConstraints { name, is_joint: pair.kind == PairKind::Joint, is_driven, count, of, node })
         };
-        // Supports of a rigid body hold more nodes than it has motions.
-        system.pairs.iter().filter(|pair| pair.kind != PairKind::Rigidity).filter_map(of).collect()
+        // Supports of a rigid body hold more nodes than it has motions, and pairs of cells meet in their corners.
+        let is_told = |pair: &&ContactPair| !matches!(pair.kind, PairKind::Rigidity | PairKind::Coupling(_));
+        system.pairs.iter().filter(is_told).filter_map(of).collect()
     }
 
     pub fn contact_fields(&self, name: &str) -> Option<ContactFields> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
 use crate::contact::Outlook;
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};

@@ -250,8 +250,11 @@ pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> 
         }
     };
 
-    let (gain, limit, row, explanation) = given(rows, last, scale, measures.is_explicit);
-    add(RunFindingKind::PositiveContactWork, only.clone(), gain, limit.max(round_off), row, explanation);
+    // What holds rigid bodies together does round-off of work, which is all there is where nothing moves.
+    if !measures.contacts.is_empty() {
+        let (gain, limit, row, explanation) = given(rows, last, scale, measures.is_explicit);
+        add(RunFindingKind::PositiveContactWork, only.clone(), gain, limit.max(round_off), row, explanation);
+    }
 
     if let Some(promised) = measures.defect {
         let (defect, row) = largest(&|row| row.energy_defect.abs() / scale);

@@ -7,7 +7,7 @@
 
 use super::engine::Engine;
 use crate::bodies::{Elements, FastestCell, Space};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::start::{StepKind, StepStart};

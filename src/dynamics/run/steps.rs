@@ -18,7 +18,7 @@ use super::stable_step::StableStep;
 use super::state::State;
 use super::tally::Tally;
 use super::validity::Excess;
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 
 /// What a simulation of either dimension can do.
 pub trait Steps: Send {

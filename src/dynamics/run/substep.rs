@@ -7,7 +7,7 @@ use super::options::Options;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::{Solution, Task, solve};

@@ -27,7 +27,7 @@ use super::substeps::Substeps;
 use super::tally::Tally;
 use super::validity::Excess;
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::failure::Failure;

@@ -2,7 +2,7 @@
 
 use super::start::StepStart;
 use super::system::System;
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::Holds;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::{Row, RowStart, RowState};

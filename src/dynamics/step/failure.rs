@@ -2,8 +2,8 @@
 
 use super::large_motion::LargeMotion;
 use crate::bodies::Inverted;
-use crate::dynamics::model::error::StepError;
 use crate::dynamics::model::part::Refusal;
+use crate::dynamics::model::step_error::StepError;
 use crate::linear::LinearError;
 
 /// Why a step did not converge.

@@ -122,6 +122,7 @@ pub(super) fn varying_gravity<const D: usize>(model: &Model, masses: &[f64]) -> 
         kind: LoadKind::Traction(model.gravity),
         weights: (0..).zip(masses.iter().copied()).collect(),
         facets: Vec::new(),
+        is_on_cells: true,
         plane: Plane::Strain,
         amplitude: model.gravity_amplitude.clone()?,
         name: "gravity".into(),
@@ -145,6 +146,7 @@ pub(super) fn loads_of<const D: usize>(model: &Model, bodies: &[Body<D>]) -> Vec
             }
             _ => Vec::new(),
         },
+        is_on_cells: model.bodies[load.on.body].rigid.is_none(),
         plane: model.bodies[load.on.body].formulation.plane,
         amplitude: load.amplitude.clone(),
         name: model.boundary_name(&load.on),

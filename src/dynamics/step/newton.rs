@@ -14,7 +14,7 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Correction;
-use crate::dynamics::model::error::StepError;
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment};
 use crate::math::norms::largest_size;

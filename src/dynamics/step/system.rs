@@ -22,11 +22,13 @@ use crate::bodies::{Elements, Space};
 use crate::contact::{Correction, Outlook};
 use crate::dynamics::model::boundaries::middles;
 use crate::dynamics::model::definitions::Model;
-use crate::dynamics::model::error::{ModelError, StepError};
+use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Numbering, Part, Pose};
+use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::default_rule;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::couplings::coupling_pairs;
 use crate::dynamics::parts::friction_rows::FrictionRows;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::loads::{NodalLoad, loads_into};
@@ -119,7 +121,8 @@ where
         let followers = part_followers(model, &mut bodies, first, &others);
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
-        let points = point_pairs(model, &bodies, &reference);
+        let mut points = point_pairs(model, &bodies, &reference);
+        points.extend(coupling_pairs(model, first, &reference));
         let pairs = contact_pairs(model, first, &middles, &reference, default_rule(integrator), points);
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =

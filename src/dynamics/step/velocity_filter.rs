@@ -82,7 +82,7 @@ where
 
     /// Adds what the ground exerts through joints to the impulses from outside, and the work of what drives them.
     fn add_driven(&self, at: &Linearization, rates: &[f64], response: &mut ImpulseResponse) {
-        for pair in self.pairs.iter().filter(|pair| pair.kind == PairKind::Joint) {
+        for pair in self.pairs.iter().filter(|pair| matches!(pair.kind, PairKind::Joint | PairKind::Coupling(_))) {
             let (lambda, none) = (&response.lambda[pair.rows.clone()], vec![0.0; pair.rows.len()]);
             if pair.drive.is_some() {
                 response.work += pair.rows.clone().map(|row| response.lambda[row] * rates[row]).sum::<f64>();

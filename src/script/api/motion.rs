@@ -11,8 +11,8 @@ use super::units::{Dimension, Units};
 use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
-    Amplitude, Change, Coefficient, Coordinate, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction, Prescription,
-    Rescaled, TimeFunction, TimeFunctionError, Turn,
+    Amplitude, Change, Coefficient, Coordinate, CouplingKind, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction,
+    Prescription, Rescaled, Sector, TimeFunction, TimeFunctionError, Turn,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
@@ -152,6 +152,7 @@ impl Motion {
                 gear.ratio *= units.length.powi(first - second);
             }
         }
+        moved.couplings.iter_mut().for_each(|coupling| self.couple(&mut coupling.kind));
         moved.gravity = self.vector(model.gravity, speed / units.time);
         moved.gravity_amplitude = model.gravity_amplitude.as_ref().map(|amplitude| self.amplitude(amplitude, 1.0));
         for initial in &mut moved.initial_displacements {
@@ -205,6 +206,16 @@ impl Motion {
         };
         moved.parts = model.parts.iter().map(|part| part.changed(&change)).collect();
         Ok(moved)
+    }
+
+    fn couple(&self, kind: &mut CouplingKind) {
+        match kind {
+            CouplingKind::Plane { normal, .. } => *normal = self.vector(*normal, 1.0),
+            CouplingKind::Periodic { turn, offset, .. } => {
+                *turn = turn.map(|turn| Sector { center: self.point(turn.center), axis: self.vector(turn.axis, 1.0), angle: turn.angle });
+                *offset = self.along(offset.each_ref());
+            }
+        }
     }
 
     fn coefficient(&self, coefficient: &Coefficient) -> Coefficient {

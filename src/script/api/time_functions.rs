@@ -317,14 +317,19 @@ fn table() -> Function {
         name: "table",
         form: Form::Function,
         topic: Topic::TimeFunctions,
-        summary: "linear between given points `[time, value]`, constant before the first and after the last",
-        parameters: vec![Parameter::new("points", Kind::Array, "an array of `[time, value]` pairs with increasing times")],
+        summary: "linear between given points `[time, value]`, constant before the first and after the last; times and values may be two \
+                  arrays, such as columns of a measured record that `read_csv` gives",
+        parameters: vec![
+            Parameter::new("points", Kind::Array, "an array of `[time, value]` pairs with increasing times, or the times"),
+            Parameter::new("values", Kind::Array, "the values at the times").or(Absent::Means("`points` are pairs")),
+        ],
         returns: TimeFunctionHandle::NAME,
-        example: "let history = table([[0.0, 0.0], [0.1, 5.0], [0.4, 1.0]]);".into(),
-        see_also: &["hat", "ramp", "sine"],
+        example: "let history = table([[0.0, 0.0], [0.1, 5.0], [0.4, 1.0]]);\nlet same = table([0.0, 0.1, 0.4], [0.0, 5.0, 1.0]);".into(),
+        see_also: &["hat", "ramp", "sine", "read_csv"],
         body: body(|call| {
-            let argument = call.argument("points");
-            match Table::new(points_of(&argument, ["time", "value"])?) {
+            let (argument, values) = (call.argument("points"), call.argument("values"));
+            let points = if values.is_given() { pairs_of(&argument, &values)? } else { points_of(&argument, ["time", "value"])? };
+            match Table::new(points) {
                 Some(table) => Ok(Dynamic::from(TimeFunctionHandle(Arc::new(table)))),
                 None => Err(argument.fail("`table` needs at least one point").hint("write `[[0.0, 0.0], [1.0, 5.0]]`").into()),
             }
@@ -347,9 +352,33 @@ pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<
             }
         }
     }
+    increasing(argument, points, first)
+}
+
+/// Points in ascending order that are given as two arrays of numbers.
+fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Failure> {
+    let numbers = |argument: &Argument| {
+        let wrong = |entry: &Dynamic| {
+            let failure = argument.fail(format!("every entry of {} must be a finite number", argument.title()));
+            let failure = failure.label(format!("this contains {}", describe(argument.call().engine(), entry)));
+            failure.hint("leave out lines without a value: `NaN` is what an empty field of a file gives")
+        };
+        let number = |entry: Dynamic| as_number(&entry).filter(|x| x.is_finite()).ok_or_else(|| wrong(&entry));
+        argument.array()?.into_iter().map(number).collect::<Result<Vec<f64>, Failure>>()
+    };
+    let (at, of) = (numbers(times)?, numbers(values)?);
+    if at.len() != of.len() {
+        let failure = values.fail(format!("there are {} times and {} values", at.len(), of.len()));
+        return Err(failure.hint("give a value for each time: two columns of one file"));
+    }
+    increasing(times, at.into_iter().zip(of).collect(), "time")
+}
+
+/// These points, if their first numbers increase.
+fn increasing(argument: &Argument, points: Vec<(f64, f64)>, first: &str) -> Result<Vec<(f64, f64)>, Failure> {
     match points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
         Some(pair) => Err(argument
-            .fail(format!("the {first}s of `{function}` must increase"))
+            .fail(format!("the {first}s of `{}` must increase", argument.call().function.name))
             .label(format!("{} comes after {}", number_text(pair[1].0), number_text(pair[0].0)))
             .hint(format!("sort the points; a jump needs two {first}s close to each other"))),
         None => Ok(points),

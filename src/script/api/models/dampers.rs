@@ -9,7 +9,7 @@ use super::change::change;
 use super::ends::{constants_parameter, end_parameters, ends_of, one_of, text_of};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::bodies::nodal_areas;
-use crate::dynamics::{DamperDefinition, DragDefinition, Dragged, Viscous};
+use crate::dynamics::{DamperDefinition, DamperElement, DragDefinition, Dragged, Viscous};
 use crate::materials::Viscosity;
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
@@ -88,7 +88,7 @@ pub fn add_damper() -> Function {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
-            change(call, &model, |data| data.model.parts.push(Arc::new(DamperDefinition { name, ends, law })))?;
+            change(call, &model, |data| data.model.parts.push(Arc::new(DamperDefinition { name, ends, element: DamperElement(law) })))?;
             Ok(Dynamic::UNIT)
         }),
     }

@@ -3,7 +3,8 @@
 use super::data::ModelData;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
-    Amplitude, BodyBoundary, BodyDefinition, Coordinate, Gear, Interaction, JointKind, Model, Partner, Prescription, Turn,
+    Amplitude, BodyBoundary, BodyDefinition, Coordinate, Coupling, CouplingKind, Gear, Interaction, JointKind, Model, Partner,
+    Prescription, Turn,
 };
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
@@ -23,6 +24,7 @@ pub fn describe_model(data: &ModelData) -> String {
         let boundary = model.boundary_name(&given.on);
         prescribed(given).into_iter().map(move |(what, function)| format!("  prescribed {what} of \"{boundary}\": {function}"))
     }));
+    lines.extend(model.couplings.iter().map(|coupling| format!("  {}", describe_coupling(model, coupling))));
     lines.extend(data.loads.iter().map(|load| format!("  {}", load.title)));
     if model.gravity != [0.0; 3] {
         lines.push(format!("  gravity {}", vector_text(&model.gravity[..model.dimension()])));
@@ -56,6 +58,24 @@ pub fn prescribed(given: &Prescription) -> Vec<(String, String)> {
         (format!("angle about {}{axis}", vector_text(center)), turn.angle.describe())
     });
     along.chain(turn).collect()
+}
+
+/// What a coupling holds.
+fn describe_coupling(model: &Model, Coupling { name, kind }: &Coupling) -> String {
+    let dimension = model.dimension();
+    match kind {
+        CouplingKind::Plane { on, normal } => {
+            let boundary = model.boundary_name(on);
+            format!("symmetry \"{name}\": \"{boundary}\" held along {}", vector_text(&normal[..dimension]))
+        }
+        CouplingKind::Periodic { from, to, turn, offset } => {
+            let [from, to] = [from, to].map(|on| model.boundary_name(on));
+            let turn = turn.map_or(String::new(), |turn| format!(", turned by {} rad", number_text(turn.angle)));
+            let given = ["x", "y", "z"].into_iter().zip(offset).filter_map(|(name, function)| Some((name, function.as_ref()?)));
+            let moved: String = given.map(|(name, function)| format!(", {name}: {}", function.describe())).collect();
+            format!("periodic pair \"{name}\": from \"{from}\" to \"{to}\"{turn}{moved}")
+        }
+    }
 }
 
 /// One line for each contact, obstacle or tie.

@@ -4,9 +4,11 @@ use rhai::Map;
 
 use super::arguments::{body_boundary, body_of, node_at};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
-use crate::bodies::nodal_areas;
+use crate::bodies::{Frame, nodal_areas};
 use crate::dynamics::End;
 use crate::materials::{EnergyError, ScalarText};
+use crate::math::norms::largest_extent;
+use crate::math::tolerances::SAME_NODE;
 use crate::script::api::materials::energies::refused;
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::failure::Failure;
@@ -21,7 +23,8 @@ pub const GROUND: &str = "ground";
 pub fn end_parameters() -> Vec<Parameter> {
     let end = |name, which: &'static str| Parameter::new(name, Kind::Either("a Body, a boundary of one, or \"ground\""), which);
     let point = |name| {
-        let what = "a point of the body while it is undeformed: the nearest node; of the ground that point; none for a boundary";
+        let what =
+            "a point of the body while it is undeformed: the nearest node, of a rigid body or the ground that point; none for a boundary";
         Parameter::new(name, Kind::Vector, what).of("length").or(Absent::Means("the centroid of the boundary, which then is the end"))
     };
     vec![end("from", "what is at one end"), point("from_point"), end("to", "what is at the other end"), point("to_point")]
@@ -69,10 +72,24 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
     }
     if value.is::<BodyHandle>() {
         let body = body_of(&argument, model)?;
-        return Ok(End::Node(body.index, node_at(&point, &body)?));
+        return match on_rigid(&point, &body)? {
+            Some(shares) => Ok(End::Mean(body.index, shares)),
+            None => Ok(End::Node(body.index, node_at(&point, &body)?)),
+        };
     }
     let dimension = model.0.borrow().model.dimension();
     Ok(End::Ground(point.vector(dimension)?))
+}
+
+/// A point that a rigid body carries by the shares of its masters, if it is none of its nodes.
+fn on_rigid(argument: &Argument, body: &BodyHandle) -> Result<Option<Vec<(u32, f64)>>, Failure> {
+    let definition = body.definition();
+    let Some(frame) = definition.rigid.and_then(|_| Frame::new(&definition.mesh)) else { return Ok(None) };
+    let point = argument.vector(definition.mesh.dimension())?;
+    if definition.nearest_node(point).1 <= SAME_NODE * largest_extent(definition.mesh.points.iter()) {
+        return Ok(None);
+    }
+    Ok(Some(frame.masters.iter().copied().zip(frame.shares(point)).collect()))
 }
 
 /// The key of the constants of a text.

@@ -9,6 +9,7 @@ pub mod building;
 pub mod bushings;
 pub mod chambers;
 pub mod change;
+pub mod couplings;
 pub mod dampers;
 pub mod data;
 pub mod description;
@@ -33,6 +34,8 @@ pub fn functions() -> Vec<Function> {
         rigid::add_rigid_body(),
         supports::fix(),
         supports::prescribe(),
+        couplings::add_symmetry(),
+        couplings::add_periodic(),
         building::gravity(),
         frames::rotating_frame(),
         building::initial_velocity(),

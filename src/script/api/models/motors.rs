@@ -9,7 +9,7 @@ use super::change::change;
 use super::ends::{GROUND, end_parameters, ends_of};
 use super::handle::{BodyHandle, ModelHandle};
 use crate::bodies::Frame;
-use crate::dynamics::{ActuatorDefinition, MotorDefinition, Turn};
+use crate::dynamics::{ActuatorDefinition, ActuatorElement, MotorDefinition, Turn};
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
@@ -42,7 +42,9 @@ pub fn add_actuator() -> Function {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.name("name")?, call.options("options")?);
             let (ends, force) = (ends_of(&options, &model)?, amplitude_of(&options.argument("force"))?);
-            change(call, &model, |data| data.model.parts.push(Arc::new(ActuatorDefinition { name, ends, force })))?;
+            change(call, &model, |data| {
+                data.model.parts.push(Arc::new(ActuatorDefinition { name, ends, element: ActuatorElement(force) }))
+            })?;
             Ok(Dynamic::UNIT)
         }),
     }

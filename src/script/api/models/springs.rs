@@ -8,7 +8,7 @@ use super::arguments::{body_of, node_at_point};
 use super::change::change;
 use super::ends::{GROUND, constants_parameter, end_parameters, ends_of, one_of, text_of};
 use super::handle::{BodyHandle, ModelHandle};
-use crate::dynamics::{Elastic, Sides, SpringDefinition, SpringLaw, TorsionDefinition};
+use crate::dynamics::{Elastic, Sides, SpringDefinition, SpringElement, SpringLaw, TorsionDefinition};
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::points_of;
@@ -53,7 +53,7 @@ pub fn add_spring() -> Function {
             let (ends, law) = (ends_of(&options, &model)?, law_of(&options)?);
             let rest_length = options.optional_number("rest_length")?;
             change(call, &model, |data| {
-                data.model.parts.push(Arc::new(SpringDefinition { name, ends, law, rest_length }));
+                data.model.parts.push(Arc::new(SpringDefinition { name, ends, element: SpringElement { law, rest_length } }));
             })?;
             Ok(Dynamic::UNIT)
         }),

@@ -6,6 +6,7 @@ use super::arguments::{boundary_of, boundary_parameter};
 use super::change::change;
 use super::handle::ModelHandle;
 use crate::dynamics::{Prescription, Support, Turn};
+use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
@@ -112,7 +113,7 @@ fn turn(options: &Options, dimension: usize) -> Result<Option<Turn>, Failure> {
     if dimension == 2 && direction != Turn::UPRIGHT {
         return Err(axis.fail("the model is plane: it turns about the third axis").hint("remove the option"));
     }
-    let size = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let size = length(direction);
     if size == 0.0 {
         return Err(axis.fail(format!("{} has no direction", axis.title())).label("this has length 0").hint("such as `[0.0, 0.0, 1.0]`"));
     }

@@ -21,7 +21,7 @@ pub fn model_columns(model: &Model) -> Vec<String> {
     let mut names: Vec<String> =
         model.contact_names().iter().flat_map(|name| contacts.iter().map(move |column| format!("{name}.{column}"))).collect();
     let reactions = Reaction::columns(model.dimension());
-    names.extend(model.support_names().iter().flat_map(|name| reactions.iter().map(move |column| format!("{name}.reaction.{column}"))));
+    names.extend(model.reaction_names().iter().flat_map(|name| reactions.iter().map(move |column| format!("{name}.reaction.{column}"))));
     names.extend(model.parts.iter().flat_map(|part| PartTotals::columns(&**part).map(|column| format!("{}.{column}", part.name()))));
     for joint in &model.joints {
         names.extend(JointTotals::columns(joint, model.dimension()).iter().map(|column| format!("{}.{column}", joint.name)));
@@ -43,7 +43,7 @@ pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     let contacts = model.contact_names().len() * ContactTotals::columns(dimension).len();
     values.resize(contacts, f64::NAN);
     values.extend(row.reactions.iter().flat_map(|reaction| reaction.values(dimension)));
-    values.resize(contacts + model.support_names().len() * Reaction::columns(dimension).len(), f64::NAN);
+    values.resize(contacts + model.reaction_names().len() * Reaction::columns(dimension).len(), f64::NAN);
     values.extend(model.parts.iter().zip(&row.parts).flat_map(|(part, totals)| totals.values(&**part)));
     let (joints, known) = (&model.joints, values.len());
     values.extend(joints.iter().zip(&row.joints).flat_map(|(joint, totals)| totals.values(joint, dimension)));

@@ -1,6 +1,6 @@
 //! Reactions of supports: what `fix` and `prescribe` exert on a boundary.
 
-use rhai::{Array, Dynamic};
+use rhai::{Array, Dynamic, ImmutableString};
 
 use super::handle::SimulationHandle;
 use crate::dynamics::Reaction;
@@ -57,8 +57,13 @@ fn reaction() -> Function {
         name: "reaction",
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
-        summary: "what `fix` and `prescribe` exert on a boundary, in the history as columns `body.boundary.reaction.force_x` and so on",
-        parameters: vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "a boundary that a support holds or moves")],
+        summary: "what `fix` and `prescribe` exert on a boundary, in the history as columns `body.boundary.reaction.force_x` and so on, or \
+                  a symmetry on its nodes, a periodic pair on its second boundary",
+        parameters: vec![Parameter::new(
+            "boundary",
+            Kind::Either("a boundary or the name of a symmetry or a periodic pair"),
+            "a boundary that a support holds or moves, or the name of what couples nodes",
+        )],
         returns: ReactionHandle::NAME,
         example: contact_example(
             "let below = table.boundary(\"bottom\");\npress.fix(below);\npress.gravity([0.0, -10.0]);\n\
@@ -66,11 +71,15 @@ fn reaction() -> Function {
         ),
         see_also: &["fix", "prescribe", "contact", "history"],
         body: body(|call| {
-            let (handle, boundary) = (call.receiver::<SimulationHandle>(), call.handle::<BoundaryHandle>("boundary")?.title());
-            let names = handle.0.model.model.support_names();
+            let handle = call.receiver::<SimulationHandle>();
+            let boundary = match call.argument("boundary").value().try_cast::<ImmutableString>() {
+                Some(name) => name.to_string(),
+                None => call.handle::<BoundaryHandle>("boundary")?.title(),
+            };
+            let names = handle.0.model.model.reaction_names();
             let Some(index) = names.iter().position(|name| *name == boundary) else {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                let failure = call.argument("boundary").unknown_name(format!("no support holds \"{boundary}\""), &boundary, &names);
+                let failure = call.argument("boundary").unknown_name(format!("nothing holds \"{boundary}\""), &boundary, &names);
                 return Err(failure.into());
             };
             let found = handle

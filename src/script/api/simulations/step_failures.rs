@@ -1,7 +1,7 @@
 //! A step that failed, in the words of the script: where, why, and how to mend it.
 
 use super::handle::SimulationHandle;
-use crate::dynamics::{FailureCause, Interaction, Missing, StepError};
+use crate::dynamics::{BodyBoundary, FailureCause, Interaction, Missing, PERSISTENCY, StepError, default_rule};
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::ClosureError;
 use crate::script::language::digits::{brief, vector_text};
@@ -20,9 +20,11 @@ impl SimulationHandle {
         match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
             StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, &at)).hint(hint),
-            StepError::OutOfMemory { .. } | StepError::TurnsFar { .. } | StepError::TooLong { .. } | StepError::RanAway { .. } => {
-                Failure::new(Class::Numerics, title).hint(hint)
-            }
+            StepError::OutOfMemory { .. }
+            | StepError::Contradiction { .. }
+            | StepError::TurnsFar { .. }
+            | StepError::TooLong { .. }
+            | StepError::RanAway { .. } => Failure::new(Class::Numerics, title).hint(hint),
             StepError::Amplitude { source, .. } | StepError::Friction { source, .. } => {
                 match source.downcast_ref::<ClosureError>().and_then(ClosureError::error) {
                     Some(inner) => call.fail(title).caused_by(inner),
@@ -35,6 +37,13 @@ impl SimulationHandle {
                 let (time, dt) = (brief(time), brief(dt));
                 let title = format!("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings)");
                 let failure = self.not_converged(title, cause, hint);
+                let failure = match self.keeps_depth() {
+                    Some(contact) => failure.hint(format!(
+                        "between rigid bodies `persistency` keeps the depth of contact \"{contact}\", and from two sides that jams: \
+                         `update: \"gap\"` keeps none"
+                    )),
+                    None => failure,
+                };
                 if call.host.settings.interactive { failure.hint("`sim.why()` shows the iterations") } else { failure }
             }
         }
@@ -70,6 +79,18 @@ impl SimulationHandle {
     fn not_converged(&self, title: String, cause: String, hint: String) -> Failure {
         *self.0.hint.borrow_mut() = hint.clone();
         Failure::new(Class::Numerics, title).cause(cause).hint(hint)
+    }
+
+    /// A contact between rigid bodies whose depths stay from step to step.
+    fn keeps_depth(&self) -> Option<&str> {
+        let model = &self.0.model.model;
+        let by_default = default_rule(&self.0.simulation.try_borrow().ok()?.options().integrator);
+        let rule = |interaction: &Interaction| interaction.update.unwrap_or(by_default);
+        let is_rigid = |on: &BodyBoundary| model.bodies[on.body].rigid.is_some();
+        let keeps = |one: &&Interaction| {
+            *rule(one) == PERSISTENCY && is_rigid(&one.secondary) && !one.primary().is_empty() && one.primary().iter().all(is_rigid)
+        };
+        model.interactions.iter().find(keeps).map(|interaction| interaction.name.as_str())
     }
 
     /// Whether the iterations of the last failure went astray, while supports and loads seem to be in order.

@@ -1,0 +1,185 @@
+//! What can go wrong in a step.
+
+use thiserror::Error;
+
+use super::remedy::{Ease, Remedy};
+use crate::machine::memory::written;
+use crate::math::digits::three_digits;
+use crate::math::tolerances::EIGHTH_TURN;
+
+/// A step that could not be taken.
+#[derive(Debug, Error)]
+pub enum StepError {
+    /// A time function failed.
+    #[error("the amplitude of the load on \"{boundary}\" failed at t = {time}")]
+    Amplitude {
+        /// `body.boundary` on which the load acts.
+        boundary: String,
+        /// Time at which it was asked.
+        time: f64,
+        /// What it failed with.
+        source: super::amplitude::TimeFunctionError,
+    },
+    /// A prescribed motion turns a boundary too far in a step.
+    #[error("\"{boundary}\" turns by {} rad in a step of {} at t = {time}", three_digits(*angle), three_digits(*dt))]
+    TurnsFar {
+        /// `body.boundary` that turns.
+        boundary: String,
+        /// Time at the beginning of the step.
+        time: f64,
+        /// Its size.
+        dt: f64,
+        /// The angle `[rad]`.
+        angle: f64,
+    },
+    /// A coupling asks for what other couplings and supports do not allow.
+    #[error("\"{coupling}\" asks for what supports and other couplings do not allow at t = {time}: its nodes are off by {}", three_digits(*gap))]
+    Contradiction {
+        /// Name of the coupling.
+        coupling: String,
+        /// Time at the end of the step.
+        time: f64,
+        /// By how much its equations do not hold `[length]`.
+        gap: f64,
+    },
+    /// A coefficient of friction failed.
+    #[error("the friction of contact \"{contact}\" failed at t = {time}")]
+    Friction {
+        /// Name of the contact.
+        contact: String,
+        /// Time at which it was asked.
+        time: f64,
+        /// What it failed with.
+        source: super::amplitude::TimeFunctionError,
+    },
+    /// Newton's method failed in spite of all halvings.
+    #[error("Newton's method did not converge at t = {time} (step {step}, dt = {dt}, after {halvings} halvings): {cause}")]
+    NotConverged {
+        /// Time at the beginning of the step.
+        time: f64,
+        /// Number of the step that failed.
+        step: usize,
+        /// Step size of the last try.
+        dt: f64,
+        /// Number of halvings.
+        halvings: usize,
+        /// What was seen in the last iterations.
+        cause: String,
+        /// How to mend it.
+        remedy: Remedy,
+    },
+    /// Explicit steps are longer than the fastest vibration admits.
+    #[error(
+        "explicit steps of {} are longer than the stable step at t = {time}, {}: the fastest vibration has the angular frequency {}",
+        three_digits(*dt),
+        three_digits(*stable),
+        three_digits(*frequency)
+    )]
+    TooLong {
+        /// Time of the state.
+        time: f64,
+        /// Size of the steps.
+        dt: f64,
+        /// The largest that is stable.
+        stable: f64,
+        /// Angular frequency of the fastest vibration.
+        frequency: f64,
+        /// The body with the fastest cell.
+        body: String,
+        /// That cell in its mesh.
+        cell: usize,
+        /// Share of penalties of contacts in the square of the frequency.
+        penalty_share: f64,
+    },
+    /// Explicit steps have made energy from nothing, or have turned a cell inside out.
+    #[error("explicit steps of {} came to an end at t = {time}: {cause}", three_digits(*dt))]
+    RanAway {
+        /// Time of the last accepted step.
+        time: f64,
+        /// Size of the steps.
+        dt: f64,
+        /// What was seen.
+        cause: String,
+        /// The stable step of the last accepted state, where it could be found.
+        stable: Option<f64>,
+    },
+    /// Sides of a contact are inside each other, and nothing holds them apart.
+    #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
+    StillOverlaps {
+        /// Name of the contact.
+        contact: String,
+        /// Time of the state.
+        time: f64,
+        /// How deep `[length]`.
+        depth: f64,
+        /// The same over the longest facet there.
+        facets: f64,
+        /// Where.
+        at: Vec<f64>,
+    },
+    /// The user interrupted the run.
+    #[error("interrupted at t = {time}")]
+    Interrupted {
+        /// Time of the last accepted step.
+        time: f64,
+    },
+    /// There is not enough memory; a smaller step needs no less.
+    #[error("the memory is used up at t = {time}: the factorization of {unknowns} unknowns takes at least {}", written(*needed))]
+    OutOfMemory {
+        /// Time of the last accepted step.
+        time: f64,
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Bytes that it takes at least.
+        needed: u64,
+    },
+}
+
+impl StepError {
+    /// Whether the user ended the run.
+    pub(in crate::dynamics) fn is_interrupt(&self) -> bool {
+        matches!(self, StepError::Interrupted { .. })
+    }
+
+    /// The same of equilibria that were followed up to a time.
+    pub(in crate::dynamics) fn after_equilibria_until(mut self, reached: f64) -> Self {
+        if let StepError::NotConverged { cause, remedy, .. } = &mut self {
+            if *remedy == Remedy::Ease(Ease::SupportsAndLoads, "") {
+                *remedy = Remedy::FollowPath;
+            }
+            cause.push_str(&format!("; equilibria were followed up to t = {reached:.4}"));
+        }
+        self
+    }
+
+    /// How to mend it, one sentence.
+    pub fn hint(&self) -> String {
+        match self {
+            StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),
+            StepError::TurnsFar { dt, angle, .. } => {
+                format!("take steps of {} or less, for an eighth of a turn at most", three_digits(dt * EIGHTH_TURN / angle))
+            }
+            StepError::Contradiction { .. } => {
+                "let nodes that are held or moved follow what the cell does, or leave them free: supports hold both sides of a pair alike"
+                    .into()
+            }
+            StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),
+            StepError::NotConverged { remedy, .. } => remedy.to_string(),
+            StepError::TooLong { stable, .. } => format!("take steps of {} or less", three_digits(0.9 * stable)),
+            StepError::RanAway { dt, stable, .. } => match stable {
+                Some(stable) if *stable < *dt => format!(
+                    "the stable step has shrunk to {} since the start, as cells were compressed: take a shorter step",
+                    three_digits(*stable)
+                ),
+                _ => "take a shorter step; look at the motion before: what moves by a good part of a cell in a step is not resolved".into(),
+            },
+            StepError::StillOverlaps { .. } => {
+                "see that the boundaries of the contact face each other where the bodies overlap; start with a smaller overlap, or let it \
+                 grow over several equilibria; in motion, try a smaller step"
+                    .into()
+            }
+            StepError::Interrupted { .. } => "everything up to this time is kept".into(),
+            StepError::OutOfMemory { .. } => "use a coarser mesh, end other programs, or run it on a machine with more memory".into(),
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Linear equations between nodes of boundaries in the numbering of the model: planes of symmetry, periodic pairs.
+//!
+//! Each is `sum_k d_k . x_k = c + s(t)` with constant directions `d_k`. What is linear is its own discrete gradient: energy stays exact.
+//! Forces of a plane come from outside; those of a periodic pair have no resultant (but where it turns) and a moment, which neighbouring
+//! cells exert.
+
+use std::sync::Arc;
+
+use super::contact_pair::{ContactPair, CoupledNodes, PairKind};
+use super::joint_ends::node_vector;
+use crate::contact::{ContactKernel, PointConstraints, PointFunction};
+use crate::dynamics::model::amplitude::Amplitude;
+use crate::dynamics::model::couplings::{Coupling, CouplingKind};
+use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::joints::Coordinate;
+use crate::math::norms::{largest_size, length};
+use crate::math::tolerances;
+
+/// Nodes with the directions along which an equation sums them.
+type Terms = Vec<(u32, [f64; 3])>;
+
+/// The equations of a coupling in one direction of what it holds, all alike but for their nodes.
+struct Direction {
+    /// The direction of the force that the equations exert on the nodes of the plane, or of the second boundary.
+    along: [f64; 3],
+    /// One equation for each node, of which that node is the first.
+    equations: Vec<Terms>,
+    /// What is added to all of them over time.
+    offset: Option<Amplitude>,
+}
+
+/// What a coupling holds, direction by direction.
+fn directions(model: &Model, coupling: &Coupling, first: &impl Fn(usize) -> usize) -> Vec<Direction> {
+    let dimension = model.dimension();
+    match &coupling.kind {
+        CouplingKind::Plane { on, normal } => {
+            let size = length(*normal);
+            let along = normal.map(|x| x / size);
+            let nodes = model.bodies[on.body].mesh.boundary_nodes(&on.boundary);
+            let equations = nodes.into_iter().map(|node| vec![(first(on.body) as u32 + node, along)]).collect();
+            vec![Direction { along, equations, offset: None }]
+        }
+        CouplingKind::Periodic { from, to, turn, offset } => {
+            // Checked when the model was.
+            let pairs = model.opposite_nodes(from, to, turn.as_ref()).unwrap_or_default();
+            let unit = |i: usize| -> [f64; 3] { std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 }) };
+            let rotation = turn.map_or([0, 1, 2].map(unit), |turn| turn.rotation());
+            let equation = |i: usize, [a, b]: [u32; 2]| {
+                vec![(first(to.body) as u32 + b, unit(i)), (first(from.body) as u32 + a, rotation[i].map(|x| -x))]
+            };
+            let along = |i: usize| Direction {
+                along: unit(i),
+                equations: pairs.iter().map(|&pair| equation(i, pair)).collect(),
+                offset: offset[i].clone(),
+            };
+            (0..dimension).map(along).collect()
+        }
+    }
+}
+
+/// The pairs of all couplings, one for each direction, in the order of the model.
+pub fn coupling_pairs(model: &Model, first: impl Fn(usize) -> usize, reference: &[f64]) -> Vec<ContactPair> {
+    let (reach, size) = (largest_size(reference), model.extent());
+    let mut pairs = Vec::new();
+    for (index, coupling) in model.couplings.iter().enumerate() {
+        let modulus = coupling.kind.boundaries().iter().map(|on| model.modulus(on.body)).fold(0.0, f64::max);
+        for direction in directions(model, coupling, &first) {
+            let offset = direction.offset.clone();
+            let nodes = direction.equations.iter().map(|terms| terms[0].0).collect();
+            let coupled = CoupledNodes { coupling: index, along: direction.along, nodes };
+            let kernel: Box<dyn ContactKernel> =
+                Box::new(constraints(direction.equations, offset.is_some(), reference, size, model.dimension()));
+            let mut pair = ContactPair::new(&coupling.name, PairKind::Coupling(Arc::new(coupled)), kernel, modulus, reach);
+            pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
+            pair.closed = (tolerances::CLOSED * size).max(10.0 * pair.gap_tolerance);
+            pair.drive = offset.map(|offset| (Coordinate::Travel, offset));
+            pairs.push(pair);
+        }
+    }
+    pairs
+}
+
+/// Equations that hold at rest, or move by a value over time from there.
+fn constraints(equations: Vec<Terms>, is_driven: bool, reference: &[f64], size: f64, dimension: usize) -> PointConstraints {
+    let mut kernel = PointConstraints::new(dimension, size);
+    for terms in equations {
+        let at_rest: f64 = terms
+            .iter()
+            .map(|(node, along)| (0..dimension).map(|i| along[i] * reference[*node as usize * dimension + i]).sum::<f64>())
+            .sum();
+        let vectors = terms.iter().map(|(node, _)| node_vector(*node)).collect();
+        let linear: Vec<(usize, [f64; 3])> = terms.iter().enumerate().map(|(k, (_, along))| (k, *along)).collect();
+        let function = move |value: f64| PointFunction { linear: linear.clone(), constant: -at_rest - value, ..PointFunction::default() };
+        if is_driven {
+            kernel.add_driven(vectors, Box::new(function), 0.0, true);
+        } else {
+            kernel.add(vectors, vec![function(0.0)], None, true);
+        }
+    }
+    kernel
+}

@@ -1,0 +1,43 @@
+//! What couplings of nodes exert, and whether they hold.
+
+use super::engine::Engine;
+use super::ledger::Reaction;
+use crate::bodies::{Elements, Space};
+use crate::dynamics::model::step_error::StepError;
+use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::parts::nodal::{add_force, add_moment};
+use crate::dynamics::step::iterate::Linearization;
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// What couplings exert on the nodes of their planes and second boundaries at `q`, with these multipliers.
+    ///
+    /// # Errors
+    /// [`StepError::Contradiction`]: equations that were left out, because at rest they follow from others and from supports, do not hold.
+    pub fn coupling_reactions(
+        &self,
+        q: impl Fn(usize) -> f64,
+        at: &Linearization,
+        lambda: &[f64],
+        time: f64,
+    ) -> Result<Vec<Reaction>, StepError> {
+        let mut sums = vec![Reaction::default(); self.model.couplings.len()];
+        for (pair, evaluation) in self.system.pairs.iter().zip(&at.pairs) {
+            let PairKind::Coupling(coupled) = &pair.kind else { continue };
+            let left_out = pair.rows.clone().zip(&evaluation.gap).filter(|(row, _)| self.system.redundant[*row]);
+            let gap = left_out.map(|(_, gap)| gap.abs()).fold(0.0, f64::max);
+            if gap > pair.closed {
+                return Err(StepError::Contradiction { coupling: pair.name.clone(), time, gap });
+            }
+            let sum = &mut sums[coupled.coupling];
+            for (&node, &pressure) in coupled.nodes.iter().zip(&lambda[pair.rows.clone()]) {
+                let force: [f64; D] = std::array::from_fn(|i| pressure * coupled.along[i]);
+                add_force(&mut sum.force, &force);
+                add_moment(&mut sum.moment, &std::array::from_fn::<f64, D, _>(|i| q(node as usize * D + i)), &force);
+            }
+        }
+        Ok(sums)
+    }
+}

@@ -1,0 +1,135 @@
+//! Nodes of boundaries that equations couple: planes of symmetry, periodic pairs.
+
+use rhai::Dynamic;
+
+use super::arguments::{boundary_of, boundary_parameter};
+use super::change::change;
+use super::handle::{BoundaryHandle, ModelHandle};
+use crate::dynamics::{Coupling, CouplingKind, Sector, Turn};
+use crate::math::norms::length;
+use crate::script::api::examples::plate_example;
+use crate::script::api::time_functions::amplitude_of;
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+fn name_parameter() -> Parameter {
+    Parameter::new("name", Kind::Text, "its name, unique among symmetries and periodic pairs")
+}
+
+/// `add_symmetry`.
+pub fn add_symmetry() -> Function {
+    let normal = Parameter::new("normal", Kind::Vector, "the direction in which nodes are held; any length").of("1");
+    Function {
+        name: "add_symmetry",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "holds the nodes of a boundary in its plane, at any angle, and lets them slide there: a plane of symmetry, rollers on a \
+                  slope. `sim.reaction(name)` tells what it exerts, the history has it as `name.reaction.force_x` and so on",
+        parameters: vec![name_parameter(), boundary_parameter(), normal.or(Absent::Means("that of the boundary, which must be flat"))],
+        returns: "",
+        example: plate_example("press.add_symmetry(\"middle\", plate.boundary(\"left\"));\nprint(press);"),
+        see_also: &["fix", "add_periodic", "reaction"],
+        body: body(|call| {
+            let (model, name) = (call.receiver::<ModelHandle>(), call.name("name")?);
+            let (given, normal) = (call.argument("boundary"), call.argument("normal"));
+            let on = boundary_of(&given, &model)?;
+            let (dimension, flat) = {
+                let data = model.0.borrow();
+                (data.model.dimension(), data.model.flat_normal(&on))
+            };
+            let normal = match (normal.is_given(), flat) {
+                (true, _) => direction(&normal, dimension)?,
+                (false, Some(normal)) => normal,
+                (false, None) => {
+                    let failure = given.fail(format!("{} is not flat: it has no single normal", given.title()));
+                    return Err(failure.hint("take a boundary in one plane, or give the direction in which its nodes are held").into());
+                }
+            };
+            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind: CouplingKind::Plane { on, normal } }))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// `add_periodic`.
+pub fn add_periodic() -> Function {
+    let side = |name, summary| Parameter::new(name, Kind::Handle(BoundaryHandle::NAME), summary);
+    let along = ["x", "y", "z"].map(|name| {
+        let moves = Parameter::new(name, Kind::Amplitude, "how `to` moves against `from` in this direction over time, a mean strain");
+        moves.of("length").or(Absent::Means("not at all"))
+    });
+    let keys = vec![
+        side("from", "a boundary"),
+        side("to", "the boundary opposite, with the same nodes, moved or turned"),
+        Parameter::new("angle", Kind::Number, "the angle by which a turn carries `from` onto `to`, counter-clockwise: a sector of a wheel")
+            .of("rad")
+            .or(Absent::Means("it is moved and not turned")),
+        Parameter::new("about", Kind::Vector, "a point of the axis of that turn").of("length").or(Absent::Means("the origin")),
+        Parameter::new("axis", Kind::Vector, "the direction of the axis, in space").of("1").or(Absent::Means("[0, 0, 1]")),
+    ];
+    Function {
+        name: "add_periodic",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "lets every node of a boundary move as the node opposite to it on another one, so that the model is one cell of a \
+                  pattern that goes on: a cell of a material, with a mean strain over time, or by `angle` a sector of a wheel, all sectors \
+                  moving alike. `sim.reaction(name)` tells what it exerts on `to`, the history has it as `name.reaction.force_x` and so on",
+        parameters: vec![
+            name_parameter(),
+            Parameter::new("options", Kind::Options(keys.into_iter().chain(along).collect()), "what is opposite"),
+        ],
+        returns: "",
+        example: plate_example(
+            "press.add_periodic(\"sides\", #{ from: plate.boundary(\"left\"), to: plate.boundary(\"right\"), x: ramp(0.0, 1.0, 0.1) });\n\
+             print(press);",
+        ),
+        see_also: &["add_symmetry", "prescribe", "tie", "reaction"],
+        body: body(|call| {
+            let (model, name, options) = (call.receiver::<ModelHandle>(), call.name("name")?, call.options("options")?);
+            let dimension = model.0.borrow().model.dimension();
+            let [from, to] = ["from", "to"].map(|name| boundary_of(&options.argument(name), &model));
+            let mut offset = [const { None }; 3];
+            for (component, name) in ["x", "y", "z"].into_iter().enumerate() {
+                let argument = options.argument(name);
+                if argument.is_given() && component >= dimension {
+                    return Err(argument.fail("the model is plane: there is no direction `z`").hint("remove the option").into());
+                }
+                offset[component] = if argument.is_given() { Some(amplitude_of(&argument)?) } else { None };
+            }
+            let kind = CouplingKind::Periodic { from: from?, to: to?, turn: sector(&options, dimension)?, offset };
+            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind }))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// The turn of a sector.
+fn sector(options: &Options, dimension: usize) -> Result<Option<Sector>, Failure> {
+    let [angle, about, axis] = ["angle", "about", "axis"].map(|name| options.argument(name));
+    if !angle.is_given() {
+        return match [about, axis].into_iter().find(Argument::is_given) {
+            Some(given) => Err(given.fail(format!("{} has no meaning without an angle", given.title())).hint("add `angle: deg(60)`")),
+            None => Ok(None),
+        };
+    }
+    let center = if about.is_given() { about.vector(dimension)? } else { [0.0; 3] };
+    let along = if axis.is_given() { direction(&axis, 3)? } else { Turn::UPRIGHT };
+    if dimension == 2 && along != Turn::UPRIGHT {
+        return Err(axis.fail("the model is plane: it turns about the third axis").hint("remove the option"));
+    }
+    let size = length(along);
+    Ok(Some(Sector { center, axis: along.map(|x| x / size), angle: options.number("angle")? }))
+}
+
+/// A vector that has a length.
+fn direction(argument: &Argument, dimension: usize) -> Result<[f64; 3], Failure> {
+    let vector = argument.vector(dimension)?;
+    if length(vector) == 0.0 {
+        let failure = argument.fail(format!("{} has no direction", argument.title())).label("this has length 0");
+        return Err(failure.hint("such as `[1.0, 0.0]`, in space `[0.0, 0.0, 1.0]`"));
+    }
+    Ok(vector)
+}
