@@ -33,7 +33,7 @@ pub enum StepError {
         angle: f64,
     },
     /// A coupling asks for what other couplings and supports do not allow.
-    #[error("\"{coupling}\" asks for what supports and other couplings do not allow at t = {time}: its nodes are off by {}", three_digits(*gap))]
+    #[error("\"{coupling}\" asks for what supports and other couplings forbid at t = {time}: its nodes are off by {}", three_digits(*gap))]
     Contradiction {
         /// Name of the coupling.
         coupling: String,

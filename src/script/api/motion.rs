@@ -12,7 +12,7 @@ use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
     Amplitude, Change, Coefficient, Coordinate, CouplingKind, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction,
-    Prescription, Rescaled, Sector, TimeFunction, TimeFunctionError, Turn,
+    Prescription, Rescaled, Sector, Support, TimeFunction, TimeFunctionError, Turn,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
@@ -162,15 +162,7 @@ impl Motion {
             velocity.linear = self.vector(velocity.linear, speed);
             velocity.angular = self.vector(velocity.angular, 1.0 / units.time);
         }
-        for support in &mut moved.supports {
-            let [x, y, _] = support.components;
-            if x != y {
-                let quarters = self.quarters.ok_or_else(|| oblique(&format!("the support of \"{}\"", model.boundary_name(&support.on))))?;
-                if quarters % 2 == 1 {
-                    support.components.swap(0, 1);
-                }
-            }
-        }
+        moved.supports.iter_mut().try_for_each(|support| self.support(model, support))?;
         moved.prescriptions = model.prescriptions.iter().map(|given| self.prescription(model, given)).collect::<Result<_, _>>()?;
         let force = units.stress() * units.length.powi(dimension as i32 - 1);
         for load in &mut moved.loads {
@@ -206,6 +198,17 @@ impl Motion {
         };
         moved.parts = model.parts.iter().map(|part| part.changed(&change)).collect();
         Ok(moved)
+    }
+
+    fn support(&self, model: &Model, support: &mut Support) -> Result<(), String> {
+        let [x, y, _] = support.components;
+        if x != y {
+            let quarters = self.quarters.ok_or_else(|| oblique(&format!("the support of \"{}\"", model.boundary_name(&support.on))))?;
+            if quarters % 2 == 1 {
+                support.components.swap(0, 1);
+            }
+        }
+        Ok(())
     }
 
     fn couple(&self, kind: &mut CouplingKind) {

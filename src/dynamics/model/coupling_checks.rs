@@ -1,0 +1,134 @@
+//! Which nodes couplings couple, and what is checked of them.
+
+use super::couplings::{CouplingKind, Sector};
+use super::definitions::Model;
+use super::error::ModelError;
+use super::interactions::BodyBoundary;
+use crate::math::digits::three_digits;
+use crate::math::norms::length;
+use crate::math::tolerances;
+use crate::mesh::PointIndex;
+
+const PLANE_REMEDY: &str = "take a flat boundary, or give the normal in which its nodes are held; a rigid body is guided by a joint";
+
+const PERIODIC_REMEDY: &str = "both boundaries need the same nodes, moved or turned about the axis by the angle; unlike meshes are joined \
+                               by a tie, rigid bodies by joints";
+
+impl Model {
+    /// Normal of the plane in which the nodes of a boundary lie at rest, of length 1; `None` where they lie in none, or in many.
+    pub fn flat_normal(&self, on: &BodyBoundary) -> Option<[f64; 3]> {
+        let mesh = &self.bodies[on.body].mesh;
+        let points: Vec<[f64; 3]> = mesh.boundary_nodes(&on.boundary).into_iter().map(|node| mesh.points[node as usize]).collect();
+        let first = *points.first()?;
+        let from_first = |point: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| point[i] - first[i]) };
+        let farthest = |of: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            points.iter().map(|point| of(from_first(point))).max_by(|a, b| length(*a).total_cmp(&length(*b))).unwrap_or_default()
+        };
+        let cross = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3]);
+        let along = farthest(&|vector| vector);
+        let normal = if self.dimension() == 2 { [along[1], -along[0], 0.0] } else { farthest(&|vector| cross(along, vector)) };
+        let (size, extent) = (length(normal), self.extent());
+        let normal = normal.map(|x| x / size);
+        let height = |point: &[f64; 3]| from_first(point).iter().zip(normal).map(|(x, n)| x * n).sum::<f64>().abs();
+        let is_plane = size.is_normal() && points.iter().all(|point| height(point) <= tolerances::SAME_NODE * extent);
+        is_plane.then_some(normal)
+    }
+
+    /// The nodes of a periodic pair, each of the first boundary with the one opposite, in the numbering of their bodies' meshes.
+    ///
+    /// # Errors
+    /// A node with nothing opposite to it, and unlike numbers of nodes.
+    pub fn opposite_nodes(&self, from: &BodyBoundary, to: &BodyBoundary, turn: Option<&Sector>) -> Result<Vec<[u32; 2]>, String> {
+        let nodes = |on: &BodyBoundary| self.bodies[on.body].mesh.boundary_nodes(&on.boundary);
+        let points = |on: &BodyBoundary| -> Vec<[f64; 3]> {
+            nodes(on).into_iter().map(|node| self.bodies[on.body].mesh.points[node as usize]).collect()
+        };
+        let (own, others, numbers) = (points(from), points(to), nodes(to));
+        let names = || [from, to].map(|on| self.boundary_name(on));
+        if own.len() != others.len() {
+            let [first, second] = names();
+            return Err(format!("\"{first}\" has {} nodes, and \"{second}\" has {}", own.len(), others.len()));
+        }
+        let center =
+            |of: &[[f64; 3]]| -> [f64; 3] { std::array::from_fn(|i| of.iter().map(|point| point[i]).sum::<f64>() / of.len() as f64) };
+        let (a, b) = (center(&own), center(&others));
+        let moved = |point: [f64; 3]| -> [f64; 3] {
+            let Some(turn) = turn else { return std::array::from_fn(|i| point[i] - a[i] + b[i]) };
+            let rotation = turn.rotation();
+            std::array::from_fn(|i| turn.center[i] + (0..3).map(|j| rotation[i][j] * (point[j] - turn.center[j])).sum::<f64>())
+        };
+        let (index, near) = (PointIndex::new(&others), tolerances::SAME_NODE * self.extent());
+        let opposite = |(&point, node): (&[f64; 3], u32)| {
+            let place = moved(point);
+            let found = index.nearest(place).filter(|(_, distance)| *distance <= near);
+            found.map(|(other, _)| [node, numbers[other]]).ok_or_else(|| {
+                let ([_, second], [point, place]) = (names(), [&point, &place].map(|at| &at[..self.dimension()]));
+                format!("the node at {} is carried to {}, where \"{second}\" has no node", place_text(point), place_text(place))
+            })
+        };
+        own.iter().zip(nodes(from)).map(opposite).collect()
+    }
+
+    /// What is wrong with couplings.
+    pub(super) fn check_couplings(&self) -> Result<(), ModelError> {
+        for (index, coupling) in self.couplings.iter().enumerate() {
+            let mut others = self.couplings[..index].iter().map(|other| other.name.as_str());
+            let of_joints = self.joints.iter().map(|joint| joint.name.as_str());
+            let of_parts = self.parts.iter().map(|part| part.name()).chain(self.contact_names()).chain(of_joints);
+            if others.any(|name| name == coupling.name) || of_parts.into_iter().any(|name| name == coupling.name) {
+                return Err(ModelError::DuplicateName { what: "coupling", name: coupling.name.clone() });
+            }
+            self.check_coupling(&coupling.kind).map_err(|reason| {
+                let remedy = if matches!(coupling.kind, CouplingKind::Plane { .. }) { PLANE_REMEDY } else { PERIODIC_REMEDY };
+                ModelError::Unsound { what: coupling.kind.name(), name: coupling.name.clone(), reason, remedy }
+            })?;
+        }
+        Ok(())
+    }
+
+    fn check_coupling(&self, kind: &CouplingKind) -> Result<(), String> {
+        for on in kind.boundaries() {
+            let body = &self.bodies[on.body];
+            if body.mesh.boundary_nodes(&on.boundary).is_empty() {
+                return Err(format!("\"{}\" has no nodes", self.boundary_name(on)));
+            }
+            if body.rigid.is_some() {
+                return Err(format!("body \"{}\" is rigid, and one of its points stands for all", body.name));
+            }
+        }
+        match kind {
+            CouplingKind::Plane { normal, .. } => {
+                let size = length(*normal);
+                if !(size.is_finite() && size > 0.0) {
+                    return Err(format!("the normal {normal:?} has no length"));
+                }
+                if self.is_axisymmetric() && normal[0] != 0.0 && normal[1] != 0.0 {
+                    return Err("around an axis a plane lies across it, or contains it".into());
+                }
+                Ok(())
+            }
+            CouplingKind::Periodic { from, to, turn, offset } => {
+                if turn.is_some() && self.is_axisymmetric() {
+                    return Err("bodies of revolution are alike at all angles".into());
+                }
+                if let (Some(_), Some(_)) = (turn, offset.iter().flatten().next()) {
+                    return Err("sectors that turn have no mean strain".into());
+                }
+                self.opposite_nodes(from, to, turn.as_ref())?;
+                for offset in offset.iter().flatten() {
+                    let start = offset.value(0.0).unwrap_or(f64::NAN);
+                    // What is no number is told when a step asks for it.
+                    if start.abs() > tolerances::DRIVE_AT_REST * self.extent() {
+                        return Err(format!("the second boundary moves from {start} on, and in the bodies at rest it has not moved"));
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// A place with a few digits.
+fn place_text(place: &[f64]) -> String {
+    format!("[{}]", place.iter().map(|&x| three_digits(x)).collect::<Vec<_>>().join(", "))
+}
