@@ -15,8 +15,8 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::carried::Carried;
 use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Forces;
-use crate::dynamics::step::system::System;
 use crate::math::tolerances;
 
 /// How far a piece is moved to see whether what yields resists, in extents of the model: not to where a spring has the same length again.
@@ -89,8 +89,8 @@ impl Pull {
 
 impl Piece {
     /// Its nodes, those among them that a rigid body carries along.
-    fn whole<const D: usize>(&self, system: &System<D>) -> Box<dyn Iterator<Item = usize> + '_> {
-        if self.rigid_mass.is_some() { Box::new(system.bodies[self.body].nodes.clone()) } else { Box::new(self.nodes.iter().copied()) }
+    fn whole<const D: usize>(&self, equations: &Equations<D>) -> Box<dyn Iterator<Item = usize> + '_> {
+        if self.rigid_mass.is_some() { Box::new(equations.bodies[self.body].nodes.clone()) } else { Box::new(self.nodes.iter().copied()) }
     }
 
     /// Damping that keeps its rigid motions regular: a trifle of its own stiffness. A rigid body has none, and its constraints as many
@@ -104,16 +104,16 @@ impl Piece {
 }
 
 impl Balance {
-    pub fn new<const D: usize>(system: &System<D>, model: &Model) -> Self {
+    pub fn new<const D: usize>(equations: &Equations<D>, model: &Model) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
         for (body, definition) in model.bodies.iter().enumerate() {
             let first = pieces.len();
             let aspect = definition.mesh.quality().aspect_ratio.max(1.0);
             let mut numbers: Vec<u32> = Vec::new();
             // What rigid bodies carry along is fixed in a step, but held by nothing.
-            let followers: BTreeSet<usize> = system.bodies[body].rigid.iter().flat_map(Carried::followers).collect();
-            for node in system.bodies[body].nodes.clone().filter(|node| !followers.contains(node)) {
-                let number = system.nodes.pieces[node];
+            let followers: BTreeSet<usize> = equations.bodies[body].rigid.iter().flat_map(Carried::followers).collect();
+            for node in equations.bodies[body].nodes.clone().filter(|node| !followers.contains(node)) {
+                let number = equations.nodes.pieces[node];
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
                     numbers.push(number);
                     let modulus = model.modulus(body);
@@ -127,8 +127,8 @@ impl Balance {
                 pieces[first + place].nodes.push(node);
             }
             for piece in &mut pieces[first..] {
-                piece.extent = (0..D).map(|i| extent_along::<D>(&system.nodes.reference, &piece.nodes, i)).fold(0.0, f64::max);
-                piece.radius = piece.nodes.iter().map(|&node| system.nodes.reference[node * D].abs()).fold(0.0, f64::max);
+                piece.extent = (0..D).map(|i| extent_along::<D>(&equations.nodes.reference, &piece.nodes, i)).fold(0.0, f64::max);
+                piece.radius = piece.nodes.iter().map(|&node| equations.nodes.reference[node * D].abs()).fold(0.0, f64::max);
                 piece.frequency_squared = piece.modulus / definition.material.density() / piece.extent.powi(2);
             }
         }
@@ -136,27 +136,27 @@ impl Balance {
     }
 
     /// Judges the forces of an iterate at rest without damping.
-    pub fn judge<const D: usize>(&self, system: &System<D>, Pose { q, u }: Pose, forces: &Forces) -> Imbalance
+    pub fn judge<const D: usize>(&self, equations: &Equations<D>, Pose { q, u }: Pose, forces: &Forces) -> Imbalance
     where
         Space<D>: Elements<D>,
     {
         let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, pieces: Vec::new() };
         for piece in &self.pieces {
-            let rigid = RigidMotions::new(system, &piece.nodes, q);
+            let rigid = RigidMotions::new(equations, &piece.nodes, q);
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
-            let (mut largest, mut reach) = (0.0f64, if system.sees_positions() { piece.extent } else { 0.0 });
+            let (mut largest, mut reach) = (0.0f64, if equations.sees_positions() { piece.extent } else { 0.0 });
             let mut along = SVector::zeros();
             for &node in &piece.nodes {
                 for i in 0..D {
                     let k = node * D + i;
                     let force = forces.whole(forces.contact[k] - forces.without_contact[k]);
-                    reach = reach.max(u[k].abs()).max(if system.sees_positions() { q[k].abs() } else { 0.0 });
+                    reach = reach.max(u[k].abs()).max(if equations.sees_positions() { q[k].abs() } else { 0.0 });
                     let (load, contact) =
-                        (forces.whole(forces.load[k].abs()) + system.nodes.weight[k].abs(), forces.whole(forces.contact[k].abs()));
+                        (forces.whole(forces.load[k].abs()) + equations.nodes.weight[k].abs(), forces.whole(forces.contact[k].abs()));
                     loads += load;
                     contacts += contact;
                     largest_force = largest_force.max(load).max(contact);
-                    if system.supports.fixed[k] {
+                    if equations.supports.fixed[k] {
                         reactions += force.abs();
                         largest_force = largest_force.max(force.abs());
                     } else {
@@ -168,7 +168,7 @@ impl Balance {
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
             // Forces around an axis are those of the circumference.
-            let around = if system.nodes.is_axisymmetric { std::f64::consts::TAU * piece.radius } else { 1.0 };
+            let around = if equations.nodes.is_axisymmetric { std::f64::consts::TAU * piece.radius } else { 1.0 };
             let floor = tolerances::FORCE_FLOOR * piece.stiffness * reach * piece.extent.powi(D as i32 - 2) * around;
             let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
             imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));
@@ -184,21 +184,28 @@ impl Balance {
 
     /// Whether something that stores energy resists or helps a piece that moves as it is pulled, such as a spring: it follows its forces,
     /// because a long way at once goes past where they balance, and a compressed spring turns over.
-    pub fn is_resisted<const D: usize>(&self, system: &System<D>, memory: &[Vec<f64>], (number, pull): (usize, &Pull), q: &[f64]) -> bool
+    pub fn is_resisted<const D: usize>(
+        &self,
+        equations: &Equations<D>,
+        memory: &[Vec<f64>],
+        (number, pull): (usize, &Pull),
+        q: &[f64],
+    ) -> bool
     where
         Space<D>: Elements<D>,
     {
         let size = pull.shift_size();
-        if system.own_parts == 0 || size == 0.0 {
+        if equations.own_parts == 0 || size == 0.0 {
             return false;
         }
         let mut moved = q.to_vec();
-        for node in self.pieces[number].whole(system) {
-            (0..D).for_each(|i| moved[node * D + i] += GLANCE * system.nodes.extent / size * pull.shift[i]);
+        for node in self.pieces[number].whole(equations) {
+            (0..D).for_each(|i| moved[node * D + i] += GLANCE * equations.nodes.extent / size * pull.shift[i]);
         }
-        let displacements = |q: &[f64]| -> Vec<f64> { q.iter().zip(&system.nodes.reference).map(|(q, reference)| q - reference).collect() };
+        let displacements =
+            |q: &[f64]| -> Vec<f64> { q.iter().zip(&equations.nodes.reference).map(|(q, reference)| q - reference).collect() };
         let (u, moved_u) = (displacements(q), displacements(&moved));
-        system.own_parts(memory).any(|(part, memory)| {
+        equations.own_parts(memory).any(|(part, memory)| {
             let [before, after] = [(q, &u), (&moved[..], &moved_u)].map(|(q, u)| part.energy(Pose { q, u }, memory));
             (after - before).abs() > tolerances::ALIKE * before.abs().max(after.abs())
         })
@@ -206,14 +213,14 @@ impl Balance {
 
     /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
     /// Pieces that are pulled alike do not come nearer to each other: they fall together.
-    pub fn clearances<const D: usize>(&self, system: &System<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
-        let mut piece_of = vec![0; system.nodes.nodal_mass.len()];
+    pub fn clearances<const D: usize>(&self, equations: &Equations<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
+        let mut piece_of = vec![0; equations.nodes.nodal_mass.len()];
         for (number, piece) in self.pieces.iter().enumerate() {
-            piece.whole(system).for_each(|node| piece_of[node] = number);
+            piece.whole(equations).for_each(|node| piece_of[node] = number);
         }
         let mut clearances = vec![f64::INFINITY; self.pieces.len()];
         let mut together = Vec::new();
-        for pair in system.pairs.iter().filter(|pair| pair.corners.is_none()) {
+        for pair in equations.pairs.iter().filter(|pair| pair.corners.is_none()) {
             let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &piece_of, q);
             let primary = boxes::<D>(pair.kernel.primary().nodes(), &piece_of, q);
             for (a, low_a, high_a) in &secondary {
@@ -252,9 +259,9 @@ impl Balance {
     }
 
     /// Adds a displacement of each piece to the nodes that are free.
-    pub fn shift<const D: usize>(&self, system: &System<D>, by: &[[f64; 3]], q: &mut [f64]) {
+    pub fn shift<const D: usize>(&self, equations: &Equations<D>, by: &[[f64; 3]], q: &mut [f64]) {
         for (piece, by) in self.pieces.iter().zip(by) {
-            for k in piece.nodes.iter().flat_map(|&node| node * D..(node + 1) * D).filter(|&k| !system.supports.fixed[k]) {
+            for k in piece.nodes.iter().flat_map(|&node| node * D..(node + 1) * D).filter(|&k| !equations.supports.fixed[k]) {
                 q[k] += by[k % D];
             }
         }
@@ -287,11 +294,11 @@ struct RigidMotions<const D: usize> {
 }
 
 impl<const D: usize> RigidMotions<D> {
-    fn new(system: &System<D>, nodes: &[usize], q: &[f64]) -> Self {
+    fn new(equations: &Equations<D>, nodes: &[usize], q: &[f64]) -> Self {
         let mut rigid = RigidMotions { center: [0.0; D], radius: 0.0, free: DMatrix::zeros(0, 0), mass: DMatrix::zeros(0, 0) };
-        let total: f64 = nodes.iter().map(|&node| system.nodes.nodal_mass[node]).sum();
+        let total: f64 = nodes.iter().map(|&node| equations.nodes.nodal_mass[node]).sum();
         for &node in nodes {
-            (0..D).for_each(|i| rigid.center[i] += system.nodes.nodal_mass[node] / total * q[node * D + i]);
+            (0..D).for_each(|i| rigid.center[i] += equations.nodes.nodal_mass[node] / total * q[node * D + i]);
         }
         let far = |node: &usize| (0..D).map(|i| (q[node * D + i] - rigid.center[i]).powi(2)).sum::<f64>();
         rigid.radius = nodes.iter().map(far).fold(0.0, f64::max).sqrt();
@@ -300,13 +307,13 @@ impl<const D: usize> RigidMotions<D> {
             for i in 0..D {
                 let row = rigid.row(q, node, i);
                 let square = row * row.transpose();
-                if system.supports.fixed[node * D + i] {
+                if equations.supports.fixed[node * D + i] {
                     held += square;
                 }
-                mass += square * system.nodes.nodal_mass[node];
+                mass += square * equations.nodes.nodal_mass[node];
             }
         }
-        if system.nodes.is_axisymmetric {
+        if equations.nodes.is_axisymmetric {
             // Bodies of revolution only move along their axis without strain.
             let all = nodes.len() as f64;
             (held[(0, 0)], held[(2, 2)]) = (held[(0, 0)] + all, held[(2, 2)] + all);

@@ -13,7 +13,7 @@ use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::step::conditions::Conditions;
-use crate::dynamics::step::system::System;
+use crate::dynamics::step::equations::Equations;
 use crate::math::tolerances::{LEFT, LEFT_HELD, LEFT_PASSED};
 
 /// Closing of a step in shortest secondary facets: of the first one, and at most. A step that takes 25 iterations of a tenth of a facet
@@ -47,11 +47,11 @@ impl Closing {
     }
 
     /// How deep the pairs of the model take part at rest with the nodes at `q`, in their order `[length]`.
-    pub fn reaches<const D: usize>(&self, system: &System<D>, q: &[f64], time: f64) -> Vec<f64> {
-        let mut reaches = vec![0.0; system.pairs.len()];
+    pub fn reaches<const D: usize>(&self, equations: &Equations<D>, q: &[f64], time: f64) -> Vec<f64> {
+        let mut reaches = vec![0.0; equations.pairs.len()];
         for found in self.depths.at(q, time, &|_| true) {
-            let index = pair_of(system, &found);
-            if let Some(index) = index.filter(|&index| found.depth > SHALLOW * system.pairs[index].kernel.facet_size()) {
+            let index = pair_of(equations, &found);
+            if let Some(index) = index.filter(|&index| found.depth > SHALLOW * equations.pairs[index].kernel.facet_size()) {
                 reaches[index] = DEEPER * found.depth + ELSEWHERE * found.size;
             }
         }
@@ -59,15 +59,15 @@ impl Closing {
     }
 
     /// How far the next step moves sides apart that are so deep inside each other `[length]`.
-    pub fn motion<const D: usize>(&self, system: &System<D>, reaches: &[f64]) -> f64 {
-        let sizes = system.pairs.iter().zip(reaches).filter(|(_, reach)| **reach > 0.0).map(|(pair, _)| pair.kernel.facet_size());
+    pub fn motion<const D: usize>(&self, equations: &Equations<D>, reaches: &[f64]) -> f64 {
+        let sizes = equations.pairs.iter().zip(reaches).filter(|(_, reach)| **reach > 0.0).map(|(pair, _)| pair.kernel.facet_size());
         self.facets * sizes.fold(0.0, f64::max)
     }
 
     /// Brings the targets of the step that has begun at `q` as near to its gaps as it closes them; returns whether any was farther.
-    pub fn limit<const D: usize>(&self, system: &System<D>, q: &[f64], conditions: &mut Conditions) -> bool {
+    pub fn limit<const D: usize>(&self, equations: &Equations<D>, q: &[f64], conditions: &mut Conditions) -> bool {
         let mut is_part = false;
-        for pair in system.pairs.iter().filter(|pair| !pair.kind.is_bilateral() && pair.has_multipliers()) {
+        for pair in equations.pairs.iter().filter(|pair| !pair.kind.is_bilateral() && pair.has_multipliers()) {
             let closing = self.facets * pair.kernel.facet_size();
             let (gaps, coverage) = (pair.kernel.start_gap(), pair.kernel.coverage(q));
             for (local, row) in pair.rows.clone().enumerate() {
@@ -93,9 +93,9 @@ impl Closing {
 }
 
 /// The pair whose constraints hold an overlap apart.
-fn pair_of<const D: usize>(system: &System<D>, found: &Depth) -> Option<usize> {
+fn pair_of<const D: usize>(equations: &Equations<D>, found: &Depth) -> Option<usize> {
     let is_corner = |pair: &ContactPair| pair.kind == PairKind::Obstacle && pair.corners.is_some_and(|of| of.pair == found.contact);
-    if found.is_corner { system.pairs.iter().position(is_corner) } else { Some(found.contact) }
+    if found.is_corner { equations.pairs.iter().position(is_corner) } else { Some(found.contact) }
 }
 
 impl<const D: usize> Engine<D>

@@ -19,6 +19,7 @@ use crate::dynamics::model::integrator_limits::check_integrator;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
+use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::newton::Trace;
 use crate::dynamics::step::system::System;
 use crate::linear::Watch;
@@ -84,7 +85,7 @@ where
         let mut system = System::<D>::new(model, options.threads, &options.integrator)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
-        let _ = system.move_obstacles(0.0, 0.0);
+        let _ = system.equations.move_obstacles(0.0, 0.0);
         let displaced = (0..model.bodies.len()).flat_map(|body| model.initial_displacement(body));
         let displacements: Vec<f64> = displaced.flat_map(|u| u[..D].to_vec()).collect();
         let positions = system.nodes.positions(&displacements);
@@ -150,7 +151,7 @@ where
 }
 
 /// Refuses initial displacements that turn a cell inside out.
-fn inverted_at_start<const D: usize>(system: &System<D>, model: &Model, u: &[f64]) -> Result<(), ModelError> {
+fn inverted_at_start<const D: usize>(system: &Equations<D>, model: &Model, u: &[f64]) -> Result<(), ModelError> {
     for initial in &model.initial_displacements {
         let body = &system.bodies[initial.body];
         let Inverted { cell, determinant } = body.elements.smallest_determinant(u);
@@ -162,7 +163,7 @@ fn inverted_at_start<const D: usize>(system: &System<D>, model: &Model, u: &[f64
 }
 
 /// Velocities at the start: those of the bodies, of supports, of prescribed motions.
-fn initial_velocities<const D: usize>(system: &System<D>, model: &Model, positions: &[f64]) -> Vec<f64> {
+fn initial_velocities<const D: usize>(system: &Equations<D>, model: &Model, positions: &[f64]) -> Vec<f64> {
     let mut velocities = vec![0.0; system.nodes.reference.len()];
     for initial in &model.initial_velocities {
         let nodes = system.bodies[initial.body].nodes.clone();

@@ -91,7 +91,7 @@ where
     /// Finds the multipliers of a step, and what they do to its motion.
     fn push_by_multipliers(&mut self, start: &StepStart, leap: &mut Leap, at: &mut Linearization) -> Result<(), Failure> {
         let (system, dt) = (&mut self.system, leap.dt);
-        system.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
+        system.equations.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
         let travel = Travel::Guessed { displacements: [&at.moved, &at.moved], factor: 1.0 };
         let outlook = Outlook { q: start.q_0, travel, reach: self.options.reach, depth: 0.0 };
         system.begin_explicit_step(&outlook).map_err(Failure::Linear)?;
@@ -106,9 +106,9 @@ where
             }
             if begun.is_none() {
                 let mut there = Vec::new();
-                system.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
+                system.equations.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
                 system.evaluate_pairs(start.q_0, &mut there);
-                system.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
+                system.equations.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
                 leap.unpushed.clone_from(&at.moved);
                 begun = Some(there);
             }
@@ -155,7 +155,7 @@ where
 
     fn forces_at_rest(&mut self, start: &StepStart, at: &mut Linearization, lambda: &mut [f64]) -> Result<PartForces, Failure> {
         if !self.system.pairs.is_empty() {
-            self.system.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
+            self.system.equations.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
             self.system.begin_explicit_step(&Outlook::within(start.q_0, 0.0)).map_err(Failure::Linear)?;
             self.system.evaluate_pairs(start.q_0, &mut at.pairs);
             self.system.press_by_penalties(&at.pairs, lambda);

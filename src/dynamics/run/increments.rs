@@ -94,7 +94,7 @@ where
 
     /// Whether anything goes farther from one time to another than in an increment.
     fn goes_far(&mut self, from: f64, to: f64) -> Result<bool, StepError> {
-        Ok(self.system.obstacle_motion(from, to)? > PASSING || self.system.supports.turned(from, to)?.0 > EIGHTH_TURN)
+        Ok(self.system.equations.obstacle_motion(from, to)? > PASSING || self.system.supports.turned(from, to)?.0 > EIGHTH_TURN)
     }
 
     fn settle_in_increments(&mut self, from: f64, end: f64) -> Result<SettleReport, StepError> {

@@ -70,7 +70,7 @@ where
     pub(super) fn count_turns(&mut self) {
         let known = &self.state.row.joints;
         let value = |joint: usize| known.get(joint).map_or(0.0, |known| known.value);
-        for pair in &mut self.system.pairs {
+        for pair in &mut self.system.equations.pairs {
             if let Some(joints) = pair.geared {
                 pair.kernel.count_from(joints.map(value));
             }

@@ -13,7 +13,7 @@ use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
-use crate::dynamics::step::system::System;
+use crate::dynamics::step::equations::Equations;
 
 /// What all pairs are at a configuration, and their rows.
 pub struct Touching<'a> {
@@ -290,7 +290,7 @@ fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
 }
 
 /// A contact and its corners with their evaluations and multipliers.
-fn loaded<'a, const D: usize>(system: &'a System<D>, index: usize, touching: &Touching<'a>) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+fn loaded<'a, const D: usize>(system: &'a Equations<D>, index: usize, touching: &Touching<'a>) -> (Loaded<'a>, Vec<Loaded<'a>>) {
     let &Touching { evaluations, slips, lambda, active, slipped } = touching;
     let of = |k: usize| {
         let pair = &system.pairs[k];

@@ -33,7 +33,7 @@ where
         let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);
         let kind = StepKind::Rest { damping: &undamped, velocities: Some(&state.velocities) };
         let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, kind };
-        self.system.move_obstacles(state.row.time, 0.0)?;
+        self.system.equations.move_obstacles(state.row.time, 0.0)?;
         self.count_turns();
         let begun = self.system.begin_step(&Outlook::within(&state.positions, 0.0)).map_err(Failure::Linear);
         let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));

@@ -30,12 +30,12 @@ use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::contact_set::meets;
+use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::newton::{Solution, Task, solve};
 use crate::dynamics::step::predictor::{displacements_to, follow_prescribed};
 use crate::dynamics::step::start::{StepKind, StepStart};
-use crate::dynamics::step::system::System;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -374,10 +374,10 @@ where
 
     /// Starts a step at rest.
     pub(super) fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
-        self.system.move_obstacles(self.state.row.time, 0.0)?;
-        self.system.carry(self.state.carried, self.state.row.time)?;
+        self.system.equations.move_obstacles(self.state.row.time, 0.0)?;
+        self.system.equations.carry(self.state.carried, self.state.row.time)?;
         self.system.begin_deep_step(outlook, reaches).map_err(|error| self.error_of(Failure::Linear(error)))?;
-        self.system.begin_friction(self.state.row.time, outlook.q)
+        self.system.equations.begin_friction(self.state.row.time, outlook.q)
     }
 
     /// At rest every rule closes the gaps.
@@ -489,7 +489,7 @@ impl Present {
     /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
     /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way, there is
     /// no such way.
-    fn is_pushed_by<const D: usize>(&self, moved: &[f64], system: &System<D>) -> bool {
+    fn is_pushed_by<const D: usize>(&self, moved: &[f64], system: &Equations<D>) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
         let free = (0..moved.len()).filter(|&k| !system.supports.fixed[k]);
         let (work, size) = free.fold((0.0, 0.0), |(work, size), k| (work + push(k) * moved[k], size + push(k).abs()));

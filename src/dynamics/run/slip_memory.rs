@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::contact::Evaluation;
 use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::system::System;
 
 /// What is kept of a tangential row; the path of a group of them stands at its first one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -21,21 +21,21 @@ pub struct SlipMemory {
 /// The same after a step that ends at an iterate, with the multipliers of tangential rows in the step and the states at its end, `kept` the
 /// share of the slips before in what counts as the last slip: 0, or 1 where the step is a part of one.
 pub fn slipped<const D: usize>(
-    system: &System<D>,
+    equations: &Equations<D>,
     before: &[SlipMemory],
     at: &Linearization,
     kept: f64,
     (shear, active): (&[f64], &[RowState]),
 ) -> Vec<SlipMemory> {
     let mut after = before.to_vec();
-    for (pair, slips) in system.pairs.iter().zip(&at.slips) {
+    for (pair, slips) in equations.pairs.iter().zip(&at.slips) {
         let Some(friction) = &pair.friction else { continue };
         for (local, pressing) in pair.rows.clone().enumerate() {
             let group = friction.group(local);
             let own = group.start - friction.rows.start..group.end - friction.rows.start;
             let length = slips.coverage[own.start] * pair.kernel.weights()[local];
             let is_pressed = active[pressing].is_closed() && length > 0.0;
-            let memories = &mut after[group.start - system.pressing..group.end - system.pressing];
+            let memories = &mut after[group.start - equations.pressing..group.end - equations.pressing];
             let mut path = 0.0f64;
             for ((memory, work), shear) in memories.iter_mut().zip(&slips.gap[own]).zip(&shear[group]) {
                 let slip = if is_pressed { work / length } else { 0.0 };
@@ -56,9 +56,9 @@ pub fn add_heat(slipped: &mut [SlipMemory], work: &[f64]) {
 }
 
 /// Work of friction, contact by contact, that lies between two such memories `[energy]`.
-pub fn friction_work<const D: usize>(system: &System<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
-    let taken = |row: usize| before[row - system.pressing].heat - after[row - system.pressing].heat;
-    system.by_contact(|_, pair| pair.tangential().map(|(row, _)| taken(row)).sum())
+pub fn friction_work<const D: usize>(equations: &Equations<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
+    let taken = |row: usize| before[row - equations.pressing].heat - after[row - equations.pressing].heat;
+    equations.by_contact(|_, pair| pair.tangential().map(|(row, _)| taken(row)).sum())
 }
 
 /// Tangential rows of a pair.

@@ -9,9 +9,9 @@ use super::engine::Engine;
 use crate::bodies::{Elements, FastestCell, Space};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::start::{StepKind, StepStart};
-use crate::dynamics::step::system::System;
 use crate::integrators::Lumping;
 use crate::linear::{Lanczos, Operator};
 use crate::math::tolerances;
@@ -42,7 +42,7 @@ pub struct StableStep {
 
 /// `m^-1 K` at a state.
 struct Fastest<'a, const D: usize> {
-    system: &'a System<D>,
+    system: &'a Equations<D>,
     start: &'a StepStart<'a>,
     mobility: Vec<f64>,
     /// Size of the step for what is damped.
@@ -135,7 +135,7 @@ where
 }
 
 /// The fastest cell of all bodies, with the number of its body.
-fn fastest_cell<const D: usize>(system: &System<D>, lumping: Lumping, u: &[f64]) -> (usize, FastestCell) {
+fn fastest_cell<const D: usize>(system: &Equations<D>, lumping: Lumping, u: &[f64]) -> (usize, FastestCell) {
     let all = system.bodies.iter().map(|body| body.elements.fastest_cell(lumping, u)).enumerate();
     let fastest = all.max_by(|(_, a), (_, b)| a.frequency_squared.total_cmp(&b.frequency_squared));
     fastest.unwrap_or((0, FastestCell { cell: 0, frequency_squared: 0.0 }))
@@ -143,7 +143,7 @@ fn fastest_cell<const D: usize>(system: &System<D>, lumping: Lumping, u: &[f64])
 
 /// A bound of what closed penalties add to the square of a frequency: `k w / m` of the nodes on either side, with the pressure `k` per
 /// depth and the area `w` of a node.
-fn penalties<const D: usize>(system: &System<D>) -> f64 {
+fn penalties<const D: usize>(system: &Equations<D>) -> f64 {
     let of = |pair: &ContactPair| {
         let weights = pair.kernel.weights();
         let of_depth = pair.penalties.iter().zip(weights).map(|(kappa, weight)| kappa * weight).fold(0.0, f64::max);

@@ -86,10 +86,10 @@ where
         let elastic: Vec<f64> = state.velocities.iter().map(|v| dt * v).collect();
         let outlook =
             Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach, depth: 0.0 };
-        self.system.move_obstacles(time, dt).map_err(Failure::Fatal)?;
+        self.system.equations.move_obstacles(time, dt).map_err(Failure::Fatal)?;
         self.count_turns();
         self.system.begin_step(&outlook).map_err(Failure::Linear)?;
-        self.system.begin_friction(time + 0.5 * dt, &state.positions).map_err(Failure::Fatal)?;
+        self.system.equations.begin_friction(time + 0.5 * dt, &state.positions).map_err(Failure::Fatal)?;
 
         let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &*state.remembered, &prescribed_v_1[..]);
         let motion = Motion { scheme, dt, v_0, remembered, prescribed_v_1 };

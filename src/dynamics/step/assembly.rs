@@ -5,6 +5,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::{StepStart, Stopping, Told};
@@ -52,18 +53,6 @@ where
             self.add_contact_tangent(start, &mut at);
         }
         Ok(at)
-    }
-
-    /// Displacements of an iterate by its positions where something sees these, else both by its motion.
-    pub(super) fn displace(&self, start: &StepStart, at: &mut Linearization) {
-        let Linearization { q_1, u_1, moved, .. } = at;
-        u_1.clear();
-        if self.sees_positions() {
-            u_1.extend(q_1.iter().zip(&self.nodes.reference).map(|(q, x)| q - x));
-        } else {
-            u_1.extend(start.u_0.iter().zip(moved.iter()).map(|(u_0, moved)| u_0 + moved));
-            self.nodes.positions_into(u_1, q_1);
-        }
     }
 
     /// Computes the tangent of an iterate if that was left out.
@@ -127,6 +116,67 @@ where
             return Err(Failure::Diverged);
         }
         Ok(())
+    }
+
+    /// Contact functions of all pairs and their forces.
+    fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
+        let clock = Instant::now();
+        let (derivative, weight) = (start.derivative(), start.weight());
+        let Linearization { q_1, moved, lambda, forces, pairs, slips, held, rests, .. } = at;
+        pairs.resize_with(self.pairs.len(), Evaluation::default);
+        slips.resize_with(self.pairs.len(), Evaluation::default);
+        forces.contact.clear();
+        forces.contact.resize(q_1.len(), 0.0);
+        for ((pair, evaluation), slip) in self.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
+            pair.kernel.evaluate(derivative, q_1, &lambda[pair.rows.clone()], evaluation);
+            if let Some(friction) = &pair.friction {
+                let step = SlipStep { q_0: start.q_0, q_1, moved, test: derivative.placement().test, live: &evaluation.live };
+                pair.kernel.evaluate_slips(step, &lambda[friction.rows.clone()], slip);
+            }
+        }
+        for block in self.blocks(pairs, slips) {
+            for row in block.live_rows() {
+                let pressure = weight * lambda[row.row];
+                let gradient = &block.evaluation.gradient_bar[row.gradient];
+                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
+                    for i in 0..D {
+                        forces.contact[node as usize * D + i] += pressure * gradient[i];
+                    }
+                }
+            }
+        }
+        self.find_held(pairs, slips, held);
+        self.find_rests(start, moved, pairs, slips, rests);
+        forces.scale = forces.scale.max(largest_size(&forces.contact));
+        self.counters.times.contact += clock.elapsed();
+    }
+
+    fn add_contact_tangent(&mut self, start: &StepStart, at: &mut Linearization) {
+        if self.is_far {
+            return;
+        }
+        let clock = Instant::now();
+        for block in self.blocks(&at.pairs, &at.slips) {
+            block.tangent_into::<D>(start.weight(), &mut at.tangent);
+        }
+        self.counters.times.contact += clock.elapsed();
+    }
+}
+
+impl<const D: usize> Equations<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Displacements of an iterate by its positions where something sees these, else both by its motion.
+    pub(super) fn displace(&self, start: &StepStart, at: &mut Linearization) {
+        let Linearization { q_1, u_1, moved, .. } = at;
+        u_1.clear();
+        if self.sees_positions() {
+            u_1.extend(q_1.iter().zip(&self.nodes.reference).map(|(q, x)| q - x));
+        } else {
+            u_1.extend(start.u_0.iter().zip(moved.iter()).map(|(u_0, moved)| u_0 + moved));
+            self.nodes.positions_into(u_1, q_1);
+        }
     }
 
     /// Adds the mass and `beta` times the material stiffness to values of the matrix.
@@ -195,39 +245,6 @@ where
         Ok(Some([internal, load]))
     }
 
-    /// Contact functions of all pairs and their forces.
-    fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
-        let clock = Instant::now();
-        let (derivative, weight) = (start.derivative(), start.weight());
-        let Linearization { q_1, moved, lambda, forces, pairs, slips, held, rests, .. } = at;
-        pairs.resize_with(self.pairs.len(), Evaluation::default);
-        slips.resize_with(self.pairs.len(), Evaluation::default);
-        forces.contact.clear();
-        forces.contact.resize(q_1.len(), 0.0);
-        for ((pair, evaluation), slip) in self.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
-            pair.kernel.evaluate(derivative, q_1, &lambda[pair.rows.clone()], evaluation);
-            if let Some(friction) = &pair.friction {
-                let step = SlipStep { q_0: start.q_0, q_1, moved, test: derivative.placement().test, live: &evaluation.live };
-                pair.kernel.evaluate_slips(step, &lambda[friction.rows.clone()], slip);
-            }
-        }
-        for block in self.blocks(pairs, slips) {
-            for row in block.live_rows() {
-                let pressure = weight * lambda[row.row];
-                let gradient = &block.evaluation.gradient_bar[row.gradient];
-                for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
-                    for i in 0..D {
-                        forces.contact[node as usize * D + i] += pressure * gradient[i];
-                    }
-                }
-            }
-        }
-        self.find_held(pairs, slips, held);
-        self.find_rests(start, moved, pairs, slips, rests);
-        forces.scale = forces.scale.max(largest_size(&forces.contact));
-        self.counters.times.contact += clock.elapsed();
-    }
-
     /// Finds tangential rows whose nodes supports hold.
     fn find_held(&self, pairs: &[Evaluation], slips: &[Evaluation], held: &mut Vec<bool>) {
         held.clear();
@@ -265,17 +282,6 @@ where
                 rests[row.row - self.pressing] += row.unknowns::<D>().map(by).sum::<f64>();
             }
         }
-    }
-
-    fn add_contact_tangent(&mut self, start: &StepStart, at: &mut Linearization) {
-        if self.is_far {
-            return;
-        }
-        let clock = Instant::now();
-        for block in self.blocks(&at.pairs, &at.slips) {
-            block.tangent_into::<D>(start.weight(), &mut at.tangent);
-        }
-        self.counters.times.contact += clock.elapsed();
     }
 
     /// What all pairs are at rest at `q` with these multipliers.

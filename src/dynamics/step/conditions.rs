@@ -1,7 +1,7 @@
 //! The conditions that contact pairs put on a step, by their update rules.
 
+use super::equations::Equations;
 use super::start::StepStart;
-use super::system::System;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::Holds;
 use crate::dynamics::parts::contact_pair::ContactPair;
@@ -50,7 +50,28 @@ impl Conditions {
     }
 }
 
-impl<const D: usize> System<D> {
+impl<const D: usize> Equations<D> {
+    /// Finds the coefficients of friction of a step that begins at `q`, with that time in its middle.
+    ///
+    /// # Errors
+    /// A function failed, or returned no coefficient.
+    pub fn begin_friction(&mut self, time: f64, q: &[f64]) -> Result<(), StepError> {
+        for pair in &mut self.pairs {
+            let ContactPair { name, friction, kernel, .. } = pair;
+            let Some(friction) = friction else { continue };
+            let (nodes, stride) = (kernel.row_nodes(), kernel.rows_per_node());
+            let place = |row: usize| {
+                let mut point = [0.0; 3];
+                if let Some(&node) = nodes.get(row / stride) {
+                    point[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
+                }
+                point
+            };
+            friction.begin_step(time, place).map_err(|source| StepError::Friction { contact: name.clone(), time, source })?;
+        }
+        Ok(())
+    }
+
     /// Inverse augmentation of every constraint row in a step.
     pub fn compliance(&self, start: &StepStart) -> Vec<f64> {
         if self.pairs.iter().all(|pair| pair.augmentation.is_none() && (D == 2 || pair.friction.is_none())) {
@@ -100,27 +121,6 @@ impl<const D: usize> System<D> {
     /// Gives tangential rows what the rows have that press beside them.
     pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
         self.pairs.iter().flat_map(ContactPair::tangential).for_each(|(row, pressing)| values[row] = values[pressing]);
-    }
-
-    /// Finds the coefficients of friction of a step that begins at `q`, with that time in its middle.
-    ///
-    /// # Errors
-    /// A function failed, or returned no coefficient.
-    pub fn begin_friction(&mut self, time: f64, q: &[f64]) -> Result<(), StepError> {
-        for pair in &mut self.pairs {
-            let ContactPair { name, friction, kernel, .. } = pair;
-            let Some(friction) = friction else { continue };
-            let (nodes, stride) = (kernel.row_nodes(), kernel.rows_per_node());
-            let place = |row: usize| {
-                let mut point = [0.0; 3];
-                if let Some(&node) = nodes.get(row / stride) {
-                    point[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
-                }
-                point
-            };
-            friction.begin_step(time, place).map_err(|source| StepError::Friction { contact: name.clone(), time, source })?;
-        }
-        Ok(())
     }
 
     /// Weighted gaps of closed constraints: zero, but for corners.

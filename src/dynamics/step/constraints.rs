@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::constraint_rows::ConstraintRows;
+use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::StepStart;
@@ -62,7 +63,9 @@ impl<const D: usize> System<D> {
         self.counters.times.solve += clock.elapsed();
         outcome.map(drop).map_err(Failure::Linear)
     }
+}
 
+impl<const D: usize> Equations<D> {
     /// Writes rows `gradient G_1` and columns `-weight columns^T` of the constraints that act, and how tangential ones depend on those that
     /// press.
     pub fn write_constraints(

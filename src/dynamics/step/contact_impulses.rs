@@ -9,7 +9,7 @@
 //! With a mass at the nodes alone `G_0 m^-1 G_0^T` joins only rows that share nodes. The system of the rows that press is solved by Gauss
 //! and Seidel's method, each row at least zero (as the authors do), which also finds a solution where rows depend on each other.
 
-use super::system::System;
+use super::equations::Equations;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
@@ -28,7 +28,7 @@ pub struct PushedRow {
     own: f64,
 }
 
-impl<const D: usize> System<D>
+impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {

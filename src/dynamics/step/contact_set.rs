@@ -1,12 +1,12 @@
-//! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's system gets from them.
+//! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's equations gets from them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::conditions::Conditions;
 use super::constraint_rows::ConstraintRows;
+use super::equations::Equations;
 use super::iterate::Linearization;
-use super::system::System;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::friction_rows::{FrictionRows, Pressed, SlipRow};
@@ -17,10 +17,10 @@ use crate::math::tolerances;
 
 /// Every pair with what it is at an iterate.
 pub fn pairs_at<'a, const D: usize>(
-    system: &'a System<D>,
+    equations: &'a Equations<D>,
     at: &'a Linearization,
 ) -> impl Iterator<Item = (&'a ContactPair, &'a Evaluation)> {
-    system.pairs.iter().zip(&at.pairs)
+    equations.pairs.iter().zip(&at.pairs)
 }
 
 /// Whether constraint `local` of a pair can hold at all at this iterate: its node has an overlap. A penalty potential always counts.
@@ -83,12 +83,12 @@ impl<'a> SlipPlace<'a> {
 }
 
 /// The tangential rows of all pairs at an iterate.
-pub fn slips_at<'a, const D: usize>(system: &'a System<D>, at: &'a Linearization) -> impl Iterator<Item = SlipPlace<'a>> {
-    pairs_at(system, at).zip(&at.slips).flat_map(move |((pair, evaluation), slip)| {
+pub fn slips_at<'a, const D: usize>(equations: &'a Equations<D>, at: &'a Linearization) -> impl Iterator<Item = SlipPlace<'a>> {
+    pairs_at(equations, at).zip(&at.slips).flat_map(move |((pair, evaluation), slip)| {
         let groups = pair.friction.iter().flat_map(|friction| pair.rows.clone().enumerate().map(move |of| (friction, of)));
         groups.map(move |(friction, (local, pressing))| {
             let rows = friction.group(local);
-            let (first, end) = (rows.start - system.pressing, rows.end - system.pressing);
+            let (first, end) = (rows.start - equations.pressing, rows.end - equations.pressing);
             let covered = slip.coverage[rows.start - friction.rows.start];
             let around = pair.node_of(pressing).map_or(1.0, |node| pair.circumference(node, &at.q_1));
             let exists = has_row(pair, evaluation, local) && covered > tolerances::SLIVER && around > 0.0;
@@ -99,9 +99,9 @@ pub fn slips_at<'a, const D: usize>(system: &'a System<D>, at: &'a Linearization
 }
 
 /// Takes nodes with a sliver of overlap out of the step; returns whether a multiplier was lost.
-pub fn drop_slivers<const D: usize>(system: &System<D>, at: &Linearization, dropped: &mut [bool], lambda: &mut [f64]) -> bool {
+pub fn drop_slivers<const D: usize>(equations: &Equations<D>, at: &Linearization, dropped: &mut [bool], lambda: &mut [f64]) -> bool {
     let mut lost = false;
-    for (pair, evaluation) in pairs_at(system, at).filter(|(pair, _)| pair.has_multipliers()) {
+    for (pair, evaluation) in pairs_at(equations, at).filter(|(pair, _)| pair.has_multipliers()) {
         for row in pair.rows.clone() {
             let covered = evaluation.coverage[row - pair.rows.start];
             if !dropped[row] && covered > 0.0 && covered < tolerances::SLIVER {
@@ -116,13 +116,13 @@ pub fn drop_slivers<const D: usize>(system: &System<D>, at: &Linearization, drop
 
 /// The largest violation of the contact conditions over what is tolerated, its constraint, and the energy of all violations.
 pub fn worst_violation<const D: usize>(
-    system: &System<D>,
+    equations: &Equations<D>,
     at: &Linearization,
     conditions: &Conditions,
     dropped: &[bool],
 ) -> (f64, usize, f64) {
     let (mut worst, mut worst_row, mut work) = (0.0, 0, 0.0);
-    for (pair, evaluation) in pairs_at(system, at) {
+    for (pair, evaluation) in pairs_at(equations, at) {
         for row in pair.rows.clone().filter(|&row| !dropped[row]) {
             let (local, lambda) = (row - pair.rows.start, at.lambda[row]);
             // A node that has come to lie opposite nothing must not keep its multiplier: the force would have no function.
@@ -138,7 +138,7 @@ pub fn worst_violation<const D: usize>(
             work += energy;
         }
     }
-    for place in slips_at(system, at).filter(|place| !dropped[place.rows.start]) {
+    for place in slips_at(equations, at).filter(|place| !dropped[place.rows.start]) {
         let group = place.at(conditions, at);
         let (natural, energy) = if place.exists { group.residual() } else { group.excess() };
         let violation = natural.abs() / group.tolerance();
@@ -151,15 +151,20 @@ pub fn worst_violation<const D: usize>(
 }
 
 /// Whether an iterate meets the contact conditions.
-pub fn meets<const D: usize>(system: &System<D>, at: &Linearization, conditions: &Conditions) -> bool {
-    let (mut dropped, mut kept) = (system.redundant.clone(), at.lambda.clone());
-    !drop_slivers(system, at, &mut dropped, &mut kept) && worst_violation(system, at, conditions, &dropped).0 <= 1.0
+pub fn meets<const D: usize>(equations: &Equations<D>, at: &Linearization, conditions: &Conditions) -> bool {
+    let (mut dropped, mut kept) = (equations.redundant.clone(), at.lambda.clone());
+    !drop_slivers(equations, at, &mut dropped, &mut kept) && worst_violation(equations, at, conditions, &dropped).0 <= 1.0
 }
 
 /// The set that an iteration begins with: pressed nodes and nodes that overlap.
-pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, conditions: &Conditions, dropped: &[bool]) -> Vec<RowState> {
-    let mut set = vec![RowState::Open; system.multipliers];
-    for (pair, evaluation) in pairs_at(system, at) {
+pub fn starting_set<const D: usize>(
+    equations: &Equations<D>,
+    at: &Linearization,
+    conditions: &Conditions,
+    dropped: &[bool],
+) -> Vec<RowState> {
+    let mut set = vec![RowState::Open; equations.multipliers];
+    for (pair, evaluation) in pairs_at(equations, at) {
         for row in pair.rows.clone() {
             let local = row - pair.rows.start;
             if !dropped[row] && has_row(pair, evaluation, local) {
@@ -167,7 +172,7 @@ pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, cond
             }
         }
     }
-    for place in slips_at(system, at).filter(|place| !dropped[place.rows.start]) {
+    for place in slips_at(equations, at).filter(|place| !dropped[place.rows.start]) {
         let state = first_state(&place, conditions, at, &set);
         set[place.rows].fill(state);
     }
@@ -177,24 +182,24 @@ pub fn starting_set<const D: usize>(system: &System<D>, at: &Linearization, cond
 /// The constraint rows for a set of active nodes; `yielding` is how far tangential rows of nodes with more rows than motions give way, over
 /// what they do at first.
 pub fn constraint_rows<const D: usize>(
-    system: &System<D>,
+    equations: &Equations<D>,
     at: &Linearization,
     conditions: &Conditions,
     set: &[RowState],
     yielding: f64,
 ) -> ConstraintRows {
-    let mut rows = ConstraintRows::open(system.multipliers);
-    for (pair, evaluation) in pairs_at(system, at) {
+    let mut rows = ConstraintRows::open(equations.multipliers);
+    for (pair, evaluation) in pairs_at(equations, at) {
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
             let at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
             rows.0[row] = pair.law.equation(&at_iterate);
         }
     }
-    let held = rows_of_nodes(system, set);
-    for place in slips_at(system, at).filter(|place| set[place.rows.start].acts()) {
+    let held = rows_of_nodes(equations, set);
+    for place in slips_at(equations, at).filter(|place| set[place.rows.start].acts()) {
         let (mut group, first) = (place.at(conditions, at), place.rows.start);
         // More rows than a node can move: those that stick give way, until the multipliers are found.
-        if place.pair.node_of(first).is_some_and(|node| held[&node] > system.supports.free_components::<D>(node)) {
+        if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
             group.yield_by(yielding * conditions.yielding[first]);
         }
         for (row, equation) in place.rows.zip(group.equations(set[first])) {
@@ -205,9 +210,9 @@ pub fn constraint_rows<const D: usize>(
 }
 
 /// How many rows hold each node that has tangential ones: those that press and those that stick.
-fn rows_of_nodes<const D: usize>(system: &System<D>, set: &[RowState]) -> BTreeMap<u32, usize> {
+fn rows_of_nodes<const D: usize>(equations: &Equations<D>, set: &[RowState]) -> BTreeMap<u32, usize> {
     let mut counts = BTreeMap::new();
-    for pair in &system.pairs {
+    for pair in &equations.pairs {
         let Some(friction) = &pair.friction else { continue };
         for row in pair.rows.clone().chain(friction.rows.clone()) {
             if let Some(node) = pair.node_of(row) {

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::{StepStart, Told};
@@ -42,16 +43,6 @@ where
         Ok(())
     }
 
-    /// Positions and displacements after a motion, as [`Self::linearize`] has them.
-    pub fn place_after(&self, start: &StepStart, at: &mut Linearization) {
-        if self.sees_positions() {
-            let Linearization { q_1, moved, .. } = at;
-            q_1.clear();
-            q_1.extend(start.q_0.iter().zip(moved.iter()).map(|(q, moved)| q + moved));
-        }
-        self.displace(start, at);
-    }
-
     /// Forces of all parts at the end of a motion, without a matrix.
     ///
     /// # Errors
@@ -69,6 +60,32 @@ where
             return Err(Failure::Diverged);
         }
         Ok(forces)
+    }
+
+    /// What all pairs are at positions, an obstacle where the step ends.
+    pub fn evaluate_pairs(&mut self, q: &[f64], pairs: &mut Vec<Evaluation>) {
+        let clock = Instant::now();
+        let none = vec![0.0; self.multipliers];
+        pairs.resize_with(self.pairs.len(), Evaluation::default);
+        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
+            pair.kernel.evaluate(Derivative::AT_END, q, &none[pair.rows.clone()], evaluation);
+        }
+        self.counters.times.contact += clock.elapsed();
+    }
+}
+
+impl<const D: usize> Equations<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Positions and displacements after a motion, as [`Self::linearize`] has them.
+    pub fn place_after(&self, start: &StepStart, at: &mut Linearization) {
+        if self.sees_positions() {
+            let Linearization { q_1, moved, .. } = at;
+            q_1.clear();
+            q_1.extend(start.q_0.iter().zip(moved.iter()).map(|(q, moved)| q + moved));
+        }
+        self.displace(start, at);
     }
 
     fn forces_of(&self, iterate: &Iterate, memory: &[Vec<f64>]) -> Result<PartForces, Failure> {
@@ -105,17 +122,6 @@ where
         };
         let (ahead, behind) = (at(size)?, at(-size)?);
         Ok(ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * size)).collect())
-    }
-
-    /// What all pairs are at positions, an obstacle where the step ends.
-    pub fn evaluate_pairs(&mut self, q: &[f64], pairs: &mut Vec<Evaluation>) {
-        let clock = Instant::now();
-        let none = vec![0.0; self.multipliers];
-        pairs.resize_with(self.pairs.len(), Evaluation::default);
-        for (pair, evaluation) in self.pairs.iter().zip(pairs) {
-            pair.kernel.evaluate(Derivative::AT_END, q, &none[pair.rows.clone()], evaluation);
-        }
-        self.counters.times.contact += clock.elapsed();
     }
 
     /// Nodal forces of multipliers at evaluations, of the pairs that are chosen `[force]`.

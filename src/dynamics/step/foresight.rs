@@ -1,14 +1,14 @@
 //! Motion of contacts that is too large for one step: foreseen before it is tried, or seen when it has converged.
 
 use super::conditions::Conditions;
+use super::equations::Equations;
 use super::iterate::Linearization;
 use super::large_motion::{LargeMotion, MotionKind};
-use super::system::System;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
-impl<const D: usize> System<D> {
+impl<const D: usize> Equations<D> {
     /// The motion within a step, as predicted, that is too large to be tried whole: sliding of surfaces in contact beyond
     /// [`tolerances::SLIDING`], approach beyond [`tolerances::APPROACH`] under the persistency rule, of obstacles beyond
     /// [`tolerances::PASSING`] under all.
@@ -88,7 +88,7 @@ impl<const D: usize> System<D> {
     }
 }
 
-impl<const D: usize> System<D> {
+impl<const D: usize> Equations<D> {
     /// Contacts whose sides, where they are less than a facet apart, move along each other so fast that steps of that size would be halved.
     pub fn sliding_by_velocity(&self, q: &[f64], v: &[f64], dt: f64) -> Vec<LargeMotion> {
         let contacts = self.pairs.iter().filter(|pair| D == 2 && pair.corners.is_none() && !pair.kind.is_bilateral());

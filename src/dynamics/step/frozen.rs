@@ -16,6 +16,7 @@ use std::time::Instant;
 use nalgebra::{DMatrix, DVector};
 
 use super::constraint_rows::ConstraintRows;
+use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::StepStart;
@@ -74,38 +75,6 @@ where
         self.solve_with(&at.tangent, &mut solution, Instant::now())?;
         let base = self.row_values([&at.pairs, &at.slips], &solution);
         Ok(Frozen { rows: rows.clone(), present: rows.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
-    }
-
-    fn row_values(&self, [pairs, slips]: [&[Evaluation]; 2], solution: &[f64]) -> RowValues {
-        let (increment, lambda) = solution.split_at(solution.len() - self.multipliers);
-        let mut gaps = vec![0.0; self.multipliers];
-        for block in self.blocks(pairs, slips) {
-            for row in block.live_rows() {
-                for (unknown, entry) in row.unknowns::<D>() {
-                    gaps[row.row] += block.evaluation.gradient_end[entry] * increment[unknown];
-                }
-            }
-        }
-        RowValues { gaps, lambda: lambda.to_vec() }
-    }
-
-    /// Adds to a right-hand side what a changed row brings.
-    fn add_brought(&self, frozen: &Frozen, weight: f64, at: &Linearization, amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
-        let unknowns = right.len() - self.multipliers;
-        for (&row, amount) in amounts {
-            right[unknowns + row] += amount;
-        }
-        let changed = |block: &RowBlock| amounts.range(block.rows.clone()).next().is_some();
-        for block in self.blocks(&at.pairs, &at.slips).filter(changed) {
-            for row in block.live_rows() {
-                let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.rows.0[row.row].acts) else { continue };
-                for (unknown, entry) in row.unknowns::<D>() {
-                    if !self.supports.fixed[unknown] {
-                        right[unknown] += amount * weight * block.evaluation.gradient_bar[entry];
-                    }
-                }
-            }
-        }
     }
 
     fn substitute(&mut self, values: &[f64], right: &mut [f64]) -> Result<(), Failure> {
@@ -184,5 +153,42 @@ where
         }
         let lambda = solution.split_off(solution.len() - self.multipliers);
         Ok((solution, lambda))
+    }
+}
+
+impl<const D: usize> Equations<D>
+where
+    Space<D>: Elements<D>,
+{
+    fn row_values(&self, [pairs, slips]: [&[Evaluation]; 2], solution: &[f64]) -> RowValues {
+        let (increment, lambda) = solution.split_at(solution.len() - self.multipliers);
+        let mut gaps = vec![0.0; self.multipliers];
+        for block in self.blocks(pairs, slips) {
+            for row in block.live_rows() {
+                for (unknown, entry) in row.unknowns::<D>() {
+                    gaps[row.row] += block.evaluation.gradient_end[entry] * increment[unknown];
+                }
+            }
+        }
+        RowValues { gaps, lambda: lambda.to_vec() }
+    }
+
+    /// Adds to a right-hand side what a changed row brings.
+    fn add_brought(&self, frozen: &Frozen, weight: f64, at: &Linearization, amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
+        let unknowns = right.len() - self.multipliers;
+        for (&row, amount) in amounts {
+            right[unknowns + row] += amount;
+        }
+        let changed = |block: &RowBlock| amounts.range(block.rows.clone()).next().is_some();
+        for block in self.blocks(&at.pairs, &at.slips).filter(changed) {
+            for row in block.live_rows() {
+                let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.rows.0[row.row].acts) else { continue };
+                for (unknown, entry) in row.unknowns::<D>() {
+                    if !self.supports.fixed[unknown] {
+                        right[unknown] += amount * weight * block.evaluation.gradient_bar[entry];
+                    }
+                }
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::constraint_rows::ConstraintRows;
+use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::system::System;
@@ -82,12 +83,6 @@ where
         Ok(self.response(evaluated, &matrix, right, lambda, &[]))
     }
 
-    /// What masses are multiplied by to be as large as gradients: else the round-off of the constraints would be felt as momentum.
-    pub(super) fn end_scale(&self, evaluated: [&[Evaluation]; 2]) -> f64 {
-        let gradient = evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
-        gradient / self.nodes.largest_nodal_mass
-    }
-
     /// The matrix of velocities that change at the end of a step, of masses and stiffness and these rows.
     pub(super) fn end_matrix(&self, evaluated: [&[Evaluation]; 2], rows: &ConstraintRows, scale: f64, mut values: Vec<f64>) -> EndMatrix {
         let free = self.supports.fixed.contains(&true).then(|| values.clone());
@@ -137,6 +132,17 @@ where
         self.matrix.pattern.multiply_into(values, &vector, &mut image);
         image.truncate(nodal.len());
         image
+    }
+}
+
+impl<const D: usize> Equations<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// What masses are multiplied by to be as large as gradients: else the round-off of the constraints would be felt as momentum.
+    pub(super) fn end_scale(&self, evaluated: [&[Evaluation]; 2]) -> f64 {
+        let gradient = evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
+        gradient / self.nodes.largest_nodal_mass
     }
 
     /// Whether the momenta of a push that the model keeps are the impulses from outside, as far as round-off lets them: where constraints

@@ -11,6 +11,7 @@ pub mod contact_impulses;
 pub mod contact_set;
 pub mod convergence;
 pub mod counters;
+pub mod equations;
 pub mod explicit;
 pub mod failure;
 pub mod foresight;

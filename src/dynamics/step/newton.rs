@@ -103,9 +103,9 @@ where
         if number > 0 {
             trace.earlier.push(std::mem::take(&mut trace.iterations));
         }
-        system.set_correction(correction);
+        system.equations.set_correction(correction);
         outcome = attempt(system, task, strategy, iterations, trace).map_err(|failure| failure.or_end(task.start.time));
-        system.set_correction(Correction::default());
+        system.equations.set_correction(Correction::default());
         system.is_far = false;
         match &mut outcome {
             Ok(solution) => solution.preferred = task.preferred.after(index),

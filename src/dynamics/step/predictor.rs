@@ -6,30 +6,31 @@
 
 use std::collections::BTreeMap;
 
-use super::system::System;
+use super::equations::Equations;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::part::Pose;
 use crate::math::tolerances;
 
 /// Predicted positions of all nodes at the end of a step.
-pub fn rigid_motion<const D: usize>(system: &System<D>, q_0: &[f64], v_0: &[f64], dt: f64) -> Vec<f64>
+pub fn rigid_motion<const D: usize>(equations: &Equations<D>, q_0: &[f64], v_0: &[f64], dt: f64) -> Vec<f64>
 where
     Space<D>: Elements<D>,
 {
     let mut q_1 = q_0.to_vec();
-    if !system.nodes.piece_is_free.contains(&true) {
+    if !equations.nodes.piece_is_free.contains(&true) {
         return q_1;
     }
-    let pieces = system.nodes.piece_is_free.len();
-    let (momentum, mass_position) = (system.nodes.momenta_of(v_0), system.nodes.momenta_of(q_0));
+    let pieces = equations.nodes.piece_is_free.len();
+    let (momentum, mass_position) = (equations.nodes.momenta_of(v_0), equations.nodes.momenta_of(q_0));
     let mut mass = vec![0.0; pieces];
     let mut center = vec![nalgebra::Vector3::zeros(); pieces];
     let mut velocity = vec![nalgebra::Vector3::zeros(); pieces];
     // Nodes of the pieces that move, with these.
-    let free =
-        || system.nodes.pieces.iter().map(|&piece| piece as usize).enumerate().filter(|&(_, piece)| system.nodes.piece_is_free[piece]);
+    let free = || {
+        equations.nodes.pieces.iter().map(|&piece| piece as usize).enumerate().filter(|&(_, piece)| equations.nodes.piece_is_free[piece])
+    };
     for (node, piece) in free() {
-        mass[piece] += system.nodes.nodal_mass[node];
+        mass[piece] += equations.nodes.nodal_mass[node];
         center[piece] += vector::<D>(&mass_position, node);
         velocity[piece] += vector::<D>(&momentum, node);
     }
@@ -42,7 +43,7 @@ where
     for (node, piece) in free() {
         let arm = vector::<D>(q_0, node) - center[piece];
         spin[piece] += arm.cross(&vector::<D>(&momentum, node));
-        let weighted = vector::<D>(&mass_position, node) - center[piece] * system.nodes.nodal_mass[node];
+        let weighted = vector::<D>(&mass_position, node) - center[piece] * equations.nodes.nodal_mass[node];
         if D == 2 {
             // In the plane no other entry is used.
             inertia[piece].m33 += arm.dot(&weighted);
@@ -73,36 +74,36 @@ where
 }
 
 /// Puts the prescribed nodes where they will be, and moves the pieces that have such nodes along by their mean motion.
-pub fn follow_prescribed<const D: usize>(system: &System<D>, q_0: &[f64], displacement: &[f64], predicted: &mut [f64]) {
-    if system.supports.prescribed.is_empty() {
+pub fn follow_prescribed<const D: usize>(equations: &Equations<D>, q_0: &[f64], displacement: &[f64], predicted: &mut [f64]) {
+    if equations.supports.prescribed.is_empty() {
         return;
     }
-    let pieces = system.nodes.piece_is_free.len();
+    let pieces = equations.nodes.piece_is_free.len();
     let (mut motion, mut count) = (vec![[0.0; D]; pieces], vec![[0usize; D]; pieces]);
-    let target = |k: usize| system.nodes.reference[system.supports.prescribed[k].unknown] + displacement[k];
+    let target = |k: usize| equations.nodes.reference[equations.supports.prescribed[k].unknown] + displacement[k];
     let mut is_prescribed = vec![false; q_0.len()];
-    for (k, prescribed) in system.supports.prescribed.iter().enumerate() {
+    for (k, prescribed) in equations.supports.prescribed.iter().enumerate() {
         is_prescribed[prescribed.unknown] = true;
-        let (piece, i) = (system.nodes.pieces[prescribed.unknown / D] as usize, prescribed.unknown % D);
+        let (piece, i) = (equations.nodes.pieces[prescribed.unknown / D] as usize, prescribed.unknown % D);
         motion[piece][i] += target(k) - q_0[prescribed.unknown];
         count[piece][i] += 1;
     }
-    for unknown in (0..q_0.len()).filter(|&unknown| system.supports.fixed[unknown] && !is_prescribed[unknown]) {
-        count[system.nodes.pieces[unknown / D] as usize][unknown % D] += 1;
+    for unknown in (0..q_0.len()).filter(|&unknown| equations.supports.fixed[unknown] && !is_prescribed[unknown]) {
+        count[equations.nodes.pieces[unknown / D] as usize][unknown % D] += 1;
     }
-    let turned = if system.supports.turn() { turns(system, q_0, &target) } else { BTreeMap::new() };
-    for unknown in (0..q_0.len()).filter(|&unknown| !system.supports.fixed[unknown]) {
-        if let Some(turn) = turned.get(&system.nodes.pieces[unknown / D]) {
+    let turned = if equations.supports.turn() { turns(equations, q_0, &target) } else { BTreeMap::new() };
+    for unknown in (0..q_0.len()).filter(|&unknown| !equations.supports.fixed[unknown]) {
+        if let Some(turn) = turned.get(&equations.nodes.pieces[unknown / D]) {
             let moved = turn.to + turn.rotation * (vector::<D>(q_0, unknown / D) - turn.from);
             predicted[unknown] = moved[unknown % D];
             continue;
         }
-        let (piece, i) = (system.nodes.pieces[unknown / D] as usize, unknown % D);
+        let (piece, i) = (equations.nodes.pieces[unknown / D] as usize, unknown % D);
         if count[piece][i] > 0 {
             predicted[unknown] += motion[piece][i] / count[piece][i] as f64;
         }
     }
-    for (k, prescribed) in system.supports.prescribed.iter().enumerate() {
+    for (k, prescribed) in equations.supports.prescribed.iter().enumerate() {
         predicted[prescribed.unknown] = target(k);
     }
 }
@@ -116,20 +117,20 @@ struct RigidMotion {
 
 /// The rigid motions of connected components that come nearest to that of their prescribed nodes (Kabsch, Acta Cryst. A 32, 1976), where
 /// these determine one.
-fn turns<const D: usize>(system: &System<D>, q_0: &[f64], target: &impl Fn(usize) -> f64) -> BTreeMap<u32, RigidMotion> {
+fn turns<const D: usize>(equations: &Equations<D>, q_0: &[f64], target: &impl Fn(usize) -> f64) -> BTreeMap<u32, RigidMotion> {
     let mut targets: BTreeMap<usize, [Option<f64>; 3]> = BTreeMap::new();
-    for (k, one) in system.supports.prescribed.iter().enumerate() {
+    for (k, one) in equations.supports.prescribed.iter().enumerate() {
         targets.entry(one.unknown / D).or_default()[one.unknown % D] = Some(target(k));
     }
     let mut points: BTreeMap<u32, Vec<[nalgebra::Vector3<f64>; 2]>> = BTreeMap::new();
     for (node, target) in targets {
         if target[..D].iter().all(Option::is_some) {
             let target = target.map(Option::unwrap_or_default);
-            points.entry(system.nodes.pieces[node]).or_default().push([vector::<D>(q_0, node), target.into()]);
+            points.entry(equations.nodes.pieces[node]).or_default().push([vector::<D>(q_0, node), target.into()]);
         }
     }
     // What stands stays, without round-off.
-    let least = tolerances::JUMP * system.nodes.extent;
+    let least = tolerances::JUMP * equations.nodes.extent;
     let moving = points.into_iter().filter(|(_, points)| points.iter().any(|[from, to]| (to - from).norm() > least));
     moving.filter_map(|(piece, points)| Some((piece, nearest_motion::<D>(&points)?))).collect()
 }
@@ -150,13 +151,13 @@ fn nearest_motion<const D: usize>(points: &[[nalgebra::Vector3<f64>; 2]]) -> Opt
 }
 
 /// Displacements in a step to predicted positions, those of prescribed nodes with the accuracy of their own size.
-pub fn displacements_to<const D: usize>(system: &System<D>, from: Pose, displacement: &[f64], predicted: &[f64]) -> Vec<f64>
+pub fn displacements_to<const D: usize>(equations: &Equations<D>, from: Pose, displacement: &[f64], predicted: &[f64]) -> Vec<f64>
 where
     Space<D>: Elements<D>,
 {
     let mut moved: Vec<f64> = predicted.iter().zip(from.q).map(|(predicted, q)| predicted - q).collect();
-    if !system.sees_positions() {
-        for (prescribed, displacement) in system.supports.prescribed.iter().zip(displacement) {
+    if !equations.sees_positions() {
+        for (prescribed, displacement) in equations.supports.prescribed.iter().zip(displacement) {
             moved[prescribed.unknown] = displacement - from.u[prescribed.unknown];
         }
     }

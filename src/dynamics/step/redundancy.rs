@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::system::System;
+use super::equations::Equations;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
@@ -14,7 +14,7 @@ use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY};
 /// A constraint row by its unknowns.
 type Row = BTreeMap<usize, f64>;
 
-impl<const D: usize> System<D> {
+impl<const D: usize> Equations<D> {
     /// Whether each constraint row follows from those of ties before it and from supports.
     pub fn redundant_rows(&self) -> Vec<bool> {
         let mut redundant = vec![false; self.multipliers];

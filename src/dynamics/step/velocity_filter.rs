@@ -15,6 +15,7 @@
 use std::time::Instant;
 
 use super::constraint_rows::ConstraintRows;
+use super::equations::Equations;
 use super::failure::Failure;
 use super::impulse_response::ImpulseResponse;
 use super::iterate::Linearization;
@@ -73,7 +74,12 @@ where
         let round_off = tolerances::PUSH * sum_of_sizes(&momenta) + tolerances::FILTER * sum_of_sizes(&force);
         Ok(self.is_balanced(&response, &at.q_1, round_off).then_some(response))
     }
+}
 
+impl<const D: usize> Equations<D>
+where
+    Space<D>: Elements<D>,
+{
     /// Scaled forces where nodes are free, then what the rows give.
     fn right_side(&self, force: &[f64], scale: f64, rows: &[f64]) -> Vec<f64> {
         let free = force.iter().zip(&self.supports.fixed).map(|(force, fixed)| if *fixed { 0.0 } else { scale * force });

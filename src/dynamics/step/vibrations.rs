@@ -8,6 +8,7 @@
 use std::time::Instant;
 
 use super::constraint_rows::ConstraintRows;
+use super::equations::Equations;
 use super::explicit::at_rest;
 use super::failure::Failure;
 use super::iterate::Linearization;
@@ -233,7 +234,7 @@ where
     }
 }
 
-impl<const D: usize> System<D> {
+impl<const D: usize> Equations<D> {
     /// Forces of the loads of a model with the same bodies, at time 0 `[force]`; those whose time function fails are left out.
     pub fn forces_of_loads(&self, model: &Model, q: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; q.len()];

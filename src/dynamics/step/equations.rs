@@ -1,0 +1,281 @@
+//! The equations of a model in `D` dimensions: nodes, what pushes on them, what constrains them. A step reads them; their contacts keep what
+//! depends on its start.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::iterate::Linearization;
+use super::making::PointInertia;
+use crate::bodies::{Elements, Space};
+use crate::contact::Correction;
+use crate::dynamics::model::part::{Part, Pose};
+use crate::dynamics::model::step_error::StepError;
+use crate::dynamics::parts::body::Body;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::friction_rows::FrictionRows;
+use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::parts::loads::{NodalLoad, loads_into};
+use crate::dynamics::parts::nodes::Nodes;
+use crate::dynamics::parts::step_damping::StepDamping;
+use crate::dynamics::parts::supports::Supports;
+use crate::linear::Pattern;
+use crate::machine::memory::{self, Shortage};
+use crate::math::workers::Workers;
+
+/// The equations of a model in `D` dimensions.
+pub struct Equations<const D: usize> {
+    /// The nodes of all bodies.
+    pub nodes: Nodes<D>,
+    /// What holds or moves some of them.
+    pub supports: Supports,
+    /// Deformable bodies.
+    pub bodies: Vec<Body<D>>,
+    /// Loads.
+    pub loads: Vec<NodalLoad<D>>,
+    /// What pushes on nodes besides.
+    pub others: Vec<Box<dyn Part>>,
+    /// How many of these, the first, are the model's own parts.
+    pub own_parts: usize,
+    /// What the time integrator takes from the vibrations of deformable bodies; none where it takes nothing.
+    pub dampings: Vec<StepDamping>,
+    /// Masses that these have at nodes.
+    pub(super) point_masses: Vec<PointInertia>,
+    /// Contacts, obstacles and ties, then the corners that belong to them.
+    pub pairs: Vec<ContactPair>,
+    /// Number of their rows, those that press before the tangential ones.
+    pub multipliers: usize,
+    /// Number of the rows that press.
+    pub pressing: usize,
+    /// Rows of ties that follow from others and from supports, and take part in no step.
+    pub redundant: Vec<bool>,
+    /// Threads for sums over cells.
+    pub workers: Workers,
+}
+
+/// Everything that pushes on nodes, bodies first.
+pub fn parts<'a, const D: usize>(
+    bodies: &'a [Body<D>],
+    loads: &'a [NodalLoad<D>],
+    others: &'a [Box<dyn Part>],
+) -> impl Iterator<Item = &'a dyn Part> {
+    let bodies = bodies.iter().map(|body| body as &dyn Part);
+    bodies.chain(loads.iter().map(|load| load as &dyn Part)).chain(others.iter().map(|part| &**part))
+}
+
+impl<const D: usize> Equations<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Whether something depends on positions, not on displacements alone.
+    pub fn sees_positions(&self) -> bool {
+        !self.pairs.is_empty() || !self.others.is_empty()
+    }
+
+    /// Energy that parts other than bodies store with what each part remembers `[energy]`.
+    pub fn stored_energy(&self, at: Pose, memory: &[Vec<f64>]) -> f64 {
+        self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.energy(at, memory)).sum()
+    }
+
+    /// What the parts remember at the start, and at rest.
+    pub fn memory_at_rest(&self) -> Arc<Vec<Vec<f64>>> {
+        Arc::new(self.parts().map(|part| part.memory()).collect())
+    }
+
+    /// The model's own parts with what each remembers.
+    pub fn own_parts<'a>(&'a self, memory: &'a [Vec<f64>]) -> impl Iterator<Item = (&'a dyn Part, &'a Vec<f64>)> {
+        self.parts().zip(memory).skip(self.bodies.len() + self.loads.len()).take(self.own_parts)
+    }
+
+    /// Strain energy `[energy]`.
+    pub fn strain_energy(&self, u: &[f64]) -> f64 {
+        self.bodies.iter().map(|body| body.elements.strain_energy(u)).sum()
+    }
+}
+
+impl<const D: usize> Equations<D> {
+    /// Everything that pushes on nodes, bodies first.
+    pub fn parts(&self) -> impl Iterator<Item = &dyn Part> {
+        parts(&self.bodies, &self.loads, &self.others)
+    }
+
+    /// Moves what rigid bodies carry along, in a nodal vector: displacements, velocities.
+    pub fn lead(&self, values: &mut [f64]) {
+        self.bodies.iter().filter_map(|body| body.rigid.as_ref()).for_each(|rigid| rigid.lead::<D>(values));
+    }
+
+    /// The same in displacements and the positions that follow from them.
+    pub fn lead_positions(&self, u: &mut [f64], q: &mut [f64]) {
+        for rigid in self.bodies.iter().filter_map(|body| body.rigid.as_ref()) {
+            rigid.lead::<D>(u);
+            for node in rigid.followers() {
+                (node * D..(node + 1) * D).for_each(|k| q[k] = self.nodes.reference[k] + u[k]);
+            }
+        }
+    }
+
+    /// The same in what a step that has converged ends with.
+    pub fn lead_end(&self, at: &mut Linearization) {
+        self.lead(&mut at.moved);
+        self.lead_positions(&mut at.u_1, &mut at.q_1);
+    }
+
+    /// The smallest facet of all contacts `[length]`; infinite without one.
+    pub fn smallest_facet(&self) -> f64 {
+        let contacts = self.pairs.iter().filter(|pair| !pair.kind.is_of_points());
+        contacts.map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Number of secondary nodes in contact: active constraints, those of ties left out.
+    pub fn touching(&self, active: &[RowState]) -> usize {
+        self.closed_nodes(active).iter().zip(&self.pairs).filter(|(_, pair)| pair.kind != PairKind::Tie).map(|(closed, _)| closed).sum()
+    }
+
+    /// Number of nodes that active constraints hold, of each contact in the order of the model.
+    pub fn closed_nodes(&self, active: &[RowState]) -> Vec<usize> {
+        let held_by = |pair: &ContactPair| -> Vec<u32> {
+            let stride = pair.kernel.rows_per_node();
+            let rows = active[pair.rows.clone()].chunks_exact(stride).enumerate().filter(|(_, rows)| rows.contains(&RowState::Closed));
+            // Corners of obstacles are numbered by their rows, from behind.
+            rows.map(|(index, _)| pair.kernel.row_nodes().get(index).copied().unwrap_or(u32::MAX - index as u32)).collect()
+        };
+        let of = |(index, pair): (usize, &ContactPair)| {
+            let mut nodes = held_by(pair);
+            let corners = self.corners_of(index);
+            corners.for_each(|corners| nodes.extend(held_by(corners)));
+            nodes.sort_unstable();
+            nodes.dedup();
+            nodes.len()
+        };
+        self.contacts().map(of).collect()
+    }
+
+    /// Index of the contact that a pair belongs to: itself, or that whose corners it holds.
+    pub fn contact_of(&self, index: usize) -> usize {
+        self.pairs[index].corners.map_or(index, |corners| corners.pair)
+    }
+
+    /// Sums what each pair has over the contact that it belongs to.
+    pub fn by_contact(&self, of: impl Fn(usize, &ContactPair) -> f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.contacts().count()];
+        let pairs = self.pairs.iter().enumerate().filter(|(_, pair)| !pair.kind.is_of_points());
+        pairs.for_each(|(index, pair)| sums[self.contact_of(index)] += of(index, pair));
+        sums
+    }
+
+    /// The pairs that are contacts of the model, with their indices.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, &ContactPair)> {
+        self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none() && !pair.kind.is_of_points())
+    }
+
+    /// The pairs that belong to a contact besides.
+    pub fn corners_of(&self, index: usize) -> impl Iterator<Item = &ContactPair> {
+        self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
+    }
+
+    /// The pair of a row, one that presses or a tangential one.
+    pub fn pair_of(&self, row: usize) -> Option<&ContactPair> {
+        let is_own =
+            |pair: &&ContactPair| pair.rows.contains(&row) || pair.friction.as_ref().is_some_and(|friction| friction.rows.contains(&row));
+        self.pairs.iter().find(is_own)
+    }
+
+    /// The row that presses beside a tangential row.
+    pub fn pressing_row(&self, slip: usize) -> usize {
+        self.tangential_at(slip, |pair, friction| pair.rows.start + friction.pressing(slip))
+            .expect("every tangential row belongs to a pair")
+    }
+
+    /// The rows that change their state together with a row: it alone, or all tangential ones beside one that presses.
+    pub fn group_of(&self, row: usize) -> Range<usize> {
+        self.tangential_at(row, |_, friction| friction.group(friction.pressing(row))).unwrap_or(row..row + 1)
+    }
+
+    /// The other tangential row of a group of two.
+    pub fn partner_row(&self, slip: usize) -> usize {
+        let group = self.group_of(slip);
+        group.start + group.end - 1 - slip
+    }
+
+    fn tangential_at<T>(&self, row: usize, of: impl Fn(&ContactPair, &FrictionRows) -> T) -> Option<T> {
+        let owns = |pair: &ContactPair| Some(of(pair, pair.friction.as_ref().filter(|friction| friction.rows.contains(&row))?));
+        self.pairs.iter().find_map(owns)
+    }
+
+    /// The body that owns a node.
+    pub fn body_of(&self, node: usize) -> usize {
+        self.bodies.iter().position(|body| body.nodes.contains(&node)).expect("every node belongs to a body")
+    }
+
+    /// Name of the body that owns a node, and the node's number in the body's mesh.
+    pub fn owner(&self, node: usize) -> (&str, usize) {
+        let body = &self.bodies[self.body_of(node)];
+        (&body.name, node - body.nodes.start)
+    }
+
+    /// Loads at a configuration and time, gravity not included; tells whether any acted.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn loads_into(&self, q: &[f64], time: f64, force: &mut [f64]) -> Result<bool, StepError> {
+        loads_into::<D>(&self.loads, q, time, force)
+    }
+
+    /// Energy of the potentials of rows at the given weighted gaps `[energy]`.
+    pub fn penalty_energy(&self, gaps: &[f64]) -> f64 {
+        let of = |pair: &ContactPair| {
+            pair.penalties.iter().zip(&gaps[pair.rows.clone()]).map(|(&kappa, &gap)| pair.law.energy(kappa, gap)).sum::<f64>()
+        };
+        self.pairs.iter().map(of).sum()
+    }
+
+    /// Whether there is memory for what contacts couple: a patch of a coarse side and many fine facets grows with the square of these.
+    pub(super) fn ensure_patches(&self) -> Result<(), Shortage> {
+        memory::ensure(self.pairs.iter().map(|pair| pair.kernel.patches().bytes()).fold(0, u64::saturating_add))
+    }
+
+    /// Chooses the contact kernels' discrete gradient.
+    pub fn set_correction(&mut self, correction: Correction) {
+        self.pairs.iter_mut().for_each(|pair| pair.kernel.set_correction(correction));
+    }
+
+    /// Puts the rigid obstacles where they are in a step of that size from `time`.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn move_obstacles(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        self.pairs.iter_mut().try_for_each(|pair| pair.move_obstacle(time, dt))
+    }
+
+    /// Lets the rigid obstacles carry along what sticks to them as far as they move from one time to another.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn carry(&mut self, from: f64, to: f64) -> Result<(), StepError> {
+        self.pairs.iter_mut().try_for_each(|pair| pair.carry(from, to))
+    }
+
+    /// How far an obstacle goes from one time to another at most, over the shortest facet of what it may touch.
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn obstacle_motion(&mut self, from: f64, to: f64) -> Result<f64, StepError> {
+        let mut at = |time: f64| -> Result<Vec<[f64; 3]>, StepError> {
+            self.move_obstacles(time, 0.0)?;
+            Ok(self.pairs.iter().map(|pair| pair.kernel.obstacle_translation()).collect())
+        };
+        let (begins, ends) = (at(from)?, at(to)?);
+        let moved = begins.iter().zip(&ends).map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]).hypot(b[2] - a[2]));
+        Ok(moved.zip(&self.pairs).map(|(moved, pair)| moved / pair.kernel.facet_size()).fold(0.0, f64::max))
+    }
+
+    /// Finds the places of all contributions in a new pattern.
+    pub(super) fn place(&mut self, pattern: &Pattern) {
+        let nodes = self.nodes.count();
+        self.bodies.iter_mut().for_each(|body| body.place(pattern));
+        self.loads.iter_mut().for_each(|load| load.place(pattern));
+        self.others.iter_mut().for_each(|part| part.place(pattern));
+        self.dampings.iter_mut().for_each(|damping| damping.place(pattern));
+        self.point_masses.iter_mut().for_each(|point| point.place = pattern.block(point.node, point.node));
+        self.pairs.iter_mut().for_each(|pair| pair.place(pattern, nodes));
+    }
+}
