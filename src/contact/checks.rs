@@ -9,6 +9,7 @@ use super::polygon_fit::PolygonFit;
 use super::space::PressFit;
 use super::surface::Surface;
 use crate::math::digits::three_digits;
+use crate::math::norms::length;
 
 /// Ratio of mean facet lengths, secondary over primary, above which the secondary surface is called too coarse.
 const COARSE: f64 = 3.0;
@@ -261,27 +262,35 @@ fn duplicate_facets(side: NamedSurface, q: &[f64]) -> Option<Finding> {
     Some(Finding::DuplicateFacets { surface: side.name.into(), count: repeated.len(), nodes, at })
 }
 
-/// Middle, unit outward normal and length of each facet.
-fn frames(surface: &Surface, q: &[f64]) -> Vec<([f64; 2], [f64; 2], f64)> {
-    let frame = |&[a, b]: &[u32; 2]| {
-        let (a, b) = (2 * a as usize, 2 * b as usize);
-        let t = [q[b] - q[a], q[b + 1] - q[a + 1]];
-        let length = t[0].hypot(t[1]);
-        ([0.5 * (q[a] + q[b]), 0.5 * (q[a + 1] + q[b + 1])], [t[1] / length, -t[0] / length], length)
+/// Middle, unit outward normal and size of each facet; in the plane the third components are zero.
+fn frames(surface: &Surface, q: &[f64]) -> Vec<([f64; 3], [f64; 3], f64)> {
+    let d = surface.dimension();
+    let frame = |facet: usize| {
+        let nodes = surface.facet(facet);
+        let mut middle = [0.0; 3];
+        for &node in nodes {
+            (0..d).for_each(|i| middle[i] += q[d * node as usize + i] / nodes.len() as f64);
+        }
+        let mut normal = [0.0; 3];
+        normal[..d].copy_from_slice(&surface.outward(facet, q));
+        let size = length(normal);
+        (middle, normal.map(|x| x / size), surface.facet_size(facet, q))
     };
-    surface.facets().iter().map(frame).collect()
+    (0..surface.count()).map(frame).collect()
 }
 
-fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Option<Finding> {
+/// [`Finding::FacingAway`] of two surfaces in the plane or in space with nodes at `q`, if that is so.
+pub fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Option<Finding> {
+    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let (own, others) = (frames(secondary.surface, q), frames(primary.surface, q));
     let tree = RTree::bulk_load(others.iter().enumerate().map(|(index, (middle, ..))| GeomWithData::new(*middle, index)).collect());
     let (mut cosines, mut distances) = (0.0, 0.0);
-    for (middle, normal, length) in &own {
-        let (nearest, other_normal, other_length) = others[tree.nearest_neighbor(*middle)?.data];
-        let cosine = normal[0] * other_normal[0] + normal[1] * other_normal[1];
-        let ahead = normal[0] * (nearest[0] - middle[0]) + normal[1] * (nearest[1] - middle[1]);
+    for (middle, normal, size) in &own {
+        let (nearest, other_normal, other_size) = others[tree.nearest_neighbor(*middle)?.data];
+        let cosine = dot(normal, &other_normal);
+        let ahead = dot(normal, &std::array::from_fn(|i| nearest[i] - middle[i]));
         // An overlap by less than a facet is a press fit.
-        if cosine < 0.0 && ahead > -length.max(other_length) {
+        if cosine < 0.0 && ahead > -size.max(other_size) {
             return None;
         }
         cosines += cosine;

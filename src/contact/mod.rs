@@ -51,7 +51,7 @@ mod tips;
 mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
-pub use checks::{Finding, NamedSurface, check_surfaces};
+pub use checks::{Finding, NamedSurface, check_surfaces, facing_away};
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
 pub use geared::Geared;
 pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};

@@ -6,11 +6,11 @@ use super::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reac
 use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
-use crate::contact::{Finding, NamedSurface, PatchFunctions, PressFit, Surface, Tie, check_surfaces, polygon_fit, press_fit};
+use crate::contact::{Finding, NamedSurface, PatchFunctions, PressFit, Surface, Tie, check_surfaces, facing_away, polygon_fit, press_fit};
 
 impl Model {
     /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; of bodies in
-    /// space about ties and press fits alone.
+    /// space that sides look away, and about ties and press fits.
     pub fn findings(&self) -> Vec<(String, Finding)> {
         let dimension = self.dimension();
         let mut first = Vec::with_capacity(self.bodies.len());
@@ -56,9 +56,7 @@ impl Model {
             if found.iter().any(Finding::is_behind) && !Depths::of(self).at(&reference, 0.0, &|depth| depth.contact == index).is_empty() {
                 found.retain(|finding| !finding.is_behind());
             }
-            // What joints guide turns towards the other side later.
-            let is_guided = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
-            if std::iter::once(secondary).chain(primary).any(is_guided) {
+            if self.is_guided(secondary, primary) {
                 found.retain(|finding| !matches!(finding, Finding::FacingAway { .. }));
             }
             add(name, found);
@@ -81,7 +79,13 @@ impl Model {
         unique
     }
 
-    /// Ties in space that leave nodes out, and press fits of facets of first order that are too coarse.
+    /// Whether joints guide a side, which then may turn towards the other one later.
+    fn is_guided(&self, secondary: &BodyBoundary, primary: &[BodyBoundary]) -> bool {
+        let is_joined = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
+        std::iter::once(secondary).chain(primary).any(is_joined)
+    }
+
+    /// Sides in space that look away from each other, ties that leave nodes out, press fits of facets of first order that are too coarse.
     fn findings_in_space(&self, first: &[usize], reference: &[f64]) -> Vec<(String, Finding)> {
         let is_flat = |on: &BodyBoundary| !self.bodies[on.body].mesh.kind.is_quadratic();
         let surface = |on: &BodyBoundary| {
@@ -92,14 +96,23 @@ impl Model {
             let of = press_fit(&surface(secondary), &surface(on), reference).filter(PressFit::is_coarse)?;
             Some(Finding::CoarseFit { secondary: self.boundary_name(secondary), primary: self.boundary_name(on), of })
         };
+        let away = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
+            let together: Vec<String> = primary.iter().map(|on| self.boundary_name(on)).collect();
+            let names = [self.boundary_name(secondary), together.join("\" and \"")];
+            let faces = facets_of_all(primary, |on| boundary_faces(self, on, first[on.body]));
+            let surfaces = [surface(secondary), Surface::in_space(faces.iter().map(|face| &face[..]))];
+            let side = |k: usize| NamedSurface { name: &names[k], surface: &surfaces[k] };
+            if self.is_guided(secondary, primary) { None } else { facing_away(side(0), side(1), reference) }
+        };
         let of = |Interaction { name, secondary, partner, .. }: &Interaction| {
             let found: Vec<Finding> = match partner {
                 Partner::Tied { to, reach } => {
                     let (_, tied, reach) = tied_in_space(self, [secondary, to], *reach, |body| first[body], reference);
                     untied(name, &tied, reach)
                 }
-                Partner::Surfaces(primary) if is_flat(secondary) => {
-                    primary.iter().filter(|on| is_flat(on)).filter_map(|on| coarse(secondary, on)).collect()
+                Partner::Surfaces(primary) => {
+                    let is_coarse = |on: &BodyBoundary| if is_flat(secondary) && is_flat(on) { coarse(secondary, on) } else { None };
+                    away(secondary, primary).into_iter().chain(primary.iter().filter_map(is_coarse)).collect()
                 }
                 _ => Vec::new(),
             };

@@ -1,4 +1,4 @@
-//! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's equations gets from them.
+//! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's system gets from them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -1,5 +1,5 @@
-//! The equations of a model in `D` dimensions: nodes, what pushes on them, what constrains them. A step reads them; their contacts keep what
-//! depends on its start.
+//! The equations of a model in `D` dimensions: nodes, what pushes on them, what constrains them. A step reads them; their contacts keep
+//! what depends on its start.
 
 use std::ops::Range;
 use std::sync::Arc;

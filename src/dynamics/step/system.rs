@@ -38,8 +38,8 @@ use crate::linear::{Block, LinearError, Pattern, Watch, Work};
 use crate::machine::memory::Shortage;
 use crate::math::workers::Workers;
 
-/// The equations of a model in `D` dimensions with what solves them: whoever takes [`Equations`] alone leaves matrix, counters and storage as
-/// they are.
+/// The equations of a model in `D` dimensions with what solves them: whoever takes [`Equations`] alone leaves matrix, counters and storage
+/// as they are.
 pub struct System<const D: usize> {
     /// The equations.
     pub equations: Equations<D>,

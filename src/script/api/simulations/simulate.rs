@@ -141,7 +141,11 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
             return Err(failure.placed(model.place_of_contact(&contact)));
         }
         let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
-        call.host.warn(warning.hint(finding.hint()));
+        let mut hint = finding.hint();
+        if matches!(finding, Finding::FacingAway { .. }) && model.model.dimension() == 3 {
+            hint += "; of a `block`, `bottom` and `top` are along y, `back` and `front` along z";
+        }
+        call.host.warn(warning.hint(hint));
     }
     check_joints(call, &model, &simulation)?;
     for body in model.model.locking() {
