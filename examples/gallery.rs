@@ -39,6 +39,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/ring_on_ring", "rings.svg"),
     ("scenarios/cylinder_in_ring", "cylinder.svg"),
     ("scenarios/press_fit_methods", "press_fit.svg"),
+    ("scenarios/fibre_cell", "sheared.svg"),
     ("scenarios/contact_patch", "patch.svg"),
     ("scenarios/seal", "seal.svg"),
     ("scenarios/rubber_block", "law.svg"),
