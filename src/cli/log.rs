@@ -195,6 +195,7 @@ fn diagnostic_keys(diagnostic: &Diagnostic) -> Vec<(&'static str, Value)> {
     let place = diagnostic.place.as_ref();
     let position = place.map(|place| place.line_column());
     vec![
+        ("code", Some(&diagnostic.code).filter(|code| !code.is_empty()).cloned().into()),
         ("message", diagnostic.title.clone().into()),
         ("causes", diagnostic.causes.clone().into()),
         ("hints", diagnostic.hints.clone().into()),

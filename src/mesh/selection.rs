@@ -19,6 +19,16 @@ pub enum SelectionError<E> {
     Mesh(#[from] MeshError),
 }
 
+impl<E> SelectionError<E> {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            SelectionError::Condition(_) => "C0261",
+            SelectionError::Mesh(error) => error.code(),
+        }
+    }
+}
+
 impl Mesh {
     /// Facets of the outer hull all of whose nodes satisfy `condition`, cell by cell; none is not an error here.
     ///

@@ -173,6 +173,21 @@ pub enum CheckpointError {
     Stranger(String),
 }
 
+impl CheckpointError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            CheckpointError::Read(..) => "C0911",
+            CheckpointError::Foreign => "C0912",
+            CheckpointError::Future { .. } => "C0913",
+            CheckpointError::Truncated { .. } => "C0914",
+            CheckpointError::Damaged => "C0915",
+            CheckpointError::Past { .. } => "C0916",
+            CheckpointError::Stranger(..) => "C0917",
+        }
+    }
+}
+
 impl Checkpoint {
     /// Where its simulations stand, as the end of a sentence.
     pub fn reached(&self) -> String {

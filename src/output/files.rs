@@ -73,6 +73,18 @@ pub enum OutputError {
 }
 
 impl OutputError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            OutputError::Outside { .. } => "C0901",
+            OutputError::NoFileName { .. } => "C0902",
+            OutputError::Gone { .. } => "C0903",
+            OutputError::Input { .. } => "C0904",
+            OutputError::UnderWay { .. } => "C0905",
+            OutputError::Write { .. } => "C0906",
+        }
+    }
+
     /// How to mend it, one sentence.
     pub fn hint(&self) -> String {
         use io::ErrorKind::{

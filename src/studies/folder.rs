@@ -79,7 +79,7 @@ pub struct Claim(#[allow(dead_code, reason = "the lock lasts as long as the file
 
 /// The message of a file that could not be written.
 pub(super) fn unwritten(error: &OutputError) -> Box<Diagnostic> {
-    Box::new(Diagnostic::error(Class::Output, error.to_string()).hint(error.hint()))
+    Box::new(Diagnostic::error(Class::Output, error.to_string()).code(error.code()).hint(error.hint()))
 }
 
 fn unlocked(path: &Path, error: &std::io::Error) -> Box<Diagnostic> {

@@ -239,12 +239,13 @@ impl Pool<'_> {
         if code.is_some() {
             let error = Diagnostic::error(Class::Output, format!("the point {} could not be computed", point.id));
             // Of its message, what is wrong and how to mend it.
-            let error =
-                said.lines().fold(error, |error, line| match (line.strip_prefix("error: "), line.trim().strip_prefix("= hint: ")) {
-                    (Some(title), _) => error.cause(title),
-                    (_, Some(hint)) => error.hint(hint),
-                    _ => error,
-                });
+            let title =
+                |line: &'_ str| line.strip_prefix("error").and_then(|rest| rest.split_once(": ")).map(|(_, title)| title.to_string());
+            let error = said.lines().fold(error, |error, line| match (title(line), line.trim().strip_prefix("= hint: ")) {
+                (Some(title), _) => error.cause(title),
+                (_, Some(hint)) => error.hint(hint),
+                _ => error,
+            });
             let error = error.hint("`conserva sweep` again goes on with what is missing");
             let _ = sender.send(Message::Trouble(Box::new(error)));
             return false;

@@ -3,6 +3,7 @@
 pub mod amplitude;
 pub mod boundaries;
 pub mod builder;
+mod codes;
 pub mod definitions;
 pub mod depths;
 pub mod error;

@@ -33,6 +33,18 @@ pub enum Class {
     Internal,
 }
 
+impl Class {
+    /// The stable code of a failure of which no more is known than its class; empty where that says nothing.
+    pub(super) fn usual_code(self) -> &'static str {
+        match self {
+            Class::Script => "C1020",
+            Class::Check => "C1031",
+            Class::Internal => "C1041",
+            Class::Numerics | Class::Output | Class::Interrupted | Class::ResultUsed => "",
+        }
+    }
+}
+
 /// An error raised by script code that the solver called, on its way through the kernels.
 #[derive(Clone, Debug)]
 pub struct ScriptError {
@@ -55,6 +67,8 @@ impl std::error::Error for ScriptError {}
 pub struct Details {
     /// Kind of failure.
     pub class: Class,
+    /// Its stable code, as `C0123`; empty where it has none.
+    pub code: String,
     /// What is wrong, one sentence.
     pub title: String,
     /// What the message points at within the call.
@@ -89,6 +103,7 @@ impl Failure {
     pub fn new(class: Class, title: impl Into<String>) -> Self {
         Failure(Box::new(Details {
             class,
+            code: class.usual_code().into(),
             title: title.into(),
             target: Target::Call,
             method: false,
@@ -108,6 +123,12 @@ impl Failure {
     /// The same as another kind of failure.
     pub fn of_class(mut self, class: Class) -> Self {
         self.0.class = class;
+        self
+    }
+
+    /// The same with its stable code.
+    pub fn code(mut self, code: impl Into<String>) -> Self {
+        self.0.code = code.into();
         self
     }
 
