@@ -143,11 +143,10 @@ fn files_below(folder: &Path, ending: &str) -> Vec<PathBuf> {
     entries.flat_map(below).collect()
 }
 
-/// Codes such as `C0123` that stand in a text between an opening and a closing sign, in the order of their numbers.
-fn codes_between(text: &str, opening: char, closing: char) -> Vec<String> {
+/// Codes such as `C0123` that stand in a text between two of these signs, in the order of their numbers.
+fn codes_between(text: &str, signs: &[char]) -> Vec<String> {
     let is_code = |part: &&str| part.len() == 5 && part.starts_with('C') && part[1..].bytes().all(|byte| byte.is_ascii_digit());
-    let ended = |part: &str| part.split_once(closing).map(|(code, _)| code.to_string());
-    let mut codes: Vec<String> = text.split(opening).skip(1).filter_map(ended).filter(|code| is_code(&code.as_str())).collect();
+    let mut codes: Vec<String> = text.split(signs).filter(is_code).map(Into::into).collect();
     codes.sort();
     codes
 }
@@ -156,7 +155,7 @@ fn codes_between(text: &str, opening: char, closing: char) -> Vec<String> {
 fn every_code_stands_once_in_the_source_and_is_explained() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let source: String = files_below(&root.join("src"), ".rs").iter().map(|file| std::fs::read_to_string(file).unwrap()).collect();
-    let given = codes_between(&source.replace("\"\"", ""), '"', '"');
+    let given = codes_between(&source, &['"']);
     let known: Vec<Explanation> = explanations().collect();
     let explained: Vec<&str> = known.iter().map(|of| of.code).collect();
     assert!(given.len() > 200, "the source is not read");
@@ -166,7 +165,7 @@ fn every_code_stands_once_in_the_source_and_is_explained() {
         assert!(title.len() > 5 && !title.ends_with('.') && text.len() > 20, "{code} is not explained");
     }
     for snapshot in files_below(&root.join("tests/errors/snapshots"), ".snap") {
-        let shown = codes_between(&std::fs::read_to_string(&snapshot).unwrap(), '[', ']');
+        let shown = codes_between(&std::fs::read_to_string(&snapshot).unwrap(), &['[', ']']);
         assert!(shown.iter().all(|code| explained.contains(&code.as_str())), "{}: {shown:?}", snapshot.display());
     }
 }

@@ -155,7 +155,8 @@ impl Reference {
         let pages: Vec<&str> = PAGES.iter().map(|page| page.names[0]).collect();
         let _ = writeln!(text, "The language itself\n  {}\n", pages.join(", "));
         text.push_str(
-            "`conserva doc NAME` tells more of a function, word, topic, type or code of a message; `conserva doc --search TEXT` searches everything\n",
+            "`conserva doc NAME` tells more of a function, word, topic or type, or of the code of a message; `conserva doc --search TEXT` \
+             searches everything\n",
         );
         text
     }
