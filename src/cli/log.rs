@@ -40,7 +40,7 @@ const EVENTS: &[(&str, &str)] = &[
     ("begin", "a computation without steps begins, or a study has come further: `what`"),
     ("print", "a line of the script's: `text`"),
     ("check", "a check that holds: `text`"),
-    ("warning", "`message`, `causes`, `hints`, and `file`, `line`, `column` (or null)"),
+    ("warning", "`code` (as `C0123`, or null), `message`, `causes`, `hints`, and `file`, `line`, `column` (or null)"),
     ("failure", "the error that ends the run: `class` (`script`, `check`, `numerics`, `interrupted`, `internal`) and what a warning has"),
     ("end", "the run has ended: `outcome` (`completed`, `interrupted`, `failed`), `exit_code`, `checks`, `conserving`, `wall_seconds`"),
 ];

@@ -109,7 +109,7 @@ impl Diagnostic {
 
     /// Whether a part of the message contains a text.
     pub fn contains(&self, text: &str) -> bool {
-        [&self.title, &self.label].into_iter().chain(&self.causes).chain(&self.hints).any(|part| part.contains(text))
+        [&self.code, &self.title, &self.label].into_iter().chain(&self.causes).chain(&self.hints).any(|part| part.contains(text))
     }
 
     /// The drawn message, with a newline at its end.
