@@ -34,7 +34,7 @@ impl Mesh {
     ///
     /// # Errors
     /// What the condition fails with.
-    pub fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
+    pub(crate) fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
         let mut answers: HashMap<u32, bool> = HashMap::new();
         let mut facets = Vec::new();
         for facet in self.hull() {

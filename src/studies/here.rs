@@ -100,7 +100,7 @@ type Orders = Mutex<Option<ChildStdin>>;
 ///
 /// # Errors
 /// A process that cannot be started, or that could not write its files. What is done until then stays.
-pub fn compute_all(
+pub(crate) fn compute_all(
     (study, plan): (&StudyFolder, &Plan),
     points: Vec<usize>,
     (program, jobs): (&Path, usize),
@@ -293,7 +293,7 @@ fn how(status: ExitStatus) -> String {
 }
 
 /// Numbers of the points that are to be computed.
-pub fn open_points(study: &StudyFolder, plan: &Plan) -> Vec<usize> {
+pub(crate) fn open_points(study: &StudyFolder, plan: &Plan) -> Vec<usize> {
     let is_open = |index: &usize| match study.state(&plan.points[*index]) {
         PointState::UnderWay => true,
         state => state.is_open(),

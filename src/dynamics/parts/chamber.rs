@@ -42,7 +42,7 @@ pub struct Gas {
 
 impl Gas {
     /// Pressure at a volume `[stress]`.
-    pub fn pressure_at(&self, volume: f64) -> f64 {
+    pub(crate) fn pressure_at(&self, volume: f64) -> f64 {
         self.pressure * (-self.exponent * (volume / self.volume).ln()).exp()
     }
 

@@ -116,7 +116,7 @@ impl<'a> Options<'a> {
     }
 
     /// What a message about a key that is not declared points at, its value or its name.
-    pub fn target_of(&self, key: &str, value: bool) -> Target {
+    pub(crate) fn target_of(&self, key: &str, value: bool) -> Target {
         Target::Key { argument: self.argument, key: key.into(), value }
     }
 

@@ -121,7 +121,7 @@ impl Failure {
     }
 
     /// The same as another kind of failure.
-    pub fn of_class(mut self, class: Class) -> Self {
+    pub(crate) fn of_class(mut self, class: Class) -> Self {
         self.0.class = class;
         self
     }
@@ -157,7 +157,7 @@ impl Failure {
     }
 
     /// The same, caused by an error in script code.
-    pub fn caused_by(mut self, inner: ScriptError) -> Self {
+    pub(crate) fn caused_by(mut self, inner: ScriptError) -> Self {
         self.0.inner = Some(inner);
         self
     }
@@ -169,7 +169,7 @@ impl Failure {
     }
 
     /// The same, raised in a method.
-    pub fn in_method(mut self, method: bool) -> Self {
+    pub(crate) fn in_method(mut self, method: bool) -> Self {
         self.0.method = method;
         self
     }

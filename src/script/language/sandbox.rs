@@ -46,7 +46,7 @@ impl Sandbox {
     }
 
     /// Files that the script has asked for and may read.
-    pub fn files_read(&self) -> Vec<PathBuf> {
+    pub(crate) fn files_read(&self) -> Vec<PathBuf> {
         self.read.borrow().iter().cloned().collect()
     }
 
@@ -65,7 +65,7 @@ impl Sandbox {
     ///
     /// # Errors
     /// There is no such file, or the script may not read it.
-    pub fn readable(&self, path: &str) -> Result<PathBuf, Failure> {
+    pub(crate) fn readable(&self, path: &str) -> Result<PathBuf, Failure> {
         let given = Path::new(path);
         let bases = [self.home.clone(), PathBuf::from(".")].into_iter().chain(self.readable.iter().cloned());
         let found: Vec<PathBuf> = bases.filter_map(|base| base.join(given).canonicalize().ok()).filter(|file| file.is_file()).collect();

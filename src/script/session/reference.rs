@@ -143,7 +143,7 @@ impl Reference {
     }
 
     /// One line for each function and word, topic by topic.
-    pub fn overview(&self) -> String {
+    pub(crate) fn overview(&self) -> String {
         let mut text = String::new();
         for (topic, title) in TOPICS {
             let _ = writeln!(text, "{title}\n{}\n", listing(&self.of_topic(topic)));
@@ -210,7 +210,7 @@ impl Reference {
     }
 
     /// One entry in Markdown.
-    pub fn entry_markdown(&self, entry: &Entry) -> String {
+    pub(crate) fn entry_markdown(&self, entry: &Entry) -> String {
         match entry {
             Entry::Function(function) => self.function_markdown(function),
             Entry::Page(page) => page.markdown(),
@@ -269,7 +269,7 @@ impl Reference {
     }
 
     /// Some entries as JSON.
-    pub fn entries_json(&self, entries: &[Entry]) -> String {
+    pub(crate) fn entries_json(&self, entries: &[Entry]) -> String {
         let values: Vec<Value> = entries
             .iter()
             .flat_map(|entry| match entry {
