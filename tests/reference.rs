@@ -170,6 +170,34 @@ fn every_code_stands_once_in_the_source_and_is_explained() {
     }
 }
 
+/// Names of the types in a text that are errors.
+fn errors_in(text: &str) -> Vec<&str> {
+    let word = |text: &str| text.find(|letter: char| !letter.is_alphanumeric()).unwrap_or(text.len());
+    let mut names = Vec::new();
+    for after in text.split("#[derive(").skip(1).filter(|after| after.split(")]").next().is_some_and(|derived| derived.contains("Error"))) {
+        let definition = after.lines().find_map(|line| line.strip_prefix("pub enum ").or(line.strip_prefix("pub struct ")));
+        names.extend(definition.map(|line| &line[..word(line)]));
+    }
+    names.extend(text.split("impl std::error::Error for ").skip(1).map(|after| &after[..word(after)]));
+    names
+}
+
+#[test]
+fn every_error_below_the_language_has_codes() {
+    let mut source = String::new();
+    for folder in ["machine", "math", "elements", "linear", "materials", "mesh", "integrators", "bodies", "contact", "dynamics", "output"] {
+        let files = files_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder), ".rs");
+        files.iter().for_each(|file| source += &std::fs::read_to_string(file).unwrap());
+    }
+    let blocks: Vec<&str> = source.split("\nimpl").filter(|block| block.contains("pub fn code(")).collect();
+    let names = errors_in(&source);
+    assert!(names.len() > 15, "the source is not read: {names:?}");
+    for name in names {
+        let is_of = |block: &&str| block.starts_with(&format!(" {name} {{")) || block.starts_with(&format!("<E> {name}<E> {{"));
+        assert!(blocks.iter().any(is_of), "{name} has no method `code`");
+    }
+}
+
 #[test]
 fn a_code_is_found_and_an_unknown_one_is_told_with_the_nearest() {
     let reference = Reference::new(&session().registry());

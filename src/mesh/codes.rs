@@ -1,7 +1,7 @@
 //! Stable codes of what can be wrong with a mesh and with its file.
 
 use super::error::MeshError;
-use super::file_error::FileProblem;
+use super::file_error::{FileError, FileProblem};
 
 impl MeshError {
     /// Its stable code, which `conserva doc` explains.
@@ -58,8 +58,15 @@ impl MeshError {
             MeshError::CrossingSurface { .. } => "C0249",
             MeshError::UnusedNodes { .. } => "C0250",
             MeshError::BrokenReference { .. } => "C0251",
-            MeshError::File(error) => error.problem.code(),
+            MeshError::File(error) => error.code(),
         }
+    }
+}
+
+impl FileError {
+    /// The stable code of its problem, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        self.problem.code()
     }
 }
 

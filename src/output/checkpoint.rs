@@ -197,7 +197,7 @@ impl Checkpoint {
     }
 
     /// The file's bytes.
-    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+    pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = vec![0; HEADER];
         // Memory takes everything, and all of these types can be encoded.
         bytes = postcard::to_extend(self, bytes).unwrap_or_default();

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::handle::Handle;
 use super::scan::Target;
 use super::sources::Place;
+use crate::dynamics::StepError;
 
 /// What kind of failure it is; decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -40,7 +41,8 @@ impl Class {
             Class::Script => "C1020",
             Class::Check => "C1031",
             Class::Internal => "C1041",
-            Class::Numerics | Class::Output | Class::Interrupted | Class::ResultUsed => "",
+            Class::Interrupted => StepError::Interrupted { time: 0.0 }.code(),
+            Class::Numerics | Class::Output | Class::ResultUsed => "",
         }
     }
 }

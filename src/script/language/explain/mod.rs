@@ -7,7 +7,7 @@
 use rhai::{Engine, EvalAltResult, ParseErrorType};
 
 use super::diagnostics::{Diagnostic, Frame};
-use super::failure::Failure;
+use super::failure::{Class, Failure};
 use super::host::Host;
 use super::sources::Place;
 use crate::script::language::scan;
@@ -69,7 +69,7 @@ fn code_of(error: &EvalAltResult) -> &'static str {
             "C1008"
         }
         ErrorRuntime(..) => "C1009",
-        ErrorTerminated(..) => "",
+        ErrorTerminated(..) => Class::Interrupted.usual_code(),
         _ => "C1010",
     }
 }
