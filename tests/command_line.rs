@@ -137,7 +137,7 @@ fn exit_codes_tell_how_it_went() {
     };
     let (exit, message) = code("check-fails", &flight("sim.step(); expect(sim.time > 1.0, \"too early\");"), &["run", "main.rhai"]);
     assert_eq!(exit, 1);
-    assert!(message.contains("error: too early\n --> main.rhai:7:20\n"), "{message}");
+    assert!(message.contains("error[C1031]: too early\n --> main.rhai:7:20\n"), "{message}");
     let (exit, message) = code("script-wrong", "let a = ringg();", &["run", "main.rhai"]);
     assert_eq!(exit, 2);
     assert!(message.contains("did you mean `ring`"), "{message}");
@@ -158,7 +158,7 @@ fn exit_codes_tell_how_it_went() {
     let wild = wild.replace("dt: dt", "dt: dt, max_halvings: 0") + "sim.step();";
     let (exit, message) = code("numerics", &wild, &["run", "main.rhai"]);
     assert_eq!(exit, 3, "{message}");
-    assert!(message.contains("error: Newton's method did not converge"), "{message}");
+    assert!(message.contains("error[C0504]: Newton's method did not converge"), "{message}");
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn the_first_interrupt_ends_the_run_with_its_results() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stdout(&output).is_empty(), "an interrupt cannot be caught");
-    assert!(stderr(&output).contains("error: interrupted at t ="), "{}", stderr(&output));
+    assert!(stderr(&output).contains("error[C0508]: interrupted at t ="), "{}", stderr(&output));
     assert!(rows(&home) >= 9);
     assert_eq!(outcome(&home), "interrupted");
     assert!(home.join("out/main/history.svg").is_file());
@@ -214,7 +214,7 @@ fn an_interrupt_ends_a_long_step_of_a_large_model_at_once() {
     // as busy as it has processors.
     assert!(waited < Duration::from_secs(2), "the run ended only after {waited:?}");
     let message = stderr(&output);
-    assert!(message.contains("error: interrupted at t = 0.1\n --> main.rhai:9:5\n"), "{message}");
+    assert!(message.contains("error[C0508]: interrupted at t = 0.1\n --> main.rhai:9:5\n"), "{message}");
     assert!(message.contains("everything up to this time is kept"), "{message}");
     assert_eq!((rows(&home), outcome(&home)), (2, "interrupted".into()));
 }
@@ -341,7 +341,7 @@ fn check_takes_no_step_and_finds_what_is_wrong() {
 fn sliding_is_foreseen_by_check_and_found_by_run() {
     let script = std::fs::read_to_string("tests/errors/cases/contact_slides_fast.rhai").unwrap();
     let home = folder("sliding", &script);
-    let title = "warning: steps are halved beforehand: fast sliding in contact \"faces\"";
+    let title = "warning[C0609]: steps are halved beforehand: fast sliding in contact \"faces\"";
     let checked = run(&home, &["check", "main.rhai"]);
     assert_eq!(checked.status.code(), Some(0));
     assert_eq!(stderr(&checked).matches(title).count(), 1, "{}", stderr(&checked));

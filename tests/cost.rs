@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::Builder;
-use conserva::bodies::{Elements, Formulation, Space, Step};
+use conserva::bodies::{BodyCells, Elements, Formulation, Space, Step};
 use conserva::contact::{AveragedMortar, ContactKernel, Evaluation, METHODS, Mortar, NodeToSegment, Outlook};
 use conserva::dynamics::{Hat, LoadKind, Simulation};
 use conserva::elements::CellKind;
@@ -92,7 +92,7 @@ where
     assert_eq!((kind, kind.dimension()), (mesh.kind, D));
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let make = || {
-        let mut elements = Space::<D>::elements(mesh, &steel, Formulation::default(), 0, false).expect("no cell is inside out");
+        let mut elements = Space::<D>::elements(&BodyCells::new(mesh, &steel, Formulation::default())).expect("no cell is inside out");
         let pattern =
             Pattern::new(&vec![Vertex::coordinates(D as u8); mesh.points.len()], elements.cliques().iter().map(|clique| &clique[..]));
         elements.place(&pattern);

@@ -1,9 +1,11 @@
 //! The reference of the language: complete, current, and every example in it runs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use conserva::script::{Absent, Dimension, Entry, Form, Function, Kind, PAGES, Parameter, Reference, Session, Settings, Silent};
+use conserva::script::{
+    Absent, Dimension, Entry, Explanation, Form, Function, Kind, PAGES, Parameter, Reference, Session, Settings, Silent, explanations,
+};
 
 fn session() -> Session {
     let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
@@ -128,5 +130,91 @@ fn the_files_of_the_reference_are_current() {
     for (file, format, text) in files {
         let kept = std::fs::read_to_string(docs.join(file)).unwrap_or_default();
         assert!(kept == text, "docs/{file} is not current: write it with `conserva doc --format {format} > docs/{file}`");
+    }
+}
+
+/// Files below a folder that end so.
+fn files_below(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let below = |path: PathBuf| match path.is_dir() {
+        true => files_below(&path, ending),
+        false => Some(path).into_iter().filter(|path| path.to_string_lossy().ends_with(ending)).collect(),
+    };
+    entries.flat_map(below).collect()
+}
+
+/// Codes such as `C0123` that stand in a text between two of these signs, in the order of their numbers.
+fn codes_between(text: &str, signs: &[char]) -> Vec<String> {
+    let is_code = |part: &&str| part.len() == 5 && part.starts_with('C') && part[1..].bytes().all(|byte| byte.is_ascii_digit());
+    let mut codes: Vec<String> = text.split(signs).filter(is_code).map(Into::into).collect();
+    codes.sort();
+    codes
+}
+
+#[test]
+fn every_code_stands_once_in_the_source_and_is_explained() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let source: String = files_below(&root.join("src"), ".rs").iter().map(|file| std::fs::read_to_string(file).unwrap()).collect();
+    let given = codes_between(&source, &['"']);
+    let known: Vec<Explanation> = explanations().collect();
+    let explained: Vec<&str> = known.iter().map(|of| of.code).collect();
+    assert!(given.len() > 200, "the source is not read");
+    assert!(given.windows(2).all(|two| two[0] != two[1]), "a code is given twice: {given:?}");
+    assert_eq!(given, explained, "docs/errors.md explains each code once, in the order of their numbers");
+    for Explanation { code, title, text } in &known {
+        assert!(title.len() > 5 && !title.ends_with('.') && text.len() > 20, "{code} is not explained");
+    }
+    for snapshot in files_below(&root.join("tests/errors/snapshots"), ".snap") {
+        let shown = codes_between(&std::fs::read_to_string(&snapshot).unwrap(), &['[', ']']);
+        assert!(shown.iter().all(|code| explained.contains(&code.as_str())), "{}: {shown:?}", snapshot.display());
+    }
+}
+
+/// Names of the types in a text that are errors.
+fn errors_in(text: &str) -> Vec<&str> {
+    let word = |text: &str| text.find(|letter: char| !letter.is_alphanumeric()).unwrap_or(text.len());
+    let mut names = Vec::new();
+    for after in text.split("#[derive(").skip(1).filter(|after| after.split(")]").next().is_some_and(|derived| derived.contains("Error"))) {
+        let definition = after.lines().find_map(|line| line.strip_prefix("pub enum ").or(line.strip_prefix("pub struct ")));
+        names.extend(definition.map(|line| &line[..word(line)]));
+    }
+    names.extend(text.split("impl std::error::Error for ").skip(1).map(|after| &after[..word(after)]));
+    names
+}
+
+#[test]
+fn every_error_below_the_language_has_codes() {
+    let mut source = String::new();
+    for folder in ["machine", "math", "elements", "linear", "materials", "mesh", "integrators", "bodies", "contact", "dynamics", "output"] {
+        let files = files_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder), ".rs");
+        files.iter().for_each(|file| source += &std::fs::read_to_string(file).unwrap());
+    }
+    let blocks: Vec<&str> = source.split("\nimpl").filter(|block| block.contains("pub fn code(")).collect();
+    let names = errors_in(&source);
+    assert!(names.len() > 15, "the source is not read: {names:?}");
+    for name in names {
+        let is_of = |block: &&str| block.starts_with(&format!(" {name} {{")) || block.starts_with(&format!("<E> {name}<E> {{"));
+        assert!(blocks.iter().any(is_of), "{name} has no method `code`");
+    }
+}
+
+#[test]
+fn a_code_is_found_and_an_unknown_one_is_told_with_the_nearest() {
+    let reference = Reference::new(&session().registry());
+    assert!(matches!(reference.find("C0101").as_deref(), Ok([Entry::Code(Explanation { code: "C0101", .. })])));
+    assert!(reference.find("c0504").is_ok());
+    assert!(reference.find("C0199").err().flatten().unwrap().contains("`C0201`"));
+    assert!(reference.search("newton converge").iter().any(|entry| entry.line().starts_with("C0504")));
+}
+
+#[test]
+fn the_examples_of_codes_run() {
+    for Explanation { code, text, .. } in explanations() {
+        for example in text.split("```rhai\n").skip(1) {
+            let script = example.split("```").next().unwrap_or_default();
+            if let Err(error) = session().evaluate("example", script) {
+                panic!("{code}:\n{}", error.render(conserva::script::Ink::Plain));
+            }
+        }
     }
 }

@@ -81,6 +81,18 @@ pub enum FormulationError {
 }
 
 impl FormulationError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            FormulationError::NoVolumetricPart { .. } => "C0151",
+            FormulationError::MeanInPlaneStress => "C0152",
+            FormulationError::LinearOfOthers { .. } => "C0153",
+            FormulationError::NotPlane { .. } => "C0154",
+            FormulationError::BeyondAxis { .. } => "C0155",
+            FormulationError::MeanOfLinear { .. } => "C0156",
+        }
+    }
+
     /// How to mend it.
     pub fn hint(&self) -> String {
         use FormulationError::*;

@@ -11,20 +11,35 @@ use crate::mesh::Mesh;
 /// A space dimension for which there are cells.
 pub struct Space<const D: usize>;
 
+/// Cells of a body, as an element loop goes over them.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyCells<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The material.
+    pub material: &'a Material,
+    /// A formulation that goes with mesh and material ([`Formulation::check`]).
+    pub formulation: Formulation,
+    /// Number of the mesh's first node among those of the model.
+    pub first_node: usize,
+    /// Whether the time integrator averages the stress over a step.
+    pub averages_stress: bool,
+}
+
+impl<'a> BodyCells<'a> {
+    /// Those of a body by itself, whose stress is not averaged.
+    pub fn new(mesh: &'a Mesh, material: &'a Material, formulation: Formulation) -> Self {
+        BodyCells { mesh, material, formulation, first_node: 0, averages_stress: false }
+    }
+}
+
 /// Chooses the cells of a mesh by its cell kind.
 pub trait Elements<const D: usize> {
-    /// The loop over the cells of `mesh`, whose nodes begin at `first_node` of the model, by a formulation that goes with mesh and material
-    /// ([`Formulation::check`]), for a time integrator that averages the stress over a step or not.
+    /// The loop over the cells of a body.
     ///
     /// # Errors
     /// The first cell that is inside out in the mesh.
-    fn elements(
-        mesh: &Mesh,
-        material: &Material,
-        formulation: Formulation,
-        first_node: usize,
-        averages_stress: bool,
-    ) -> Result<Box<dyn ElementLoop<D>>, Inverted>;
+    fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<D>>, Inverted>;
 }
 
 /// A loop over cells of one kind.
@@ -37,13 +52,8 @@ fn cells<C: ReferenceCell<D, A, Q>, const D: usize, const S: usize, const L: usi
 }
 
 impl Elements<2> for Space<2> {
-    fn elements(
-        mesh: &Mesh,
-        material: &Material,
-        formulation: Formulation,
-        first_node: usize,
-        averages_stress: bool,
-    ) -> Result<Box<dyn ElementLoop<2>>, Inverted> {
+    fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<2>>, Inverted> {
+        let &BodyCells { mesh, material, formulation, first_node, averages_stress } = body;
         let mut physics = Physics::of_plane(material, formulation);
         if averages_stress {
             physics = physics.averaged();
@@ -60,13 +70,8 @@ impl Elements<2> for Space<2> {
 }
 
 impl Elements<3> for Space<3> {
-    fn elements(
-        mesh: &Mesh,
-        material: &Material,
-        formulation: Formulation,
-        first_node: usize,
-        averages_stress: bool,
-    ) -> Result<Box<dyn ElementLoop<3>>, Inverted> {
+    fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<3>>, Inverted> {
+        let &BodyCells { mesh, material, formulation, first_node, averages_stress } = body;
         let mut physics = Physics::of_space(material, formulation);
         if averages_stress {
             physics = physics.averaged();

@@ -24,7 +24,7 @@ mod workspace;
 
 pub use element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
 pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
-pub use kinds::{Elements, Space};
+pub use kinds::{BodyCells, Elements, Space};
 pub use recovery::Recovery;
 pub use rigid::{Frame, Inertia, RigidMass};
 pub use stresses::{StressError, Stresses};

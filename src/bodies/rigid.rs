@@ -18,7 +18,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
 use super::formulation::Formulation;
-use super::kinds::{Elements, Space};
+use super::kinds::{BodyCells, Elements, Space};
 use crate::integrators::Lumping;
 use crate::linear::{Block, NodeMatrix, Pattern, Vertex};
 use crate::materials::Material;
@@ -85,7 +85,7 @@ fn of_cells<const D: usize>(mesh: &Mesh, material: &Material, formulation: Formu
 where
     Space<D>: Elements<D>,
 {
-    let elements = Space::<D>::elements(mesh, material, formulation, 0, false)?;
+    let elements = Space::<D>::elements(&BodyCells::new(mesh, material, formulation))?;
     let vertices = vec![Vertex::coordinates(D as u8); mesh.points.len()];
     let pattern = Pattern::new(&vertices, elements.cliques().iter().map(|clique| &clique[..]));
     let mut matrix = NodeMatrix::new(&pattern, mesh.points.len());

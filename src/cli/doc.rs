@@ -12,7 +12,7 @@ use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent, mea
 /// Arguments of `conserva doc`.
 #[derive(Args)]
 pub struct Arguments {
-    /// A function, method, word, topic or type [default: everything]
+    /// A function, method, word, topic or type, or the code of a message, such as C0504 [default: everything]
     name: Option<String>,
     /// List everything whose text has these words
     #[arg(long, value_name = "TEXT", conflicts_with = "name")]

@@ -60,7 +60,7 @@ pub fn export_run(arguments: Arguments) -> u8 {
         }
         Err(ExportError::Read(error)) => refuse(&error),
         Err(ExportError::Write(error)) => {
-            let message = Diagnostic::error(Class::Numerics, error.to_string());
+            let message = Diagnostic::error(Class::Numerics, error.to_string()).code(error.code());
             complain(&message.hint(error.hint()).render(ink()));
             exit_code(Class::Numerics)
         }

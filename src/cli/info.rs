@@ -168,7 +168,7 @@ fn say(console: &Console, key: &str, value: &Value) {
 }
 
 fn refused(error: &ReadError) -> Box<Diagnostic> {
-    let message = Diagnostic::error(Class::Script, error.to_string());
+    let message = Diagnostic::error(Class::Script, error.to_string()).code(error.code());
     Box::new(error.cause.iter().fold(message, Diagnostic::cause).hint(&error.hint))
 }
 
@@ -364,7 +364,7 @@ fn report_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 
 fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let Checkpoint { origin, simulations, journal, files } = Checkpoint::read(path).map_err(|error| {
-        let message = Diagnostic::error(Class::Script, format!("the checkpoint \"{}\" is no good", path.display()));
+        let message = Diagnostic::error(Class::Script, format!("the checkpoint \"{}\" is no good", path.display())).code(error.code());
         Box::new(message.cause(error.to_string()).hint("resume from the one before it, or run the script anew"))
     })?;
     let mut facts: Facts = vec![
@@ -384,7 +384,7 @@ fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 
 fn mesh_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let mesh = mesh::read_mesh(path).map_err(|error| {
-        let message = Diagnostic::error(Class::Script, format!("\"{}\": {error}", path.display()));
+        let message = Diagnostic::error(Class::Script, format!("\"{}\": {error}", path.display())).code(error.code());
         Box::new(message.hint(error.hint()))
     })?;
     let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];

@@ -40,7 +40,7 @@ const EVENTS: &[(&str, &str)] = &[
     ("begin", "a computation without steps begins, or a study has come further: `what`"),
     ("print", "a line of the script's: `text`"),
     ("check", "a check that holds: `text`"),
-    ("warning", "`message`, `causes`, `hints`, and `file`, `line`, `column` (or null)"),
+    ("warning", "`code` (as `C0123`, or null), `message`, `causes`, `hints`, and `file`, `line`, `column` (or null)"),
     ("failure", "the error that ends the run: `class` (`script`, `check`, `numerics`, `interrupted`, `internal`) and what a warning has"),
     ("end", "the run has ended: `outcome` (`completed`, `interrupted`, `failed`), `exit_code`, `checks`, `conserving`, `wall_seconds`"),
 ];
@@ -195,6 +195,7 @@ fn diagnostic_keys(diagnostic: &Diagnostic) -> Vec<(&'static str, Value)> {
     let place = diagnostic.place.as_ref();
     let position = place.map(|place| place.line_column());
     vec![
+        ("code", Some(&diagnostic.code).filter(|code| !code.is_empty()).cloned().into()),
         ("message", diagnostic.title.clone().into()),
         ("causes", diagnostic.causes.clone().into()),
         ("hints", diagnostic.hints.clone().into()),

@@ -53,7 +53,7 @@ fn sound(run: &Path, place: &Path) -> Result<(Checkpoint, Vec<CountedFile>), Box
         Ok((checkpoint, aside))
     };
     whole(place).map_err(|error: CheckpointError| {
-        let refused = refusal(format!("the checkpoint {} cannot be resumed", place.display())).cause(error.to_string());
+        let refused = refusal(format!("the checkpoint {} cannot be resumed", place.display())).code(error.code()).cause(error.to_string());
         let others = checkpoint::places(run).into_iter().rev().filter(|other| *other != place);
         let sound = others.filter_map(|other| whole(&other).ok().map(|(checkpoint, _)| (other, checkpoint))).next();
         Box::new(match sound {
@@ -69,7 +69,7 @@ fn sound(run: &Path, place: &Path) -> Result<(Checkpoint, Vec<CountedFile>), Box
 /// The diagnostic of what cannot be written.
 fn unwritten(error: &OutputError) -> Box<Diagnostic> {
     let class = if matches!(error, OutputError::UnderWay { .. }) { Class::Script } else { Class::Output };
-    Box::new(Diagnostic::error(class, error.to_string()).hint(error.hint()))
+    Box::new(Diagnostic::error(class, error.to_string()).code(error.code()).hint(error.hint()))
 }
 
 fn nothing_to_resume(run: &Path) -> Diagnostic {

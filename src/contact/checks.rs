@@ -180,6 +180,20 @@ impl std::fmt::Display for Finding {
 }
 
 impl Finding {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Finding::ReversedNormals { .. } => "C0401",
+            Finding::DuplicateFacets { .. } => "C0402",
+            Finding::FacingAway { .. } => "C0403",
+            Finding::CoarseSecondary { .. } => "C0404",
+            Finding::Interlocking { .. } => "C0405",
+            Finding::DistortedFit { .. } => "C0406",
+            Finding::CoarseFit { .. } => "C0407",
+            Finding::Untied { .. } => "C0408",
+        }
+    }
+
     /// Whether it is that sides look at each other from behind.
     pub fn is_behind(&self) -> bool {
         matches!(self, Finding::FacingAway { cosine, .. } if *cosine < 0.0)

@@ -18,12 +18,12 @@ pub fn product(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `Gbar` as one dense row per secondary node.
-pub fn dense_rows(kernel: &dyn ContactKernel, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
+pub(crate) fn dense_rows(kernel: &dyn ContactKernel, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
     dense_rows_of(kernel.patches(), kernel.rows_per_node() * kernel.secondary().nodes().len(), blocks, unknowns)
 }
 
 /// The same of `count` rows of these patches, in any dimension.
-pub fn dense_rows_of(patches: &Patches, count: usize, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
+pub(crate) fn dense_rows_of(patches: &Patches, count: usize, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
     let (mut rows, d) = (vec![vec![0.0; unknowns]; count], patches.dimension());
     for p in 0..patches.len() {
         let block = &blocks[patches.gradient_range(p)];
@@ -37,7 +37,7 @@ pub fn dense_rows_of(patches: &Patches, count: usize, blocks: &[f64], unknowns: 
 }
 
 /// Largest resultant force and moment (about the origin, with arms `q`) of the rows.
-pub fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
+pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     rows.iter().fold(0.0, |largest: f64, row| {
         let force = |axis: usize| row.iter().skip(axis).step_by(2).sum::<f64>();
         let moment: f64 = row.chunks_exact(2).zip(q.chunks_exact(2)).map(|(f, x)| x[0] * f[1] - x[1] * f[0]).sum();

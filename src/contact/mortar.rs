@@ -130,14 +130,6 @@ impl Mortar {
         self.start.get(p).map_or(&STANDARD, |start| &start.shape)
     }
 
-    /// Searches candidates with this margin `[length]` beyond what a step needs, in place of two shortest secondary facets.
-    pub fn with_spare(mut self, spare: f64) -> Self {
-        self.search.candidates = self.search.candidates.with_spare(spare);
-        self.sides.patches.clear();
-        self.search.near.clear();
-        self
-    }
-
     /// The correction of the discrete gradient that all pairs of a secondary node share,
     /// `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum d.d`; 0 where the step is too small.
     fn shared_corrections(&self, q_1: &[f64]) -> Vec<f64> {

@@ -72,7 +72,7 @@ impl Patches {
     }
 
     /// Positions of the nodes of patch `p` at `q`, one after the other, into `z`.
-    pub fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
+    pub(crate) fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
         let d = self.dimension;
         z.clear();
         z.extend(self.nodes(p).iter().flat_map(|&node| &q[d * node as usize..d * (node as usize + 1)]));
@@ -143,7 +143,7 @@ impl Evaluation {
     }
 
     /// Sets the blocks of patch `p` to zero if they are not.
-    pub fn clear_patch(&mut self, patches: &Patches, p: usize) {
+    pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
         if std::mem::replace(&mut self.live[p], false) {
             self.gradient_end[patches.gradient_range(p)].fill(0.0);
             self.gradient_bar[patches.gradient_range(p)].fill(0.0);

@@ -74,11 +74,6 @@ impl Candidates {
         }
     }
 
-    /// An empty list again, that will be made with another spare margin.
-    pub fn with_spare(self, spare: f64) -> Self {
-        Candidates { spare, pairs: Vec::new(), margin: f64::NEG_INFINITY, ..self }
-    }
-
     /// Never lists these pairs (ascending).
     pub fn without(mut self, pairs: Vec<[u32; 2]>) -> Self {
         self.excluded = pairs;
@@ -104,7 +99,7 @@ impl Candidates {
     }
 
     /// Whether a pair can be a contact at all.
-    pub fn may_list(&self, pair: [u32; 2]) -> bool {
+    pub(crate) fn may_list(&self, pair: [u32; 2]) -> bool {
         self.excluded.binary_search(&pair).is_err()
     }
 
@@ -221,7 +216,7 @@ impl PairSearch {
     }
 
     /// Makes a patch of each listed pair: the nodes of both facets, and the rows of the secondary one.
-    pub fn list_into(&self, sides: &mut Sides) {
+    pub(crate) fn list_into(&self, sides: &mut Sides) {
         let Sides { secondary, primary, patches, .. } = sides;
         patches.clear();
         let mut nodes = Vec::new();

@@ -59,7 +59,7 @@ impl Sides {
     }
 
     /// Makes the patches with tangential rows of those that are listed.
-    pub fn list_slips(&mut self) {
+    pub(crate) fn list_slips(&mut self) {
         self.tangential.clear();
         let mut groups = Vec::new();
         for p in 0..self.patches.len() {
@@ -192,7 +192,7 @@ impl Surface {
     }
 
     /// Whether the body has a convex corner, or a straight side, at the node of that index at the positions `q`.
-    pub fn is_convex(&self, index: usize, q: &[f64]) -> bool {
+    pub(crate) fn is_convex(&self, index: usize, q: &[f64]) -> bool {
         let along = |facet: u32| {
             let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
             [q[b] - q[a], q[b + 1] - q[a + 1]]

@@ -37,6 +37,17 @@ pub enum LinearError {
 }
 
 impl LinearError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            LinearError::Singular { .. } => "C0521",
+            LinearError::NotFinite => "C0522",
+            LinearError::Inaccurate { .. } => "C0523",
+            LinearError::Interrupted => "C0524",
+            LinearError::OutOfMemory { .. } => "C0525",
+        }
+    }
+
     /// That equations of so many unknowns do not fit into memory.
     pub fn out_of_memory(unknowns: usize, shortage: Shortage) -> Self {
         LinearError::OutOfMemory { unknowns, needed: shortage.needed }

@@ -259,7 +259,8 @@ impl Factorization {
     }
 
     /// Whether the last solution came from the slower method: pivots had to be replaced, or the residual was poor.
-    pub fn has_fallen_back(&self) -> bool {
+    #[cfg(test)]
+    pub(crate) fn has_fallen_back(&self) -> bool {
         self.fallen_back
     }
 

@@ -250,7 +250,7 @@ impl Pattern {
 
     /// Whether the unknowns of a vertex are multipliers.
     #[inline]
-    pub fn is_multiplier(&self, vertex: usize) -> bool {
+    pub(crate) fn is_multiplier(&self, vertex: usize) -> bool {
         self.roles[vertex] == Role::Multipliers
     }
 
@@ -261,7 +261,7 @@ impl Pattern {
     }
 
     /// The vertex that an unknown belongs to.
-    pub fn vertex_of(&self, unknown: usize) -> usize {
+    pub(crate) fn vertex_of(&self, unknown: usize) -> usize {
         self.first.partition_point(|&first| first <= unknown) - 1
     }
 

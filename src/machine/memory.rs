@@ -34,6 +34,13 @@ impl Display for Shortage {
 
 impl std::error::Error for Shortage {}
 
+impl Shortage {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        "C0531"
+    }
+}
+
 /// Bytes in the largest unit of which there is one: `4.1 GB`, `512 MB`.
 pub fn written(bytes: u64) -> String {
     let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];

@@ -53,6 +53,17 @@ pub enum FitError {
     NoStart,
 }
 
+impl FitError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            FitError::Energy(error) => error.code(),
+            FitError::Points { .. } => "C0311",
+            FitError::NoStart => "C0312",
+        }
+    }
+}
+
 /// Values that are tried for a constant that stresses are not linear in: powers, and limits of `I1 - 3`.
 const STARTS: [f64; 8] = [-2.0, 0.5, 1.5, 3.0, 5.0, 9.0, 30.0, 90.0];
 /// Starts at most, and how many of the best are followed.

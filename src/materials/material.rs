@@ -50,6 +50,18 @@ pub enum MaterialError {
     },
 }
 
+impl MaterialError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            MaterialError::Constant { .. } => "C0301",
+            MaterialError::Count { .. } => "C0302",
+            MaterialError::Energy(error) => error.code(),
+            MaterialError::Slack { .. } => "C0303",
+        }
+    }
+}
+
 /// Where the law of a material comes from.
 #[derive(Clone)]
 enum Origin {

@@ -68,6 +68,13 @@ impl std::fmt::Display for OutOfRange {
 
 impl std::error::Error for OutOfRange {}
 
+impl OutOfRange {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        "C0532"
+    }
+}
+
 /// One named number that a catalogue row is constructed from.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {

@@ -59,7 +59,7 @@ fn plain<K: Kernel>(kernel: K) -> K::Output {
 
 /// Runs a computation on registers of four numbers: those of AVX2 where the processor has them, plain numbers elsewhere.
 #[inline]
-pub fn with_registers<K: WithSimd>(kernel: K) -> K::Output {
+pub(crate) fn with_registers<K: WithSimd>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
         return Simd::vectorize(simd, kernel);

@@ -285,7 +285,7 @@ const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 
 
 /// Indices of the Mandel components of a tensor with `S` of them.
 #[inline(always)]
-pub const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
+pub(crate) const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
     let mut pairs = [(0, 1); S];
     let mut k = 0;
     while k < S {

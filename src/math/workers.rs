@@ -64,7 +64,7 @@ impl Workers {
     }
 
     /// Calls `work` for every `length` numbers of `data` (the last may be fewer) with the number of the part, in any order.
-    pub fn for_each_part(&self, data: &mut [f64], length: usize, work: impl Fn(usize, &mut [f64]) + Sync + Send) {
+    pub(crate) fn for_each_part(&self, data: &mut [f64], length: usize, work: impl Fn(usize, &mut [f64]) + Sync + Send) {
         match &self.pool {
             Some(pool) => pool.install(|| data.par_chunks_mut(length).with_max_len(1).enumerate().for_each(|(k, part)| work(k, part))),
             None => data.chunks_mut(length).enumerate().for_each(|(k, part)| work(k, part)),

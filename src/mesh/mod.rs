@@ -5,6 +5,7 @@
 
 mod cell_size;
 mod check;
+mod codes;
 mod columns;
 mod curved;
 mod curves;

@@ -19,12 +19,22 @@ pub enum SelectionError<E> {
     Mesh(#[from] MeshError),
 }
 
+impl<E> SelectionError<E> {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            SelectionError::Condition(_) => "C0261",
+            SelectionError::Mesh(error) => error.code(),
+        }
+    }
+}
+
 impl Mesh {
     /// Facets of the outer hull all of whose nodes satisfy `condition`, cell by cell; none is not an error here.
     ///
     /// # Errors
     /// What the condition fails with.
-    pub fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
+    pub(crate) fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
         let mut answers: HashMap<u32, bool> = HashMap::new();
         let mut facets = Vec::new();
         for facet in self.hull() {

@@ -173,6 +173,21 @@ pub enum CheckpointError {
     Stranger(String),
 }
 
+impl CheckpointError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            CheckpointError::Read(..) => "C0911",
+            CheckpointError::Foreign => "C0912",
+            CheckpointError::Future { .. } => "C0913",
+            CheckpointError::Truncated { .. } => "C0914",
+            CheckpointError::Damaged => "C0915",
+            CheckpointError::Past { .. } => "C0916",
+            CheckpointError::Stranger(..) => "C0917",
+        }
+    }
+}
+
 impl Checkpoint {
     /// Where its simulations stand, as the end of a sentence.
     pub fn reached(&self) -> String {
@@ -241,7 +256,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// What is there instead.
-    pub fn belongs_to(&self, run: &Path) -> Result<Vec<CountedFile>, CheckpointError> {
+    pub(crate) fn belongs_to(&self, run: &Path) -> Result<Vec<CountedFile>, CheckpointError> {
         if let Some(complaint) = self.journal.complaint(run) {
             return Err(CheckpointError::Stranger(complaint.into()));
         }
@@ -291,7 +306,7 @@ impl Checkpoint {
 ///
 /// # Errors
 /// The operating system refused.
-pub fn bring_back(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
+pub(crate) fn bring_back(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
     aside.iter().try_for_each(|file| file.bring_back(run).map_err(OutputError::write(run.join(&file.name))))
 }
 
@@ -312,7 +327,7 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// The operating system refused.
-pub fn remove_all(run: &Path) -> Result<(), OutputError> {
+pub(crate) fn remove_all(run: &Path) -> Result<(), OutputError> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
     // What a program that was killed has begun to write, too.
     let is_ours = |ending: &std::ffi::OsStr| [POINTS, ASIDE, "part"].iter().any(|known| *known == ending);

@@ -38,6 +38,16 @@ pub enum ExportError {
     Write(#[from] OutputError),
 }
 
+impl ExportError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            ExportError::Read(error) => error.code(),
+            ExportError::Write(error) => error.code(),
+        }
+    }
+}
+
 /// Series that a run may have.
 const SERIES: [&str; 3] = ["fields", "contacts", "obstacles"];
 

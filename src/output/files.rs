@@ -73,6 +73,18 @@ pub enum OutputError {
 }
 
 impl OutputError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            OutputError::Outside { .. } => "C0901",
+            OutputError::NoFileName { .. } => "C0902",
+            OutputError::Gone { .. } => "C0903",
+            OutputError::Input { .. } => "C0904",
+            OutputError::UnderWay { .. } => "C0905",
+            OutputError::Write { .. } => "C0906",
+        }
+    }
+
     /// How to mend it, one sentence.
     pub fn hint(&self) -> String {
         use io::ErrorKind::{
@@ -131,7 +143,7 @@ struct Run {
 
 impl RunFiles {
     /// Whether a folder holds files of a run: their record, a summary, or checkpoints to go on from.
-    pub fn are_in(folder: &Path) -> bool {
+    pub(crate) fn are_in(folder: &Path) -> bool {
         [file_record::NAME, counted::FOLDER, SUMMARY].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
     }
 
@@ -187,7 +199,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn complete_record(&self) -> Result<(), OutputError> {
+    pub(crate) fn complete_record(&self) -> Result<(), OutputError> {
         let Some(run) = &self.run else { return Ok(()) };
         RunFiles { run: None, ..self.clone() }.write(file_record::NAME, run.record.text()).map(drop)
     }
@@ -215,12 +227,12 @@ impl RunFiles {
     }
 
     /// Whether the record of the run has a file of that name, which may have been removed since.
-    pub fn has_written(&self, name: &str) -> bool {
+    pub(crate) fn has_written(&self, name: &str) -> bool {
         self.run.as_ref().is_some_and(|run| run.record.knows(&self.root.join(name)))
     }
 
     /// Whether a run that is resumed counts on a file of that name and moment.
-    pub fn counts_on(&self, name: &str, time: f64) -> bool {
+    pub(crate) fn counts_on(&self, name: &str, time: f64) -> bool {
         let path = self.root.join(name);
         self.run.as_ref().is_none_or(|run| run.counted.get(&path).is_some_and(|file| file.time == Some(time)))
     }
@@ -279,7 +291,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// As [`Self::write`].
-    pub fn write_durably(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+    pub(crate) fn write_durably(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
         self.replace(name, |file| file.write_all(bytes.as_ref()).and_then(|()| file.sync_all()))
     }
 
@@ -288,7 +300,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// As [`Self::write`].
-    pub fn write_counted(&self, name: &str, time: Option<f64>, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
+    pub(crate) fn write_counted(&self, name: &str, time: Option<f64>, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
         let path = self.write(name, bytes.as_ref())?;
         self.run.iter().for_each(|run| run.counted.note(&path, time, bytes.as_ref()));
         Ok(path)
@@ -441,7 +453,7 @@ impl Stream {
     ///
     /// # Errors
     /// It was removed or replaced.
-    pub fn verify(&self) -> Result<(), OutputError> {
+    pub(crate) fn verify(&self) -> Result<(), OutputError> {
         let is_there = fs::metadata(&self.path).is_ok_and(|there| self.file.metadata().is_ok_and(|own| are_same(&there, &own)));
         if is_there { Ok(()) } else { Err(OutputError::Gone { path: self.path.clone() }) }
     }

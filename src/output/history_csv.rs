@@ -67,7 +67,7 @@ impl HistoryCsv {
     }
 
     /// Counts the rows of an earlier program; nothing is written before [`Self::begin`].
-    pub fn recalled(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Self {
+    pub(crate) fn recalled(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Self {
         HistoryCsv { files: files.clone(), dimension, extra, stream: None, ends: vec![0] }
     }
 
@@ -93,11 +93,6 @@ impl HistoryCsv {
         Ok(())
     }
 
-    /// Names of the further columns.
-    pub fn extra(&self) -> &[String] {
-        &self.extra
-    }
-
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.ends.len() - 1
@@ -119,7 +114,7 @@ impl HistoryCsv {
     ///
     /// # Errors
     /// It was removed or replaced.
-    pub fn verify(&self) -> Result<(), OutputError> {
+    pub(crate) fn verify(&self) -> Result<(), OutputError> {
         self.stream.as_ref().map_or(Ok(()), Stream::verify)
     }
 

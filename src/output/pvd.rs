@@ -58,7 +58,7 @@ impl FieldSeries {
     ///
     /// # Errors
     /// A bad name.
-    pub fn recalled(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
+    pub(crate) fn recalled(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
         let name = if name.ends_with(".pvd") { name.to_string() } else { format!("{name}.pvd") };
         let stem = files.place(&name)?.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(FieldSeries { files: files.clone(), name, stem, frames: Vec::new(), recalls: true })
@@ -75,7 +75,7 @@ impl FieldSeries {
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn go_on(&mut self) -> Result<Option<f64>, OutputError> {
+    pub(crate) fn go_on(&mut self) -> Result<Option<f64>, OutputError> {
         self.recalls = false;
         let is_strange = |frame: &&Listed| !self.files.counts_on(&self.below(&frame.path), frame.time);
         match self.frames.iter().find(is_strange) {
@@ -115,7 +115,7 @@ impl FieldSeries {
     ///
     /// # Errors
     /// One was removed.
-    pub fn verify(&self) -> Result<(), OutputError> {
+    pub(crate) fn verify(&self) -> Result<(), OutputError> {
         for frame in &self.frames {
             let path = self.files.place(&self.below(&frame.path))?;
             if !path.is_file() {

@@ -21,7 +21,7 @@ impl Collected {
     }
 
     /// Number of points that came to their end with an energy that their integrator has changed.
-    pub fn not_conserving(&self) -> usize {
+    pub(crate) fn not_conserving(&self) -> usize {
         self.count(|state| matches!(state, PointState::Done(record) if record.outcome == RecordOutcome::NotConserving))
     }
 

@@ -79,7 +79,7 @@ pub struct Claim(#[allow(dead_code, reason = "the lock lasts as long as the file
 
 /// The message of a file that could not be written.
 pub(super) fn unwritten(error: &OutputError) -> Box<Diagnostic> {
-    Box::new(Diagnostic::error(Class::Output, error.to_string()).hint(error.hint()))
+    Box::new(Diagnostic::error(Class::Output, error.to_string()).code(error.code()).hint(error.hint()))
 }
 
 fn unlocked(path: &Path, error: &std::io::Error) -> Box<Diagnostic> {
@@ -109,7 +109,7 @@ impl StudyFolder {
     }
 
     /// Whether a folder holds a study.
-    pub fn is_study(path: &Path) -> bool {
+    pub(crate) fn is_study(path: &Path) -> bool {
         path.join(STUDY).is_file()
     }
 
@@ -199,7 +199,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// The record cannot be removed.
-    pub fn forget(&self, point: &Point) -> Result<(), Box<Diagnostic>> {
+    pub(crate) fn forget(&self, point: &Point) -> Result<(), Box<Diagnostic>> {
         let path = self.point(point).join(RECORD);
         match std::fs::remove_file(&path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(unwritten(&OutputError::Write { path, source: error })),

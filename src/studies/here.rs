@@ -100,7 +100,7 @@ type Orders = Mutex<Option<ChildStdin>>;
 ///
 /// # Errors
 /// A process that cannot be started, or that could not write its files. What is done until then stays.
-pub fn compute_all(
+pub(crate) fn compute_all(
     (study, plan): (&StudyFolder, &Plan),
     points: Vec<usize>,
     (program, jobs): (&Path, usize),
@@ -239,12 +239,13 @@ impl Pool<'_> {
         if code.is_some() {
             let error = Diagnostic::error(Class::Output, format!("the point {} could not be computed", point.id));
             // Of its message, what is wrong and how to mend it.
-            let error =
-                said.lines().fold(error, |error, line| match (line.strip_prefix("error: "), line.trim().strip_prefix("= hint: ")) {
-                    (Some(title), _) => error.cause(title),
-                    (_, Some(hint)) => error.hint(hint),
-                    _ => error,
-                });
+            let title =
+                |line: &'_ str| line.strip_prefix("error").and_then(|rest| rest.split_once(": ")).map(|(_, title)| title.to_string());
+            let error = said.lines().fold(error, |error, line| match (title(line), line.trim().strip_prefix("= hint: ")) {
+                (Some(title), _) => error.cause(title),
+                (_, Some(hint)) => error.hint(hint),
+                _ => error,
+            });
             let error = error.hint("`conserva sweep` again goes on with what is missing");
             let _ = sender.send(Message::Trouble(Box::new(error)));
             return false;
@@ -292,7 +293,7 @@ fn how(status: ExitStatus) -> String {
 }
 
 /// Numbers of the points that are to be computed.
-pub fn open_points(study: &StudyFolder, plan: &Plan) -> Vec<usize> {
+pub(crate) fn open_points(study: &StudyFolder, plan: &Plan) -> Vec<usize> {
     let is_open = |index: &usize| match study.state(&plan.points[*index]) {
         PointState::UnderWay => true,
         state => state.is_open(),

@@ -36,7 +36,7 @@ impl Scenario {
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn digest_now(folder: &Path, script: &Path) -> Result<String, Box<Diagnostic>> {
+    pub(crate) fn digest_now(folder: &Path, script: &Path) -> Result<String, Box<Diagnostic>> {
         match files::read(&folder.join(script)) {
             Ok(text) => Ok(digest([&text[..]])),
             Err(error) => {

@@ -40,7 +40,7 @@ impl RecordOutcome {
     }
 
     /// Whether it came to its end.
-    pub fn is_completed(self) -> bool {
+    pub(crate) fn is_completed(self) -> bool {
         matches!(self, RecordOutcome::Completed | RecordOutcome::NotConserving)
     }
 }
@@ -106,7 +106,7 @@ impl Record {
     }
 
     /// The text of the file.
-    pub fn to_json(&self) -> String {
+    pub(crate) fn to_json(&self) -> String {
         // Strings, numbers and lists always have a JSON form.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }

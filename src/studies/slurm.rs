@@ -56,7 +56,7 @@ fn array_size() -> Result<usize, Box<Diagnostic>> {
 ///
 /// # Errors
 /// Slurm refuses, or is not there; files that cannot be written.
-pub fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> Result<Vec<String>, Box<Diagnostic>> {
+pub(crate) fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> Result<Vec<String>, Box<Diagnostic>> {
     for path in [study.path(), &job.program] {
         refuse_control_characters(path)?;
     }
@@ -149,7 +149,7 @@ pub fn submitted(study: &StudyFolder) -> Vec<String> {
 ///
 /// # Errors
 /// Slurm is not there.
-pub fn tasks_left(jobs: &[String]) -> Result<usize, Box<Diagnostic>> {
+pub(crate) fn tasks_left(jobs: &[String]) -> Result<usize, Box<Diagnostic>> {
     if jobs.is_empty() {
         return Ok(0);
     }

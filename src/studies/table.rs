@@ -147,7 +147,7 @@ impl StudyTable {
     ///
     /// # Errors
     /// What the format refuses, in words.
-    pub fn to_parquet(&self) -> Result<Vec<u8>, String> {
+    pub(crate) fn to_parquet(&self) -> Result<Vec<u8>, String> {
         let fields: Vec<TableField> = self
             .columns
             .iter()

@@ -1,7 +1,7 @@
 //! What the element loop promises for every cell kind, material and integrator, on random states of a distorted mesh:
 //! exact tangent; directionality and orthogonality of the discrete gradient to round-off; indifference to rigid motions.
 
-use conserva::bodies::{Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
+use conserva::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
 use conserva::elements::CellKind;
 use conserva::integrators::{BACKWARD_EULER, Derivative, ENERGY_MOMENTUM, MEAN_VALUE, MIDPOINT, Scheme, TRAPEZOIDAL};
 use conserva::linear::{NodeMatrix, Pattern, Vertex};
@@ -65,7 +65,8 @@ where
     Space<D>: Elements<D>,
 {
     fn new(mesh: &Mesh, material: &Material, formulation: Formulation, integrator: &Scheme) -> Self {
-        let mut elements = Space::<D>::elements(mesh, material, formulation, 0, integrator.averages_stress).expect("no cell is inside out");
+        let cells = BodyCells { averages_stress: integrator.averages_stress, ..BodyCells::new(mesh, material, formulation) };
+        let mut elements = Space::<D>::elements(&cells).expect("no cell is inside out");
         let nodes = mesh.points.len();
         let pattern = Pattern::new(&vec![Vertex::coordinates(D as u8); nodes], elements.cliques().iter().map(|clique| &clique[..]));
         elements.place(&pattern);

@@ -1,7 +1,7 @@
 //! What every row of the catalogue of cell kinds promises: shape functions, quadrature, mass and facets (Hughes, The Finite Element Method,
 //! 2000, chapter 3).
 
-use conserva::bodies::{Elements, Formulation, Space};
+use conserva::bodies::{BodyCells, Elements, Formulation, Space};
 use conserva::elements::{CellKind, CellRow};
 use conserva::linear::{NodeMatrix, Pattern, Vertex};
 use conserva::materials::NeoHookean;
@@ -109,12 +109,12 @@ fn mass(kind: CellKind) {
         Pattern::new(&vec![Vertex::coordinates(dimension); row.nodes], cliques.iter().map(|clique| &clique[..]))
     };
     let mass = if row.dimension == 2 {
-        let elements = Space::<2>::elements(&mesh, &material, Formulation::default(), 0, false).expect("no cell is inside out");
+        let elements = Space::<2>::elements(&BodyCells::new(&mesh, &material, Formulation::default())).expect("no cell is inside out");
         let mut mass = NodeMatrix::new(&pattern(2, elements.cliques()), row.nodes);
         elements.add_mass(&mut mass);
         mass
     } else {
-        let elements = Space::<3>::elements(&mesh, &material, Formulation::default(), 0, false).expect("no cell is inside out");
+        let elements = Space::<3>::elements(&BodyCells::new(&mesh, &material, Formulation::default())).expect("no cell is inside out");
         let mut mass = NodeMatrix::new(&pattern(3, elements.cliques()), row.nodes);
         elements.add_mass(&mut mass);
         mass

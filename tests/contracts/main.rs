@@ -7,3 +7,4 @@ mod bodies;
 mod contacts;
 mod elements;
 mod simulations;
+mod states;

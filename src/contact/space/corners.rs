@@ -108,7 +108,7 @@ impl CornersInSpace {
 
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
     /// The surface's vertices have rows elsewhere. `facet_size` is that of the whole contact.
-    pub fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
+    pub(crate) fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
         let features = [Features::with_smooth_edges(&surface, positions), Features::new(&obstacle, positions)];
         if features[1].vertices.is_empty() {
             return None;
@@ -118,7 +118,7 @@ impl CornersInSpace {
     }
 
     /// The rows of a rigid ball against the facets of a surface, or of the tip of a cone as one of no radius.
-    pub fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
+    pub(crate) fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
         let alone = Features { vertices: vec![Vertex { node: center, spokes: Vec::new() }], edges: Vec::new(), laps: vec![Vec::new()] };
         let features = [Features::new(&surface, positions), alone];
         let made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);

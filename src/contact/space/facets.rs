@@ -57,6 +57,17 @@ pub enum FacetsError {
     Turned([[f64; 3]; 2]),
 }
 
+impl FacetsError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            FacetsError::Empty => "C0281",
+            FacetsError::NotFinite(..) => "C0282",
+            FacetsError::Turned(..) => "C0283",
+        }
+    }
+}
+
 impl PartialEq for Facets {
     fn eq(&self, other: &Self) -> bool {
         self.points == other.points && self.triangles == other.triangles

@@ -42,7 +42,7 @@ impl Model {
     }
 
     /// Whether a joint joins two bodies: where it is they may lie in each other.
-    pub fn are_joined(&self, first: usize, second: usize) -> bool {
+    pub(crate) fn are_joined(&self, first: usize, second: usize) -> bool {
         let joins = |joint: &JointDefinition, body: usize| self.joints_of(joint).any(|joint| joint.bodies().any(|other| other == body));
         self.joints.iter().any(|joint| joins(joint, first) && joins(joint, second))
     }
@@ -206,7 +206,7 @@ impl Model {
     }
 
     /// Whether stops and cables go with a time integrator: pressures that act on after their step drive apart what has parted.
-    pub fn check_stops(&self, scheme: &Scheme) -> Result<(), ModelError> {
+    pub(crate) fn check_stops(&self, scheme: &Scheme) -> Result<(), ModelError> {
         match self.joints.iter().find(|joint| joint.holds_one_way()) {
             Some(joint) if !scheme.remembers.is_empty() => {
                 Err(ModelError::OneSidedJoint { joint: joint.name.clone(), integrator: scheme.name })

@@ -168,7 +168,7 @@ impl JointDefinition {
     }
 
     /// Whether it has rows that press and do not pull.
-    pub fn holds_one_way(&self) -> bool {
+    pub(crate) fn holds_one_way(&self) -> bool {
         self.limits.is_some() || matches!(self.kind, JointKind::Cable(_))
     }
 

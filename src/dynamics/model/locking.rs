@@ -43,6 +43,11 @@ impl std::fmt::Display for Locking {
 }
 
 impl Locking {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        "C0321"
+    }
+
     /// How to mend it.
     pub fn hint(&self) -> String {
         if !self.has_mean {

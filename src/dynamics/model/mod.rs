@@ -3,6 +3,7 @@
 pub mod amplitude;
 pub mod boundaries;
 pub mod builder;
+mod codes;
 pub mod coupling_checks;
 pub mod couplings;
 pub mod definitions;

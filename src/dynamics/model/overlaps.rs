@@ -52,6 +52,15 @@ impl fmt::Display for Overlap {
 }
 
 impl Overlap {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self.kind {
+            OverlapKind::Bodies(_) => "C0411",
+            OverlapKind::Obstacle { whole: false, .. } => "C0412",
+            OverlapKind::Obstacle { whole: true, .. } => "C0413",
+        }
+    }
+
     /// How to mend it, one sentence.
     pub fn hint(&self) -> &'static str {
         match (&self.kind, &self.contact) {

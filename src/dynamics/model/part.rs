@@ -55,6 +55,28 @@ pub struct Iterate<'a> {
     pub inertia: &'a [f64],
 }
 
+#[cfg(test)]
+impl<'a> Iterate<'a> {
+    /// One between two positions, for tests of parts to which neither times nor velocities matter.
+    pub(in crate::dynamics) fn between(derivative: Derivative, q_0: &'a [f64], q_1: &'a [f64]) -> Self {
+        Iterate {
+            derivative,
+            weight: 1.0,
+            time: 0.0,
+            dt: 0.1,
+            q_0,
+            q_1,
+            u_0: q_0,
+            u_1: q_1,
+            q_test: q_1,
+            velocity: q_1,
+            velocity_slope: 0.0,
+            is_still: false,
+            inertia: &[],
+        }
+    }
+}
+
 /// Sums that parts add to, unknown by unknown of the whole model.
 pub struct Sums<'a> {
     /// Weighted forces of potentials, as the residual has them: against the motion that they drive `[force]`.

@@ -1,6 +1,6 @@
 //! The consistent mass of one body in the numbering of the model, for forces that are proportional to it.
 
-use crate::bodies::{ElementLoop, Elements, Space};
+use crate::bodies::{BodyCells, ElementLoop, Elements, Space};
 use crate::dynamics::model::definitions::BodyDefinition;
 use crate::dynamics::model::part::{Change, Numbering};
 use crate::linear::{Block, NodeMatrix, Pattern};
@@ -26,9 +26,10 @@ impl BodyMass {
     /// That of the body of that number.
     pub fn new(body: &BodyDefinition, number: usize, numbering: &Numbering) -> Self {
         let (BodyDefinition { mesh, material, formulation, .. }, first) = (body, numbering.first[number]);
+        let cells = BodyCells { first_node: first, ..BodyCells::new(mesh, material, *formulation) };
         let cells = match numbering.dimension {
-            2 => Space::<2>::elements(mesh, material, *formulation, first, false).ok().map(Cells::Plane),
-            _ => Space::<3>::elements(mesh, material, *formulation, first, false).ok().map(Cells::Space),
+            2 => Space::<2>::elements(&cells).ok().map(Cells::Plane),
+            _ => Space::<3>::elements(&cells).ok().map(Cells::Space),
         };
         BodyMass { nodes: numbering.reference.len() / numbering.dimension, cells, entries: Vec::new() }
     }

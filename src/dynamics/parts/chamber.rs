@@ -42,7 +42,7 @@ pub struct Gas {
 
 impl Gas {
     /// Pressure at a volume `[stress]`.
-    pub fn pressure_at(&self, volume: f64) -> f64 {
+    pub(crate) fn pressure_at(&self, volume: f64) -> f64 {
         self.pressure * (-self.exponent * (volume / self.volume).ln()).exp()
     }
 
@@ -520,21 +520,7 @@ mod tests {
                     .collect();
                 for derivative in Derivative::ALL {
                     let linearized = |q_1: &[f64]| {
-                        let at = Iterate {
-                            derivative,
-                            weight: 1.0,
-                            time: 0.0,
-                            dt: 0.1,
-                            q_0: &q_0,
-                            q_1,
-                            u_0: &q_0,
-                            u_1: q_1,
-                            q_test: q_1,
-                            velocity: q_1,
-                            velocity_slope: 0.0,
-                            is_still: false,
-                            inertia: &[],
-                        };
+                        let at = Iterate::between(derivative, &q_0, q_1);
                         let (mut internal, mut load) = (vec![0.0; q_0.len()], vec![0.0; q_0.len()]);
                         let mut values = vec![0.0; pattern.values()];
                         let workers = Workers::new(1);

@@ -54,7 +54,7 @@ impl SpringLaw {
     }
 
     /// The stiffness of one that pulls and pushes with one.
-    pub fn constant_stiffness(&self) -> Option<f64> {
+    pub(crate) fn constant_stiffness(&self) -> Option<f64> {
         match (&self.elastic, self.sides) {
             (Elastic::Linear(stiffness), Sides::Both) => Some(*stiffness),
             _ => None,

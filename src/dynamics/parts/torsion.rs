@@ -287,21 +287,7 @@ mod tests {
             q_1[k + 3] = q_0[k + 1] + dx * turn.sin() + dy * turn.cos();
             q_1[0] += 0.01;
             let forces = |q_1: &[f64]| {
-                let at = Iterate {
-                    derivative: Derivative::DiscreteGradient,
-                    weight: 1.0,
-                    time: 0.0,
-                    dt: 0.1,
-                    q_0,
-                    q_1,
-                    u_0: q_0,
-                    u_1: q_1,
-                    q_test: q_1,
-                    velocity: q_1,
-                    velocity_slope: 0.0,
-                    is_still: false,
-                    inertia: &[],
-                };
+                let at = Iterate::between(Derivative::DiscreteGradient, q_0, q_1);
                 (torsion.forces(&at, 6.2), torsion.remembered(&at, &[6.2]).memory)
             };
             let ((force, slope), memory) = forces(&q_1);

@@ -417,22 +417,7 @@ mod tests {
 
     /// Only displacements matter.
     fn iterate<'a>(derivative: Derivative, u_0: &'a [f64], u_1: &'a [f64]) -> Iterate<'a> {
-        let (q_0, q_1, q_test, velocity, inertia) = (u_0, u_1, u_1, u_1, &[][..]);
-        Iterate {
-            derivative,
-            weight: 0.7,
-            time: 0.0,
-            dt: 0.05,
-            q_0,
-            q_1,
-            u_0,
-            u_1,
-            q_test,
-            velocity,
-            velocity_slope: 0.0,
-            is_still: false,
-            inertia,
-        }
+        Iterate { weight: 0.7, dt: 0.05, ..Iterate::between(derivative, u_0, u_1) }
     }
 
     fn forces(body: &ViscousBody, at: &Iterate, memory: &[f64], values: Option<&mut [f64]>) -> Vec<f64> {

@@ -46,3 +46,16 @@ pub enum BucklingError {
         found: usize,
     },
 }
+
+impl BucklingError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            BucklingError::Matrix(error) => error.code(),
+            BucklingError::Follows { .. } => "C0721",
+            BucklingError::Unloaded => "C0722",
+            BucklingError::Loose => "C0723",
+            BucklingError::NotFound { .. } => "C0724",
+        }
+    }
+}

@@ -96,6 +96,18 @@ pub enum HarmonicError {
     Nothing,
 }
 
+impl HarmonicError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            HarmonicError::Matrix(error) => error.code(),
+            HarmonicError::Resonance { .. } => "C0711",
+            HarmonicError::NotFound { .. } => "C0712",
+            HarmonicError::Nothing => "C0713",
+        }
+    }
+}
+
 impl HarmonicOptions {
     /// The complex shift of a frequency, and the factor of its force.
     pub(super) fn shift(&self, frequency: f64) -> [Complex<f64>; 2] {

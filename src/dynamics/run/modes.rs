@@ -89,3 +89,15 @@ pub enum ModesError {
         vectors: usize,
     },
 }
+
+impl ModesError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            ModesError::Step(error) => error.code(),
+            ModesError::Dependent => "C0701",
+            ModesError::TooMany { .. } => "C0702",
+            ModesError::NotFound { .. } => "C0703",
+        }
+    }
+}

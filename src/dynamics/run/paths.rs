@@ -87,3 +87,13 @@ pub enum PathError {
         contact: String,
     },
 }
+
+impl PathError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        match self {
+            PathError::Step(error) => error.code(),
+            PathError::Contact { .. } => "C0731",
+        }
+    }
+}

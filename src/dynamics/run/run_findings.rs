@@ -51,6 +51,30 @@ pub enum RunFindingKind {
 }
 
 impl RunFindingKind {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(self) -> &'static str {
+        match self {
+            RunFindingKind::PositiveContactWork => "C0601",
+            RunFindingKind::EnergyDefect => "C0602",
+            RunFindingKind::NotConserved => "C0603",
+            RunFindingKind::Leap => "C0604",
+            RunFindingKind::PassedThrough => "C0605",
+            RunFindingKind::Depth => "C0606",
+            RunFindingKind::EnergyTaken => "C0607",
+            RunFindingKind::ReserveHeld => "C0608",
+            RunFindingKind::Motion(MotionKind::Sliding) => "C0609",
+            RunFindingKind::Motion(MotionKind::Approach) => "C0610",
+            RunFindingKind::Motion(MotionKind::CameThrough) => "C0611",
+            RunFindingKind::Motion(MotionKind::Passing) => "C0612",
+            RunFindingKind::TooFast(..) => "C0613",
+            RunFindingKind::Failures(..) => "C0614",
+            RunFindingKind::Turned => "C0615",
+            RunFindingKind::Crushed => "C0616",
+            RunFindingKind::CoarseCells => "C0617",
+            RunFindingKind::Discarded => "C0618",
+        }
+    }
+
     /// All kinds by their stable names, each with one sentence.
     pub const ALL: &'static [(&'static str, &'static str)] = &[
         ("positive_contact_work", "contact gave energy in a step, which no update rule does: the largest share of the energy"),
@@ -142,6 +166,11 @@ impl std::fmt::Display for RunFinding {
 }
 
 impl RunFinding {
+    /// The stable code of its kind, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        self.kind.code()
+    }
+
     /// How to mend it, or what to make of it, one sentence.
     pub fn hint(&self) -> &'static str {
         match self.kind {

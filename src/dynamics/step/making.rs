@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
-use crate::bodies::{Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
+use crate::bodies::{BodyCells, Elements, Frame, Inverted, Plane, RigidMass, Space, nodal_areas};
 use crate::dynamics::model::definitions::{BodyDefinition, LoadKind, Model};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::growth::unsound;
@@ -60,11 +60,18 @@ where
     for (number, body) in model.bodies.iter().enumerate() {
         let first = reference.len() / D;
         let frame = body.rigid.as_ref().and_then(|inertia| Some((inertia, Frame::new(&body.mesh)?)));
+        let cells = BodyCells {
+            first_node: first,
+            averages_stress: integrator.averages_stress,
+            ..BodyCells::new(&body.mesh, &body.material, body.formulation)
+        };
         let mut elements = match &frame {
             Some((inertia, frame)) => Box::new(RigidMass::new(&body.mesh, frame, inertia, first)),
-            None => Space::<D>::elements(&body.mesh, &body.material, body.formulation, first, integrator.averages_stress).map_err(
-                |Inverted { cell, determinant }| ModelError::InvertedCell { body: body.name.clone(), cell, jacobian: determinant },
-            )?,
+            None => Space::<D>::elements(&cells).map_err(|Inverted { cell, determinant }| ModelError::InvertedCell {
+                body: body.name.clone(),
+                cell,
+                jacobian: determinant,
+            })?,
         };
         if let Some(factors) = model.growth(number)
             && elements.grow(&|node| factors[node as usize - first]) <= 0.0

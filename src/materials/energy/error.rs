@@ -20,6 +20,11 @@ pub struct EnergyError {
 }
 
 impl EnergyError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        "C0304"
+    }
+
     pub(super) fn new(text: &str, span: Range<usize>, title: impl Into<String>, label: impl Into<String>) -> Self {
         EnergyError { text: text.into(), span, title: title.into(), label: label.into(), cause: "".into(), hint: "".into() }
     }

@@ -57,7 +57,7 @@ impl Field {
     ];
 
     /// The field of that name in a script.
-    pub fn from_name(name: &str) -> Option<Self> {
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
         Field::ALL.iter().find(|row| row.0 == name).map(|row| row.2)
     }
 
@@ -129,7 +129,7 @@ impl Vectors {
     }
 
     /// Whether an arrow ends at its node, as what presses on it does.
-    pub fn ends_at_node(self) -> bool {
+    pub(crate) fn ends_at_node(self) -> bool {
         matches!(self, Vectors::ContactForce | Vectors::ContactPressure)
     }
 }

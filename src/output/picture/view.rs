@@ -43,7 +43,7 @@ impl View {
     }
 
     /// The view from a direction, as a vector from the bodies to the viewer, where that axis points to the sky; `None` for no direction.
-    pub fn from_direction(direction: [f64; 3], axis: usize) -> Option<View> {
+    pub(crate) fn from_direction(direction: [f64; 3], axis: usize) -> Option<View> {
         let toward = unit(direction)?;
         let View { up: sky, toward: front, .. } = View::upright(axis);
         let level = |up: [f64; 3]| unit([0, 1, 2].map(|d| up[d] - dot(up, toward) * toward[d]));

@@ -21,6 +21,11 @@ pub struct ReadError {
 }
 
 impl ReadError {
+    /// Its stable code, which `conserva doc` explains.
+    pub fn code(&self) -> &'static str {
+        "C0921"
+    }
+
     /// A file with a defect.
     pub fn new(path: &Path, what: impl Into<String>, hint: impl Into<String>) -> Self {
         ReadError { path: path.into(), what: what.into(), cause: None, hint: hint.into() }

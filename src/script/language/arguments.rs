@@ -116,7 +116,7 @@ impl<'a> Options<'a> {
     }
 
     /// What a message about a key that is not declared points at, its value or its name.
-    pub fn target_of(&self, key: &str, value: bool) -> Target {
+    pub(crate) fn target_of(&self, key: &str, value: bool) -> Target {
         Target::Key { argument: self.argument, key: key.into(), value }
     }
 
@@ -149,6 +149,11 @@ impl Arguments for Options<'_> {
         }
     }
 }
+
+/// Code of a value of a kind that a function does not take.
+pub(super) const WRONG_TYPE: &str = "C1021";
+/// Code of an argument or an option that must be given.
+pub(super) const MISSING: &str = "C1023";
 
 /// One argument, given or not.
 pub struct Argument<'a> {
@@ -197,7 +202,8 @@ impl Argument<'_> {
     /// The failure of a value of the wrong type.
     pub fn wrong_type(&self) -> Failure {
         let given = self.value.as_ref().map_or("nothing".to_string(), |value| describe(self.call.engine(), value));
-        let failure = self.fail(format!("{} must be {}", self.title(), self.parameter.requirement())).label(format!("this is {given}"));
+        let failure = self.fail(format!("{} must be {}", self.title(), self.parameter.requirement()));
+        let failure = failure.code(WRONG_TYPE).label(format!("this is {given}"));
         let failure = failure.cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary));
         match &self.parameter.kind {
             Kind::Number | Kind::Integer if self.value.as_ref().is_some_and(Dynamic::is_string) => failure.hint("leave out the quotes"),
@@ -211,6 +217,7 @@ impl Argument<'_> {
     /// The failure of a number that the parameter does not allow.
     pub fn out_of_range(&self, range: Interval, value: &str) -> Failure {
         self.fail(format!("{} must be {}", self.title(), range))
+            .code("C1022")
             .label(format!("this is {value}"))
             .cause(format!("`{}` is {}", self.parameter.name, self.parameter.summary))
             .hint(format!("give {}", self.parameter.requirement()))
@@ -218,7 +225,7 @@ impl Argument<'_> {
 
     /// The failure of an argument that was left out and has no default.
     pub fn missing(&self) -> Failure {
-        self.call.fail(format!("{} is missing", self.title())).hint(format!("give {}", self.parameter.requirement()))
+        self.call.fail(format!("{} is missing", self.title())).code(MISSING).hint(format!("give {}", self.parameter.requirement()))
     }
 
     /// A number in its range.
@@ -308,7 +315,7 @@ impl Argument<'_> {
     /// The failure of a name that does not exist, with those that do and the nearest of them.
     pub fn unknown_name(&self, title: impl Into<String>, name: &str, known: &[impl AsRef<str>]) -> Failure {
         let quoted: Vec<String> = known.iter().map(|word| format!("\"{}\"", word.as_ref())).collect();
-        let failure = self.fail(title).label("unknown name");
+        let failure = self.fail(title).code("C1025").label("unknown name");
         let failure = match quoted.len() {
             0 => failure.cause("there is none to choose from"),
             _ => failure.cause(format!("there {} {}", if quoted.len() == 1 { "is" } else { "are" }, joined(&quoted, "and"))),

@@ -66,7 +66,7 @@ impl Callback {
     ///
     /// # Errors
     /// Whatever the closure fails with. Inside, that it has changed a value that it captures.
-    pub fn call_by_itself(
+    pub(crate) fn call_by_itself(
         &self,
         captured: &[Option<Plain>],
         arguments: Vec<Dynamic>,
@@ -94,7 +94,7 @@ impl Callback {
     }
 
     /// Wraps an error of the closure for its way through the kernels.
-    pub fn wrap(&self, error: EvalAltResult) -> ScriptError {
+    pub(crate) fn wrap(&self, error: EvalAltResult) -> ScriptError {
         ScriptError { error: Rc::new(error), source: self.context.global.source.as_ref().map(ToString::to_string).unwrap_or_default() }
     }
 

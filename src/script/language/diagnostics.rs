@@ -34,6 +34,8 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Kind of failure.
     pub class: Class,
+    /// Its stable code, as `C0123`; empty where it has none.
+    pub code: String,
     /// What is wrong, one sentence.
     pub title: String,
     /// Where.
@@ -66,6 +68,7 @@ impl Diagnostic {
         Diagnostic {
             severity: Severity::Error,
             class,
+            code: String::new(),
             title: title.into(),
             place: None,
             label: String::new(),
@@ -78,6 +81,12 @@ impl Diagnostic {
     /// A warning at a place.
     pub fn warning(title: impl Into<String>, place: Option<Place>) -> Self {
         Diagnostic { severity: Severity::Warning, place, ..Diagnostic::error(Class::Script, title) }
+    }
+
+    /// The same with its stable code.
+    pub fn code(mut self, code: impl Into<String>) -> Self {
+        self.code = code.into();
+        self
     }
 
     /// The same with one more cause.
@@ -100,7 +109,7 @@ impl Diagnostic {
 
     /// Whether a part of the message contains a text.
     pub fn contains(&self, text: &str) -> bool {
-        [&self.title, &self.label].into_iter().chain(&self.causes).chain(&self.hints).any(|part| part.contains(text))
+        [&self.code, &self.title, &self.label].into_iter().chain(&self.causes).chain(&self.hints).any(|part| part.contains(text))
     }
 
     /// The drawn message, with a newline at its end.
@@ -116,7 +125,8 @@ impl Diagnostic {
             Severity::Error => Level::ERROR,
             Severity::Warning => Level::WARNING,
         };
-        let mut group = Group::with_title(level.primary_title(title.as_str()));
+        let title = level.primary_title(title.as_str());
+        let mut group = Group::with_title(if self.code.is_empty() { title } else { title.id(self.code.as_str()) });
         if let Some(place) = &self.place {
             group = group.element(snippet(place, &self.label, AnnotationKind::Primary));
         }
@@ -152,6 +162,7 @@ pub fn defect(panic: &(dyn std::any::Any + Send)) -> Box<Diagnostic> {
     let what = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
     let error = Diagnostic::error(Class::Internal, "the program has a defect and had to stop")
         .cause(what.unwrap_or_else(|| "unknown".into()))
+        .code(Class::Internal.usual_code())
         .hint("please report it together with the script; results up to the last accepted step are kept");
     Box::new(error)
 }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::handle::Handle;
 use super::scan::Target;
 use super::sources::Place;
+use crate::dynamics::StepError;
 
 /// What kind of failure it is; decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -31,6 +32,19 @@ pub enum Class {
     ResultUsed,
     /// A defect of the program itself.
     Internal,
+}
+
+impl Class {
+    /// The stable code of a failure of which no more is known than its class; empty where that says nothing.
+    pub(super) fn usual_code(self) -> &'static str {
+        match self {
+            Class::Script => "C1020",
+            Class::Check => "C1031",
+            Class::Internal => "C1041",
+            Class::Interrupted => StepError::Interrupted { time: 0.0 }.code(),
+            Class::Numerics | Class::Output | Class::ResultUsed => "",
+        }
+    }
 }
 
 /// An error raised by script code that the solver called, on its way through the kernels.
@@ -55,6 +69,8 @@ impl std::error::Error for ScriptError {}
 pub struct Details {
     /// Kind of failure.
     pub class: Class,
+    /// Its stable code, as `C0123`; empty where it has none.
+    pub code: String,
     /// What is wrong, one sentence.
     pub title: String,
     /// What the message points at within the call.
@@ -89,6 +105,7 @@ impl Failure {
     pub fn new(class: Class, title: impl Into<String>) -> Self {
         Failure(Box::new(Details {
             class,
+            code: class.usual_code().into(),
             title: title.into(),
             target: Target::Call,
             method: false,
@@ -106,8 +123,14 @@ impl Failure {
     }
 
     /// The same as another kind of failure.
-    pub fn of_class(mut self, class: Class) -> Self {
+    pub(crate) fn of_class(mut self, class: Class) -> Self {
         self.0.class = class;
+        self
+    }
+
+    /// The same with its stable code.
+    pub fn code(mut self, code: impl Into<String>) -> Self {
+        self.0.code = code.into();
         self
     }
 
@@ -136,7 +159,7 @@ impl Failure {
     }
 
     /// The same, caused by an error in script code.
-    pub fn caused_by(mut self, inner: ScriptError) -> Self {
+    pub(crate) fn caused_by(mut self, inner: ScriptError) -> Self {
         self.0.inner = Some(inner);
         self
     }
@@ -148,7 +171,7 @@ impl Failure {
     }
 
     /// The same, raised in a method.
-    pub fn in_method(mut self, method: bool) -> Self {
+    pub(crate) fn in_method(mut self, method: bool) -> Self {
         self.0.method = method;
         self
     }

@@ -103,17 +103,17 @@ impl Types {
     }
 
     /// How a script gets an object of a type.
-    pub fn maker(&self, name: &str) -> &'static str {
+    pub(crate) fn maker(&self, name: &str) -> &'static str {
         self.row(name).map_or("give an object of that type", |row| row.maker)
     }
 
     /// What to write instead of a property that a type does not have.
-    pub fn instead_of_property(&self, type_name: &str, name: &str) -> Option<String> {
+    pub(crate) fn instead_of_property(&self, type_name: &str, name: &str) -> Option<String> {
         (self.row(type_name)?.instead_of_property)(name)
     }
 
     /// What to write instead of an operator that a type does not have.
-    pub fn instead_of_operator(&self, type_name: &str) -> Option<&'static str> {
+    pub(crate) fn instead_of_operator(&self, type_name: &str) -> Option<&'static str> {
         (self.row(type_name)?.instead_of_operator)()
     }
 }

@@ -78,17 +78,17 @@ impl Host {
     }
 
     /// Counts changes of objects that scripts share: a call that failed without one can be left out of a record of the session.
-    pub fn count_effect(&self) {
+    pub(crate) fn count_effect(&self) {
         self.effects.set(self.effects.get() + 1);
     }
 
     /// Changes of shared objects so far.
-    pub fn effects(&self) -> u64 {
+    pub(crate) fn effects(&self) -> u64 {
         self.effects.get()
     }
 
     /// Stops the script after so many changes, until this is set otherwise; what held before.
-    pub fn stop_after(&self, changes: Option<u64>) -> Option<u64> {
+    pub(crate) fn stop_after(&self, changes: Option<u64>) -> Option<u64> {
         self.limit.replace(changes)
     }
 
@@ -98,17 +98,17 @@ impl Host {
     }
 
     /// Whether a simulation takes steps: closures between these are not stopped halfway.
-    pub fn is_stepping(&self) -> bool {
+    pub(crate) fn is_stepping(&self) -> bool {
         self.stepping.get() > 0
     }
 
     /// Notes that a simulation begins to take steps, until [`Self::end_steps`].
-    pub fn begin_steps(&self) {
+    pub(crate) fn begin_steps(&self) {
         self.stepping.set(self.stepping.get() + 1);
     }
 
     /// Notes that a simulation has taken its steps.
-    pub fn end_steps(&self) {
+    pub(crate) fn end_steps(&self) {
         self.stepping.set(self.stepping.get().saturating_sub(1));
     }
 
@@ -118,12 +118,12 @@ impl Host {
     }
 
     /// Tells the host its engine.
-    pub fn attach(&self, engine: &Rc<RefCell<Engine>>) {
+    pub(crate) fn attach(&self, engine: &Rc<RefCell<Engine>>) {
         *self.engine.borrow_mut() = Rc::downgrade(engine);
     }
 
     /// Whether this is `conserva check`.
-    pub fn is_check(&self) -> bool {
+    pub(crate) fn is_check(&self) -> bool {
         self.settings.mode == Mode::Check
     }
 
@@ -136,7 +136,7 @@ impl Host {
     ///
     /// # Errors
     /// The user asked to stop.
-    pub fn go_on(&self) -> Result<(), Failure> {
+    pub(crate) fn go_on(&self) -> Result<(), Failure> {
         if self.is_interrupted() { Err(interrupted("interrupted")) } else { Ok(()) }
     }
 
@@ -199,7 +199,7 @@ impl Host {
     }
 
     /// The same of a check that `key` tells from others, with all that is said of it.
-    pub fn passed_as(&self, key: &str, line: &str) {
+    pub(crate) fn passed_as(&self, key: &str, line: &str) {
         if !self.passed.borrow().iter().any(|(known, _)| known == key) {
             self.passed.borrow_mut().push((key.into(), line.into()));
             self.observer.passed(line);
@@ -207,7 +207,7 @@ impl Host {
     }
 
     /// The checks that held, by their keys, and the warnings; from now on, all are new.
-    pub fn forget_told(&self) -> Vec<(String, String)> {
+    pub(crate) fn forget_told(&self) -> Vec<(String, String)> {
         self.warned.take();
         self.passed.take()
     }
@@ -218,7 +218,7 @@ impl Host {
     }
 
     /// Notes the path of a module that was imported and is kept as long as the session.
-    pub fn note_module(&self, module: &Shared<Module>, path: &str) {
+    pub(crate) fn note_module(&self, module: &Shared<Module>, path: &str) {
         self.module_paths.borrow_mut().insert(Shared::as_ptr(module) as usize, path.into());
     }
 
@@ -228,23 +228,23 @@ impl Host {
     }
 
     /// The context of the imported module that made a closure.
-    pub fn module_context(&self, closure: &str) -> Option<Rc<NativeCallContextStore>> {
+    pub(crate) fn module_context(&self, closure: &str) -> Option<Rc<NativeCallContextStore>> {
         self.module_contexts.borrow().get(closure).cloned().flatten()
     }
 
     /// A module with these closures begins to load.
-    pub fn begin_module(&self, closures: Vec<String>) {
+    pub(crate) fn begin_module(&self, closures: Vec<String>) {
         self.loading.borrow_mut().push(closures);
     }
 
     /// The module that began last has loaded.
-    pub fn end_module(&self) {
+    pub(crate) fn end_module(&self) {
         self.loading.borrow_mut().pop();
     }
 
     /// Keeps the context of the module that is loading for its closures. Closures with the same text in two modules have the same name;
     /// neither is bound then.
-    pub fn keep_module_context(&self, context: NativeCallContextStore) {
+    pub(crate) fn keep_module_context(&self, context: NativeCallContextStore) {
         let context = Rc::new(context);
         let loading = self.loading.borrow();
         let mut contexts = self.module_contexts.borrow_mut();

@@ -13,12 +13,13 @@ pub fn lint(host: &Host, engine: &Engine, source: &str) {
     let lexemes = scan::lexemes(engine, &text);
     for (range, a, b) in scan::exclusive_ors(&lexemes) {
         let place = Place { source: source.to_string(), text: text.clone(), range };
-        let warning = Diagnostic::warning(format!("{a} ^ {b} is {}", a ^ b), Some(place)).label("an exclusive or of bits");
+        let warning = Diagnostic::warning(format!("{a} ^ {b} is {}", a ^ b), Some(place)).code("C1051").label("an exclusive or of bits");
         host.warn(warning.hint(format!("write `{a} ** {b}` for the power")));
     }
     for (range, dividend, divisor) in scan::truncating_divisions(&lexemes) {
         let place = Place { source: source.to_string(), text: text.clone(), range };
         let warning = Diagnostic::warning(format!("{dividend}/{divisor} is {}", dividend / divisor), Some(place))
+            .code("C1052")
             .label("a division of whole numbers")
             .cause("whole numbers are divided without a remainder")
             .hint(format!("write `{dividend}.0/{divisor}` for the fraction"));

@@ -15,6 +15,7 @@ pub struct Message {
     pub class: Class,
     /// Whether the script goes on.
     is_warning: bool,
+    code: String,
     title: String,
     label: String,
     causes: Vec<String>,
@@ -28,6 +29,7 @@ impl Message {
         Message {
             class: diagnostic.class,
             is_warning: diagnostic.severity == Severity::Warning,
+            code: diagnostic.code.clone(),
             title: diagnostic.title.clone(),
             label: diagnostic.label.clone(),
             causes: diagnostic.causes.clone(),
@@ -46,8 +48,8 @@ impl Message {
     pub fn diagnostic(&self, sources: &Sources) -> Diagnostic {
         let severity = if self.is_warning { Severity::Warning } else { Severity::Error };
         let place = self.place(sources);
-        let (label, causes, hints) = (self.label.clone(), self.causes.clone(), self.hints.clone());
-        Diagnostic { severity, place, label, causes, hints, ..Diagnostic::error(self.class, self.title.clone()) }
+        let (code, label, causes, hints) = (self.code.clone(), self.label.clone(), self.causes.clone(), self.hints.clone());
+        Diagnostic { severity, code, place, label, causes, hints, ..Diagnostic::error(self.class, self.title.clone()) }
     }
 
     /// The failure that says the same.
@@ -58,7 +60,7 @@ impl Message {
 
     /// The same of a failure that is made of its title.
     pub fn failure_of(&self, begin: impl FnOnce(String) -> Failure) -> Failure {
-        let failure = begin(self.title.clone()).label(self.label.clone());
+        let failure = begin(self.title.clone()).code(self.code.clone()).label(self.label.clone());
         let failure = self.causes.iter().fold(failure, |failure, cause| failure.cause(cause.clone()));
         self.hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
     }

@@ -51,7 +51,7 @@ impl Kind {
     }
 
     /// With its article, as messages name it.
-    pub fn phrase(&self) -> String {
+    pub(crate) fn phrase(&self) -> String {
         match self {
             Kind::Number => "a number".into(),
             Kind::Integer => "a whole number".into(),
@@ -149,7 +149,7 @@ impl Parameter {
     }
 
     /// The number that a row of a catalogue asks for, as a key of an options map.
-    pub fn of_catalogue(row: &catalogue::Parameter) -> Self {
+    pub(crate) fn of_catalogue(row: &catalogue::Parameter) -> Self {
         let key = Parameter::number(row.name, row.dimension, row.range, row.summary);
         match row.default {
             Some(value) => key.or(Absent::Number(value)),
@@ -173,12 +173,12 @@ impl Parameter {
     }
 
     /// Whether it may be left out.
-    pub fn is_optional(&self) -> bool {
+    pub(crate) fn is_optional(&self) -> bool {
         self.absent != Absent::Refused
     }
 
     /// What must be given, such as `a number greater than 0 [length]`.
-    pub fn requirement(&self) -> String {
+    pub(crate) fn requirement(&self) -> String {
         let mut text = self.kind.phrase();
         if matches!(self.kind, Kind::Number | Kind::Integer) && self.range != Interval::Finite {
             text = format!("{text} {}", self.range);

@@ -46,7 +46,7 @@ impl Sandbox {
     }
 
     /// Files that the script has asked for and may read.
-    pub fn files_read(&self) -> Vec<PathBuf> {
+    pub(crate) fn files_read(&self) -> Vec<PathBuf> {
         self.read.borrow().iter().cloned().collect()
     }
 
@@ -65,7 +65,7 @@ impl Sandbox {
     ///
     /// # Errors
     /// There is no such file, or the script may not read it.
-    pub fn readable(&self, path: &str) -> Result<PathBuf, Failure> {
+    pub(crate) fn readable(&self, path: &str) -> Result<PathBuf, Failure> {
         let given = Path::new(path);
         let bases = [self.home.clone(), PathBuf::from(".")].into_iter().chain(self.readable.iter().cloned());
         let found: Vec<PathBuf> = bases.filter_map(|base| base.join(given).canonicalize().ok()).filter(|file| file.is_file()).collect();
@@ -78,6 +78,7 @@ impl Sandbox {
             Some(file) => {
                 let folder = file.parent().unwrap_or(file);
                 Failure::script(format!("the script may not read \"{path}\""))
+                    .code("C0941")
                     .cause("a script reads files below its own folder and below the folders that `--allow-read` names")
                     .hint(format!("allow it with `--allow-read {}`", folder.display()))
             }
@@ -86,6 +87,7 @@ impl Sandbox {
                 let folder = looked.map_or(self.home.clone(), |parent| self.home.join(parent));
                 let siblings = siblings(&folder, given);
                 let failure = Failure::script(format!("there is no file \"{path}\""))
+                    .code("C0942")
                     .cause("paths are relative to the script's folder, or absolute below a folder that `--allow-read` names");
                 match siblings {
                     Some(suggestion) => failure.hint(suggestion),
@@ -107,11 +109,13 @@ impl Sandbox {
                 Ok(file)
             }
             Ok(_) => Err(Failure::script(format!("the script may not import \"{path}\""))
+                .code("C0943")
                 .cause("modules lie below the folder of the script that was started")
                 .hint("move the module into a subfolder, such as `lib`, next to the script")),
             Err(_) => {
                 let folder = file.parent().unwrap_or(&self.home).to_path_buf();
                 let failure = Failure::script(format!("there is no module \"{path}\""))
+                    .code("C0944")
                     .cause(format!("the import means the file \"{path}.rhai\" below the script's folder"));
                 Err(match siblings(&folder, Path::new(&format!("{path}.rhai"))).filter(|suggestion| suggestion.contains(".rhai")) {
                     Some(suggestion) => failure.hint(suggestion.replace(".rhai", "")),

@@ -42,7 +42,7 @@ impl Sources {
     }
 
     /// A place in the text that was appended there, if it was.
-    pub fn relocate(&self, place: Place) -> Place {
+    pub(crate) fn relocate(&self, place: Place) -> Place {
         let segments = self.segments.borrow();
         let inside = |segment: &&Segment| segment.source == place.source && segment.start <= place.range.start;
         let Some(segment) = segments.iter().rev().find(inside) else { return place };
@@ -86,7 +86,7 @@ pub struct Place {
 
 impl Place {
     /// Line and column (in characters), both from 1, of the beginning.
-    pub fn line_column(&self) -> (usize, usize) {
+    pub(crate) fn line_column(&self) -> (usize, usize) {
         let before = &self.text[..self.range.start.min(self.text.len())];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)

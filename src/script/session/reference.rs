@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use serde_json::{Value, json};
 
+use super::codes::{Explanation, explanation, explanations};
 use super::pages::{PAGES, Page, page};
 use super::words::{Word, words};
 use crate::materials;
@@ -43,6 +44,8 @@ pub enum Entry {
     Word(Word),
     /// A page on the language itself.
     Page(&'static Page),
+    /// A code of messages.
+    Code(Explanation),
     /// A topic with its functions.
     Topic(&'static str, Vec<Rc<Function>>),
     /// A type with its members.
@@ -90,6 +93,11 @@ impl Reference {
     /// There is nothing of that name; a suggestion, where a name is near.
     pub fn find(&self, name: &str) -> Result<Vec<Entry>, Option<String>> {
         let wanted = name.trim().trim_end_matches("()").trim_end();
+        match explanation(wanted) {
+            None => {}
+            Some(Ok(known)) => return Ok(vec![Entry::Code(known)]),
+            Some(Err(near)) => return Err(Some(format!("no message has this code; the nearest is `{near}`"))),
+        }
         let (owner, last) = wanted.rsplit_once('.').map_or((None, wanted), |(owner, last)| (Some(owner.to_lowercase()), last));
         let mut functions: Vec<&Rc<Function>> = self.functions.iter().filter(|function| function.name == last).collect();
         // An owner that is no type is the name of an object, which may be of any type.
@@ -130,11 +138,12 @@ impl Reference {
         let pages = PAGES.iter().filter(|page| has_all(format!("{} {} {}", page.names.join(" "), page.title, page.about).to_lowercase()));
         let functions = self.functions.iter().filter(of_function).cloned().map(Entry::Function);
         let words = self.words.iter().filter(|word| has_all(format!("{} {} {}", word.name, word.group, word.summary).to_lowercase()));
-        functions.chain(pages.map(Entry::Page)).chain(words.cloned().map(Entry::Word)).collect()
+        let codes = explanations().filter(|code| has_all(format!("{} {} {}", code.code, code.title, code.text).to_lowercase()));
+        functions.chain(pages.map(Entry::Page)).chain(words.cloned().map(Entry::Word)).chain(codes.map(Entry::Code)).collect()
     }
 
     /// One line for each function and word, topic by topic.
-    pub fn overview(&self) -> String {
+    pub(crate) fn overview(&self) -> String {
         let mut text = String::new();
         for (topic, title) in TOPICS {
             let _ = writeln!(text, "{title}\n{}\n", listing(&self.of_topic(topic)));
@@ -146,7 +155,8 @@ impl Reference {
         let pages: Vec<&str> = PAGES.iter().map(|page| page.names[0]).collect();
         let _ = writeln!(text, "The language itself\n  {}\n", pages.join(", "));
         text.push_str(
-            "`conserva doc NAME` tells more of a function, word, topic or type; `conserva doc --search TEXT` searches everything\n",
+            "`conserva doc NAME` tells more of a function, word, topic or type, or of the code of a message; `conserva doc --search TEXT` \
+             searches everything\n",
         );
         text
     }
@@ -200,10 +210,11 @@ impl Reference {
     }
 
     /// One entry in Markdown.
-    pub fn entry_markdown(&self, entry: &Entry) -> String {
+    pub(crate) fn entry_markdown(&self, entry: &Entry) -> String {
         match entry {
             Entry::Function(function) => self.function_markdown(function),
             Entry::Page(page) => page.markdown(),
+            Entry::Code(code) => code.markdown(),
             Entry::Word(word) => format!("### {}\n\n{} ({}).\n", word.name, sentence(&word.summary), word.group),
             Entry::Topic(title, functions) | Entry::Type(title, functions) => {
                 let all: Vec<String> = functions.iter().map(|function| self.function_markdown(function)).collect();
@@ -258,12 +269,13 @@ impl Reference {
     }
 
     /// Some entries as JSON.
-    pub fn entries_json(&self, entries: &[Entry]) -> String {
+    pub(crate) fn entries_json(&self, entries: &[Entry]) -> String {
         let values: Vec<Value> = entries
             .iter()
             .flat_map(|entry| match entry {
                 Entry::Function(function) => vec![function_json(function)],
                 Entry::Page(page) => vec![page.json()],
+                Entry::Code(code) => vec![code.json()],
                 Entry::Word(word) => vec![word_json(word)],
                 Entry::Topic(_, functions) | Entry::Type(_, functions) => {
                     functions.iter().map(|function| function_json(function)).collect()
@@ -281,6 +293,7 @@ impl Entry {
             Entry::Function(function) => format!("{}: {}", heading(function), function.summary),
             Entry::Page(page) => format!("{}: a page on {}", page.names[0], page.title),
             Entry::Word(word) => format!("\"{}\", {}: {}", word.name, word.group, word.summary),
+            Entry::Code(code) => format!("{}: {}", code.code, code.title),
             Entry::Topic(title, _) | Entry::Type(title, _) => (*title).to_string(),
         }
     }
@@ -290,6 +303,7 @@ impl Entry {
         match self {
             Entry::Function(function) => function_text(function),
             Entry::Page(page) => page.text(),
+            Entry::Code(code) => code.terminal(),
             Entry::Word(word) => format!("\"{}\", {}\n  {}", word.name, word.group, word.summary),
             Entry::Topic(title, functions) | Entry::Type(title, functions) => format!("{title}\n{}", listing(functions)),
         }

@@ -203,7 +203,7 @@ fn not_a_test(source: &str, text: &Arc<str>, name: &str, parameters: usize, star
     let place = Place { source: source.into(), text: text.clone(), range: start..end };
     let count = if parameters == 1 { "a parameter".to_string() } else { format!("{parameters} parameters") };
     let warning = Diagnostic::warning(format!("`{name}` is not run: a test has no parameters"), Some(place));
-    let warning = warning.label(format!("it has {count}"));
+    let warning = warning.code("C1054").label(format!("it has {count}"));
     warning.hint(format!("set the values inside of it, or call it from a test: `fn {name}_with_one() {{ {name}(…) }}`"))
 }
 

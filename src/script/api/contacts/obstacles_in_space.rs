@@ -211,6 +211,6 @@ fn faceted(made: Result<Facets, FacetsError>, argument: &Argument) -> Result<Obs
         FacetsError::NotFinite(_) => "repair the file",
         FacetsError::Turned(_) => "turn round the triangles that look the wrong way, and part what more than two triangles share",
     };
-    let made = made.map_err(|error| argument.fail(error.to_string()).hint(hint(&error)))?;
+    let made = made.map_err(|error| argument.fail(error.to_string()).code(error.code()).hint(hint(&error)))?;
     in_space(ObstacleInSpace::Facets(Arc::new(made)))
 }

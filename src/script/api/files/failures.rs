@@ -5,7 +5,7 @@ use crate::script::language::failure::{Class, Failure};
 
 /// The failure of a file that could not be written.
 pub fn output_failure(error: &OutputError) -> Failure {
-    Failure::new(output_class(error), error.to_string()).hint(error.hint())
+    Failure::new(output_class(error), error.to_string()).code(error.code()).hint(error.hint())
 }
 
 /// Whose fault it is: a name that cannot be is the script's, a full disk is not.

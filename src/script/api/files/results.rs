@@ -62,7 +62,8 @@ pub fn result() -> Function {
             let Some(plain) = plain(&value.value()) else { return Err(refused(call, &value.value()).into()) };
             if as_number(&value.value()).is_some_and(|number| !number.is_finite()) {
                 let title = format!("the result \"{name}\" is {}", number_text(as_number(&value.value()).unwrap_or_default()));
-                let warning = Diagnostic::warning(title, call.place(&Target::Call)).cause("tables of studies have it as a text");
+                let warning =
+                    Diagnostic::warning(title, call.place(&Target::Call)).code("C1053").cause("tables of studies have it as a text");
                 call.host.warn(warning.hint("look for a division by zero, or for a column that has no value yet"));
             }
             call.host.slots.get::<Results>().note(&name, plain);

@@ -81,7 +81,8 @@ pub fn write_at(call: &Call, into: Option<&dyn Destination>, path: &str, bytes: 
 pub fn told(call: &Call, path: &str, written: Option<Result<(), OutputError>>) -> Result<(), Failure> {
     let argument = call.argument("path");
     match written {
-        Some(written) => written.map_err(|error| argument.fail(error.to_string()).hint(error.hint()).of_class(output_class(&error)))?,
+        Some(written) => written
+            .map_err(|error| argument.fail(error.to_string()).code(error.code()).hint(error.hint()).of_class(output_class(&error)))?,
         None => call.host.observer.print(&format!("{path} is not written: this session has no output folder")),
     }
     Ok(())

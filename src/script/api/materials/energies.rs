@@ -60,7 +60,7 @@ fn hyperelastic() -> Function {
                     refused(&options.argument(if is_volumetric { "volumetric" } else { "energy" }), &error)
                 }
                 error => {
-                    let failure = options.argument("energy").fail(error.to_string());
+                    let failure = options.argument("energy").fail(error.to_string()).code(error.code());
                     failure.hint("add an energy of the volume, such as `volumetric: \"k/2*(J - 1)^2\"`")
                 }
             })?;
@@ -76,7 +76,7 @@ fn text_of(argument: &Argument) -> Result<EnergyText, Failure> {
 
 /// The failure of a text with a mistake: points into the text where it stands in the script as it is.
 pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
-    let failure = argument.fail(error.title.clone()).label(error.label.clone());
+    let failure = argument.fail(error.title.clone()).code(error.code()).label(error.label.clone());
     let place = argument.call().place(&argument.target()).and_then(|place| inside(place, error));
     let failure = if place.is_some() {
         failure.placed(place)

@@ -144,8 +144,10 @@ impl Law {
 fn failed(call: &Call, error: FitError) -> Failure {
     match error {
         FitError::Energy(error) => refused(&call.argument("law"), &error),
-        FitError::Points { .. } => call.fail(error.to_string()).hint("give more points, or values for some constants in `fixed`"),
-        _ => call.fail(error.to_string()).hint("give values to begin with in `start`"),
+        FitError::Points { .. } => {
+            call.fail(error.to_string()).code(error.code()).hint("give more points, or values for some constants in `fixed`")
+        }
+        _ => call.fail(error.to_string()).code(error.code()).hint("give values to begin with in `start`"),
     }
 }
 

@@ -48,10 +48,11 @@ fn constructor(row: &'static MaterialRow) -> Function {
             let values = row.parameters.iter().map(|parameter| options.number(parameter.name)).collect::<Result<Vec<f64>, _>>()?;
             let row = if row.volumetric.is_some() { of_form(row, &options.text(VOLUMETRIC)?) } else { row };
             let material = Material::new(row, &values).map_err(|error| match error {
-                MaterialError::Energy(error) => {
-                    call.fail(format!("{} with these constants", error.title)).cause(format!("its energy is `{}`", error.text))
-                }
-                error => call.fail(error.to_string()),
+                MaterialError::Energy(error) => call
+                    .fail(format!("{} with these constants", error.title))
+                    .code(error.code())
+                    .cause(format!("its energy is `{}`", error.text)),
+                error => call.fail(error.to_string()).code(error.code()),
             })?;
             Ok(Dynamic::from(MaterialHandle(material)))
         }),

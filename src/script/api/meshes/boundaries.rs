@@ -95,6 +95,7 @@ pub fn with_boundary_where(call: &Call, mesh: &Mesh) -> Result<Mesh, Box<EvalAlt
     if mesh.boundary(&name).is_some_and(|boundary| boundary.facets.is_empty()) {
         let target = Target::Argument(1);
         let warning = Diagnostic::warning(format!("boundary \"{name}\" has no facets"), call.place(&target))
+            .code("C0262")
             .label("no facet of the hull has all its nodes here")
             .hint(
                 "a facet belongs to the boundary when the condition holds at all its nodes: leave room for round-off, such as `y > 0.999`",

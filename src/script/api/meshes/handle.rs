@@ -84,7 +84,7 @@ pub fn describe_mesh(mesh: &Mesh) -> String {
 
 /// The failure of a mesh operation.
 pub fn mesh_failure(call: &Call, error: &MeshError) -> Failure {
-    call.fail(error.to_string()).hint(error.remedy())
+    call.fail(error.to_string()).code(error.code()).hint(error.remedy())
 }
 
 /// A mesh that was made, as a value of a script.

@@ -66,7 +66,7 @@ pub fn failure(options: &Options, error: &MeshError) -> Failure {
     let argument = options.argument("layers");
     match error {
         UnknownLayers { .. } | LayersCollide { .. } | LayersCramped { .. } | LayerCorner { .. } | OddLayers { .. } => {
-            argument.fail(error.to_string()).hint(error.remedy())
+            argument.fail(error.to_string()).code(error.code()).hint(error.remedy())
         }
         _ => mesh_failure(argument.call(), error),
     }

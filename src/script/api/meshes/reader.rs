@@ -48,15 +48,15 @@ fn reader() -> Function {
 /// It may not, or there is none.
 pub fn readable(argument: &Argument, path: &str) -> Result<PathBuf, Failure> {
     argument.call().host.sandbox.readable(path).map_err(|failure: Failure| {
-        let Details { title, causes, hints, .. } = &*failure;
-        let failure = causes.iter().fold(argument.fail(title.clone()), |failure, cause| failure.cause(cause.clone()));
+        let Details { title, code, causes, hints, .. } = &*failure;
+        let failure = causes.iter().fold(argument.fail(title.clone()).code(code), |failure, cause| failure.cause(cause.clone()));
         hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
     })
 }
 
 /// What is wrong with a file, with its place.
 pub fn read_failure(argument: &Argument, path: &str, file: &Path, error: &MeshError) -> Failure {
-    let failure = argument.fail(error.to_string()).label(format!("in the file \"{path}\""));
+    let failure = argument.fail(error.to_string()).code(error.code()).label(format!("in the file \"{path}\""));
     let failure = match error.place() {
         None => failure,
         Some(Place::Byte(byte)) => failure.cause(format!("it shows at byte {byte} of the file")),

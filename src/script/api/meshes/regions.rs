@@ -186,7 +186,7 @@ fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Res
 /// The curves of an outline or a hole.
 fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failure> {
     let engine = argument.call().engine();
-    let refused = |error: MeshError| argument.fail(error.to_string()).hint(error.remedy());
+    let refused = |error: MeshError| argument.fail(error.to_string()).code(error.code()).hint(error.remedy());
     let is_circle = |curve: &CurveHandle| matches!(curve.kind, CurveKind::Circle { .. });
     if let Some(curve) = value.clone().try_cast::<CurveHandle>().filter(is_circle) {
         return Ok(vec![curve.side([0.0; 2]).map_err(refused)?]);

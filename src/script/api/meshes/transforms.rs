@@ -62,7 +62,7 @@ fn rotate() -> Function {
             let (angle, center) = (call.number("angle")?, vector_or_zero(call, "center", mesh.dimension())?);
             if angle.abs() > MOST_TURNED {
                 let title = format!("the mesh is turned by {} rad, more than once around", brief(angle));
-                let warning = Diagnostic::warning(title, call.place(&Target::Argument(0)));
+                let warning = Diagnostic::warning(title, call.place(&Target::Argument(0))).code("C0263");
                 call.host.warn(warning.hint(format!("for degrees write `deg({})`", brief(angle))));
             }
             let axis = call.argument("axis");
@@ -118,7 +118,8 @@ fn map_function() -> Function {
                 Ok(mesh) => mesh_value(call, Ok(mesh)),
                 Err(SelectionError::Condition(error)) => Err(error),
                 Err(SelectionError::Mesh(error)) => {
-                    let failure = call.argument("place").fail(error.to_string()).label("the mapped mesh cannot be computed with");
+                    let failure =
+                        call.argument("place").fail(error.to_string()).code(error.code()).label("the mapped mesh cannot be computed with");
                     Err(failure.hint("a map must neither mirror nor fold the mesh: each cell keeps its sense of rotation").into())
                 }
             }
@@ -207,7 +208,7 @@ fn part() -> Function {
             let name = argument.text()?;
             match mesh.part(&name) {
                 Ok(part) => Ok(Dynamic::from(MeshHandle::new(part))),
-                Err(error) => Err(argument.fail(error.to_string()).hint(error.remedy()).into()),
+                Err(error) => Err(argument.fail(error.to_string()).code(error.code()).hint(error.remedy()).into()),
             }
         }),
     }

@@ -79,12 +79,12 @@ pub fn add_body() -> Function {
                 mesh = Arc::new(Mesh { points, ..(*mesh).clone() });
             }
             if let Err(error) = mesh.check() {
-                let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
+                let failure = call.argument("mesh").fail(error.to_string()).code(error.code()).label("the mesh cannot be computed with");
                 return Err(failure.hint(error.remedy()).into());
             }
             refuse_or_warn_of_surface(call, &mesh)?;
             if let Err(error) = formulation.check(&mesh, &material) {
-                return Err(call.argument("formulation").fail(error.to_string()).hint(error.remedy()).into());
+                return Err(call.argument("formulation").fail(error.to_string()).code(error.code()).hint(error.remedy()).into());
             }
             let rigid = rigid_of(&call.options("formulation")?, &mesh, &material, formulation)?;
             let definition = BodyDefinition { name, mesh, material, formulation, rigid };
@@ -99,9 +99,14 @@ pub fn add_body() -> Function {
 pub(super) fn refuse_or_warn_of_surface(call: &Call, mesh: &Mesh) -> Result<(), Failure> {
     for defect in mesh.surface_defects() {
         if matches!(defect, MeshError::CrossingSurface { .. }) {
-            return Err(call.argument("mesh").fail(defect.to_string()).label("the mesh cannot be computed with").hint(defect.remedy()));
+            return Err(call
+                .argument("mesh")
+                .fail(defect.to_string())
+                .code(defect.code())
+                .label("the mesh cannot be computed with")
+                .hint(defect.remedy()));
         }
-        call.host.warn(Diagnostic::warning(defect.to_string(), call.place(&Target::Argument(1))).hint(defect.remedy()));
+        call.host.warn(Diagnostic::warning(defect.to_string(), call.place(&Target::Argument(1))).code(defect.code()).hint(defect.remedy()));
     }
     Ok(())
 }
@@ -275,7 +280,7 @@ pub fn check() -> Function {
         body: body(|call| {
             let model = call.receiver::<ModelHandle>();
             let model = &model.0.borrow().model;
-            model.check().map_err(|error| call.fail(error.to_string()).hint(error.remedy()))?;
+            model.check().map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))?;
             let sentence = |(contact, finding): (String, Finding)| format!("contact \"{contact}\": {finding}; {}", finding.hint());
             let locking = model.locking().into_iter().map(|body| format!("{body}; {}", body.remedy()));
             Ok(model.findings().into_iter().map(sentence).chain(locking).map(Dynamic::from).collect::<Array>().into())

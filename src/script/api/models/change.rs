@@ -34,7 +34,7 @@ pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelDa
         }
         Err(error) => {
             *handle.0.borrow_mut() = before;
-            Err(call.fail(error.to_string()).hint(error.remedy()))
+            Err(call.fail(error.to_string()).code(error.code()).hint(error.remedy()))
         }
     }
 }
@@ -70,7 +70,8 @@ pub fn warn_of_unseen_changes(host: &Host) {
         let data = model.0.borrow();
         let Some((function, place)) = &data.unseen else { continue };
         let title = format!("`{function}` changes model \"{}\" after its simulation was made", data.model.name);
-        let warning = Diagnostic::warning(title, place.clone()).cause("a simulation is one of the model as it was at `simulate`");
+        let warning =
+            Diagnostic::warning(title, place.clone()).code("C0176").cause("a simulation is one of the model as it was at `simulate`");
         host.warn(warning.hint("complete the model before `simulate`, or make another simulation after the change"));
     }
 }

@@ -68,7 +68,7 @@ pub fn add_rigid_body() -> Function {
             let model = call.receiver::<ModelHandle>();
             let (name, mesh) = (call.name("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             if let Err(error) = mesh.check() {
-                let failure = call.argument("mesh").fail(error.to_string()).label("the mesh cannot be computed with");
+                let failure = call.argument("mesh").fail(error.to_string()).code(error.code()).label("the mesh cannot be computed with");
                 return Err(failure.hint(error.remedy()).into());
             }
             refuse_or_warn_of_surface(call, &mesh)?;
@@ -85,7 +85,7 @@ pub fn add_rigid_body() -> Function {
 /// A material of that density.
 fn material_of(argument: &Argument, density: f64) -> Result<Material, Failure> {
     let made = NeoHookean { youngs_modulus: density, poisson_ratio: ANY_RATIO, density }.material();
-    made.map_err(|error| argument.fail(error.to_string()))
+    made.map_err(|error| argument.fail(error.to_string()).code(error.code()))
 }
 
 /// Mass and inertia of a rigid body, and the material that has its density.

@@ -247,6 +247,7 @@ impl Artifacts {
         begun.and(listed).map_err(|error| output_failure(&error))?;
         let Some(time) = strange else { return Ok(()) };
         Err(Failure::script(format!("the frame of the fields at t = {} is not that of the run that is resumed", brief(time)))
+            .code("C0954")
             .cause("what the script does must follow from its text, its parameters and the files that it reads")
             .hint("run the script anew with `conserva run`"))
     }

@@ -87,28 +87,29 @@ fn warn(call: &Call, buckling: &Buckling) {
     let warning = |title: String| Diagnostic::warning(title, call.place(&Target::Call));
     if !buckling.is_complete {
         let title = "load factors may be missing: those below the last could not be counted".to_string();
-        call.host.warn(warning(title).hint("ask for a few more with `count`"));
+        call.host.warn(warning(title).code("C0726").hint("ask for a few more with `count`"));
     }
     let off = buckling.nonlinearity;
     if off > LINEAR_STATE {
         let title = format!("the state is not that of a linear model: its strain energy is off by {}", brief(off));
-        call.host.warn(warning(title).hint("settle under a smaller part of the load"));
+        call.host.warn(warning(title).code("C0727").hint("settle under a smaller part of the load"));
     } else if off * buckling.factors[0] > LINEAR_PATH {
         let title = "the way to the buckling load is not straight: the load factor is an estimate".to_string();
-        call.host.warn(warning(title).hint("`sim.follow_load` follows equilibria up to where stability is lost"));
+        call.host.warn(warning(title).code("C0728").hint("`sim.follow_load` follows equilibria up to where stability is lost"));
     }
 }
 
 /// The failure of `buckling`.
 fn refused(call: &Call, handle: &SimulationHandle, error: BucklingError) -> Failure {
-    let title = error.to_string();
-    match error {
+    let (title, code) = (error.to_string(), error.code());
+    let failure = match error {
         BucklingError::Matrix(error) => modes::refused(call, handle, error),
         BucklingError::Follows { .. } => call.fail(title).hint("`sim.follow_load` finds where stability is lost under such loads"),
         BucklingError::Unloaded => call.fail(title).hint("load the model and call `sim.settle()` before"),
         BucklingError::Loose => call.fail(title).hint("hold every body with `fix`, or let contacts hold it that press"),
         BucklingError::NotFound { .. } => call.fail(title).hint("turn the load around, or ask for fewer with `count`"),
-    }
+    };
+    failure.code(code)
 }
 
 fn factors() -> Function {

@@ -74,7 +74,7 @@ fn stable_step() -> Function {
             options.interrupt = Some(call.host.settings.interrupt.clone());
             let model = model.0.borrow().clone();
             let mut simulation = kernels(call, &model.model, None, options)?;
-            let found = simulation.stable_step().map_err(|error| call.fail(error.to_string()).hint(error.hint()))?;
+            let found = simulation.stable_step().map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.hint()))?;
             Ok(found.dt.into())
         }),
     }

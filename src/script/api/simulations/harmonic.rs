@@ -109,7 +109,7 @@ fn harmonic_response() -> Function {
             let response = found.map_err(|error| refused(call, &handle, error, unit))?;
             if response.asymmetry > 0.0 {
                 let title = "loads that turn with the surface make the stiffness unsymmetric: the response is that of its symmetric part";
-                call.host.warn(Diagnostic::warning(title.to_string(), call.place(&Target::Call)));
+                call.host.warn(Diagnostic::warning(title.to_string(), call.place(&Target::Call)).code("C0715"));
             }
             warn_of_turning(call, &handle);
             let cause = "what damps the response are the options `loss_factor`, `mass_damping` and `stiffness_damping`";
@@ -161,7 +161,8 @@ fn boundary_of(handle: &SimulationHandle, argument: &Argument) -> Result<BodyBou
 /// The failure of `harmonic_response`.
 fn refused(call: &Call, handle: &SimulationHandle, error: HarmonicError, unit: f64) -> Failure {
     let in_script = |frequency: f64| brief(frequency * unit / TAU);
-    match error {
+    let code = error.code();
+    let failure = match error {
         HarmonicError::Matrix(error) => modes::refused(call, handle, error),
         HarmonicError::Resonance { frequency } => call
             .fail(format!("the response at the frequency {} grows without bound: nothing damps it", in_script(frequency)))
@@ -170,7 +171,8 @@ fn refused(call: &Call, handle: &SimulationHandle, error: HarmonicError, unit: f
             .fail(format!("the response at the frequency {} was not found with {vectors} vectors", in_script(frequency)))
             .hint("ask for lower frequencies: so high ones the mesh does not resolve"),
         HarmonicError::Nothing => call.fail(error.to_string()).hint("give a force on a boundary that may move"),
-    }
+    };
+    failure.code(code)
 }
 
 fn frequencies() -> Function {

@@ -92,16 +92,22 @@ fn origin(host: &Host, files: &BTreeMap<PathBuf, (u64, u32)>) -> Origin {
 
 pub(super) fn something_else() -> Failure {
     Failure::script("the script does something else than in the run that is resumed")
+        .code("C0951")
         .cause("what it does must follow from its text, its parameters and the files that it reads")
         .hint("run it anew with `conserva run`")
 }
 
 pub(super) fn unreadable(error: &io::Error) -> Failure {
-    Failure::script("the journal of the run cannot be read").cause(error.to_string()).hint("run the script anew with `conserva run`")
+    Failure::script("the journal of the run cannot be read")
+        .code("C0952")
+        .cause(error.to_string())
+        .hint("run the script anew with `conserva run`")
 }
 
 pub(super) fn of_another_model() -> Failure {
-    Failure::script("the checkpoint is of another model than the script makes now").hint("run the script anew with `conserva run`")
+    Failure::script("the checkpoint is of another model than the script makes now")
+        .code("C0953")
+        .hint("run the script anew with `conserva run`")
 }
 
 impl Pages {

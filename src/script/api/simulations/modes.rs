@@ -208,8 +208,8 @@ fn at_place(body: &mut BodyFields) {
 
 /// The failure of `modes`, and of what else is searched in their matrix.
 pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure {
-    let title = error.to_string();
-    match error {
+    let (title, code) = (error.to_string(), error.code());
+    let failure = match error {
         ModesError::Step(error) => handle.step_failure(call, error),
         ModesError::Dependent => call
             .fail(title)
@@ -218,7 +218,8 @@ pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError)
         ModesError::TooMany { motions: 0, .. } => call.fail(title).hint("free some of the boundaries"),
         ModesError::TooMany { motions, .. } => call.fail(title).hint(format!("ask for at most {motions} with `count`")),
         ModesError::NotFound { .. } => call.fail(title).hint("ask for fewer with `count`, or refine the mesh"),
-    }
+    };
+    failure.code(code)
 }
 
 /// Tells what the modes leave out or do not know.
@@ -231,27 +232,32 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
             many => format!("the state is unstable: small motions grow in the shapes of the first {many} modes"),
         };
         let cause = "the square of their frequency is negative, as where a structure buckles or is no equilibrium";
-        call.host.warn(warning(title).cause(cause).hint("`growths` tells how fast; `settle` under a smaller load for vibrations"));
+        call.host
+            .warn(warning(title).code("C0705").cause(cause).hint("`growths` tells how fast; `settle` under a smaller load for vibrations"));
     }
     if !modes.is_complete {
         let title = "it could not be counted whether modes between these are missing".to_string();
-        call.host.warn(warning(title).cause("the factors of the shifted matrix had replaced pivots").hint("ask for another `count`"));
+        call.host.warn(
+            warning(title).code("C0706").cause("the factors of the shifted matrix had replaced pivots").hint("ask for another `count`"),
+        );
     }
     if modes.asymmetry > 0.0 {
         let title = format!("the stiffness is not symmetric, by {} of its size", brief(modes.asymmetry));
         let cause = "pressures on parts of a surface and friction have no potential; modes are those of the symmetric part";
-        call.host.warn(warning(title).cause(cause).hint("a run with small steps shows what such forces do"));
+        call.host.warn(warning(title).code("C0707").cause(cause).hint("a run with small steps shows what such forces do"));
     }
     let model = &handle.0.model.model;
     if let Some(load) = model.loads.iter().find(|load| matches!(load.kind, LoadKind::Torque)) {
         let title = format!("modes leave out how the torque on \"{}\" turns with it", model.boundary_name(&load.on));
-        call.host.warn(warning(title).cause("its forces follow the boundary and have no potential").hint("a run shows what it does"));
+        call.host.warn(
+            warning(title).code("C0708").cause("its forces follow the boundary and have no potential").hint("a run shows what it does"),
+        );
     }
     warn_of_turning(call, handle);
     warn_of_damping(call, handle, "modes are those of the undamped, relaxed model", "a run shows how vibrations decay");
     if sliding > 0 {
         let title = format!("{sliding} nodes slide against friction: they slide freely in the modes");
-        call.host.warn(warning(title).hint("`settle` first where they should stick"));
+        call.host.warn(warning(title).code("C0741").hint("`settle` first where they should stick"));
     }
 }
 
@@ -262,7 +268,7 @@ pub(super) fn warn_of_damping(call: &Call, handle: &SimulationHandle, cause: &st
     let viscous = viscous.map(|body| format!("the viscosity of body \"{}\" is left out", body.name));
     let damper = model.parts.iter().find(|part| part.dissipates()).map(|part| format!("what \"{}\" damps is left out", part.name()));
     for title in viscous.into_iter().chain(damper) {
-        call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).cause(cause).hint(hint));
+        call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).code("C0742").cause(cause).hint(hint));
     }
 }
 
@@ -271,7 +277,7 @@ pub(super) fn warn_of_turning(call: &Call, handle: &SimulationHandle) {
     if let Some(part) = handle.0.model.model.parts.iter().find(|part| part.is_gyroscopic()) {
         let title = format!("the Coriolis forces of the {} are left out", part.name());
         let cause = "they couple motions a quarter of an oscillation apart; what is there is its centrifugal force";
-        call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).cause(cause).hint("a run shows what they do"));
+        call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).code("C0743").cause(cause).hint("a run shows what they do"));
     }
 }
 

@@ -131,7 +131,7 @@ fn follow_load() -> Function {
                 } else {
                     "beyond a limit point there may be no equilibrium nearby: follow the path with `arc_length: true`"
                 };
-                call.host.warn(warning.cause(format!("no further equilibrium was found: {cause}")).hint(hint));
+                call.host.warn(warning.code("C0733").cause(format!("no further equilibrium was found: {cause}")).hint(hint));
             }
             let rows = path.points.iter().map(|point| handle.0.script_row(point.state.row.clone())).collect();
             let before = handle.0.history.borrow().clone();
@@ -158,10 +158,12 @@ fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOpti
 
 /// The failure of `follow_load`.
 fn refused(call: &Call, handle: &SimulationHandle, error: PathError) -> Failure {
-    let title = error.to_string();
+    let (title, code) = (error.to_string(), error.code());
     match error {
         PathError::Step(error) => handle.step_failure(call, error),
-        PathError::Contact { .. } => call.fail(title).hint("go along the load with `sim.settle(time)` in a loop, which follows contact"),
+        PathError::Contact { .. } => {
+            call.fail(title).code(code).hint("go along the load with `sim.settle(time)` in a loop, which follows contact")
+        }
     }
 }
 

@@ -157,6 +157,7 @@ fn warn_of_distance(call: &Call, body: &BodyDefinition, node: usize, point: [f64
         let (at, here) = (vector_text(&mesh.points[node][..mesh.dimension()]), brief(distance(&point)));
         let title = format!("the point of the probe lies outside of body \"{}\"", body.name);
         let warning = Diagnostic::warning(title, call.place(&Target::Argument(2)))
+            .code("C0644")
             .cause(format!("its nearest node {at} is {here} away, and is followed"));
         call.host.warn(warning.hint("give a point of the undeformed body"));
     }

@@ -74,7 +74,7 @@ impl Journal {
         told.iter().for_each(|error| {
             let warning = Diagnostic::warning("the run cannot be resumed from here: a checkpoint could not be written", None);
             // Not in the files of the run: what it computes is as it would be.
-            host.observer.warn(&warning.cause(error.to_string()).hint(format!("the run goes on; {}", error.hint())));
+            host.observer.warn(&warning.code(error.code()).cause(error.to_string()).hint(format!("the run goes on; {}", error.hint())));
         });
         Ok(())
     }

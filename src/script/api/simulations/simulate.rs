@@ -137,7 +137,8 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     for (contact, finding) in model.model.findings() {
         let what = if matches!(finding, Finding::Untied { .. }) { "tie" } else { "contact" };
         if finding.is_void() {
-            let failure = Failure::script(format!("{what} \"{contact}\" holds nothing: {finding}")).hint(finding.hint());
+            let failure =
+                Failure::script(format!("{what} \"{contact}\" holds nothing: {finding}")).code(finding.code()).hint(finding.hint());
             return Err(failure.placed(model.place_of_contact(&contact)));
         }
         let warning = Diagnostic::warning(format!("{what} \"{contact}\": {finding}"), model.place_of_contact(&contact));
@@ -145,31 +146,33 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         if matches!(finding, Finding::FacingAway { .. }) && model.model.dimension() == 3 {
             hint += "; of a `block`, `bottom` and `top` are along y, `back` and `front` along z";
         }
-        call.host.warn(warning.hint(hint));
+        call.host.warn(warning.code(finding.code()).hint(hint));
     }
     check_joints(call, &model, &simulation)?;
     for body in model.model.locking() {
-        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).hint(body.remedy()));
+        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).code(body.code()).hint(body.remedy()));
     }
     for body in &model.model.bodies {
         // Laws of the catalogue are sound at rest.
         let of_text = body.material.energy().map(|_| body.material.weaknesses_at_rest()).unwrap_or_default();
         for weakness in of_text.iter().filter(|weakness| !matches!(weakness, Weakness::EnergyAtRest(_))) {
             let title = format!("the law of body \"{}\" is not sound at rest: {weakness}", body.name);
-            let warning = Diagnostic::warning(title, call.place(&Target::Call));
+            let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0322");
             call.host
                 .warn(warning.hint("mend its energy, such as with `I1bar` in place of `I1`; `material.check()` tells all that is wrong"));
         }
     }
     for body in model.model.falling() {
         let title = format!("gravity moves body \"{}\" for ever: neither it nor what it may touch has a support to rest on", body.name);
-        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0171");
         call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
     }
     for [moving, other] in model.model.meetings() {
         let title = format!("body \"{moving}\" moves towards \"{other}\", and no contact is defined between them");
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
-        call.host.warn(warning.cause("they will pass through each other").hint("define one with `model.add_contact(…)` if they meet"));
+        call.host.warn(
+            warning.code("C0421").cause("they will pass through each other").hint("define one with `model.add_contact(…)` if they meet"),
+        );
     }
     warn_of_units(call, &model.model, kernel_dt);
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
@@ -196,7 +199,7 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
         if is_driven {
             let failure = Failure::script(format!("the drive of joint \"{name}\" moves what is held already, or driven by another joint"));
             let hint = "a mechanism takes as many drives as it has motions: leave out this one, or another joint or support";
-            return Err(failure.hint(hint).placed(call.place(&Target::Call)));
+            return Err(failure.code("C0172").hint(hint).placed(call.place(&Target::Call)));
         }
         if is_joint {
             let title = format!("{count} of {of} constraints of joint \"{name}\" follow from the joints before it, and are left out");
@@ -204,11 +207,11 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
             let cause =
                 "where the bodies are at rest they hold nothing that is not held: a closed loop of hinges in a plane, or a body held twice";
             let hint = "leave more free, such as by a `point` in place of a `hinge`; at a dead center start a little beside it";
-            call.host.warn(warning.cause(cause).hint(hint));
+            call.host.warn(warning.code("C0173").cause(cause).hint(hint));
             continue;
         }
         let title = format!("{count} of {of} constraints of tie \"{name}\" follow from supports and other ties, and are left out");
-        let mut warning = Diagnostic::warning(title, model.place_of_contact(&name));
+        let mut warning = Diagnostic::warning(title, model.place_of_contact(&name)).code("C0422");
         if let Some((body, number, place)) = node {
             warning = warning.cause(format!("the first is that of node {number} of body \"{body}\", at {}", brief_vector(&place[..2])));
         }
@@ -221,13 +224,16 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
         let title = format!("the rate of the drive of joint \"{}\" jumps at t = {}", joint.name, brief(time));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         let cause = "velocities at the ends of steps swing about the right ones from then on";
-        call.host.warn(warning.cause(cause).hint("let it change smoothly: `|t| if t < 1.0 { 0.5 * t * t } else { t - 0.5 }`"));
+        call.host
+            .warn(warning.code("C0174").cause(cause).hint("let it change smoothly: `|t| if t < 1.0 { 0.5 * t * t } else { t - 0.5 }`"));
     }
     for (name, rate) in simulation.loose_joints() {
         let title = format!("the initial velocities do not fit joint \"{name}\": what it holds would part at {}", brief(rate));
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
         let cause = "the first step makes them fit, and the velocities at the ends of steps swing about the right ones from then on";
-        call.host.warn(warning.cause(cause).hint("give every body of a mechanism the velocity and the spin that its joints leave it"));
+        call.host.warn(
+            warning.code("C0175").cause(cause).hint("give every body of a mechanism the velocity and the spin that its joints leave it"),
+        );
     }
     Ok(())
 }
@@ -248,7 +254,7 @@ fn warn_of_units(call: &Call, model: &Model, dt: f64) {
         if speed * dt > CROSSINGS * size {
             let title = format!("the density {} of body \"{}\" can only be a mistake of units", number_text(density), body.name);
             let cause = format!("sound would cross the body {:.0e} times in one step of dt = {}", speed * dt / size, number_text(dt));
-            let warning = Diagnostic::warning(title, call.place(&Target::Call)).cause(cause);
+            let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0323").cause(cause);
             let hint = "use one set of units for all: N, m, kg and s with stresses in N/m^2, or N, mm, t and s with stresses in N/mm^2";
             call.host.warn(warning.hint(hint));
         }
@@ -262,7 +268,7 @@ fn warn_of_units(call: &Call, model: &Model, dt: f64) {
 pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Options) -> Result<Simulation, Failure> {
     let moved = motion.map(|motion| motion.model(model)).transpose().map_err(|cause| call.fail(cause))?;
     let simulation = Simulation::new(moved.as_ref().unwrap_or(model), options);
-    simulation.map_err(|error| call.fail(error.to_string()).hint(error.remedy()))
+    simulation.map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))
 }
 
 /// What a simulation has behind it when it is made.

@@ -16,8 +16,8 @@ pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
 impl SimulationHandle {
     /// The failure of a call that took the step.
     pub(super) fn step_failure(&self, call: &Call, error: StepError) -> Failure {
-        let (title, hint) = (error.to_string(), error.remedy());
-        match error {
+        let (title, hint, code) = (error.to_string(), error.remedy(), error.code());
+        let failure = match error {
             StepError::Interrupted { time } => interrupted(format!("interrupted at t = {}", brief(time))).hint(hint),
             StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, &at)).hint(hint),
             StepError::OutOfMemory { .. }
@@ -46,7 +46,8 @@ impl SimulationHandle {
                 };
                 if call.host.settings.interactive { failure.hint("`sim.why()` shows the iterations") } else { failure }
             }
-        }
+        };
+        failure.code(code)
     }
 
     /// The failure of a run that has come to its end with sides of a contact inside each other, although the script has not accepted that.
@@ -56,9 +57,9 @@ impl SimulationHandle {
             return None;
         }
         let error = self.0.simulation.try_borrow().ok()?.check_apart().err()?;
-        let (title, hint) = (error.to_string(), error.remedy());
+        let (title, hint, code) = (error.to_string(), error.remedy(), error.code());
         let StepError::StillOverlaps { contact, depth, facets, at, .. } = error else { return None };
-        let failure = Failure::new(Class::Numerics, title).cause(overlap_text(depth, facets, &at)).hint(hint);
+        let failure = Failure::new(Class::Numerics, title).code(code).cause(overlap_text(depth, facets, &at)).hint(hint);
         Some(failure.placed(self.0.model.place_of_contact(&contact)))
     }
 

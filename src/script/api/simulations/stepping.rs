@@ -124,7 +124,7 @@ impl SimulationHandle {
             others => format!("; {others} more overlap"),
         };
         let cause = format!("{}{others}", overlap_text(worst.depth, worst.facets, &worst.at));
-        Err(call.fail(worst.to_string()).cause(cause).hint(worst.remedy()))
+        Err(call.fail(worst.to_string()).code(worst.code()).cause(cause).hint(worst.remedy()))
     }
 
     /// Takes steps until `count` of them are taken or `end` is reached.

@@ -23,6 +23,7 @@ impl SimulationHandle {
         }
         for load in self.0.model.loads.iter().filter(|load| load.amplitude.never_acted()) {
             let warning = Diagnostic::warning(format!("the {} never acted", load.title), load.place.clone())
+                .code("C0641")
                 .cause("its amplitude was zero at every step of the run")
                 .hint("check its times and its size against the time that the simulation covers");
             host.warn(warning);
@@ -45,7 +46,7 @@ impl SimulationHandle {
             }
         };
         let hint = "check the positions and velocities of the bodies, and how far the simulation runs";
-        host.warn(Diagnostic::warning(title, self.0.model.place_of_contact(open[0])).cause(cause).hint(hint));
+        host.warn(Diagnostic::warning(title, self.0.model.place_of_contact(open[0])).code("C0642").cause(cause).hint(hint));
     }
 
     /// Warns of what is remarkable about the run so far. What an integrator loses that promises nothing is a warning where it shows.
@@ -82,7 +83,7 @@ impl SimulationHandle {
         let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
         let which = self.prefix(host);
         let cause = format!("{} ({which}t = {}, step {step})", explained(finding), brief(*time));
-        host.warn(Diagnostic::warning(finding.to_string(), place).cause(cause).hint(finding.remedy()));
+        host.warn(Diagnostic::warning(finding.to_string(), place).code(finding.code()).cause(cause).hint(finding.remedy()));
     }
 
     /// Warns of a prescribed motion that does not begin where the bodies are, before the first step.
@@ -97,7 +98,7 @@ impl SimulationHandle {
         // What a time function fails with is told by the step.
         let Ok(Some((boundary, jump))) = simulation.prescribed_jump() else { return };
         let title = format!("the prescribed motion of \"{boundary}\" jumps by {} in the first step", brief(jump));
-        let warning = Diagnostic::warning(title, call.place(&Target::Call));
+        let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0643");
         let warning = warning.cause(format!("it is not where the body is at t = {}: waves run through the body", brief(simulation.time())));
         call.host
             .warn(warning.hint("let it begin there, such as with `ramp(0.0, 1.0, 0.1)`, or bring the body to rest first with `settle`"));

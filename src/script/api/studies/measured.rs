@@ -40,11 +40,13 @@ fn read(call: &Call) -> Result<Map, Failure> {
     let argument = call.argument("path");
     let path = argument.text()?;
     let file = call.host.sandbox.readable(&path).map_err(|failure| {
-        let again = failure.causes.iter().fold(argument.fail(failure.title.clone()), |again, cause| again.cause(cause.clone()));
+        let again =
+            failure.causes.iter().fold(argument.fail(failure.title.clone()).code(&failure.code), |again, cause| again.cause(cause.clone()));
         failure.hints.iter().fold(again, |again, hint| again.hint(hint.clone()))
     })?;
-    let columns = read_columns(&file).map_err(|ReadError { what, cause, hint, .. }| {
-        let failure = argument.fail(format!("\"{path}\" {what}"));
+    let columns = read_columns(&file).map_err(|error| {
+        let failure = argument.fail(format!("\"{path}\" {}", error.what)).code(error.code());
+        let ReadError { cause, hint, .. } = error;
         cause.into_iter().fold(failure, |failure, cause| failure.cause(cause)).hint(hint)
     })?;
     let mut table = Map::new();

@@ -288,7 +288,7 @@ impl Evaluations<'_> {
         if let Some(first) = failed.first() {
             let title = format!("{} of {} evaluations of `minimize` failed", failed.len(), self.rows.len());
             let warning = Diagnostic::warning(title, place.clone());
-            let warning = warning.cause(format!("{}: {}", described(&self.named(&first.point)), first.failure));
+            let warning = warning.code("C1062").cause(format!("{}: {}", described(&self.named(&first.point)), first.failure));
             host.warn(warning.hint("they count as worse than all others; narrower bounds keep the search away from there"));
         }
         let mut values = self.rows.iter().map(|row| row.value).filter(|value| !value.is_nan());
@@ -296,12 +296,13 @@ impl Evaluations<'_> {
         if first.is_some_and(|first| values.clone().count() > 0 && values.all(|value| value == first)) {
             let title = format!("all {} evaluations of `minimize` give {}", self.rows.len(), brief(first.unwrap_or_default()));
             let warning = Diagnostic::warning(title, place.clone())
+                .code("C1063")
                 .cause("no value is better than another one, so `best` is only where the search was");
             host.warn(warning.hint(format!("let the closure depend on {}", listed(self.names, "and"))));
         }
         if end == End::Evaluations {
             let title = format!("`minimize` has not converged within {} evaluations", search.most);
-            host.warn(Diagnostic::warning(title, place).hint("allow more `evaluations`, or accept a larger `tolerance`"));
+            host.warn(Diagnostic::warning(title, place).code("C1064").hint("allow more `evaluations`, or accept a larger `tolerance`"));
         }
     }
 

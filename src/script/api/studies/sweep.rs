@@ -205,7 +205,7 @@ impl Rows<'_> {
             (count, all) => format!("{count} of {all} points of `sweep` failed"),
         };
         let first = format!("{}: {}", described(&self.points[*index]), message.line(&self.call.host.sources));
-        let warning = Diagnostic::warning(title, self.call.place(&Target::Call)).cause(first);
+        let warning = Diagnostic::warning(title, self.call.place(&Target::Call)).code("C1061").cause(first);
         self.call.host.warn(warning.hint("rows say why in `failure`; `failures: \"stop\"` ends the script at the first one"));
     }
 

@@ -7,7 +7,7 @@
 use rhai::{Engine, EvalAltResult, ParseErrorType};
 
 use super::diagnostics::{Diagnostic, Frame};
-use super::failure::Failure;
+use super::failure::{Class, Failure};
 use super::host::Host;
 use super::sources::Place;
 use crate::script::language::scan;
@@ -37,9 +37,40 @@ pub fn explain(host: &Host, engine: &Engine, error: &EvalAltResult, source: &str
 pub fn explain_failure(failure: &Failure) -> Diagnostic {
     Diagnostic {
         place: failure.origin.clone(),
+        code: failure.code.clone(),
         causes: failure.causes.clone(),
         hints: failure.hints.clone(),
         ..Diagnostic::error(failure.class, failure.title.clone())
+    }
+}
+
+/// The stable code of an error of the engine, by its kind.
+fn code_of(error: &EvalAltResult) -> &'static str {
+    use EvalAltResult::*;
+    match error {
+        ErrorParsing(kind, _) if !matches!(kind, ParseErrorType::VariableUndefined(_) | ParseErrorType::ModuleUndefined(_)) => "C1001",
+        ErrorParsing(..)
+        | ErrorVariableNotFound(..)
+        | ErrorForbiddenVariable(..)
+        | ErrorPropertyNotFound(..)
+        | ErrorIndexNotFound(..)
+        | ErrorModuleNotFound(..)
+        | ErrorDotExpr(..) => "C1002",
+        ErrorFunctionNotFound(..) => "C1003",
+        ErrorMismatchDataType(..) | ErrorMismatchOutputType(..) | ErrorIndexingType(..) | ErrorFor(_) => "C1004",
+        ErrorArrayBounds(..) | ErrorStringBounds(..) | ErrorBitFieldBounds(..) => "C1005",
+        ErrorArithmetic(..) => "C1006",
+        ErrorVariableExists(..)
+        | ErrorUnboundThis(_)
+        | ErrorDataRace(..)
+        | ErrorNonPureMethodCallOnConstant(..)
+        | ErrorAssignmentToConstant(..) => "C1007",
+        ErrorTooManyOperations(_) | ErrorTooManyVariables(_) | ErrorTooManyModules(_) | ErrorStackOverflow(_) | ErrorDataTooLarge(..) => {
+            "C1008"
+        }
+        ErrorRuntime(..) => "C1009",
+        ErrorTerminated(..) => Class::Interrupted.usual_code(),
+        _ => "C1010",
     }
 }
 
@@ -76,7 +107,7 @@ impl Explainer<'_> {
                 let better = self.better_place(other, source, place.as_ref());
                 let is_loop = better.is_some() && matches!(other, EvalAltResult::ErrorTooManyOperations(_));
                 let label = if is_loop { "a loop that runs here" } else { "" };
-                Diagnostic { place: better.or(place), ..diagnostic }.label(label)
+                Diagnostic { place: better.or(place), ..diagnostic }.code(code_of(other)).label(label)
             }
         }
     }
