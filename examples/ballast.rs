@@ -44,8 +44,8 @@ impl PartDefinition for Ballast {
 }
 
 impl Part for Ballast {
-    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
-        tell(&[self.node]);
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(&[self.node]);
     }
     fn place(&mut self, _pattern: &Pattern) {}
     fn linearize(&self, _at: &Iterate, _memory: &[f64], _sums: &mut Sums) -> Result<(), Refusal> {

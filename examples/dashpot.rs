@@ -45,8 +45,8 @@ impl PartDefinition for Dashpot {
 }
 
 impl Part for Dashpot {
-    fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
-        tell(&self.placed.0);
+    fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+        visit(&self.placed.0);
     }
     fn place(&mut self, pattern: &Pattern) {
         self.placed.1 = [0, 1, 2, 3].map(|k| pattern.block(self.placed.0[k / 2], self.placed.0[k % 2]));

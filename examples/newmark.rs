@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringElement, SpringLaw};
-use conserva::integrators::{Affine, Course, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use conserva::integrators::{Affine, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
 
@@ -24,7 +24,7 @@ pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
         // `M a = -f` at both ends, so that forces have the shares of accelerations.
         weight: gamma,
         lag: Lag::once(gamma),
-        course: Course::Whole,
+        step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters::NONE,

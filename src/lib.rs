@@ -74,8 +74,8 @@
 //! }
 //!
 //! impl Part for Dashpot {
-//!     fn for_each_coupling(&self, tell: &mut dyn FnMut(&[u32])) {
-//!         tell(&self.nodes);
+//!     fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32])) {
+//!         visit(&self.nodes);
 //!     }
 //!     fn place(&mut self, pattern: &Pattern) {
 //!         self.places = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[k, l]| pattern.block(self.nodes[k], self.nodes[l]));

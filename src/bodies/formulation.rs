@@ -1,4 +1,4 @@
-//! What a body's strains are: how a plane body is completed to space, and how its change of volume is taken.
+//! What a body's strains are: plane strain, plane stress or axisymmetric, and how the change of volume is taken.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::materials::{Kinematics, Material};
 use crate::math::tolerances::AXIS;
 use crate::mesh::Mesh;
 
-/// How a body of plane cells is completed to space. Bodies in space do not ask.
+/// The third direction of a body of plane cells; bodies in space do not ask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// No stretch across the plane.
@@ -35,7 +35,7 @@ pub enum Dilatation {
 /// The formulation of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Formulation {
-    /// How it is completed to space.
+    /// Its third direction.
     pub plane: Plane,
     /// How it takes the change of volume.
     pub dilatation: Dilatation,

@@ -1,7 +1,7 @@
 //! Backward Euler: the forces and the velocity of the end of the step. It takes energy from fast motion and never adds any in linear ones.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
 /// The linear momentum exact; energy and angular momentum fade.
 pub static BACKWARD_EULER: Scheme = Scheme {
@@ -13,7 +13,7 @@ pub static BACKWARD_EULER: Scheme = Scheme {
     acceleration: Affine::NONE,
     weight: 1.0,
     lag: Lag::once(1.0),
-    course: Course::Whole,
+    step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,

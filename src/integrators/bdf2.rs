@@ -13,7 +13,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
 const PROMISES: Promises = Promises { energy: false, momentum: true, angular_momentum: false, order: 2 };
 
@@ -39,7 +39,7 @@ const fn after(ratio: f64) -> Scheme {
         acceleration,
         weight,
         lag: Lag { used: before, force: 0.0, inertia: 1.0, gamma: 1.0 },
-        course: Course::Whole,
+        step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters::NONE,
@@ -49,7 +49,7 @@ const fn after(ratio: f64) -> Scheme {
 }
 
 /// The linear momentum exact; what vibrates faster than the steps vanishes.
-pub static BDF2: Scheme = Scheme { course: Course::ByRatio(after), ..after(1.0) };
+pub static BDF2: Scheme = Scheme { step: StepKind::ByRatio(after), ..after(1.0) };
 
 /// The first stage: the trapezoidal rule, which leaves the mean of its forces.
 const FIRST: Scheme = {
@@ -75,4 +75,4 @@ const LAST: Scheme = {
 static STAGES: [(f64, Scheme); 2] = [(2.0 - SQRT_2, FIRST), (SQRT_2 - 1.0, LAST)];
 
 /// The linear momentum exact; what vibrates faster than the steps vanishes.
-pub static TR_BDF2: Scheme = Scheme { course: Course::Stages(&STAGES), ..LAST };
+pub static TR_BDF2: Scheme = Scheme { step: StepKind::Stages(&STAGES), ..LAST };

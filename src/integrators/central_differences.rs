@@ -10,7 +10,7 @@
 //! dampers act are those in the middle of the step that has led to the positions: with them the method is of first order.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme, StepKind};
 
 /// The method with a way to lump the mass.
 pub const fn central_differences(lumping: Lumping) -> Scheme {
@@ -25,7 +25,7 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
         acceleration: Affine::NONE,
         weight: 0.5,
         lag: Lag::once(0.5),
-        course: Course::Explicit(lumping),
+        step: StepKind::Explicit(lumping),
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters::NONE,

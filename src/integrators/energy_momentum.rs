@@ -2,7 +2,7 @@
 //! ZAMP 43, 1992; Gonzalez, CMAME 190, 2000).
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
 /// Energy and both momenta exact.
 pub static ENERGY_MOMENTUM: Scheme = ROW;
@@ -17,7 +17,7 @@ pub(super) const ROW: Scheme = Scheme {
     acceleration: Affine::NONE,
     weight: 1.0,
     lag: Lag::once(1.0),
-    course: Course::Whole,
+    step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,

@@ -19,7 +19,7 @@
 use super::derivative::Derivative;
 use super::family::Family;
 use super::newmark::kinematics;
-use super::scheme::{Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 use crate::math::catalogue::{Interval, Parameter};
 
 const fn family(name: &'static str, summary: &'static str, parameters: Parameters, alpha_m: f64, alpha_f: f64) -> Scheme {
@@ -35,7 +35,7 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
         acceleration,
         weight: of_forces * (1.0 - alpha_f),
         lag: Lag { used: 1.0, force: of_forces * alpha_f, inertia: 1.0 - of_forces, gamma },
-        course: Course::Whole,
+        step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters,

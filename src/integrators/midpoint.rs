@@ -1,7 +1,7 @@
 //! Implicit midpoint rule: the forces of the mean configuration. Its energy may grow without bound in stiff, large motions.
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
 /// Both momenta exact, the energy not.
 pub static MIDPOINT: Scheme = Scheme {
@@ -13,7 +13,7 @@ pub static MIDPOINT: Scheme = Scheme {
     acceleration: Affine::NONE,
     weight: 1.0,
     lag: Lag::once(1.0),
-    course: Course::Whole,
+    step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,

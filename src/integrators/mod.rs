@@ -37,7 +37,7 @@ pub use midpoint::MIDPOINT;
 pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
-pub use scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme};
+pub use scheme::{Affine, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme, StepKind};
 pub use statics::STATICS;
 pub use trapezoidal::TRAPEZOIDAL;
 pub use triple_jump::TRIPLE_JUMP;

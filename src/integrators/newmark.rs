@@ -10,7 +10,7 @@
 
 use super::derivative::Derivative;
 use super::family::Family;
-use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 use crate::math::catalogue::{Interval, Parameter};
 
 const GAMMA: f64 = 0.6;
@@ -37,7 +37,7 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
         acceleration,
         weight: gamma,
         lag: Lag::once(gamma),
-        course: Course::Whole,
+        step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters { names: &["beta", "gamma"], values: [beta, gamma] },

@@ -1,7 +1,7 @@
 //! Statics as a scheme: time stands still, a damping takes the place of inertia, and velocities stay as they are.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Course, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
 /// Equilibrium by damped steps. It belongs to no time integrator and is not in the catalogue.
 pub static REST: Scheme = Scheme {
@@ -13,7 +13,7 @@ pub static REST: Scheme = Scheme {
     acceleration: Affine::NONE,
     weight: 0.5,
     lag: Lag::once(1.0),
-    course: Course::Whole,
+    step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,

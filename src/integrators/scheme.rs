@@ -12,7 +12,7 @@
 //! q_0` ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the coefficients, forces alone change momenta, so
 //! that the ledger of every scheme closes.
 //!
-//! A step may consist of stages, each a scheme of its own, and coefficients may depend on the size of the step before ([`Course`]).
+//! A step may consist of stages, each a scheme of its own, and coefficients may depend on the size of the step before ([`StepKind`]).
 //!
 //! Nobody asks which scheme runs: who needs to know something of it reads a field. A program beside this crate makes one in the same way
 //! (`examples/newmark.rs`).
@@ -39,7 +39,7 @@ pub struct Scheme {
     /// How forces act in the steps that follow.
     pub lag: Lag,
     /// How a step goes.
-    pub course: Course,
+    pub step: StepKind,
     /// What it takes from vibrations of bodies besides.
     pub dissipation: Dissipation,
     /// Whether the discrete gradient of a body's energy begins with the mean of its stress over the step, not with the stress at its mean
@@ -98,9 +98,9 @@ impl Lag {
     }
 }
 
-/// How a step goes.
+/// What a step consists of.
 #[derive(Clone, Copy, Debug)]
-pub enum Course {
+pub enum StepKind {
     /// At once, by the coefficients of the row.
     Whole,
     /// At once, by those of the row that belongs to the size of the step before over that of this one: 0 where none was. The row itself has
@@ -260,17 +260,17 @@ impl Scheme {
 
     /// The row by which a step of a size goes after one of size `before`, 0 where none was.
     pub fn after(&self, before: f64, dt: f64) -> Scheme {
-        match self.course {
-            Course::ByRatio(row) => Scheme { course: self.course, ..row(before / dt) },
-            Course::Whole | Course::Stages(_) | Course::Explicit(_) | Course::Equilibria => *self,
+        match self.step {
+            StepKind::ByRatio(row) => Scheme { step: self.step, ..row(before / dt) },
+            StepKind::Whole | StepKind::Stages(_) | StepKind::Explicit(_) | StepKind::Equilibria => *self,
         }
     }
 
     /// The stages of a step; none where it goes at once.
     pub fn stages(&self) -> &'static [(f64, Scheme)] {
-        match self.course {
-            Course::Stages(stages) => stages,
-            Course::Whole | Course::ByRatio(_) | Course::Explicit(_) | Course::Equilibria => &[],
+        match self.step {
+            StepKind::Stages(stages) => stages,
+            StepKind::Whole | StepKind::ByRatio(_) | StepKind::Explicit(_) | StepKind::Equilibria => &[],
         }
     }
 
@@ -281,12 +281,12 @@ impl Scheme {
 
     /// How the mass is put to the nodes, of a scheme that solves no equations.
     pub fn lumping(&self) -> Option<Lumping> {
-        if let Course::Explicit(lumping) = self.course { Some(lumping) } else { None }
+        if let StepKind::Explicit(lumping) = self.step { Some(lumping) } else { None }
     }
 
     /// Whether steps go from equilibrium to equilibrium, without inertia.
     pub fn is_static(&self) -> bool {
-        matches!(self.course, Course::Equilibria)
+        matches!(self.step, StepKind::Equilibria)
     }
 
     /// Whether the forces of some step act longer than in the one that follows.
@@ -331,7 +331,7 @@ impl Scheme {
     /// # Errors
     /// What is wrong with it, in words.
     pub fn check(&self) -> Result<(), &'static str> {
-        let Course::Stages(stages) = self.course else { return self.check_row(self.left()) };
+        let StepKind::Stages(stages) = self.step else { return self.check_row(self.left()) };
         let mut found = self.left();
         for (share, stage) in stages {
             if !share.is_normal() {
@@ -349,7 +349,7 @@ impl Scheme {
     fn can_dissipate(&self) -> bool {
         let Dissipation { strain, velocity } = self.dissipation;
         let are_shares = [strain, velocity].iter().all(|share| (0.0..=1.0).contains(share));
-        are_shares && self.remembers.is_empty() && matches!(self.course, Course::Whole)
+        are_shares && self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
     }
 
     /// Whether a row is a scheme where a steady force is remembered by a factor.

@@ -1,14 +1,14 @@
 //! Statics as an integrator: a step goes to the equilibrium at its end, as `settle` does, and time is what loads depend on.
 
 use super::backward_euler::BACKWARD_EULER;
-use super::scheme::{Course, LeadingError, Promises, Scheme};
+use super::scheme::{LeadingError, Promises, Scheme, StepKind};
 
 /// Equilibria along the loads. Of the coefficients, those of backward Euler, nobody reads one.
 pub static STATICS: Scheme = Scheme {
     name: "statics",
     summary: "statics, each step to the equilibrium at its end, without inertia; loads, prescribed motions and obstacles take the way \
               of their functions of time, and so does friction; viscosity, dampers and drag do nothing",
-    course: Course::Equilibria,
+    step: StepKind::Equilibria,
     promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },
     error: LeadingError { first: 0.0, second: 0.0 },
     ..BACKWARD_EULER

@@ -2,7 +2,7 @@
 //! Div. ASCE 85, 1959).
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, Course, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
 /// Linear momentum exact, energy and angular momentum in small motions only.
 pub static TRAPEZOIDAL: Scheme = Scheme {
@@ -14,7 +14,7 @@ pub static TRAPEZOIDAL: Scheme = Scheme {
     acceleration: Affine::NONE,
     weight: 0.5,
     lag: Lag::once(0.5),
-    course: Course::Whole,
+    step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,

@@ -10,7 +10,7 @@
 //! `2 c^3 + (1 - 2 c)^3 = 0`. What each stage keeps, all of them keep. What takes energy would give it back in the middle stage.
 
 use super::energy_momentum::ROW;
-use super::scheme::{Course, LeadingError, Promises, Scheme};
+use super::scheme::{LeadingError, Promises, Scheme, StepKind};
 
 /// Cube root of 2.
 const CUBE_ROOT_OF_TWO: f64 = 1.259_921_049_894_873_2;
@@ -31,4 +31,4 @@ const STAGE: Scheme = Scheme {
 };
 
 /// Energy and both momenta exact.
-pub static TRIPLE_JUMP: Scheme = Scheme { course: Course::Stages(&STAGES), ..STAGE };
+pub static TRIPLE_JUMP: Scheme = Scheme { step: StepKind::Stages(&STAGES), ..STAGE };

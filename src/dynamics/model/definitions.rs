@@ -25,7 +25,7 @@ pub struct BodyDefinition {
     pub mesh: Arc<Mesh>,
     /// Its material.
     pub material: Material,
-    /// How it is completed to space and takes the change of volume.
+    /// Plane strain, plane stress or axisymmetric, and how it takes the change of volume.
     pub formulation: Formulation,
     /// Mass and inertia of a rigid body, of whose material only the density is used; `None`: it deforms.
     pub rigid: Option<Inertia>,

@@ -18,7 +18,7 @@ pub struct NodalLoad<const D: usize> {
     pub facets: Vec<(Vec<u32>, Vec<Block>)>,
     /// Whether nodes of a facet are coupled by a cell, as those of a body that deforms are.
     pub is_on_cells: bool,
-    /// How the body is completed to space.
+    /// Whether the body is in plane strain, plane stress or axisymmetric.
     pub plane: Plane,
     /// Its size over time.
     pub amplitude: Amplitude,

@@ -29,12 +29,12 @@ pub struct Nodes<const D: usize> {
     pub modulus: f64,
     /// The extent.
     pub extent: f64,
-    /// Pieces of connected nodes: number per node.
-    pub pieces: Vec<u32>,
+    /// Number of the connected component that each node belongs to.
+    pub component_of: Vec<u32>,
     /// Whether the bodies are bodies of revolution.
     pub is_axisymmetric: bool,
-    /// Whether a piece holds no support.
-    pub piece_is_free: Vec<bool>,
+    /// Whether a connected component holds no support.
+    pub component_is_free: Vec<bool>,
 }
 
 impl<const D: usize> Nodes<D> {
@@ -49,11 +49,11 @@ impl<const D: usize> Nodes<D> {
     ) -> Self {
         let count = reference.len() / D;
         let rigid = bodies.iter().filter_map(|body| body.rigid.as_ref()).map(|rigid| &rigid.nodes);
-        let (pieces, number) = connected_pieces(count, bodies.iter().flat_map(|body| body.elements.cliques()).chain(rigid));
-        let mut piece_is_free = vec![true; number];
+        let (component_of, number) = connected_components(count, bodies.iter().flat_map(|body| body.elements.cliques()).chain(rigid));
+        let mut component_is_free = vec![true; number];
         let is_held = |unknown: usize| fixed[unknown] && !followers.contains(&((unknown / D) as u32));
         for unknown in (0..fixed.len()).filter(|&unknown| is_held(unknown)) {
-            piece_is_free[pieces[unknown / D] as usize] = false;
+            component_is_free[component_of[unknown / D] as usize] = false;
         }
         let along = |i: usize| {
             let coordinates = || reference.iter().skip(i).step_by(D).copied();
@@ -76,9 +76,9 @@ impl<const D: usize> Nodes<D> {
             lumped_mass,
             modulus: if stiffest > 0.0 { stiffest } else { model.modulus(0) },
             extent: (0..D).map(along).fold(0.0, f64::max),
-            pieces,
+            component_of,
             is_axisymmetric: model.is_axisymmetric(),
-            piece_is_free,
+            component_is_free,
             reference,
         }
     }
@@ -143,8 +143,8 @@ impl<const D: usize> Nodes<D> {
     }
 }
 
-/// Connected pieces of nodes: a number for each node, and how many pieces there are.
-fn connected_pieces<'a>(nodes: usize, cliques: impl Iterator<Item = &'a Vec<u32>>) -> (Vec<u32>, usize) {
+/// Connected components of nodes: a number for each node, and how many there are.
+fn connected_components<'a>(nodes: usize, cliques: impl Iterator<Item = &'a Vec<u32>>) -> (Vec<u32>, usize) {
     let mut parent: Vec<u32> = (0..nodes as u32).collect();
     fn root(parent: &mut [u32], mut node: u32) -> u32 {
         while parent[node as usize] != node {

@@ -334,7 +334,7 @@ fn variation(point: &Point, node: usize, frame: &Frame<2>) -> Matrix4x2<f64> {
 }
 
 impl Part for ViscousBody {
-    fn for_each_coupling(&self, _tell: &mut dyn FnMut(&[u32])) {
+    fn for_each_coupling(&self, _visit: &mut dyn FnMut(&[u32])) {
         // The nodes of a cell are coupled by the body.
     }
 

@@ -1,10 +1,10 @@
-//! The balance of forces at rest, judged for every piece of connected nodes by its own forces.
+//! The balance of forces at rest, judged for every component of connected nodes by its own forces.
 //!
-//! One idea: a piece that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid motions that
-//! its supports leave it, by the sum of the loads, reactions or contact forces on that piece alone; then every one of its nodes, by the
+//! One idea: a component that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid motions that
+//! its supports leave it, by the sum of the loads, reactions or contact forces on that component alone; then every one of its nodes, by the
 //! largest of them. So a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
 //!
-//! A rigid motion is `u = t + w x (q - c)/r` with the piece's mass center `c` and radius `r`: all its components are lengths.
+//! A rigid motion is `u = t + w x (q - c)/r` with the component's mass center `c` and radius `r`: all its components are lengths.
 
 use std::collections::BTreeSet;
 
@@ -19,19 +19,19 @@ use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Forces;
 use crate::math::tolerances;
 
-/// How far a piece is moved to see whether what yields resists, in extents of the model: not to where a spring has the same length again.
+/// How far a component is moved to see whether what yields resists, in extents of the model: not to where a spring has the same length again.
 const GLANCE: f64 = 0.01;
 
 /// Rigid motions in space; the plane has three of them.
 const MOTIONS: usize = 6;
 
-/// The pieces of a model.
+/// The components of a model.
 pub struct Balance {
-    pub pieces: Vec<Piece>,
+    pub components: Vec<Component>,
 }
 
-/// A piece of connected nodes.
-pub struct Piece {
+/// A component of connected nodes.
+pub struct Component {
     pub body: usize,
     nodes: Vec<usize>,
     /// Square of the frequency of its slowest elastic motion: wave speed over its extent.
@@ -54,12 +54,12 @@ pub struct Imbalance {
     pub of_nodes: f64,
     /// Whether round-off can explain all of it.
     pub is_round_off: bool,
-    pub pieces: Vec<Pull>,
+    pub components: Vec<Pull>,
 }
 
-/// What the unbalanced forces on a piece amount to.
+/// What the unbalanced forces on a component amount to.
 pub struct Pull {
-    /// Resultant, torque over radius and nodal forces: the largest, over the sum of the forces on the piece.
+    /// Resultant, torque over radius and nodal forces: the largest, over the sum of the forces on the component.
     pub relative: f64,
     /// Displacement of its center by a step of unit damping, where supports leave it free.
     pub shift: [f64; 3],
@@ -80,14 +80,14 @@ impl Pull {
         self.shift.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Whether another piece is pulled away just so.
+    /// Whether another component is pulled away just so.
     fn is_as(&self, other: &Pull) -> bool {
         let apart: f64 = self.shift.iter().zip(&other.shift).map(|(a, b)| (a - b).powi(2)).sum();
         self.shift_size() > 0.0 && apart.sqrt() <= tolerances::ALIKE * self.shift_size()
     }
 }
 
-impl Piece {
+impl Component {
     /// Its nodes, those among them that a rigid body carries along.
     fn whole<const D: usize>(&self, equations: &Equations<D>) -> Box<dyn Iterator<Item = usize> + '_> {
         if self.rigid_mass.is_some() { Box::new(equations.bodies[self.body].nodes.clone()) } else { Box::new(self.nodes.iter().copied()) }
@@ -105,15 +105,15 @@ impl Piece {
 
 impl Balance {
     pub fn new<const D: usize>(equations: &Equations<D>, model: &Model) -> Self {
-        let mut pieces: Vec<Piece> = Vec::new();
+        let mut components: Vec<Component> = Vec::new();
         for (body, definition) in model.bodies.iter().enumerate() {
-            let first = pieces.len();
+            let first = components.len();
             let aspect = definition.mesh.quality().aspect_ratio.max(1.0);
             let mut numbers: Vec<u32> = Vec::new();
             // What rigid bodies carry along is fixed in a step, but held by nothing.
             let followers: BTreeSet<usize> = equations.bodies[body].rigid.iter().flat_map(Carried::followers).collect();
             for node in equations.bodies[body].nodes.clone().filter(|node| !followers.contains(node)) {
-                let number = equations.nodes.pieces[node];
+                let number = equations.nodes.component_of[node];
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
                     numbers.push(number);
                     let modulus = model.modulus(body);
@@ -121,18 +121,27 @@ impl Balance {
                     let stiffness = aspect * own;
                     let rigid_mass = definition.rigid.map(|inertia| inertia.mass);
                     let (frequency_squared, extent, radius) = (0.0, 0.0, 0.0);
-                    pieces.push(Piece { body, nodes: Vec::new(), frequency_squared, rigid_mass, modulus, stiffness, extent, radius });
+                    components.push(Component {
+                        body,
+                        nodes: Vec::new(),
+                        frequency_squared,
+                        rigid_mass,
+                        modulus,
+                        stiffness,
+                        extent,
+                        radius,
+                    });
                     numbers.len() - 1
                 });
-                pieces[first + place].nodes.push(node);
+                components[first + place].nodes.push(node);
             }
-            for piece in &mut pieces[first..] {
-                piece.extent = (0..D).map(|i| extent_along::<D>(&equations.nodes.reference, &piece.nodes, i)).fold(0.0, f64::max);
-                piece.radius = piece.nodes.iter().map(|&node| equations.nodes.reference[node * D].abs()).fold(0.0, f64::max);
-                piece.frequency_squared = piece.modulus / definition.material.density() / piece.extent.powi(2);
+            for component in &mut components[first..] {
+                component.extent = (0..D).map(|i| extent_along::<D>(&equations.nodes.reference, &component.nodes, i)).fold(0.0, f64::max);
+                component.radius = component.nodes.iter().map(|&node| equations.nodes.reference[node * D].abs()).fold(0.0, f64::max);
+                component.frequency_squared = component.modulus / definition.material.density() / component.extent.powi(2);
             }
         }
-        Balance { pieces }
+        Balance { components }
     }
 
     /// Judges the forces of an iterate at rest without damping.
@@ -140,13 +149,13 @@ impl Balance {
     where
         Space<D>: Elements<D>,
     {
-        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, pieces: Vec::new() };
-        for piece in &self.pieces {
-            let rigid = RigidMotions::new(equations, &piece.nodes, q);
+        let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, components: Vec::new() };
+        for component in &self.components {
+            let rigid = RigidMotions::new(equations, &component.nodes, q);
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
-            let (mut largest, mut reach) = (0.0f64, if equations.sees_positions() { piece.extent } else { 0.0 });
+            let (mut largest, mut reach) = (0.0f64, if equations.sees_positions() { component.extent } else { 0.0 });
             let mut along = SVector::zeros();
-            for &node in &piece.nodes {
+            for &node in &component.nodes {
                 for i in 0..D {
                     let k = node * D + i;
                     let force = forces.whole(forces.contact[k] - forces.without_contact[k]);
@@ -168,8 +177,8 @@ impl Balance {
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
             // Forces around an axis are those of the circumference.
-            let around = if equations.nodes.is_axisymmetric { std::f64::consts::TAU * piece.radius } else { 1.0 };
-            let floor = tolerances::FORCE_FLOOR * piece.stiffness * reach * piece.extent.powi(D as i32 - 2) * around;
+            let around = if equations.nodes.is_axisymmetric { std::f64::consts::TAU * component.radius } else { 1.0 };
+            let floor = tolerances::FORCE_FLOOR * component.stiffness * reach * component.extent.powi(D as i32 - 2) * around;
             let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
             imbalance.of_sums = imbalance.of_sums.max(pushes / target_of_sums.max(f64::MIN_POSITIVE));
             imbalance.of_nodes = imbalance.of_nodes.max(largest / target.max(f64::MIN_POSITIVE));
@@ -177,12 +186,12 @@ impl Balance {
             let relative = if scale > 0.0 { pushes.max(largest) / scale } else { 0.0 };
             let mut shift = [0.0; 3];
             shift[..D].copy_from_slice(&motion.as_slice()[..D]);
-            imbalance.pieces.push(Pull { relative, shift, turn: motion.rows(D, motion.len() - D).norm() });
+            imbalance.components.push(Pull { relative, shift, turn: motion.rows(D, motion.len() - D).norm() });
         }
         imbalance
     }
 
-    /// Whether something that stores energy resists or helps a piece that moves as it is pulled, such as a spring: it follows its forces,
+    /// Whether something that stores energy resists or helps a component that moves as it is pulled, such as a spring: it follows its forces,
     /// because a long way at once goes past where they balance, and a compressed spring turns over.
     pub fn is_resisted<const D: usize>(
         &self,
@@ -199,7 +208,7 @@ impl Balance {
             return false;
         }
         let mut moved = q.to_vec();
-        for node in self.pieces[number].whole(equations) {
+        for node in self.components[number].whole(equations) {
             (0..D).for_each(|i| moved[node * D + i] += GLANCE * equations.nodes.extent / size * pull.shift[i]);
         }
         let displacements =
@@ -211,18 +220,18 @@ impl Balance {
         })
     }
 
-    /// How far each piece may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
+    /// How far each component may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
     /// Pieces that are pulled alike do not come nearer to each other: they fall together.
     pub fn clearances<const D: usize>(&self, equations: &Equations<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
-        let mut piece_of = vec![0; equations.nodes.nodal_mass.len()];
-        for (number, piece) in self.pieces.iter().enumerate() {
-            piece.whole(equations).for_each(|node| piece_of[node] = number);
+        let mut component_of = vec![0; equations.nodes.nodal_mass.len()];
+        for (number, component) in self.components.iter().enumerate() {
+            component.whole(equations).for_each(|node| component_of[node] = number);
         }
-        let mut clearances = vec![f64::INFINITY; self.pieces.len()];
+        let mut clearances = vec![f64::INFINITY; self.components.len()];
         let mut together = Vec::new();
         for pair in equations.pairs.iter().filter(|pair| pair.corners.is_none()) {
-            let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &piece_of, q);
-            let primary = boxes::<D>(pair.kernel.primary().nodes(), &piece_of, q);
+            let secondary = boxes::<D>(pair.kernel.secondary().nodes(), &component_of, q);
+            let primary = boxes::<D>(pair.kernel.primary().nodes(), &component_of, q);
             for (a, low_a, high_a) in &secondary {
                 for (b, low_b, high_b) in primary.iter().filter(|(b, ..)| b != a) {
                     if pair.kind == PairKind::Surfaces && pulls[*a].is_as(&pulls[*b]) {
@@ -240,7 +249,7 @@ impl Balance {
                 // The first row of a node is that for the whole obstacle.
                 let distances = distances.step_by(pair.kernel.rows_per_node());
                 for (distance, &node) in distances.zip(pair.kernel.secondary().nodes()) {
-                    let clearance = &mut clearances[piece_of[node as usize]];
+                    let clearance = &mut clearances[component_of[node as usize]];
                     *clearance = clearance.min(0.5 * distance.max(0.0));
                 }
             }
@@ -258,32 +267,32 @@ impl Balance {
         clearances
     }
 
-    /// Adds a displacement of each piece to the nodes that are free.
+    /// Adds a displacement of each component to the nodes that are free.
     pub fn shift<const D: usize>(&self, equations: &Equations<D>, by: &[[f64; 3]], q: &mut [f64]) {
-        for (piece, by) in self.pieces.iter().zip(by) {
-            for k in piece.nodes.iter().flat_map(|&node| node * D..(node + 1) * D).filter(|&k| !equations.supports.fixed[k]) {
+        for (component, by) in self.components.iter().zip(by) {
+            for k in component.nodes.iter().flat_map(|&node| node * D..(node + 1) * D).filter(|&k| !equations.supports.fixed[k]) {
                 q[k] += by[k % D];
             }
         }
     }
 
-    /// Gives every node the value of its piece.
+    /// Gives every node the value of its component.
     pub fn spread(&self, values: &[f64], nodes: usize) -> Vec<f64> {
         let mut of_node = vec![0.0; nodes];
-        for (piece, value) in self.pieces.iter().zip(values) {
-            piece.nodes.iter().for_each(|&node| of_node[node] = *value);
+        for (component, value) in self.components.iter().zip(values) {
+            component.nodes.iter().for_each(|&node| of_node[node] = *value);
         }
         of_node
     }
 
-    /// Largest displacement of a node of each piece.
+    /// Largest displacement of a node of each component.
     pub fn motions<const D: usize>(&self, motion: &[f64]) -> Vec<f64> {
         let of_node = |node: &usize| motion[node * D..(node + 1) * D].iter().map(|x| x * x).sum::<f64>();
-        self.pieces.iter().map(|piece| piece.nodes.iter().map(of_node).fold(0.0, f64::max).sqrt()).collect()
+        self.components.iter().map(|component| component.nodes.iter().map(of_node).fold(0.0, f64::max).sqrt()).collect()
     }
 }
 
-/// The rigid motions of a piece: components of a shift, then of a turn over the radius.
+/// The rigid motions of a component: components of a shift, then of a turn over the radius.
 struct RigidMotions<const D: usize> {
     center: [f64; D],
     radius: f64,
@@ -357,16 +366,16 @@ fn extent_along<const D: usize>(q: &[f64], nodes: &[usize], i: usize) -> f64 {
     coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min)
 }
 
-/// Boxes around the nodes of each piece among some nodes.
-fn boxes<const D: usize>(nodes: &[u32], piece_of: &[usize], q: &[f64]) -> Vec<(usize, [f64; D], [f64; D])> {
+/// Boxes around the nodes of each component among some nodes.
+fn boxes<const D: usize>(nodes: &[u32], component_of: &[usize], q: &[f64]) -> Vec<(usize, [f64; D], [f64; D])> {
     let mut boxes: Vec<(usize, [f64; D], [f64; D])> = Vec::new();
     for node in nodes.iter().map(|&node| node as usize) {
         let x: [f64; D] = std::array::from_fn(|i| q[node * D + i]);
-        match boxes.iter_mut().rfind(|(piece, ..)| *piece == piece_of[node]) {
+        match boxes.iter_mut().rfind(|(component, ..)| *component == component_of[node]) {
             Some((_, low, high)) => {
                 (0..D).for_each(|i| (low[i], high[i]) = (low[i].min(x[i]), high[i].max(x[i])));
             }
-            None => boxes.push((piece_of[node], x, x)),
+            None => boxes.push((component_of[node], x, x)),
         }
     }
     boxes

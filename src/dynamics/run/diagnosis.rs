@@ -219,8 +219,8 @@ where
         let (system, positions) = (self.system, &self.state.positions);
         let mut force = system.nodes.weight.clone();
         system.loads_into(positions, self.state.row.time, &mut force).ok()?;
-        for (piece, _) in system.nodes.piece_is_free.iter().enumerate().filter(|(_, free)| **free) {
-            let nodes = (0..system.nodes.count()).filter(|&node| system.nodes.pieces[node] as usize == piece);
+        for (piece, _) in system.nodes.component_is_free.iter().enumerate().filter(|(_, free)| **free) {
+            let nodes = (0..system.nodes.count()).filter(|&node| system.nodes.component_of[node] as usize == piece);
             let mut inside = vec![0.0; force.len()];
             let mut first = None;
             let mut size = 0.0;
@@ -268,7 +268,7 @@ impl<const D: usize> Evidence<'_, D> {
         }
         let (body, number) = system.owner(vertex);
         let nodes = system.bodies.iter().find(|body| body.nodes.contains(&vertex)).map_or(vertex..vertex + 1, |body| body.nodes.clone());
-        if system.nodes.piece_is_free[system.nodes.pieces[vertex] as usize] {
+        if system.nodes.component_is_free[system.nodes.component_of[vertex] as usize] {
             return format!("body \"{body}\" can move and turn freely, for it has no support: singular matrix");
         }
         let motion = system.near_null_vector();

@@ -85,8 +85,8 @@ where
 
     /// The first shift to be tried below all eigenvalues.
     pub(super) fn first_shift(&self) -> f64 {
-        let pieces = Balance::new(&self.system, &self.model).pieces;
-        -tolerances::MODE_SHIFT * pieces.iter().map(|piece| piece.frequency_squared).fold(f64::INFINITY, f64::min)
+        let components = Balance::new(&self.system, &self.model).components;
+        -tolerances::MODE_SHIFT * components.iter().map(|component| component.frequency_squared).fold(f64::INFINITY, f64::min)
     }
 
     /// Directions in which a body may move as a whole: of bodies of revolution that along the axis alone.

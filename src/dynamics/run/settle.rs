@@ -110,7 +110,7 @@ struct Progress {
     /// How much more damping than the forces ask for, and more motion than expected.
     excess: f64,
     leeway: f64,
-    /// The last step, and the largest displacement of each piece in it.
+    /// The last step, and the largest displacement of each component in it.
     motion: Vec<f64>,
     travelled: Option<Vec<f64>>,
     stood: usize,
@@ -143,9 +143,9 @@ struct Present {
 struct Plan {
     /// Of each body.
     damping: Vec<f64>,
-    /// Displacement of each piece with which Newton's method starts.
+    /// Displacement of each component with which Newton's method starts.
     shift: Vec<[f64; 3]>,
-    /// How far the nodes of each piece are expected to move at most.
+    /// How far the nodes of each component are expected to move at most.
     travel: Vec<f64>,
 }
 
@@ -274,7 +274,7 @@ where
     fn step_to_rest(&mut self, balance: &Balance, present: &Present, progress: &mut Progress) -> Result<(), StepError> {
         let Present { positions, displacements, imbalance, .. } = present;
         let plan = self.plan(balance, present, progress);
-        // How far nodes may move: as their piece is expected to, and both sides as far as is prescribed.
+        // How far nodes may move: as their component is expected to, and both sides as far as is prescribed.
         let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| progress.leeway * size).collect();
         // Where something was overlooked, what was not expected to move did.
         let facet = self.shortest_facet();
@@ -338,21 +338,21 @@ where
         Ok(())
     }
 
-    /// The damping of the next step, and how far it is expected to move the pieces.
+    /// The damping of the next step, and how far it is expected to move the components.
     fn plan(&self, balance: &Balance, Present { imbalance, positions: q, at, .. }: &Present, progress: &Progress) -> Plan {
         let facet = self.shortest_facet();
         let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
         // What is far from all others may fall farther, but not turn farther.
         let fall = |clearance: f64| if clearance.is_finite() { clearance.max(turn) } else { FLIGHT * self.system.nodes.extent };
-        let falls: Vec<f64> = balance.clearances(&self.system, q, &imbalance.pieces).into_iter().map(fall).collect();
+        let falls: Vec<f64> = balance.clearances(&self.system, q, &imbalance.components).into_iter().map(fall).collect();
         let mut damping = vec![0.0f64; self.system.bodies.len()];
-        for ((piece, pull), &fall) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls) {
-            let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(piece.least_damping::<D>(&at.forces));
-            damping[piece.body] = damping[piece.body].max(progress.excess * needed);
+        for ((component, pull), &fall) in balance.components.iter().zip(&imbalance.components).zip(&falls) {
+            let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(component.least_damping::<D>(&at.forces));
+            damping[component.body] = damping[component.body].max(progress.excess * needed);
         }
         let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };
-        for (number, ((piece, pull), &fall)) in balance.pieces.iter().zip(&imbalance.pieces).zip(&falls).enumerate() {
-            let (mu, flies) = (plan.damping[piece.body], fall > turn);
+        for (number, ((component, pull), &fall)) in balance.components.iter().zip(&imbalance.components).zip(&falls).enumerate() {
+            let (mu, flies) = (plan.damping[component.body], fall > turn);
             let jumps = flies && !balance.is_resisted(&self.system, &self.state.memory, (number, pull), q);
             plan.shift.push(if jumps { pull.shift.map(|x| x / mu) } else { [0.0; 3] });
             let loose = (pull.shift_size() + pull.turn) / mu;
@@ -429,7 +429,8 @@ where
         let (body, how) = self.moving_body(&progress.motion);
         let number = self.system.bodies.iter().position(|other| other.name == body).unwrap_or(0);
         let nodes = self.system.bodies[number].nodes.clone();
-        let pulls = || balance.pieces.iter().zip(&imbalance.pieces).filter(|(piece, _)| piece.body == number).map(|(_, pull)| pull);
+        let pulls =
+            || balance.components.iter().zip(&imbalance.components).filter(|(component, _)| component.body == number).map(|(_, pull)| pull);
         let unbalanced = pulls().map(|pull| pull.relative).fold(0.0, f64::max);
         let is_loose = pulls().any(|pull| pull.shift_size() + pull.turn > 0.0);
         let is_side = |surface: &Surface| surface.nodes().iter().any(|&node| nodes.contains(&(node as usize)));
@@ -469,7 +470,7 @@ impl Progress {
         }
     }
 
-    /// A step was taken from a state with that imbalance, with that motion and largest displacements of the pieces.
+    /// A step was taken from a state with that imbalance, with that motion and largest displacements of the components.
     fn accepted(&mut self, imbalance: f64, travelled: Vec<f64>, motion: Vec<f64>, stands: f64) {
         if imbalance < 0.9 * self.least {
             (self.least, self.stuck) = (imbalance, 0);

@@ -17,17 +17,23 @@ where
     Space<D>: Elements<D>,
 {
     let mut q_1 = q_0.to_vec();
-    if !equations.nodes.piece_is_free.contains(&true) {
+    if !equations.nodes.component_is_free.contains(&true) {
         return q_1;
     }
-    let pieces = equations.nodes.piece_is_free.len();
+    let pieces = equations.nodes.component_is_free.len();
     let (momentum, mass_position) = (equations.nodes.momenta_of(v_0), equations.nodes.momenta_of(q_0));
     let mut mass = vec![0.0; pieces];
     let mut center = vec![nalgebra::Vector3::zeros(); pieces];
     let mut velocity = vec![nalgebra::Vector3::zeros(); pieces];
     // Nodes of the pieces that move, with these.
     let free = || {
-        equations.nodes.pieces.iter().map(|&piece| piece as usize).enumerate().filter(|&(_, piece)| equations.nodes.piece_is_free[piece])
+        equations
+            .nodes
+            .component_of
+            .iter()
+            .map(|&piece| piece as usize)
+            .enumerate()
+            .filter(|&(_, piece)| equations.nodes.component_is_free[piece])
     };
     for (node, piece) in free() {
         mass[piece] += equations.nodes.nodal_mass[node];
@@ -78,27 +84,27 @@ pub fn follow_prescribed<const D: usize>(equations: &Equations<D>, q_0: &[f64], 
     if equations.supports.prescribed.is_empty() {
         return;
     }
-    let pieces = equations.nodes.piece_is_free.len();
+    let pieces = equations.nodes.component_is_free.len();
     let (mut motion, mut count) = (vec![[0.0; D]; pieces], vec![[0usize; D]; pieces]);
     let target = |k: usize| equations.nodes.reference[equations.supports.prescribed[k].unknown] + displacement[k];
     let mut is_prescribed = vec![false; q_0.len()];
     for (k, prescribed) in equations.supports.prescribed.iter().enumerate() {
         is_prescribed[prescribed.unknown] = true;
-        let (piece, i) = (equations.nodes.pieces[prescribed.unknown / D] as usize, prescribed.unknown % D);
+        let (piece, i) = (equations.nodes.component_of[prescribed.unknown / D] as usize, prescribed.unknown % D);
         motion[piece][i] += target(k) - q_0[prescribed.unknown];
         count[piece][i] += 1;
     }
     for unknown in (0..q_0.len()).filter(|&unknown| equations.supports.fixed[unknown] && !is_prescribed[unknown]) {
-        count[equations.nodes.pieces[unknown / D] as usize][unknown % D] += 1;
+        count[equations.nodes.component_of[unknown / D] as usize][unknown % D] += 1;
     }
     let turned = if equations.supports.turn() { turns(equations, q_0, &target) } else { BTreeMap::new() };
     for unknown in (0..q_0.len()).filter(|&unknown| !equations.supports.fixed[unknown]) {
-        if let Some(turn) = turned.get(&equations.nodes.pieces[unknown / D]) {
+        if let Some(turn) = turned.get(&equations.nodes.component_of[unknown / D]) {
             let moved = turn.to + turn.rotation * (vector::<D>(q_0, unknown / D) - turn.from);
             predicted[unknown] = moved[unknown % D];
             continue;
         }
-        let (piece, i) = (equations.nodes.pieces[unknown / D] as usize, unknown % D);
+        let (piece, i) = (equations.nodes.component_of[unknown / D] as usize, unknown % D);
         if count[piece][i] > 0 {
             predicted[unknown] += motion[piece][i] / count[piece][i] as f64;
         }
@@ -126,7 +132,7 @@ fn turns<const D: usize>(equations: &Equations<D>, q_0: &[f64], target: &impl Fn
     for (node, target) in targets {
         if target[..D].iter().all(Option::is_some) {
             let target = target.map(Option::unwrap_or_default);
-            points.entry(equations.nodes.pieces[node]).or_default().push([vector::<D>(q_0, node), target.into()]);
+            points.entry(equations.nodes.component_of[node]).or_default().push([vector::<D>(q_0, node), target.into()]);
         }
     }
     // What stands stays, without round-off.
