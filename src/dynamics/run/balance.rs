@@ -1,7 +1,7 @@
 //! The balance of forces at rest, judged for every component of connected nodes by its own forces.
 //!
-//! One idea: a component that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid motions that
-//! its supports leave it, by the sum of the loads, reactions or contact forces on that component alone; then every one of its nodes, by the
+//! One idea: a component that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid
+//! motions that its supports leave it, by the sum of the loads, reactions or contact forces on that component alone; then every one of its nodes, by the
 //! largest of them. So a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the component's mass center `c` and radius `r`: all its components are lengths.
@@ -19,7 +19,7 @@ use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Forces;
 use crate::math::tolerances;
 
-/// How far a component is moved to see whether what yields resists, in extents of the model: not to where a spring has the same length again.
+/// How far a component is moved to see whether what yields resists, in extents of the model: not to where a spring has its length again.
 const GLANCE: f64 = 0.01;
 
 /// Rigid motions in space; the plane has three of them.
@@ -191,8 +191,8 @@ impl Balance {
         imbalance
     }
 
-    /// Whether something that stores energy resists or helps a component that moves as it is pulled, such as a spring: it follows its forces,
-    /// because a long way at once goes past where they balance, and a compressed spring turns over.
+    /// Whether something that stores energy resists or helps a component that moves as it is pulled, such as a spring: it follows its
+    /// forces, because a long way at once goes past where they balance, and a compressed spring turns over.
     pub fn is_resisted<const D: usize>(
         &self,
         equations: &Equations<D>,
@@ -220,8 +220,8 @@ impl Balance {
         })
     }
 
-    /// How far each component may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is nothing.
-    /// Pieces that are pulled alike do not come nearer to each other: they fall together.
+    /// How far each component may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is
+    /// nothing. Components that are pulled alike do not come nearer to each other: they fall together.
     pub fn clearances<const D: usize>(&self, equations: &Equations<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
         let mut component_of = vec![0; equations.nodes.nodal_mass.len()];
         for (number, component) in self.components.iter().enumerate() {

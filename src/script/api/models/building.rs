@@ -122,8 +122,8 @@ fn formulation_keys() -> Vec<Parameter> {
         Parameter::new(
             "plane",
             Kind::Choice(&PLANES),
-            "plane strain or plane stress (forces are per thickness), or a body of revolution about the y axis with x as its radius (forces \
-             are those of the whole circumference)",
+            "plane strain or plane stress (forces are per thickness), or a body of revolution about the y axis with x as its radius \
+             (forces are those of the whole circumference)",
         )
         .or(Absent::Text(PLANES[0])),
         Parameter::new(
