@@ -1,8 +1,8 @@
 //! The balance of forces at rest, judged for every component of connected nodes by its own forces.
 //!
 //! One idea: a component that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid
-//! motions that its supports leave it, by the sum of the loads, reactions or contact forces on that component alone; then every one of its nodes, by the
-//! largest of them. So a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
+//! motions that its supports leave it, by the sum of the loads, reactions or contact forces on that component alone; then every one of
+//! its nodes, by the largest of them. So a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the component's mass center `c` and radius `r`: all its components are lengths.
 
