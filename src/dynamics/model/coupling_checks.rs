@@ -107,12 +107,20 @@ impl Model {
                 }
                 Ok(())
             }
-            CouplingKind::Periodic { from, to, turn, offset } => {
+            CouplingKind::Periodic { from, to, turn, offset, follows } => {
                 if turn.is_some() && self.is_axisymmetric() {
                     return Err("bodies of revolution are alike at all angles".into());
                 }
                 if let (Some(_), Some(_)) = (turn, offset.iter().flatten().next()) {
                     return Err("sectors that turn have no mean strain".into());
+                }
+                if let Some(body) = follows.map(|body| &self.bodies[body]) {
+                    if body.rigid.is_none() {
+                        return Err(format!("body \"{}\", which it follows, deforms: only a rigid body has one motion", body.name));
+                    }
+                    if turn.is_some() || offset.iter().any(Option::is_some) {
+                        return Err(format!("it follows body \"{}\", and cannot turn or move over time besides", body.name));
+                    }
                 }
                 self.opposite_nodes(from, to, turn.as_ref())?;
                 for offset in offset.iter().flatten() {

@@ -22,7 +22,7 @@ pub enum CouplingKind {
         /// Normal of the planes, of any length.
         normal: [f64; 3],
     },
-    /// Each node of one boundary moves as the node opposite to it moves, turned: `x_b - R x_a = X_b - R X_a + d(t)`.
+    /// Each node of one boundary moves as the node opposite to it moves, turned: `x_b - R x_a = X_b - R X_a + d(t) + x_h - X_h`.
     Periodic {
         /// Boundary of the nodes `a`.
         from: BodyBoundary,
@@ -32,6 +32,9 @@ pub enum CouplingKind {
         turn: Option<Sector>,
         /// How the second moves against the first, along each axis over time, from zero on `[length]`: a mean strain. `None`: not at all.
         offset: [Option<Amplitude>; 3],
+        /// A rigid body as whose center `h` the second moves against the first: its place is the mean strain, forces on it the mean
+        /// stress. `None`: there is none.
+        follows: Option<usize>,
     },
 }
 
@@ -67,6 +70,15 @@ impl CouplingKind {
             CouplingKind::Plane { on, .. } => vec![on],
             CouplingKind::Periodic { from, to, .. } => vec![from, to],
         }
+    }
+
+    /// The bodies that it joins.
+    pub fn bodies(&self) -> Vec<usize> {
+        let follows = match self {
+            CouplingKind::Plane { .. } => None,
+            CouplingKind::Periodic { follows, .. } => *follows,
+        };
+        self.boundaries().into_iter().map(|on| on.body).chain(follows).collect()
     }
 
     /// What it prescribes over time.

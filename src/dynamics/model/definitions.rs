@@ -212,7 +212,7 @@ impl Model {
         let joined: Vec<Vec<usize>> = touching
             .chain(self.parts.iter().map(|part| part.bodies()))
             .chain(self.joints.iter().map(|joint| joint.bodies().collect()))
-            .chain(self.couplings.iter().map(|coupling| coupling.kind.boundaries().iter().map(|on| on.body).collect()))
+            .chain(self.couplings.iter().map(|coupling| coupling.kind.bodies()))
             .collect();
         let parts = self.parts.iter().filter(|part| part.is_grounded()).flat_map(|part| part.bodies());
         let planes = self.couplings.iter().filter_map(|coupling| match &coupling.kind {

@@ -6,8 +6,10 @@
 
 use std::sync::Arc;
 
+use super::body::Body;
 use super::contact_pair::{ContactPair, CoupledNodes, PairKind};
 use super::joint_ends::node_vector;
+use crate::bodies::Inertia;
 use crate::contact::{ContactKernel, PointConstraints, PointFunction};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::couplings::{Coupling, CouplingKind};
@@ -30,41 +32,50 @@ struct Direction {
 }
 
 /// What a coupling holds, direction by direction.
-fn directions(model: &Model, coupling: &Coupling, first: &impl Fn(usize) -> usize) -> Vec<Direction> {
-    let dimension = model.dimension();
+fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coupling) -> Vec<Direction> {
+    let first = |body: usize| bodies[body].nodes.start as u32;
     match &coupling.kind {
         CouplingKind::Plane { on, normal } => {
             let size = length(*normal);
             let along = normal.map(|x| x / size);
             let nodes = model.bodies[on.body].mesh.boundary_nodes(&on.boundary);
-            let equations = nodes.into_iter().map(|node| vec![(first(on.body) as u32 + node, along)]).collect();
+            let equations = nodes.into_iter().map(|node| vec![(first(on.body) + node, along)]).collect();
             vec![Direction { along, equations, offset: None }]
         }
-        CouplingKind::Periodic { from, to, turn, offset } => {
+        CouplingKind::Periodic { from, to, turn, offset, follows } => {
             // Checked when the model was.
             let pairs = model.opposite_nodes(from, to, turn.as_ref()).unwrap_or_default();
             let unit = |i: usize| -> [f64; 3] { std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 }) };
             let rotation = turn.map_or([0, 1, 2].map(unit), |turn| turn.rotation());
+            let led: Vec<(u32, f64)> = follows.map_or(Vec::new(), |body| center_of(&bodies[body], model.bodies[body].rigid.as_ref()));
             let equation = |i: usize, [a, b]: [u32; 2]| {
-                vec![(first(to.body) as u32 + b, unit(i)), (first(from.body) as u32 + a, rotation[i].map(|x| -x))]
+                let led = led.iter().map(move |&(node, share)| (node, unit(i).map(|x| -share * x)));
+                let sides = [(first(to.body) + b, unit(i)), (first(from.body) + a, rotation[i].map(|x| -x))];
+                sides.into_iter().chain(led).collect()
             };
             let along = |i: usize| Direction {
                 along: unit(i),
                 equations: pairs.iter().map(|&pair| equation(i, pair)).collect(),
                 offset: offset[i].clone(),
             };
-            (0..dimension).map(along).collect()
+            (0..D).map(along).collect()
         }
     }
 }
 
+/// The center of mass of a rigid body as shares of its masters.
+fn center_of<const D: usize>(body: &Body<D>, inertia: Option<&Inertia>) -> Vec<(u32, f64)> {
+    let (Some(rigid), Some(inertia)) = (&body.rigid, inertia) else { return Vec::new() };
+    rigid.masters.iter().copied().zip(rigid.frame.shares(inertia.center)).collect()
+}
+
 /// The pairs of all couplings, one for each direction, in the order of the model.
-pub fn coupling_pairs(model: &Model, first: impl Fn(usize) -> usize, reference: &[f64]) -> Vec<ContactPair> {
+pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference: &[f64]) -> Vec<ContactPair> {
     let (reach, size) = (largest_size(reference), model.extent());
     let mut pairs = Vec::new();
     for (index, coupling) in model.couplings.iter().enumerate() {
         let modulus = coupling.kind.boundaries().iter().map(|on| model.modulus(on.body)).fold(0.0, f64::max);
-        for direction in directions(model, coupling, &first) {
+        for direction in directions(model, bodies, coupling) {
             let offset = direction.offset.clone();
             let nodes = direction.equations.iter().map(|terms| terms[0].0).collect();
             let coupled = CoupledNodes { coupling: index, along: direction.along, nodes };

@@ -94,7 +94,7 @@ where
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
         let mut points = point_pairs(model, &bodies, &reference);
-        points.extend(coupling_pairs(model, first, &reference));
+        points.extend(coupling_pairs(model, &bodies, &reference));
         let pairs = contact_pairs(model, first, &middles, &reference, default_rule(integrator), points);
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =

@@ -2,9 +2,9 @@
 
 use rhai::Dynamic;
 
-use super::arguments::{boundary_of, boundary_parameter};
+use super::arguments::{body_of, boundary_of, boundary_parameter};
 use super::change::change;
-use super::handle::{BoundaryHandle, ModelHandle};
+use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::dynamics::{Coupling, CouplingKind, Sector, Turn};
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
@@ -70,6 +70,12 @@ pub fn add_periodic() -> Function {
         Parameter::new("about", Kind::Vector, "a point of the axis of that turn").of("length").or(Absent::Means("the origin")),
         Parameter::new("axis", Kind::Vector, "the direction of the axis, in space").of("1").or(Absent::Means("[0, 0, 1]")),
     ];
+    let follows = Parameter::new(
+        "follows",
+        Kind::Handle(BodyHandle::NAME),
+        "a rigid body as which `to` moves against `from`: where it is, is the mean strain, a force on it the mean stress over the side",
+    );
+    let keys = keys.into_iter().chain([follows.or(Absent::Means("none"))]).chain(along).collect();
     Function {
         name: "add_periodic",
         form: Form::Method(ModelHandle::receiver()),
@@ -77,10 +83,7 @@ pub fn add_periodic() -> Function {
         summary: "lets every node of a boundary move as the node opposite to it on another one, so that the model is one cell of a \
                   pattern that goes on: a cell of a material, with a mean strain over time, or by `angle` a sector of a wheel, all sectors \
                   moving alike. `sim.reaction(name)` tells what it exerts on `to`, the history has it as `name.reaction.force_x` and so on",
-        parameters: vec![
-            name_parameter(),
-            Parameter::new("options", Kind::Options(keys.into_iter().chain(along).collect()), "what is opposite"),
-        ],
+        parameters: vec![name_parameter(), Parameter::new("options", Kind::Options(keys), "what is opposite")],
         returns: "",
         example: plate_example(
             "press.add_periodic(\"sides\", #{ from: plate.boundary(\"left\"), to: plate.boundary(\"right\"), x: ramp(0.0, 1.0, 0.1) });\n\
@@ -99,7 +102,9 @@ pub fn add_periodic() -> Function {
                 }
                 offset[component] = if argument.is_given() { Some(amplitude_of(&argument)?) } else { None };
             }
-            let kind = CouplingKind::Periodic { from: from?, to: to?, turn: sector(&options, dimension)?, offset };
+            let follows = options.argument("follows");
+            let follows = if follows.is_given() { Some(body_of(&follows, &model)?.index) } else { None };
+            let kind = CouplingKind::Periodic { from: from?, to: to?, turn: sector(&options, dimension)?, offset, follows };
             change(call, &model, |data| data.model.couplings.push(Coupling { name, kind }))?;
             Ok(Dynamic::UNIT)
         }),

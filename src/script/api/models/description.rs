@@ -68,12 +68,13 @@ fn describe_coupling(model: &Model, Coupling { name, kind }: &Coupling) -> Strin
             let boundary = model.boundary_name(on);
             format!("symmetry \"{name}\": \"{boundary}\" held along {}", vector_text(&normal[..dimension]))
         }
-        CouplingKind::Periodic { from, to, turn, offset } => {
+        CouplingKind::Periodic { from, to, turn, offset, follows } => {
             let [from, to] = [from, to].map(|on| model.boundary_name(on));
             let turn = turn.map_or(String::new(), |turn| format!(", turned by {} rad", number_text(turn.angle)));
             let given = ["x", "y", "z"].into_iter().zip(offset).filter_map(|(name, function)| Some((name, function.as_ref()?)));
             let moved: String = given.map(|(name, function)| format!(", {name}: {}", function.describe())).collect();
-            format!("periodic pair \"{name}\": from \"{from}\" to \"{to}\"{turn}{moved}")
+            let follows = follows.map_or(String::new(), |body| format!(", following \"{}\"", model.bodies[body].name));
+            format!("periodic pair \"{name}\": from \"{from}\" to \"{to}\"{turn}{moved}{follows}")
         }
     }
 }
