@@ -122,17 +122,16 @@ impl Order {
         Order { vertices, parents, families }
     }
 
-    /// Whether every vertex stands in it once, and parents and families are places in it.
+    /// Whether every vertex stands in it once, parents stand behind their children, and families are those of the parents.
     pub(super) fn is_sound(&self) -> bool {
         let count = self.vertices.len();
         let mut seen = vec![false; count];
         let is_new = |&v: &u32| seen.get_mut(v as usize).is_some_and(|seen| !std::mem::replace(seen, true));
         let is_parent = |(k, &parent): (usize, &u32)| parent == NONE || (k < parent as usize && (parent as usize) < count);
-        let is_family = |&[first, last]: &[u32; 2]| first <= last && (last as usize) < count;
         self.vertices.iter().all(is_new)
-            && (self.parents.len(), self.families.len()) == (count, count)
+            && self.parents.len() == count
             && self.parents.iter().enumerate().all(is_parent)
-            && self.families.iter().all(is_family)
+            && self.families == Order::new(Vec::new(), self.parents.clone()).families
     }
 
     /// Whether one place is another one's ancestor.

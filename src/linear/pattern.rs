@@ -397,12 +397,17 @@ impl Couplings {
         self.starts.len().saturating_sub(1)
     }
 
-    /// Whether the neighbors of every vertex are vertices.
+    /// Whether the neighbors of every vertex are vertices, itself among them, in ascending order, and have it as a neighbor.
     pub(super) fn is_sound(&self) -> bool {
         let vertices = self.vertices();
         let ends =
             self.starts.first().is_none_or(|&first| first == 0) && self.starts.last().is_none_or(|&last| last == self.neighbors.len());
-        ends && self.starts.is_sorted() && self.neighbors.iter().all(|&neighbor| (neighbor as usize) < vertices)
+        let have = |v: u32, u: u32| self.of(v as usize).binary_search(&u).is_ok();
+        let are_mutual = |v: u32| have(v, v) && self.of(v as usize).iter().all(|&u| have(u, v));
+        ends && self.starts.is_sorted()
+            && self.neighbors.iter().all(|&neighbor| (neighbor as usize) < vertices)
+            && (0..vertices).all(|v| self.of(v).is_sorted_by(|a, b| a < b))
+            && (0..vertices as u32).all(are_mutual)
     }
 
     /// Number of couplings, each counted from both sides.

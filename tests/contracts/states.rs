@@ -15,6 +15,7 @@ use conserva::output::checkpoint::{Checkpoint, SavedSimulation};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngSeed, TestRunner};
 
 use crate::common::{Builder, material};
 
@@ -86,7 +87,7 @@ impl Case {
         };
         let [first, second] = meshes.map(|mesh| mesh.expect("the mesh is sound"));
         let ends = [(0, nearest(&first, [1.5, -0.02, 0.0])), (1, nearest(&second, [1.5, 0.1, 0.0]))];
-        let inertia = Inertia::of_mesh(&second, &rubber, Formulation::default()).ok().expect("no cell is inside out");
+        let inertia = Inertia::of_mesh(&second, &rubber, Formulation::default()).expect("no cell is inside out");
         builder.body("first", first, &rubber);
         builder.body("second", second, &rubber);
         let (secondary, primary) = match self.kind {
@@ -153,7 +154,7 @@ fn state_of(checkpoint: &Checkpoint) -> &State {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 30, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn what_goes_on_from_a_checkpoint_comes_to_the_same_bytes(case in cases()) {
@@ -201,7 +202,7 @@ proptest! {
 
 #[test]
 fn most_random_cases_are_models_that_run() {
-    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut runner = TestRunner::deterministic();
     let (mut stepped, mut touched) = (0, 0);
     for _ in 0..40 {
         let case = cases().new_tree(&mut runner).expect("there are cases").current();

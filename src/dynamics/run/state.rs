@@ -77,6 +77,7 @@ impl State {
             && is_somewhere
             && remembers
             && self.level < usize::BITS as usize - 1
+            && self.preferred.is_sound()
             && self.search.is_sound_beside(&own.search)
     }
 

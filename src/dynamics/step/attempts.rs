@@ -46,6 +46,11 @@ pub struct Preferred {
 }
 
 impl Preferred {
+    /// Whether it is one of the list, whatever file it comes from.
+    pub fn is_sound(self) -> bool {
+        usize::from(self.attempt) < ATTEMPTS.len()
+    }
+
     /// The attempts in the order in which they are tried.
     pub fn order(self) -> impl Iterator<Item = usize> {
         let first = if self.steps < PREFERRED_STEPS { usize::from(self.attempt) } else { 0 };
