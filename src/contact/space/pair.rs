@@ -28,7 +28,7 @@
 
 use super::bulge::Raised;
 use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
-use crate::contact::slip::Number;
+use crate::contact::numbers::Number;
 use crate::math::tolerances::{EDGES_MEET, FACING_AREA};
 
 /// Nodes of a facet, at most.
@@ -146,10 +146,10 @@ impl<T: Number> Pair<T> {
         // Outwards is up on the secondary side and down on the other one.
         for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
             for (k, raised) in raised[..count].iter().enumerate() {
-                self.h[first + k] += up * raised;
-                self.h[middle] += up * raised / count as f64;
+                self.h[first + k] += T::from(up * raised);
+                self.h[middle] += T::from(up * raised / count as f64);
             }
-            self.h[middle] += up * raised[CORNERS];
+            self.h[middle] += T::from(up * raised[CORNERS]);
         }
         self
     }

@@ -17,8 +17,9 @@ use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
-use crate::contact::slip::{Number, SlipStep};
+use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
@@ -196,7 +197,7 @@ impl PatchFunctions for RigidInSpace {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        slip::evaluate::<3>(self, &self.sides, step, lambda, out);
+        slip::evaluate(self, &self.sides, step, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

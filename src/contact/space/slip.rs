@@ -15,10 +15,11 @@
 //! the reference configuration, so that the facets around a node agree. Components of a multiplier mean the same from step to step, and
 //! nothing has to be carried over when a body turns.
 
-use super::vectors::{Frame, Jet, Vec3, cross, dot, hessian_into, jets, scaled, sub};
+use super::vectors::{Frame, Vec3, columns_into, cross, dot, jets, scaled, sub};
 use crate::contact::faces;
-use crate::contact::patches::Evaluation;
-use crate::contact::slip::{Number, SlipStep};
+use crate::contact::numbers::{Jet, LANES, Number};
+use crate::contact::patches::{Evaluation, Patches};
+use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::Configuration;
 
@@ -85,59 +86,80 @@ impl<T: Number> Group<T> {
 }
 
 /// Slips (as gaps of the evaluation), their gradients at the end of the step, the rows that carry forces, and their tangent with the
-/// multipliers `lambda`; coverage as what each row has opposite in mid-step. `N` is the number of unknowns of a patch, at most.
-pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+/// multipliers `lambda`; coverage as what each row has opposite in mid-step.
+pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
     let patches = sides.slip_patches();
     out.prepare(patches, lambda.len());
-    let (mut start, mut z, mut moved) = (Vec::new(), Vec::new(), Vec::new());
+    let mut patch = Patch::default();
     for p in 0..patches.len() {
         out.clear_patch(patches, p);
         if !step.live[p] {
             continue;
         }
-        patches.gather_into(p, step.q_0, &mut start);
-        patches.gather_into(p, step.q_1, &mut z);
-        patches.gather_into(p, step.moved, &mut moved);
-        let end = (step.test == Configuration::End).then(|| jets::<N>(&z));
-        z.iter_mut().zip(&start).for_each(|(z, start)| *z = 0.5 * (*z + start));
-        let middle = jets::<N>(&z);
+        patches.gather_into(p, step.q_0, &mut patch.middle);
+        patches.gather_into(p, step.q_1, &mut patch.end);
+        patches.gather_into(p, step.moved, &mut patch.moved);
+        patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
+        let passes = (0..patch.end.len()).step_by(LANES);
+        out.live[p] =
+            passes.fold(true, |goes_on, first| goes_on && patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out));
+    }
+}
+
+/// What is known of the nodes of a patch, used again from patch to patch.
+#[derive(Default)]
+struct Patch {
+    middle: Vec<f64>,
+    end: Vec<f64>,
+    moved: Vec<f64>,
+}
+
+impl Patch {
+    /// Writes what a pass with derivatives with respect to some unknowns finds, from `first` on; values with the first ones. `false` where
+    /// the patch has no slip.
+    fn differentiate(
+        &self,
+        kernel: &impl SlipsInSpace,
+        (patches, p): (&Patches, usize),
+        first: usize,
+        (test, lambda): (Configuration, &[f64]),
+        out: &mut Evaluation,
+    ) -> bool {
+        let middle = jets(&self.middle, first);
         let groups = kernel.groups(p, &middle);
         if groups.is_empty() {
-            continue;
+            return false;
         }
-        out.live[p] = true;
         let (is_relative, carried) = (kernel.carried().is_none(), kernel.carried().unwrap_or_default());
-        let against = |d: &Vec3<f64>| -> Vec3<Jet<N>> { sub(*d, carried).map(Jet::from) };
-        let motion = relative(is_relative, &middle, moved.as_chunks().0.iter().map(against).collect());
-        let (first, width, rows) = (patches.gradient_range(p).start, z.len(), patches.rows(p));
-        for group in &groups {
-            let values = group.values();
-            for k in 0..2 {
-                let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &motion));
+        let against = |d: &Vec3<f64>| -> Vec3<Jet> { sub(*d, carried).map(Jet::from) };
+        let motion = relative(is_relative, &middle, self.moved.as_chunks().0.iter().map(against).collect());
+        let (width, rows) = (self.middle.len(), patches.rows(p));
+        let block = |group: &Group<Jet>, k: usize| {
+            let begin = patches.gradient_range(p).start + (2 * group.place + k) * width;
+            begin..begin + width
+        };
+        for (group, k) in groups.iter().flat_map(|group| [(group, 0), (group, 1)]) {
+            let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &motion));
+            let gradient = &mut out.gradient_end[block(group, k)];
+            if first == 0 {
                 out.gap[row] += slip.re;
                 out.coverage[row] += group.covered;
-                let block = first + (2 * group.place + k) * width;
-                let gradient = &mut out.gradient_end[block..block + width];
-                gradient.copy_from_slice(row_of(&values, k, is_relative, z.as_chunks().0).as_flattened());
-                if let num_dual::Derivative(Some(slope)) = &slip.eps {
-                    gradient.iter_mut().zip(slope.iter()).for_each(|(g, slope)| *g += 0.5 * slope);
-                }
+                gradient.copy_from_slice(row_of(&group.values(), k, is_relative, self.middle.as_chunks().0).as_flattened());
             }
+            gradient[first..].iter_mut().zip(slip.eps).for_each(|(g, slope)| *g += 0.5 * slope);
         }
-        let (at, groups) = match end {
-            Some(end) => {
-                let groups = kernel.groups(p, &end);
-                (end, groups)
-            }
-            None => (middle, groups),
+        let (at, z, groups) = if test == Configuration::End {
+            let end = jets(&self.end, first);
+            let groups = kernel.groups(p, &end);
+            (end, &self.end, groups)
+        } else {
+            (middle, &self.middle, groups)
         };
-        let positions: Vec<Vec3<f64>> = at.iter().map(|x| [x[0].re, x[1].re, x[2].re]).collect();
-        let (mut forces, mut is_loaded) = (vec![[Jet::<N>::from(0.0); 3]; at.len()], false);
+        let (mut forces, mut is_loaded) = (vec![[Jet::from(0.0); 3]; at.len()], false);
         for group in &groups {
-            let values = group.values();
-            for k in 0..2 {
-                let block = first + (2 * group.place + k) * width;
-                out.gradient_bar[block..block + width].copy_from_slice(row_of(&values, k, is_relative, &positions).as_flattened());
+            for k in (0..2).filter(|_| first == 0) {
+                let row = row_of(&group.values(), k, is_relative, z.as_chunks().0);
+                out.gradient_bar[block(group, k)].copy_from_slice(row.as_flattened());
             }
             let shear = [0, 1].map(|k| lambda[rows[2 * group.place + k] as usize]);
             if shear != [0.0; 2] {
@@ -147,8 +169,9 @@ pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step:
         }
         if is_loaded {
             let forces = relative(is_relative, &at, forces);
-            hessian_into(&forces, step.test.share(), &mut out.tangent[patches.tangent_range(p)]);
+            columns_into(&forces, first, test.share(), &mut out.tangent[patches.tangent_range(p)]);
         }
+        true
     }
 }
 
