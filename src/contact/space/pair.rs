@@ -40,13 +40,20 @@ pub const NODES: usize = 2 * CORNERS;
 /// Corners of a polygon: a triangle cut by three lines has six at most, rounding may leave one more at each cut.
 const VERTICES: usize = 9;
 
-/// A corner of a polygon: its place, the shape functions of both triangles there, what the edge that begins there lies on.
+/// A corner of a polygon that is being cut: its place, what the edge that begins there lies on.
 #[derive(Clone, Copy)]
+struct Corner<T> {
+    p: [T; 2],
+    border: Border,
+}
+
+/// A corner of a polygon with the shape functions of both triangles there, and twice the area between it, the next and the first one.
 struct Vertex<T> {
     p: [T; 2],
     of_secondary: [T; 3],
     of_primary: [T; 3],
     border: Border,
+    fan: T,
 }
 
 /// What an edge of a polygon lies on.
@@ -63,8 +70,7 @@ struct Polygon<T> {
     primary: [usize; 3],
     /// Twice their areas.
     areas: [T; 2],
-    vertices: [Vertex<T>; VERTICES],
-    count: usize,
+    vertices: Vec<Vertex<T>>,
 }
 
 /// A pair as it is seen along the secondary normal.
@@ -95,6 +101,51 @@ fn area<T: Number>(a: [T; 2], b: [T; 2], c: [T; 2]) -> T {
 fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..if count == 3 { 1 } else { count })
         .map(move |k| if count == 3 { [first, first + 1, first + 2] } else { [first + k, first + (k + 1) % count, middle] })
+}
+
+/// Cuts off what is on the right of a line from a polygon of so many corners; returns how many are left.
+fn clip<T: Number>(corners: &mut [Corner<T>; VERTICES], count: usize, [from, to]: [[T; 2]; 2]) -> usize {
+    let mut side = [T::from(0.0); VERTICES];
+    (0..count).for_each(|k| side[k] = area(from, to, corners[k].p));
+    let is_in = |k: usize| side[k].re() >= 0.0;
+    if (0..count).all(is_in) {
+        return count;
+    }
+    let (old, mut left) = (*corners, 0);
+    let mut push = |corner: Corner<T>| {
+        if left < VERTICES {
+            corners[left] = corner;
+            left += 1;
+        }
+    };
+    for k in 0..count {
+        let next = (k + 1) % count;
+        if is_in(k) {
+            push(old[k]);
+        }
+        if is_in(k) != is_in(next) {
+            let share = side[k] / (side[k] - side[next]);
+            let p: [T; 2] = std::array::from_fn(|i| old[k].p[i] + share * (old[next].p[i] - old[k].p[i]));
+            // Leaving, the line itself follows.
+            push(Corner { p, border: if is_in(k) { Border::Secondary } else { old[k].border } });
+        }
+    }
+    left
+}
+
+/// The corners with the shape functions of both triangles.
+fn vertices<T: Number>(corners: &[Corner<T>], [secondary, primary]: [[[T; 2]; 3]; 2], areas: [T; 2]) -> Vec<Vertex<T>> {
+    let inverse = areas.map(T::recip);
+    let shares =
+        |[a, b, c]: [[T; 2]; 3], inverse: T, p: [T; 2]| [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse];
+    let vertex = |(k, &Corner { p, border }): (usize, &Corner<T>)| Vertex {
+        p,
+        of_secondary: shares(secondary, inverse[0], p),
+        of_primary: shares(primary, inverse[1], p),
+        border,
+        fan: area(corners[0].p, p, corners[(k + 1) % corners.len()].p),
+    };
+    corners.iter().enumerate().map(vertex).collect()
 }
 
 impl<T: Number> Pair<T> {
@@ -170,14 +221,12 @@ impl<T: Number> Pair<T> {
                 if areas[0].re() <= 0.0 || areas[1].re() <= FACING_AREA * areas[0].re() {
                     continue;
                 }
-                let zero = T::from(0.0);
-                let corner = |p: [T; 2]| Vertex { p, of_secondary: [zero; 3], of_primary: [zero; 3], border: Border::Primary };
-                let mut polygon = Polygon { secondary, primary, areas, vertices: [corner([zero; 2]); VERTICES], count: 3 };
-                polygon.vertices[..3].copy_from_slice(&[m_0, m_1, m_2].map(corner));
-                let is_left = [[s_0, s_1], [s_1, s_2], [s_2, s_0]].into_iter().all(|line| polygon.clip(line));
-                if is_left && polygon.count >= 3 {
-                    polygon.shape([s_0, s_1, s_2], [m_0, m_1, m_2]);
-                    self.polygons.push(polygon);
+                let mut corners = [m_0, m_1, m_2, m_0, m_0, m_0, m_0, m_0, m_0].map(|p| Corner { p, border: Border::Primary });
+                let clip = |count, line| if count < 3 { 0 } else { clip(&mut corners, count, line) };
+                let count = [[s_0, s_1], [s_1, s_2], [s_2, s_0]].into_iter().fold(3, clip);
+                if count >= 3 {
+                    let triangles = [[s_0, s_1, s_2], [m_0, m_1, m_2]];
+                    self.polygons.push(Polygon { secondary, primary, areas, vertices: vertices(&corners[..count], triangles, areas) });
                 }
             }
         }
@@ -255,7 +304,7 @@ impl<T: Number> Pair<T> {
     /// Largest distance of the facets, on either side, along the normal.
     pub fn farthest(&self) -> f64 {
         let gaps = |polygon: &Polygon<T>| {
-            polygon.vertices[..polygon.count].iter().fold(0.0, |largest: f64, vertex| largest.max(self.gap(polygon, vertex).re().abs()))
+            polygon.vertices.iter().fold(0.0, |largest: f64, vertex| largest.max(self.gap(polygon, vertex).re().abs()))
         };
         self.polygons.iter().map(gaps).fold(0.0, f64::max)
     }
@@ -339,7 +388,7 @@ impl<T: Number> Pair<T> {
     fn add_polygon(&self, polygon: &Polygon<T>, band: f64, weights: [f64; 3], of_p: &mut [[T; 2]; NODES + 2], of_h: &mut [T; NODES + 2]) {
         let zero = T::from(0.0);
         let (mut weight, mut gap) = ([zero; VERTICES], [zero; VERTICES]);
-        for (k, vertex) in polygon.vertices[..polygon.count].iter().enumerate() {
+        for (k, vertex) in polygon.vertices.iter().enumerate() {
             let shape = vertex.of_secondary;
             weight[k] = shape[0] * weights[0] + shape[1] * weights[1] + shape[2] * weights[2];
             gap[k] = self.gap(polygon, vertex);
@@ -366,8 +415,8 @@ impl<T: Number> Pair<T> {
                 of_p[other][i] -= rises[1][i] * on_other;
             }
         }
-        for k in 0..polygon.count {
-            let next = (k + 1) % polygon.count;
+        for k in 0..polygon.vertices.len() {
+            let next = (k + 1) % polygon.vertices.len();
             let (a, b) = (&polygon.vertices[k], &polygon.vertices[next]);
             let outward = [b.p[1] - a.p[1], a.p[0] - b.p[0]];
             // Integrals of W g f over the edge for an affine f: one share for its value at either end.
@@ -385,46 +434,6 @@ impl<T: Number> Pair<T> {
 }
 
 impl<T: Number> Polygon<T> {
-    /// Cuts off what is on the right of a line; `false` when nothing is left.
-    fn clip(&mut self, [from, to]: [[T; 2]; 2]) -> bool {
-        let old = self.vertices;
-        let count = std::mem::take(&mut self.count);
-        let mut side = [T::from(0.0); VERTICES];
-        (0..count).for_each(|k| side[k] = area(from, to, old[k].p));
-        let is_in = |k: usize| side[k].re() >= 0.0;
-        let mut push = |vertex: Vertex<T>| {
-            if self.count < VERTICES {
-                self.vertices[self.count] = vertex;
-                self.count += 1;
-            }
-        };
-        for k in 0..count {
-            let next = (k + 1) % count;
-            if is_in(k) {
-                push(old[k]);
-            }
-            if is_in(k) != is_in(next) {
-                let share = side[k] / (side[k] - side[next]);
-                let p: [T; 2] = std::array::from_fn(|i| old[k].p[i] + share * (old[next].p[i] - old[k].p[i]));
-                // Leaving, the line itself follows.
-                push(Vertex { p, border: if is_in(k) { Border::Secondary } else { old[k].border }, ..old[k] });
-            }
-        }
-        self.count > 0
-    }
-
-    /// Finds the shape functions of both triangles at its corners.
-    fn shape(&mut self, secondary: [[T; 2]; 3], primary: [[T; 2]; 3]) {
-        let shares = |[a, b, c]: [[T; 2]; 3], whole: T, p: [T; 2]| {
-            let inverse = whole.recip();
-            [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse]
-        };
-        for vertex in &mut self.vertices[..self.count] {
-            vertex.of_secondary = shares(secondary, self.areas[0], vertex.p);
-            vertex.of_primary = shares(primary, self.areas[1], vertex.p);
-        }
-    }
-
     /// Which triangles an edge of the polygon goes with: its share, its corners and its shape functions at both ends. An edge goes with the
     /// triangle on whose border it lies, and in part with the other one where that has its own border nearer than `band` of its height,
     /// half with either where both coincide: forces do not jump there, and have neither a resultant nor a moment of their own.
@@ -446,12 +455,11 @@ impl<T: Number> Polygon<T> {
     /// Integral of a product of two affine functions, from their values at the corners: exact.
     fn integral(&self, f: impl Fn(usize) -> T, g: impl Fn(usize) -> T) -> T {
         let mut sum = T::from(0.0);
-        for k in 1..self.count - 1 {
+        for k in 1..self.vertices.len() - 1 {
             let corners = [0, k, k + 1];
-            let [a, b, c] = corners.map(|k| self.vertices[k].p);
             let (f, g) = (corners.map(&f), corners.map(&g));
             let products = f[0] * g[0] + f[1] * g[1] + f[2] * g[2] + (f[0] + f[1] + f[2]) * (g[0] + g[1] + g[2]);
-            sum += area(a, b, c) * products * (1.0 / 24.0);
+            sum += self.vertices[k].fan * products * (1.0 / 24.0);
         }
         sum
     }
