@@ -1,14 +1,11 @@
 //! Numbers that formulas of contact are written for: plain ones, and ones that carry derivatives.
 //!
-//! A [`Jet`] is a plain array of derivatives, a few at a time ([`LANES`]): it fits into registers, and more unknowns are more passes. Those
-//! of the library `num-dual` know whether they have any derivatives, and take five times as long for it.
+//! A [`Jet`] carries a few derivatives in a plain array; more unknowns are more passes. The numbers of `num-dual` know besides whether they
+//! have any derivatives: with these the second derivatives of a pair of facets in space took three times as long.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use num_dual::DualNumCopy;
-
-/// Derivatives that one pass finds.
-pub const LANES: usize = 8;
 
 /// A number, or one with derivatives.
 pub trait Number:
@@ -52,14 +49,14 @@ impl<T: DualNumCopy<Primitive = f64>> Number for T {
 
 /// A number with its derivatives with respect to some unknowns.
 #[derive(Clone, Copy, Debug)]
-pub struct Jet {
+pub struct Jet<const N: usize> {
     /// The number.
     pub re: f64,
     /// Its derivatives.
-    pub eps: [f64; LANES],
+    pub eps: [f64; N],
 }
 
-impl Jet {
+impl<const N: usize> Jet<N> {
     /// An unknown: the one of that lane, if any.
     #[inline(always)]
     pub fn unknown(re: f64, lane: Option<usize>) -> Self {
@@ -78,14 +75,14 @@ impl Jet {
     }
 }
 
-impl From<f64> for Jet {
+impl<const N: usize> From<f64> for Jet<N> {
     #[inline(always)]
     fn from(re: f64) -> Self {
-        Jet { re, eps: [0.0; LANES] }
+        Jet { re, eps: [0.0; N] }
     }
 }
 
-impl Add for Jet {
+impl<const N: usize> Add for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -94,7 +91,7 @@ impl Add for Jet {
     }
 }
 
-impl Sub for Jet {
+impl<const N: usize> Sub for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -103,7 +100,7 @@ impl Sub for Jet {
     }
 }
 
-impl Mul for Jet {
+impl<const N: usize> Mul for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -112,7 +109,7 @@ impl Mul for Jet {
     }
 }
 
-impl Div for Jet {
+impl<const N: usize> Div for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -122,7 +119,7 @@ impl Div for Jet {
     }
 }
 
-impl Neg for Jet {
+impl<const N: usize> Neg for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -131,21 +128,21 @@ impl Neg for Jet {
     }
 }
 
-impl AddAssign for Jet {
+impl<const N: usize> AddAssign for Jet<N> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl SubAssign for Jet {
+impl<const N: usize> SubAssign for Jet<N> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl Add<f64> for Jet {
+impl<const N: usize> Add<f64> for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -154,7 +151,7 @@ impl Add<f64> for Jet {
     }
 }
 
-impl Sub<f64> for Jet {
+impl<const N: usize> Sub<f64> for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -163,7 +160,7 @@ impl Sub<f64> for Jet {
     }
 }
 
-impl Mul<f64> for Jet {
+impl<const N: usize> Mul<f64> for Jet<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -172,7 +169,7 @@ impl Mul<f64> for Jet {
     }
 }
 
-impl Number for Jet {
+impl<const N: usize> Number for Jet<N> {
     #[inline(always)]
     fn re(self) -> f64 {
         self.re

@@ -13,9 +13,15 @@
 //!
 //! A kernel says what `g_A` is ([`SlipRows`]); projection and derivatives, exact by dual numbers, are made here for all of them.
 
-use super::numbers::{Jet, LANES, Number};
+use super::numbers::{self, Number};
 use super::patches::{Evaluation, Patches};
 use crate::integrators::Configuration;
+
+/// Unknowns with respect to which one pass differentiates.
+const LANES: usize = 8;
+
+/// A number with its derivatives with respect to some unknowns.
+type Jet = numbers::Jet<LANES>;
 
 /// A step as slips see it.
 #[derive(Clone, Copy)]

@@ -15,9 +15,9 @@
 //! the reference configuration, so that the facets around a node agree. Components of a multiplier mean the same from step to step, and
 //! nothing has to be carried over when a body turns.
 
-use super::vectors::{Frame, Vec3, columns_into, cross, dot, jets, scaled, sub};
+use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
 use crate::contact::faces;
-use crate::contact::numbers::{Jet, LANES, Number};
+use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Patches};
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};

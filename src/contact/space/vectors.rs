@@ -1,9 +1,15 @@
 //! Vectors of any numbers, and what makes a second derivative of a gradient that is written for any numbers.
 
-use crate::contact::numbers::{Jet, LANES, Number};
+use crate::contact::numbers::{self, Number};
 
 /// A vector in space.
 pub type Vec3<T> = [T; 3];
+
+/// Unknowns with respect to which one pass differentiates: half of those of two facets.
+pub const LANES: usize = 12;
+
+/// A number with its derivatives with respect to some unknowns.
+pub type Jet = numbers::Jet<LANES>;
 
 pub fn sub<T: Number, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
     std::array::from_fn(|i| a[i] - b[i])
