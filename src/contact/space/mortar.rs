@@ -18,7 +18,7 @@ use crate::contact::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// Margin beyond the need with which candidates are searched, in smallest secondary facets.
-const SPARE: f64 = 1.0;
+const SPARE: f64 = 0.5;
 
 /// Unknowns of a pair, at most.
 const UNKNOWNS: usize = 3 * NODES;
