@@ -404,6 +404,7 @@ mod tests {
         vec![
             ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, is_hollow },
             ObstacleInSpace::Cylinder { point: [0.5, 0.5, 0.0], axis: tilted, radius: 0.4, is_hollow },
+            ObstacleInSpace::Drum { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.05 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
             ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
         ]
