@@ -288,6 +288,11 @@ impl Shape {
         }
     }
 
+    /// Whether it has sharp edges: two distances meet inside of them.
+    pub fn has_edges(&self) -> bool {
+        matches!(self, Shape::Revolved { profile: Profile::Drum { .. }, .. })
+    }
+
     /// The motions that leave something round as it is.
     pub fn symmetries(&self) -> Symmetries {
         match self {

@@ -27,7 +27,7 @@ use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative};
-use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
+use crate::math::tolerances::{KINK, LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
 /// Depth in smallest facets beyond which an edge has no row: what overlaps as much at the start of a step, the nodes hold.
 const SUNK: f64 = 0.55;
@@ -64,40 +64,75 @@ struct Deepest {
     at: Distance,
     share: f64,
     gradient: Six,
+    kink: Option<Kink>,
+}
+
+/// What meets inside of a sharp edge of the obstacle, where the deepest point is as deep below one side as below the other one. There the
+/// gradient is that mean of both which has no part along the edge of the surface (Danskin, SIAM J. Appl. Math. 14, 1966).
+struct Kink {
+    normal: Vector3<f64>,
+    curvature: Matrix3<f64>,
+    /// Difference of both normals, and its part along the edge.
+    difference: Vector3<f64>,
+    jump: f64,
+}
+
+impl Kink {
+    /// Of the distances on either side of a place along an edge; nothing where they go over into each other.
+    fn between([a, b]: [Distance; 2], along: Vector3<f64>) -> Option<Self> {
+        let difference = b.normal - a.normal;
+        let jump = difference.dot(&along);
+        // Of the first one.
+        let share = b.normal.dot(&along) / jump;
+        (jump > KINK * along.norm()).then(|| Kink {
+            normal: b.normal - difference * share,
+            curvature: a.curvature * share + b.curvature * (1.0 - share),
+            difference,
+            jump,
+        })
+    }
 }
 
 impl Deepest {
     fn new(shape: &Shape, [a, b]: Ends) -> Self {
         let along = b - a;
         let slope = |share: f64| shape.distance(a + along * share).normal.dot(&along);
-        let share = if slope(0.0) >= 0.0 {
-            0.0
+        let (share, beside) = if slope(0.0) >= 0.0 {
+            (0.0, None)
         } else if slope(1.0) <= 0.0 {
-            1.0
+            (1.0, None)
         } else {
             let (mut low, mut high) = (0.0, 1.0);
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
                 if slope(middle) < 0.0 { low = middle } else { high = middle }
             }
-            0.5 * (low + high)
+            (0.5 * (low + high), Some([low, high]))
         };
-        let at = shape.distance(a + along * share);
+        let mut at = shape.distance(a + along * share);
+        let sides = beside.filter(|_| shape.has_edges()).map(|shares| shares.map(|share| shape.distance(a + along * share)));
+        let kink = sides.and_then(|sides| Kink::between(sides, along));
+        let mut normal = at.normal;
+        if let Some(kink) = &kink {
+            normal = kink.normal;
+            (at.normal, at.curvature) = (normal.try_normalize(0.0).unwrap_or(at.normal), kink.curvature);
+        }
         let mut gradient = Six::zeros();
-        gradient.fixed_rows_mut::<3>(0).copy_from(&(at.normal * (1.0 - share)));
-        gradient.fixed_rows_mut::<3>(3).copy_from(&(at.normal * share));
-        Deepest { at, share, gradient }
+        gradient.fixed_rows_mut::<3>(0).copy_from(&(normal * (1.0 - share)));
+        gradient.fixed_rows_mut::<3>(3).copy_from(&(normal * share));
+        Deepest { at, share, gradient, kink }
     }
 
     /// How the slope along the edge changes with the ends at a fixed share, and with the share; nothing of that where the share is fixed.
     fn turning(&self, [a, b]: Ends) -> (Six, f64) {
-        let Deepest { at, share, .. } = *self;
+        let Deepest { ref at, share, ref kink, .. } = *self;
         let (along, shares) = (b - a, [1.0 - share, share]);
+        let normal = kink.as_ref().map_or(at.normal, |kink| kink.normal);
         let bent = at.curvature * along;
         let bend = along.dot(&bent);
         let mut coupling = Six::zeros();
         for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(at.normal * sign + bent * shares[k]));
+            coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(normal * sign + bent * shares[k]));
         }
         let is_free = 0.0 < share && share < 1.0 && bend > LIES_ALONG * along.norm();
         (coupling, if is_free { bend } else { 0.0 })
@@ -105,13 +140,24 @@ impl Deepest {
 
     /// Derivative of the share with respect to the ends.
     fn slide(&self, ends: Ends) -> Six {
+        if let Some(kink) = &self.kink {
+            return self.apart(kink) / -kink.jump;
+        }
         let (coupling, bend) = self.turning(ends);
         if bend > 0.0 { coupling / -bend } else { Six::zeros() }
     }
 
+    /// How the distances from both sides at a kink come apart with the ends.
+    fn apart(&self, kink: &Kink) -> Six {
+        let mut apart = Six::zeros();
+        apart.fixed_rows_mut::<3>(0).copy_from(&(kink.difference * (1.0 - self.share)));
+        apart.fixed_rows_mut::<3>(3).copy_from(&(kink.difference * self.share));
+        apart
+    }
+
     /// Second derivative: that of the point that stays where it is on the edge, less what it gains by moving.
     fn hessian(&self, ends: Ends) -> SixBySix {
-        let Deepest { at, share, .. } = *self;
+        let Deepest { ref at, share, .. } = *self;
         let shares = [1.0 - share, share];
         let mut hessian = SixBySix::zeros();
         for k in 0..2 {
@@ -120,7 +166,12 @@ impl Deepest {
             }
         }
         let (coupling, bend) = self.turning(ends);
-        if bend > 0.0 {
+        if let Some(kink) = &self.kink {
+            // The point moves so that both distances stay the same, and the mean so that it has no part along the edge.
+            let (apart, along) = (self.apart(kink), ends[1] - ends[0]);
+            hessian -= (coupling * apart.transpose() + apart * coupling.transpose()) / kink.jump;
+            hessian += apart * apart.transpose() * (along.dot(&(at.curvature * along)) / kink.jump.powi(2));
+        } else if bend > 0.0 {
             hessian -= coupling * coupling.transpose() / bend;
         }
         hessian
@@ -404,7 +455,7 @@ mod tests {
         vec![
             ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, is_hollow },
             ObstacleInSpace::Cylinder { point: [0.5, 0.5, 0.0], axis: tilted, radius: 0.4, is_hollow },
-            ObstacleInSpace::Drum { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.05 },
+            ObstacleInSpace::Drum { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
             ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
         ]
