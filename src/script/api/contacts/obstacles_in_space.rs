@@ -92,7 +92,7 @@ fn drum(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) ->
     let most = radius.min(0.5 * length);
     let edge = if argument.is_given() { options.number("edge_radius")? } else { EDGE * most };
     if edge > most {
-        let failure = argument.fail(format!("{} must not be larger than the radius and half the length", argument.title()));
+        let failure = argument.fail(format!("{} must be no larger than the radius and half the length", argument.title()));
         return Err(failure.label(format!("at most {most} fits")).hint("write a smaller one, or leave it out"));
     }
     in_space(ObstacleInSpace::Drum { center, axis, radius, length, edge })
