@@ -73,6 +73,17 @@ impl<const N: usize> Jet<N> {
     fn with(self, other: Self, re: f64, eps: impl Fn(f64, f64) -> f64) -> Self {
         Jet { re, eps: std::array::from_fn(|k| eps(self.eps[k], other.eps[k])) }
     }
+
+    #[inline(always)]
+    fn product(self, other: Self) -> Self {
+        self.with(other, self.re * other.re, |a, b| a * other.re + b * self.re)
+    }
+
+    #[inline(always)]
+    fn quotient(self, other: Self) -> Self {
+        let inverse = other.re.recip();
+        self.with(other, self.re * inverse, |a, b| (a * other.re - b * self.re) * inverse * inverse)
+    }
 }
 
 impl<const N: usize> From<f64> for Jet<N> {
@@ -105,7 +116,7 @@ impl<const N: usize> Mul for Jet<N> {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.with(other, self.re * other.re, |a, b| a * other.re + b * self.re)
+        self.product(other)
     }
 }
 
@@ -114,8 +125,7 @@ impl<const N: usize> Div for Jet<N> {
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let inverse = other.re.recip();
-        self.with(other, self.re * inverse, |a, b| (a * other.re - b * self.re) * inverse * inverse)
+        self.quotient(other)
     }
 }
 

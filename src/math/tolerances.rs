@@ -130,9 +130,6 @@ pub const POSITION: f64 = 4e-16;
 /// remainder would be, too, only a larger one is divided by it: that of a kink.
 pub const REMAINDER: f64 = 4e-15;
 
-/// Jump of the slope of an obstacle's distance along an edge that is a kink: what is round turns by round-off from one number to the next.
-pub const KINK: f64 = 1e-3;
-
 /// Bend of an obstacle's distance along an edge, over the edge's length, below which its deepest point is anywhere on the edge: the edge
 /// lies along a cylinder or cone, and its ends see all of it.
 pub const LIES_ALONG: f64 = 1e-6;

@@ -10,9 +10,9 @@
 //! facets       n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
 //! ```
 //!
-//! (Gonzalez, CMAME 190, 2000.) A cylinder with or without ends, a cone and a torus are revolved about an axis `a`: their distance is a function of the distance
-//! `rho = |p|` from the axis and of the height `z` along it. `(G_rho, G_z)` is that function's discrete gradient, by the formula of
-//! facets, so that the force on a node has no moment about the axis. For a cylinder `G = (+-1, 0)`.
+//! (Gonzalez, CMAME 190, 2000.) A cylinder with or without ends, a cone and a torus are revolved about an axis `a`: their distance is a
+//! function of the distance `rho = |p|` from the axis and of the height `z` along it. `(G_rho, G_z)` is that function's discrete gradient,
+//! by the formula of facets, so that the force on a node has no moment about the axis. For a cylinder without ends `G = (+-1, 0)`.
 
 use std::sync::Arc;
 

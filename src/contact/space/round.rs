@@ -10,7 +10,7 @@
 //! as the minimum does not change with the shares to first order. The discrete gradient is `G_mid + (dPhi - G_mid.d)/p.p p` with the
 //! increment `d` of the ends as seen from the obstacle and its part `p` beside the obstacle's symmetries in mid-step, rotations and
 //! translations, so that the moment about a center or an axis is kept (Gonzalez, J. Nonlinear Sci. 6, 1996). A row is there in a step if
-//! its deepest point is no node, which has a row of its own.
+//! its deepest point is no node, which has a row of its own. Inside of the rim of a cylinder with ends there is a kink (`Kink`).
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
 
@@ -27,7 +27,7 @@ use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative};
-use crate::math::tolerances::{KINK, LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
+use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
 /// Depth in smallest facets beyond which an edge has no row: what overlaps as much at the start of a step, the nodes hold.
 const SUNK: f64 = 0.55;
@@ -37,6 +37,9 @@ const OPEN: f64 = 0.25;
 
 /// Share of an edge at its ends where the node alone has a row.
 const AT_END: f64 = 0.02;
+
+/// Jump of the slope along an edge that is a kink: what is round turns by round-off from one number to the next.
+const KINK: f64 = 0.01;
 
 /// Steps of the search for the deepest point of an edge: each halves what is left.
 const HALVINGS: usize = 60;

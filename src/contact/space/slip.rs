@@ -100,9 +100,8 @@ pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambd
         patches.gather_into(p, step.q_1, &mut patch.end);
         patches.gather_into(p, step.moved, &mut patch.moved);
         patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
-        let passes = (0..patch.end.len()).step_by(LANES);
-        out.live[p] =
-            passes.fold(true, |goes_on, first| goes_on && patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out));
+        let mut passes = (0..patch.end.len()).step_by(LANES);
+        out.live[p] = passes.all(|first| patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out));
     }
 }
 
