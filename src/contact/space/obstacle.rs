@@ -19,6 +19,7 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use super::facets::{Distance, Facets};
+use super::slip::Carrier;
 use crate::contact::surface::Surface;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
@@ -291,6 +292,14 @@ impl Shape {
     /// Whether it has sharp edges: two distances meet inside of them.
     pub fn has_edges(&self) -> bool {
         matches!(self, Shape::Revolved { profile: Profile::Drum { .. }, .. })
+    }
+
+    /// How it moves what sticks to it when it is displaced by `shift` and has turned by an angle about its axis, if it has one; `end` is
+    /// where it is displaced to at last.
+    pub fn carrier(&self, (shift, angle): ([f64; 3], f64), end: [f64; 3]) -> Carrier {
+        let Shape::Revolved { origin, axis, .. } = self else { return Carrier { shift, ..Carrier::default() } };
+        let center = origin + Vector3::from(end) - Vector3::from(shift) * 0.5;
+        Carrier { shift, turn: (axis * (2.0 * (0.5 * angle).tan())).into(), center: center.into() }
     }
 
     /// The motions that leave something round as it is.

@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
 use super::facets::Distance;
 use super::features::Features;
 use super::obstacle::{ObstacleInSpace, Shape, Symmetries};
-use super::slip::{self, Group, SlipsInSpace};
+use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
@@ -54,8 +54,8 @@ pub struct RoundInSpace {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 3]; 3],
-    /// How far it carries along what sticks to it.
-    carried: [f64; 3],
+    /// How far it carries along what sticks to it, and by which angle about its axis.
+    carried: ([f64; 3], f64),
     /// Which edges have a row in this step.
     is_there: Vec<bool>,
     /// Their ends at the start of the step as seen from the obstacle.
@@ -198,7 +198,7 @@ impl RoundInSpace {
         edges.iter().zip(0..).for_each(|(nodes, row)| sides.patches.push(nodes, &[row]));
         sides.list_slips();
         let (is_there, start) = (vec![false; edges.len()], vec![Default::default(); edges.len()]);
-        (!edges.is_empty()).then_some(RoundInSpace { sides, shape, translations: [[0.0; 3]; 3], carried: [0.0; 3], is_there, start })
+        (!edges.is_empty()).then_some(RoundInSpace { sides, shape, translations: [[0.0; 3]; 3], carried: ([0.0; 3], 0.0), is_there, start })
     }
 
     /// Ends of an edge as seen from the obstacle where it is at the start, in the middle or at the end of the step.
@@ -384,8 +384,8 @@ impl SlipsInSpace for RoundInSpace {
         vec![Group { place: 0, weights, tangents: slip::tangents(normal, axis), covered: 1.0 }]
     }
 
-    fn carried(&self) -> Option<Vec3<f64>> {
-        Some(self.carried)
+    fn carrier(&self) -> Option<Carrier> {
+        Some(self.shape.carrier(self.carried, self.translations[2]))
     }
 }
 
@@ -418,8 +418,8 @@ impl RigidObstacle for RoundInSpace {
         self.translations = *translations;
     }
 
-    fn carry(&mut self, shift: [f64; 3], _angle: f64) {
-        self.carried = shift;
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
+        self.carried = (shift, angle);
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {

@@ -44,9 +44,33 @@ pub trait SlipsInSpace {
     /// The tangential rows of patch `p` at the positions of its nodes.
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
 
-    /// How far the other side moves in the step where it is no node `[length]`: then rigid motions of a patch have slips, too.
-    fn carried(&self) -> Option<Vec3<f64>> {
+    /// How the other side moves in the step where it is no node: then rigid motions of a patch have slips, too.
+    fn carrier(&self) -> Option<Carrier> {
         None
+    }
+}
+
+/// A rigid motion in a step: `o(x) = shift + turn x (x - center)` at a place in mid-step.
+///
+/// With the length `2 tan(angle/2)` of `turn` the points of a circle that turns by the angle move by the chords of their arcs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Carrier {
+    /// Displacement of the center `[length]`.
+    pub shift: Vec3<f64>,
+    /// Along the axis, twice the tangent of half the angle.
+    pub turn: Vec3<f64>,
+    /// A point of the axis in mid-step `[length]`.
+    pub center: Vec3<f64>,
+}
+
+impl Carrier {
+    /// What a displacement of a place in mid-step is as seen from there.
+    fn against<T: Number>(&self, moved: Vec3<f64>, x: &Vec3<T>) -> Vec3<T> {
+        let beside = sub(moved, self.shift).map(T::from);
+        if self.turn == [0.0; 3] {
+            return beside;
+        }
+        sub(beside, cross(self.turn.map(T::from), sub(*x, self.center.map(T::from))))
     }
 }
 
@@ -129,9 +153,9 @@ impl Patch {
         if groups.is_empty() {
             return false;
         }
-        let (is_relative, carried) = (kernel.carried().is_none(), kernel.carried().unwrap_or_default());
-        let against = |d: &Vec3<f64>| -> Vec3<Jet> { sub(*d, carried).map(Jet::from) };
-        let motion = relative(is_relative, &middle, self.moved.as_chunks().0.iter().map(against).collect());
+        let (is_relative, carrier) = (kernel.carrier().is_none(), kernel.carrier().unwrap_or_default());
+        let moved = self.moved.as_chunks().0.iter().zip(&middle).map(|(moved, x)| carrier.against(*moved, x));
+        let motion = relative(is_relative, &middle, moved.collect());
         let (width, rows) = (self.middle.len(), patches.rows(p));
         let block = |group: &Group<Jet>, k: usize| {
             let begin = patches.gradient_range(p).start + (2 * group.place + k) * width;
@@ -298,7 +322,7 @@ mod tests {
     }
 
     /// The surface below and round obstacles that move.
-    fn obstacles(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
+    fn obstacles(q: &[f64], angle: f64) -> Vec<Box<dyn ContactKernel>> {
         let below = Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
         let (point, axis) = ([0.9, 1.1, 0.15], [0.1, 1.0, 0.05]);
         let rod = ObstacleInSpace::Cylinder { point, axis, radius: 0.2, is_hollow: false };
@@ -309,7 +333,7 @@ mod tests {
         assert_eq!(kernels.len(), 2);
         for kernel in &mut kernels {
             kernel.move_obstacle(&[[0.0; 3], [0.05, -0.02, 0.01], [0.1, -0.04, 0.02]]);
-            kernel.carry([0.1, -0.04, 0.02], 0.0);
+            kernel.carry([0.1, -0.04, 0.02], angle);
             kernel.update_candidates(&Outlook::within(q, 1.0));
             kernel.begin_step(q);
         }
@@ -381,7 +405,7 @@ mod tests {
         fn what_an_obstacle_carries_along_does_not_slide((q_0, q_1) in steps()) {
             let against: Vec<f64> = difference(&q_1, &q_0).iter().enumerate().map(|(k, d)| d - [0.1, -0.04, 0.02][k % 3]).collect();
             let along: Vec<f64> = q_0.iter().enumerate().map(|(k, x)| x + [0.1, -0.04, 0.02][k % 3]).collect();
-            for kernel in obstacles(&q_0) {
+            for kernel in obstacles(&q_0, 0.0) {
                 let out = slips(&*kernel, &q_0, &q_1, Configuration::Middle);
                 for (row, slip) in rows(&*kernel, &out.gradient_bar).iter().zip(&out.gap) {
                     prop_assert!((product(row, &against) - slip).abs() < 1e-14);
@@ -390,6 +414,19 @@ mod tests {
                 let out = slips(&*kernel, &q_0, &along, Configuration::Middle);
                 prop_assert!(out.gap.iter().all(|slip| slip.abs() < 1e-15), "{:?}", out.gap);
             }
+        }
+
+        /// What turns with a rod, however far, does not slide on it.
+        #[test]
+        fn what_turns_with_an_obstacle_does_not_slide((q_0, _) in steps(), angle in -1.0..1.0f64) {
+            let (point, shift) = (nalgebra::Vector3::new(0.9, 1.1, 0.15), nalgebra::Vector3::new(0.1, -0.04, 0.02));
+            let axis = nalgebra::Unit::new_normalize(nalgebra::Vector3::new(0.1, 1.0, 0.05));
+            let rotation = nalgebra::Rotation3::from_axis_angle(&axis, angle);
+            let turned = |x: &[f64; 3]| -> [f64; 3] { (point + shift + rotation * (nalgebra::Vector3::from(*x) - point)).into() };
+            let along: Vec<f64> = q_0.as_chunks::<3>().0.iter().flat_map(turned).collect();
+            let rod = &obstacles(&q_0, angle)[1];
+            let out = slips(&**rod, &q_0, &along, Configuration::Middle);
+            prop_assert!(out.gap.iter().all(|slip| slip.abs() < 1e-14), "{:?}", out.gap);
         }
 
         /// However large it is, a rigid motion of both sides is no slip.
@@ -407,7 +444,7 @@ mod tests {
         /// Gradients and tangents along a random direction against differences, but where these meet a kink.
         #[test]
         fn gradients_and_tangents_are_derivatives((q_0, q_1) in steps(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
-            for kernel in kernels(&q_0).into_iter().chain(obstacles(&q_0)) {
+            for kernel in kernels(&q_0).into_iter().chain(obstacles(&q_0, 0.3)) {
                 for test in [Configuration::Middle, Configuration::End] {
                     let out = slips(&*kernel, &q_0, &q_1, test);
                     let at = |width: f64| {

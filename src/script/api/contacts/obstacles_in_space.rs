@@ -63,7 +63,7 @@ fn rigid_cylinder() -> Function {
                 .or(Absent::Means("a hundredth of `radius`, or of half the `length` where that is less")),
             inside("whether bodies are inside of it, as in a pipe"),
         ],
-        Moves::InSpace,
+        Moves::AboutAxis,
         "let roller = rigid_cylinder(#{ point: [0.0, 0.0, 1.5], axis: [0.0, 1.0, 0.0], radius: 0.5, motion: #{ z: 0.1 } });",
         |options| {
             let (point, radius) = (options.argument("point").vector(3)?, options.number("radius")?);
@@ -109,7 +109,7 @@ fn rigid_cone() -> Function {
             Parameter::number("half_angle", "rad", angle, "the angle between its axis and its side"),
             inside("whether bodies are inside of it, as in a funnel"),
         ],
-        Moves::InSpace,
+        Moves::AboutAxis,
         "let funnel = rigid_cone(#{ tip: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], half_angle: deg(40), inside: true });",
         |options| {
             let (tip, axis) = (options.argument("tip").vector(3)?, direction(&options.argument("axis"))?);
@@ -130,7 +130,7 @@ fn rigid_torus() -> Function {
             Parameter::number("tube_radius", "length", Interval::Positive, "the radius of the tube, smaller than that"),
             inside("whether bodies are inside of the tube"),
         ],
-        Moves::InSpace,
+        Moves::AboutAxis,
         "let ring = rigid_torus(#{ center: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], radius: 2.0, tube_radius: 0.5 });",
         |options| {
             let (center, axis) = (options.argument("center").vector(3)?, direction(&options.argument("axis"))?);
