@@ -294,6 +294,13 @@ impl Shape {
         matches!(self, Shape::Revolved { profile: Profile::Drum { .. }, .. })
     }
 
+    /// Whether a point is opposite the rounded edge of a cylinder with ends.
+    pub fn is_at_rim(&self, x: Vector3<f64>) -> bool {
+        let Shape::Revolved { origin, axis, profile: Profile::Drum { inner, .. } } = self else { return false };
+        let ([rho, z], _) = polar(x - origin, *axis);
+        rho > inner[0] && z.abs() > inner[1]
+    }
+
     /// How it moves what sticks to it when it is displaced by `shift` and has turned by an angle about its axis, if it has one; `end` is
     /// where it is displaced to at last.
     pub fn carrier(&self, (shift, angle): ([f64; 3], f64), end: [f64; 3]) -> Carrier {

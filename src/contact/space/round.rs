@@ -56,6 +56,8 @@ pub struct RoundInSpace {
     translations: [[f64; 3]; 3],
     /// How far it carries along what sticks to it, and by which angle about its axis.
     carried: ([f64; 3], f64),
+    /// Whether edges have rows at the rim alone: what else there is of the obstacle is large.
+    only_at_rim: bool,
     /// Which edges have a row in this step.
     is_there: Vec<bool>,
     /// Their ends at the start of the step as seen from the obstacle.
@@ -188,6 +190,12 @@ impl RoundInSpace {
         if !obstacle.is_small(surface, reference, facet_size) {
             return None;
         }
+        let only_at_rim = match *obstacle {
+            ObstacleInSpace::Drum { center: point, axis, radius, .. } => {
+                !ObstacleInSpace::Cylinder { point, axis, radius, is_hollow: false }.is_small(surface, reference, facet_size)
+            }
+            _ => false,
+        };
         let edges: Vec<[u32; 2]> = match shape {
             // On flat ground a sphere touches the facets.
             Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
@@ -198,7 +206,15 @@ impl RoundInSpace {
         edges.iter().zip(0..).for_each(|(nodes, row)| sides.patches.push(nodes, &[row]));
         sides.list_slips();
         let (is_there, start) = (vec![false; edges.len()], vec![Default::default(); edges.len()]);
-        (!edges.is_empty()).then_some(RoundInSpace { sides, shape, translations: [[0.0; 3]; 3], carried: ([0.0; 3], 0.0), is_there, start })
+        (!edges.is_empty()).then_some(RoundInSpace {
+            sides,
+            shape,
+            translations: [[0.0; 3]; 3],
+            carried: ([0.0; 3], 0.0),
+            only_at_rim,
+            is_there,
+            start,
+        })
     }
 
     /// Ends of an edge as seen from the obstacle where it is at the start, in the middle or at the end of the step.
@@ -219,7 +235,10 @@ impl RoundInSpace {
         if ends.iter().all(|&end| self.shape.distance(end).gap > reach + length) {
             return false;
         }
-        let Deepest { at, share, .. } = Deepest::new(&self.shape, ends);
+        let Deepest { at, share, kink, .. } = Deepest::new(&self.shape, ends);
+        if self.only_at_rim && kink.is_none() && !self.shape.is_at_rim(ends[0].lerp(&ends[1], share)) {
+            return false;
+        }
         (AT_END..=1.0 - AT_END).contains(&share) && at.gap < reach && at.gap > -SUNK * size
     }
 
