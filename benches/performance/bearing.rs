@@ -11,14 +11,29 @@ use std::time::{Duration, Instant};
 use conserva::dynamics::{Hat, LoadKind, Model, Options, Simulation, Statistics};
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::materials::NeoHookean;
-use conserva::mesh::ring;
+use conserva::mesh::{Change, Mesh, MeshError, ring};
 
 use crate::linear::seconds;
 
 /// Phases as they are printed; the last is what no other counts.
 const PHASES: [&str; 6] = ["assembly", "contact", "factorization", "solve", "search", "other"];
 
-fn bearing(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
+/// A kind of bearings: by size and number of threads. Gauss points of a cell, and nanoseconds per point below which no variant of the
+/// element loop came on a Zen 4 core.
+pub struct Kind {
+    name: &'static str,
+    make: fn(usize, usize) -> Result<Simulation, Box<dyn Error>>,
+    points: usize,
+    floor: Option<f64>,
+}
+
+/// In the plane, its size multiplies all cell counts.
+pub const IN_PLANE: Kind = Kind { name: "bearing", make: in_plane, points: 4, floor: Some(32.0) };
+
+/// Drawn out along its axis, its size is the number of layers.
+pub const IN_SPACE: Kind = Kind { name: "bearing in space", make: in_space, points: 8, floor: None };
+
+fn in_plane(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material()?;
     let mut model = Model::new("bearing");
     let mesh = |inner, outer, around: usize| ring(inner, outer, [10 * refine, around * refine], [0.0; 2], 0.0);
@@ -29,6 +44,23 @@ fn bearing(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> 
     model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
     // At every size a step slides by the same part of a facet.
     let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.005 / refine as f64) };
+    let mut sim = Simulation::new(&model, options)?;
+    sim.settle()?;
+    Ok(sim)
+}
+
+/// 14 520 unknowns with four layers; both rings are free.
+fn in_space(layers: usize, threads: usize) -> Result<Simulation, Box<dyn Error>> {
+    let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material()?;
+    let mut model = Model::new("bearing in space");
+    let mesh = |inner, outer, around| -> Result<Mesh, MeshError> {
+        ring(inner, outer, [10, around], [0.0; 2], 0.0)?.extruded(0.5, layers, 1.0, Change::NONE)
+    };
+    let outer = model.add_body("outer ring", mesh(1.0, 1.5, 48)?, &steel);
+    let inner = model.add_body("inner ring", mesh(0.5, 1.002, 40)?, &steel);
+    model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
+    model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: 0.2, peak: 0.05 });
+    let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.01) };
     let mut sim = Simulation::new(&model, options)?;
     sim.settle()?;
     Ok(sim)
@@ -50,12 +82,12 @@ struct Timing {
 }
 
 /// Least time of each phase of each step over all repetitions, summed.
-fn measure(refine: usize, steps: usize, repetitions: usize, threads: usize) -> Result<Timing, Box<dyn Error>> {
+fn measure(kind: &Kind, size: usize, steps: usize, repetitions: usize, threads: usize) -> Result<Timing, Box<dyn Error>> {
     let mut least = vec![[f64::INFINITY; 7]; steps];
     let start = Instant::now();
     let (mut unknowns, mut iterations, mut cells) = (0, 0, 0);
     for _ in 0..repetitions {
-        let mut sim = bearing(refine, threads)?;
+        let mut sim = (kind.make)(size, threads)?;
         // Spun up already: the pattern has been made anew and the set has moved on before the clock starts.
         for _ in 0..5 {
             sim.step(None, &mut |_| ())?;
@@ -86,37 +118,41 @@ fn measure(refine: usize, steps: usize, repetitions: usize, threads: usize) -> R
     Ok(Timing { unknowns, steps, iterations, cells, seconds: std::array::from_fn(sum), processor: sum(6) })
 }
 
-/// Gauss points of a cell, and nanoseconds per point below which no variant of the element loop came on a Zen 4 core.
-const POINTS: usize = 4;
-const FLOOR: f64 = 32.0;
-
 /// Prints the phases at each size; `others` are the milliseconds of faer's LU on a system of each size.
-pub fn phases_of_an_iteration(sizes: &[usize], others: &[f64], repetitions: usize, threads: usize) -> Result<(), Box<dyn Error>> {
+pub fn phases_of_an_iteration(
+    kind: &Kind,
+    sizes: &[usize],
+    others: &[f64],
+    repetitions: usize,
+    threads: usize,
+) -> Result<(), Box<dyn Error>> {
     println!(
-        "bearing, {threads} thread(s): ms per Newton iteration, per step the minimum over {repetitions} repetitions, summed over the steps"
+        "{}, {threads} thread(s): ms per Newton iteration, per step the minimum over {repetitions} repetitions, summed over the steps",
+        kind.name
     );
     let titles = PHASES.map(|name| format!("{name:>14}")).concat();
     println!(
         "{:>6} {:>9} {:>6} {:>6}{titles}{:>10} {:>10} {:>13} {:>18}",
-        "refine", "unknowns", "steps", "its", "sum", "processor", "over faer LU", "assembly ns/point"
+        "size", "unknowns", "steps", "its", "sum", "processor", "over faer LU", "assembly ns/point"
     );
     let mut timings = Vec::new();
     for (k, &refine) in sizes.iter().enumerate() {
         let steps = if refine == 1 { 40 } else { 12 / refine.min(4) + 2 };
-        let timing = measure(refine, steps, repetitions, threads)?;
+        let timing = measure(kind, refine, steps, repetitions, threads)?;
         let per_iteration = timing.seconds.map(|seconds| 1e3 * seconds / timing.iterations as f64);
         let sum: f64 = per_iteration.iter().sum();
         // What one thread used tells more than the clock where other programs run; of several threads only the clock tells.
         let used = if threads == 1 { 1e3 * timing.processor / timing.iterations as f64 } else { sum };
-        let points = (timing.cells * POINTS) as f64;
+        let points = (timing.cells * kind.points) as f64;
         println!(
-            "{refine:>6} {:>9} {:>6} {:>6}{}{sum:>10.3} {used:>10.3} {:>13} {:>7.0} (floor {FLOOR})",
+            "{refine:>6} {:>9} {:>6} {:>6}{}{sum:>10.3} {used:>10.3} {:>13} {:>7.0}{}",
             timing.unknowns,
             timing.steps,
             timing.iterations,
             per_iteration.map(|ms| format!("{ms:>14.3}")).concat(),
             others.get(k).map(|other| format!("{:.3}", used / other)).unwrap_or_default(),
             1e6 * per_iteration[0] / points,
+            kind.floor.map(|floor| format!(" (floor {floor})")).unwrap_or_default(),
         );
         timings.push((timing.unknowns as f64, per_iteration));
     }

@@ -1,5 +1,5 @@
 //! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]
-//! [--materials]`; with the last only what laws cost.
+//! [--materials | --in-space]`; with the last two only what laws cost, or the bearing drawn out along its axis.
 //!
 //! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers
 //! were and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.
@@ -17,7 +17,7 @@ use std::error::Error;
 use conserva::linear::{Pattern, Vertex};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut sizes, mut threads, mut repetitions, mut only_materials) = (Vec::new(), 1, 3, false);
+    let (mut sizes, mut threads, mut repetitions, mut only_materials, mut only_in_space) = (Vec::new(), 1, 3, false, false);
     // Cargo adds `--bench`.
     let mut arguments = std::env::args().skip(1).filter(|text| text != "--bench");
     while let Some(argument) = arguments.next() {
@@ -26,22 +26,31 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--threads" => threads = number()?.parse()?,
             "--repetitions" => repetitions = number()?.parse()?,
             "--materials" => only_materials = true,
-            size => sizes.push(
-                size.parse()
-                    .map_err(|_| format!("unknown argument `{size}`; known are sizes, --threads n, --repetitions n, --materials"))?,
-            ),
+            "--in-space" => only_in_space = true,
+            size => sizes.push(size.parse().map_err(|_| {
+                format!("unknown argument `{size}`; known are sizes, --threads n, --repetitions n, --materials, --in-space")
+            })?),
         }
     }
     if only_materials {
         return materials::costs(repetitions);
     }
+    if only_in_space {
+        let layers = if sizes.is_empty() { vec![4] } else { sizes };
+        // That in the plane, to compare with in the same minute.
+        bearing::phases_of_an_iteration(&bearing::IN_PLANE, &[2], &[], repetitions, 1)?;
+        for threads in 1..=threads {
+            bearing::phases_of_an_iteration(&bearing::IN_SPACE, &layers, &[], repetitions, threads)?;
+        }
+        return Ok(());
+    }
     if sizes.is_empty() {
         sizes = vec![1, 2, 4, 8];
     }
     let others = linear::compare(&sizes);
-    bearing::phases_of_an_iteration(&sizes, &others, repetitions, 1)?;
+    bearing::phases_of_an_iteration(&bearing::IN_PLANE, &sizes, &others, repetitions, 1)?;
     if threads > 1 {
-        bearing::phases_of_an_iteration(&sizes, &others, repetitions, threads)?;
+        bearing::phases_of_an_iteration(&bearing::IN_PLANE, &sizes, &others, repetitions, threads)?;
     }
     materials::costs(repetitions)?;
     startup::times(repetitions)

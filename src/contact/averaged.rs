@@ -12,14 +12,15 @@
 //! These functions have no short list of invariants: their discrete gradient is the projected one, their derivatives are exact by dual
 //! numbers. A patch is a candidate pair with the neighbors of its secondary facet, whose motion turns the normals.
 
-use num_dual::{Dual2SVec64, DualNumCopy, DualSVec64};
+use num_dual::{Dual2SVec64, DualSVec64};
 
 use super::averaged_overlap::{DIFFERENCES, Opposite, Point, VARIABLES, Values, WeightedGaps, unit, weighted_gaps};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
+use super::numbers::Number;
 use super::patches::Evaluation;
 use super::search::PairSearch;
-use super::slip::{self, Number, SlipRows, SlipStep};
+use super::slip::{self, SlipRows, SlipStep};
 use super::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 use crate::math::tolerances::SMOOTH;
@@ -125,7 +126,7 @@ fn neighbors(surface: &Surface, facet: usize, reference: &[f64]) -> [Option<u32>
 
 impl Pair {
     /// The differences at the positions of the patch's nodes.
-    fn differences<T: DualNumCopy<Primitive = f64>>(self, z: &[T]) -> [T; VARIABLES] {
+    fn differences<T: Number>(self, z: &[T]) -> [T; VARIABLES] {
         let mut differences = [T::from(0.0); VARIABLES];
         for (role, shares) in self.roles.iter().zip(SHARES) {
             let Some(place) = role else { continue };

@@ -1,7 +1,6 @@
 //! The overlap of two facets along averaged normals, for any number type: where it is, its points, and weighted gaps over it.
 
-use num_dual::DualNumCopy;
-
+use super::numbers::Number;
 use crate::math::tolerances::FACING;
 
 /// Differences that the functions depend on: the facet before, the facet, the facet after, both primary nodes from `x_1`.
@@ -22,18 +21,18 @@ pub(super) struct WeightedGaps<T> {
 
 pub(super) type Vector<T> = [T; 2];
 
-pub(super) fn cross<T: DualNumCopy>(a: Vector<T>, b: Vector<T>) -> T {
+pub(super) fn cross<T: Number>(a: Vector<T>, b: Vector<T>) -> T {
     a[0] * b[1] - a[1] * b[0]
 }
 
-pub(super) fn unit<T: DualNumCopy>(a: Vector<T>) -> Vector<T> {
+pub(super) fn unit<T: Number>(a: Vector<T>) -> Vector<T> {
     let inverse = (a[0] * a[0] + a[1] * a[1]).sqrt().recip();
     [a[0] * inverse, a[1] * inverse]
 }
 
 /// Outward normal at the node between a facet and another one, by their directions; the facet's own without the other, or where they fold
 /// back.
-pub(super) fn normal<T: DualNumCopy<Primitive = f64>>(own: Vector<T>, other: Vector<T>, has_other: bool) -> Vector<T> {
+pub(super) fn normal<T: Number>(own: Vector<T>, other: Vector<T>, has_other: bool) -> Vector<T> {
     let own = unit(own);
     let mean = if has_other {
         let other = unit(other);
@@ -72,7 +71,7 @@ pub(super) struct Point<T> {
     pub(super) opposite: T,
 }
 
-impl<T: DualNumCopy<Primitive = f64>> Opposite<T> {
+impl<T: Number> Opposite<T> {
     /// From the differences of a pair; `None` where facets do not face each other or do not overlap.
     pub(super) fn new(z: &[T; VARIABLES], has: [bool; 2]) -> Option<Self> {
         let vector = |k: usize| [z[2 * k], z[2 * k + 1]];
@@ -121,7 +120,7 @@ impl<T: DualNumCopy<Primitive = f64>> Opposite<T> {
 }
 
 /// The functions of a pair from its differences; `None` where facets do not face each other or do not overlap.
-pub(super) fn weighted_gaps<T: DualNumCopy<Primitive = f64>>(z: &[T; VARIABLES], has: [bool; 2]) -> Option<WeightedGaps<T>> {
+pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2]) -> Option<WeightedGaps<T>> {
     let zero = T::from(0.0);
     let mut gaps = WeightedGaps { gap: [zero; 2], covered: [zero; 2] };
     for Point { measure, shapes, normal: n, alpha, .. } in Opposite::new(z, has)?.points() {

@@ -28,6 +28,7 @@ mod methods;
 mod mortar;
 mod node_patch;
 mod node_to_segment;
+mod numbers;
 mod on_curves;
 mod pair;
 mod patches;

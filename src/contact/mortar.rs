@@ -9,10 +9,11 @@
 
 use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
+use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
 use super::patches::Evaluation;
 use super::search::PairSearch;
-use super::slip::{self, Number, SlipRows, SlipStep};
+use super::slip::{self, SlipRows, SlipStep};
 use super::space::MortarInSpace;
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};

@@ -2,8 +2,9 @@
 //! of all patches with their derivatives.
 
 use super::chain::{Chain, Measure};
+use super::numbers::Number;
 use super::patches::Evaluation;
-use super::slip::{self, Number, SlipRows};
+use super::slip::{self, SlipRows};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 

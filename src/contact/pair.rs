@@ -21,7 +21,7 @@
 
 #![allow(clippy::needless_range_loop)] // indices are those of the formulas
 
-use super::slip::Number;
+use super::numbers::Number;
 use crate::math::tolerances::{ALIGNED, FACING};
 
 /// The five invariants, or a gradient with respect to them.

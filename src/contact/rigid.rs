@@ -13,9 +13,10 @@
 //! `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger books as work of a load. An obstacle does not turn.
 
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use super::numbers::Number;
 use super::patches::Evaluation;
 use super::rigid_shape::{Distance, Obstacle, Shape, StepGradient};
-use super::slip::{self, Carrier, Number, SlipRows, SlipStep};
+use super::slip::{self, Carrier, SlipRows, SlipStep};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;

@@ -13,8 +13,7 @@
 //!
 //! A kernel says what `g_A` is ([`SlipRows`]); projection and derivatives, exact by dual numbers, are made here for all of them.
 
-use num_dual::{DualNumCopy, DualSVec64};
-
+use super::numbers::{self, Number};
 use super::patches::{Evaluation, Patches};
 use crate::integrators::Configuration;
 
@@ -22,7 +21,7 @@ use crate::integrators::Configuration;
 const LANES: usize = 8;
 
 /// A number with its derivatives with respect to some unknowns.
-type Jet = DualSVec64<LANES>;
+type Jet = numbers::Jet<LANES>;
 
 /// A step as slips see it.
 #[derive(Clone, Copy)]
@@ -38,11 +37,6 @@ pub struct SlipStep<'a> {
     /// By patch, whether its rows hold anything; those of others have no slip.
     pub live: &'a [bool],
 }
-
-/// A number, or one with derivatives.
-pub trait Number: DualNumCopy<Primitive = f64> {}
-
-impl<T: DualNumCopy<Primitive = f64>> Number for T {}
 
 /// What the slip rows of a kernel's patches are.
 pub trait SlipRows {
@@ -155,19 +149,16 @@ impl Scratch {
         self.slopes.resize(unknowns * count, 0.0);
         for first in (0..unknowns).step_by(LANES) {
             self.jets.clear();
-            self.jets.extend(z.iter().map(|&z| Jet::from_re(z)));
+            self.jets.extend(z.iter().enumerate().map(|(k, &z)| Jet::unknown(z, k.checked_sub(first))));
             let lanes = LANES.min(unknowns - first);
-            (0..lanes).for_each(|lane| self.jets[first + lane] = self.jets[first + lane].derivative(lane));
             self.rows.clear();
-            self.rows.resize(count, Jet::from_re(0.0));
+            self.rows.resize(count, Jet::from(0.0));
             self.covered.fill(0.0);
             if !projected(kernel, p, &self.jets, &mut self.rows, &mut self.covered) {
                 return false;
             }
             for (entry, jet) in self.rows.iter().enumerate() {
-                if let num_dual::Derivative(Some(slope)) = &jet.eps {
-                    (0..lanes).for_each(|lane| self.slopes[(first + lane) * count + entry] = slope[lane]);
-                }
+                (0..lanes).for_each(|lane| self.slopes[(first + lane) * count + entry] = jet.eps[lane]);
             }
         }
         self.values.extend(self.rows.iter().map(|jet| jet.re));

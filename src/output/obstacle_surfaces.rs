@@ -3,7 +3,7 @@
 //! What has no end, such as a plane, is drawn as far as the bodies are, and a little farther; of a sphere or a cylinder that is much larger
 //! than the bodies, the part beside them.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use nalgebra::Vector3;
 
@@ -20,6 +20,8 @@ const WHOLE: f64 = 0.2;
 const PIECES: usize = 24;
 /// Pieces of a circle.
 const AROUND: usize = 64;
+/// Pieces of a quarter of a small circle.
+const CORNER: usize = 4;
 /// Pieces of half a circle.
 const HALF_AROUND: usize = 32;
 
@@ -67,6 +69,22 @@ impl ObstacleSurface {
                 let other = axis.cross(&toward);
                 let at = |s: f64, t: f64| point + axis * (height + t) + (toward * s.cos() + other * s.sin()) * *radius;
                 Grid::over([AROUND, PIECES], [[-angle, angle], [-far, far]], *is_hollow, at)
+            }
+            ObstacleInSpace::Drum { center, axis, radius, length, edge } => {
+                let (axis, center) = (unit(*axis), Vector::from(*center));
+                let [u, v] = across(axis);
+                // Half the profile, from the middle of the side to that of an end.
+                let arc =
+                    (0..=CORNER).map(|k| k as f64 / CORNER as f64 * FRAC_PI_2).map(|t| [edge * (t.cos() - 1.0), edge * (t.sin() - 1.0)]);
+                let half = arc.map(|[out, up]| [radius + out, 0.5 * length + up]).chain([[0.0, 0.5 * length]]);
+                let upper: Vec<[f64; 2]> = half.collect();
+                let profile: Vec<[f64; 2]> = upper.iter().rev().map(|[rho, z]| [*rho, -z]).chain(upper.iter().copied()).collect();
+                let at = |s: f64, t: f64| {
+                    let [rho, z] = profile[t.round() as usize];
+                    center + axis * z + (u * s.cos() + v * s.sin()) * rho
+                };
+                let last = profile.len() - 1;
+                Grid::over([AROUND, last], [[0.0, TAU], [0.0, last as f64]], false, at)
             }
             ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
                 let (axis, tip) = (unit(*axis), Vector::from(*tip));
@@ -153,6 +171,7 @@ mod tests {
         type Outward = Box<dyn Fn(Vector) -> Vector>;
         let mut cases: Vec<(ObstacleInSpace, Outward)> = vec![
             (ObstacleInSpace::Plane { point: center, normal: axis }, Box::new(move |_| along)),
+            (ObstacleInSpace::Drum { center, axis, radius: 3.0, length: 2.0, edge: 0.1 }, Box::new(move |x| out(center, x))),
             (ObstacleInSpace::Facets(cube.into()), Box::new(move |x| out([0.5, 1.0, 1.5], x))),
         ];
         for is_hollow in [false, true] {

@@ -16,9 +16,10 @@ use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
+use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
 use crate::contact::search::Candidates;
-use crate::contact::slip::{Number, SlipStep};
+use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
@@ -430,7 +431,7 @@ impl PatchFunctions for CornersInSpace {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        slip::evaluate::<UNKNOWNS>(self, &self.sides, step, lambda, out);
+        slip::evaluate(self, &self.sides, step, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

@@ -10,7 +10,7 @@
 //! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
 
 use super::vectors::{self, Frame, Vec3, cross, diagonals, dot, scaled, sub};
-use crate::contact::slip::Number;
+use crate::contact::numbers::Number;
 
 /// Nodes of a row, at most.
 pub const NODES: usize = 5;
@@ -113,8 +113,7 @@ impl Measure {
 
     /// `share` times its Hessian at the unknowns `z`.
     pub fn hessian_into(self, z: &[f64], share: f64, out: &mut [f64]) {
-        let gradient = self.gradient(&vectors::jets::<UNKNOWNS>(z));
-        vectors::hessian_into(&gradient, share, out);
+        vectors::hessian_into(z, share, out, |z| self.gradient(z));
     }
 
     /// Weights of the motions of its nodes in that of one side against the other where they touch; their sum is zero.

@@ -8,16 +8,17 @@ use super::bulge::Raised;
 use super::pair::{CORNERS, NODES, Pair};
 use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
-use super::vectors::{self, Vec3};
+use super::vectors::{self, Jet, Vec3};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
+use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
 use crate::contact::search::PairSearch;
-use crate::contact::slip::{Number, SlipStep};
+use crate::contact::slip::SlipStep;
 use crate::contact::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// Margin beyond the need with which candidates are searched, in smallest secondary facets.
-const SPARE: f64 = 1.0;
+const SPARE: f64 = 0.5;
 
 /// Unknowns of a pair, at most.
 const UNKNOWNS: usize = 3 * NODES;
@@ -105,10 +106,10 @@ fn list_into(gradient: Option<[Vec3<f64>; NODES]>, out: &mut [f64]) {
 
 /// `share` times the Hessian of a pair's function, of its gradient without kinks.
 fn hessian_into(z: &[f64], counts: [usize; 2], raised: [&Raised; 2], weights: &[f64; CORNERS], share: f64, out: &mut [f64]) {
-    match Pair::new(&vectors::jets::<UNKNOWNS>(z), counts) {
-        Some(pair) => vectors::hessian_into(&pair.raised(raised).smooth_gradient(weights), share, out),
-        None => out.fill(0.0),
-    }
+    vectors::hessian_into(z, share, out, |z| match Pair::new(z, counts) {
+        Some(pair) => pair.raised(raised).smooth_gradient(weights),
+        None => [[Jet::from(0.0); 3]; NODES],
+    });
 }
 
 /// The weight of one secondary node.
@@ -152,7 +153,7 @@ impl PatchFunctions for MortarInSpace {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        slip::evaluate::<UNKNOWNS>(self, &self.sides, step, lambda, out);
+        slip::evaluate(self, &self.sides, step, lambda, out);
         self.sides.cover(&mut out.coverage, step.q_1);
     }
 

@@ -10,15 +10,16 @@
 //! facets       n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
 //! ```
 //!
-//! (Gonzalez, CMAME 190, 2000.) A cylinder, a cone and a torus are revolved about an axis `a`: their distance is a function of the distance
-//! `rho = |p|` from the axis and of the height `z` along it. `(G_rho, G_z)` is that function's discrete gradient, by the formula of
-//! facets, so that the force on a node has no moment about the axis. For a cylinder `G = (+-1, 0)`.
+//! (Gonzalez, CMAME 190, 2000.) A cylinder with or without ends, a cone and a torus are revolved about an axis `a`: their distance is a
+//! function of the distance `rho = |p|` from the axis and of the height `z` along it. `(G_rho, G_z)` is that function's discrete gradient,
+//! by the formula of facets, so that the force on a node has no moment about the axis. For a cylinder without ends `G = (+-1, 0)`.
 
 use std::sync::Arc;
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::facets::{Distance, Facets};
+use super::slip::Carrier;
 use crate::contact::surface::Surface;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
@@ -59,6 +60,19 @@ pub enum ObstacleInSpace {
         /// Whether bodies are inside.
         is_hollow: bool,
     },
+    /// A cylinder with flat ends and rounded edges between these and its side.
+    Drum {
+        /// Its middle `[length]`.
+        center: [f64; 3],
+        /// Direction of the axis.
+        axis: [f64; 3],
+        /// Radius `[length]`.
+        radius: f64,
+        /// Distance of the ends `[length]`.
+        length: f64,
+        /// Radius of the edges, no larger than the radius and half the length `[length]`.
+        edge: f64,
+    },
     /// A cone without an end, or everything outside of one: a funnel.
     Cone {
         /// Tip `[length]`.
@@ -95,6 +109,7 @@ impl ObstacleInSpace {
             ObstacleInSpace::Plane { .. } => 0.0,
             ObstacleInSpace::Sphere { center, radius, .. } => size(center) + radius,
             ObstacleInSpace::Cylinder { point, radius, .. } => size(point) + radius,
+            ObstacleInSpace::Drum { center, radius, length, .. } => size(center) + radius + length,
             ObstacleInSpace::Cone { tip, .. } => size(tip),
             ObstacleInSpace::Torus { center, radius, tube, .. } => size(center) + radius + tube,
             ObstacleInSpace::Facets(facets) => facets.points().iter().map(size).fold(0.0, f64::max),
@@ -106,6 +121,7 @@ impl ObstacleInSpace {
         let radius = match *self {
             ObstacleInSpace::Sphere { radius, is_hollow: false, .. } | ObstacleInSpace::Cylinder { radius, is_hollow: false, .. } => radius,
             ObstacleInSpace::Torus { tube, is_hollow: false, .. } => tube,
+            ObstacleInSpace::Drum { edge, .. } => edge,
             ObstacleInSpace::Cone { is_hollow: false, .. } => 0.0,
             _ => return false,
         };
@@ -154,9 +170,25 @@ pub(super) struct Symmetries {
 /// What is revolved, as a function of the distance from the axis and the height along it.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Profile {
-    Cylinder { radius: f64, sign: f64 },
-    Cone { sine: f64, cosine: f64, sign: f64 },
-    Torus { radius: f64, tube: f64, sign: f64 },
+    Cylinder {
+        radius: f64,
+        sign: f64,
+    },
+    /// From the middle: radius and half the length of what its edges are around, and their radius.
+    Drum {
+        inner: [f64; 2],
+        edge: f64,
+    },
+    Cone {
+        sine: f64,
+        cosine: f64,
+        sign: f64,
+    },
+    Torus {
+        radius: f64,
+        tube: f64,
+        sign: f64,
+    },
 }
 
 /// Value, gradient and second derivative of a function of `N` variables.
@@ -195,6 +227,15 @@ impl Profile {
         let none = [[0.0; 2]; 2];
         match *self {
             Profile::Cylinder { radius, sign } => Local { value: sign * (rho - radius), slope: [sign, 0.0], curvature: none },
+            Profile::Drum { inner, edge } => {
+                let ([x, y], up) = ([rho - inner[0], z.abs() - inner[1]], z.signum());
+                if x > 0.0 && y > 0.0 {
+                    let Local { value, slope, curvature: [[xx, xy], [yx, yy]] } = around([x, y], edge, 1.0);
+                    return Local { value, slope: [slope[0], up * slope[1]], curvature: [[xx, up * xy], [up * yx, yy]] };
+                }
+                let (value, slope) = if x >= y { (x, [1.0, 0.0]) } else { (y, [0.0, up]) };
+                Local { value: value - edge, slope, curvature: none }
+            }
             Profile::Cone { sine, cosine, sign } => {
                 if rho * sine + z * cosine >= 0.0 {
                     return Local { value: sign * (rho * cosine - z * sine), slope: [sign * cosine, -sign * sine], curvature: none };
@@ -228,6 +269,10 @@ impl Shape {
                 let profile = Profile::Cylinder { radius: *radius, sign: sign(*is_hollow) };
                 Shape::Revolved { origin: Vector3::from(*point), axis: unit(axis), profile }
             }
+            ObstacleInSpace::Drum { center, axis, radius, length, edge } => {
+                let profile = Profile::Drum { inner: [radius - edge, 0.5 * length - edge], edge: *edge };
+                Shape::Revolved { origin: Vector3::from(*center), axis: unit(axis), profile }
+            }
             ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
                 let (sine, cosine) = angle.sin_cos();
                 Shape::Revolved {
@@ -242,6 +287,26 @@ impl Shape {
             }
             ObstacleInSpace::Facets(facets) => Shape::Facets(facets.clone()),
         }
+    }
+
+    /// Whether it has sharp edges: two distances meet inside of them.
+    pub fn has_edges(&self) -> bool {
+        matches!(self, Shape::Revolved { profile: Profile::Drum { .. }, .. })
+    }
+
+    /// Whether a point is opposite the rounded edge of a cylinder with ends.
+    pub fn is_at_rim(&self, x: Vector3<f64>) -> bool {
+        let Shape::Revolved { origin, axis, profile: Profile::Drum { inner, .. } } = self else { return false };
+        let ([rho, z], _) = polar(x - origin, *axis);
+        rho > inner[0] && z.abs() > inner[1]
+    }
+
+    /// How it moves what sticks to it when it is displaced by `shift` and has turned by an angle about its axis, if it has one; `end` is
+    /// where it is displaced to at last.
+    pub fn carrier(&self, (shift, angle): ([f64; 3], f64), end: [f64; 3]) -> Carrier {
+        let Shape::Revolved { origin, axis, .. } = self else { return Carrier { shift, ..Carrier::default() } };
+        let center = origin + Vector3::from(end) - Vector3::from(shift) * 0.5;
+        Carrier { shift, turn: (axis * (2.0 * (0.5 * angle).tan())).into(), center: center.into() }
     }
 
     /// The motions that leave something round as it is.

@@ -28,7 +28,7 @@
 
 use super::bulge::Raised;
 use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
-use crate::contact::slip::Number;
+use crate::contact::numbers::Number;
 use crate::math::tolerances::{EDGES_MEET, FACING_AREA};
 
 /// Nodes of a facet, at most.
@@ -40,13 +40,20 @@ pub const NODES: usize = 2 * CORNERS;
 /// Corners of a polygon: a triangle cut by three lines has six at most, rounding may leave one more at each cut.
 const VERTICES: usize = 9;
 
-/// A corner of a polygon: its place, the shape functions of both triangles there, what the edge that begins there lies on.
+/// A corner of a polygon that is being cut: its place, what the edge that begins there lies on.
 #[derive(Clone, Copy)]
+struct Corner<T> {
+    p: [T; 2],
+    border: Border,
+}
+
+/// A corner of a polygon with the shape functions of both triangles there, and twice the area between it, the next and the first one.
 struct Vertex<T> {
     p: [T; 2],
     of_secondary: [T; 3],
     of_primary: [T; 3],
     border: Border,
+    fan: T,
 }
 
 /// What an edge of a polygon lies on.
@@ -63,8 +70,7 @@ struct Polygon<T> {
     primary: [usize; 3],
     /// Twice their areas.
     areas: [T; 2],
-    vertices: [Vertex<T>; VERTICES],
-    count: usize,
+    vertices: Vec<Vertex<T>>,
 }
 
 /// A pair as it is seen along the secondary normal.
@@ -87,7 +93,8 @@ pub struct Pair<T> {
 }
 
 /// Twice the area of a triangle, positive counter-clockwise.
-fn area<T: Number>(a: [T; 2], b: [T; 2], c: [T; 2]) -> T {
+#[inline(always)]
+fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
@@ -95,6 +102,49 @@ fn area<T: Number>(a: [T; 2], b: [T; 2], c: [T; 2]) -> T {
 fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..if count == 3 { 1 } else { count })
         .map(move |k| if count == 3 { [first, first + 1, first + 2] } else { [first + k, first + (k + 1) % count, middle] })
+}
+
+/// Cuts off what is on the right of a line from a polygon of so many corners; returns how many are left.
+fn clip<T: Number>(corners: &mut [Corner<T>; VERTICES], count: usize, [from, to]: [&[T; 2]; 2]) -> usize {
+    let mut side = [T::from(0.0); VERTICES];
+    (0..count).for_each(|k| side[k] = area(from, to, &corners[k].p));
+    let is_in = |k: usize| side[k].re() >= 0.0;
+    if (0..count).all(is_in) {
+        return count;
+    }
+    let (old, mut left) = (*corners, 0);
+    let mut push = |corner: Corner<T>| {
+        if left < VERTICES {
+            corners[left] = corner;
+            left += 1;
+        }
+    };
+    for k in 0..count {
+        let next = (k + 1) % count;
+        if is_in(k) {
+            push(old[k]);
+        }
+        if is_in(k) != is_in(next) {
+            let share = side[k] / (side[k] - side[next]);
+            let p: [T; 2] = std::array::from_fn(|i| old[k].p[i] + share * (old[next].p[i] - old[k].p[i]));
+            // Leaving, the line itself follows.
+            push(Corner { p, border: if is_in(k) { Border::Secondary } else { old[k].border } });
+        }
+    }
+    left
+}
+
+/// The corners with the shape functions of both triangles.
+fn vertices<T: Number>(corners: &[Corner<T>], [secondary, primary]: [[&[T; 2]; 3]; 2], areas: [T; 2]) -> Vec<Vertex<T>> {
+    let inverse = areas.map(T::recip);
+    let shares =
+        |[a, b, c]: [&[T; 2]; 3], inverse: &T, p: &[T; 2]| [area(b, c, p) * *inverse, area(c, a, p) * *inverse, area(a, b, p) * *inverse];
+    let vertex = |k: usize| {
+        let Corner { p, border } = &corners[k];
+        let [of_secondary, of_primary] = [shares(secondary, &inverse[0], p), shares(primary, &inverse[1], p)];
+        Vertex { p: *p, of_secondary, of_primary, border: *border, fan: area(&corners[0].p, p, &corners[(k + 1) % corners.len()].p) }
+    };
+    (0..corners.len()).map(vertex).collect()
 }
 
 impl<T: Number> Pair<T> {
@@ -146,10 +196,10 @@ impl<T: Number> Pair<T> {
         // Outwards is up on the secondary side and down on the other one.
         for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
             for (k, raised) in raised[..count].iter().enumerate() {
-                self.h[first + k] += up * raised;
-                self.h[middle] += up * raised / count as f64;
+                self.h[first + k] += T::from(up * raised);
+                self.h[middle] += T::from(up * raised / count as f64);
             }
-            self.h[middle] += up * raised[CORNERS];
+            self.h[middle] += T::from(up * raised[CORNERS]);
         }
         self
     }
@@ -164,20 +214,18 @@ impl<T: Number> Pair<T> {
                 if self.are_boxes_apart(secondary, primary) {
                     continue;
                 }
-                let corners = |of: [usize; 3]| of.map(|k| self.p[k]);
+                let corners = |of: [usize; 3]| of.map(|k| &self.p[k]);
                 let ([s_0, s_1, s_2], [m_0, m_1, m_2]) = (corners(secondary), corners(primary));
                 let areas = [area(s_0, s_1, s_2), area(m_0, m_1, m_2)];
                 if areas[0].re() <= 0.0 || areas[1].re() <= FACING_AREA * areas[0].re() {
                     continue;
                 }
-                let zero = T::from(0.0);
-                let corner = |p: [T; 2]| Vertex { p, of_secondary: [zero; 3], of_primary: [zero; 3], border: Border::Primary };
-                let mut polygon = Polygon { secondary, primary, areas, vertices: [corner([zero; 2]); VERTICES], count: 3 };
-                polygon.vertices[..3].copy_from_slice(&[m_0, m_1, m_2].map(corner));
-                let is_left = [[s_0, s_1], [s_1, s_2], [s_2, s_0]].into_iter().all(|line| polygon.clip(line));
-                if is_left && polygon.count >= 3 {
-                    polygon.shape([s_0, s_1, s_2], [m_0, m_1, m_2]);
-                    self.polygons.push(polygon);
+                let mut corners = [m_0, m_1, m_2, m_0, m_0, m_0, m_0, m_0, m_0].map(|p| Corner { p: *p, border: Border::Primary });
+                let clip = |count, line| if count < 3 { 0 } else { clip(&mut corners, count, line) };
+                let count = [[s_0, s_1], [s_1, s_2], [s_2, s_0]].into_iter().fold(3, clip);
+                if count >= 3 {
+                    let triangles = [[s_0, s_1, s_2], [m_0, m_1, m_2]];
+                    self.polygons.push(Polygon { secondary, primary, areas, vertices: vertices(&corners[..count], triangles, areas) });
                 }
             }
         }
@@ -219,19 +267,19 @@ impl<T: Number> Pair<T> {
 
     /// Gap at a corner of a polygon.
     fn gap(&self, polygon: &Polygon<T>, vertex: &Vertex<T>) -> T {
-        let height = |corners: [usize; 3], shape: [T; 3]| {
+        let height = |corners: [usize; 3], shape: &[T; 3]| {
             self.h[corners[0]] * shape[0] + self.h[corners[1]] * shape[1] + self.h[corners[2]] * shape[2]
         };
-        height(polygon.primary, vertex.of_primary) - height(polygon.secondary, vertex.of_secondary)
+        height(polygon.primary, &vertex.of_primary) - height(polygon.secondary, &vertex.of_secondary)
     }
 
     /// `Phi_A` of the secondary nodes.
     pub fn values(&self) -> [T; CORNERS] {
         let mut values = [T::from(0.0); CORNERS];
         for polygon in &self.polygons {
-            let gap = |k: usize| self.gap(polygon, &polygon.vertices[k]);
+            let gaps: Vec<T> = polygon.vertices.iter().map(|vertex| self.gap(polygon, vertex)).collect();
             for j in 0..3 {
-                let integral = polygon.integral(|k| polygon.vertices[k].of_secondary[j], gap);
+                let integral = polygon.integral(|k| &polygon.vertices[k].of_secondary[j], |k| &gaps[k]);
                 let (nodes, share) = self.shares(polygon.secondary[j]);
                 nodes.for_each(|node| values[node] += integral * share);
             }
@@ -241,10 +289,10 @@ impl<T: Number> Pair<T> {
 
     /// What is covered of each secondary node, `int N_A dA` over the overlap `[length^2]`.
     pub fn covered(&self) -> [f64; CORNERS] {
-        let mut covered = [0.0; CORNERS];
+        let (mut covered, one) = ([0.0; CORNERS], T::from(1.0));
         for polygon in &self.polygons {
             for j in 0..3 {
-                let integral = polygon.integral(|k| polygon.vertices[k].of_secondary[j], |_| T::from(1.0)).re();
+                let integral = polygon.integral(|k| &polygon.vertices[k].of_secondary[j], |_| &one).re();
                 let (nodes, share) = self.shares(polygon.secondary[j]);
                 nodes.for_each(|node| covered[node] += integral * share);
             }
@@ -255,7 +303,7 @@ impl<T: Number> Pair<T> {
     /// Largest distance of the facets, on either side, along the normal.
     pub fn farthest(&self) -> f64 {
         let gaps = |polygon: &Polygon<T>| {
-            polygon.vertices[..polygon.count].iter().fold(0.0, |largest: f64, vertex| largest.max(self.gap(polygon, vertex).re().abs()))
+            polygon.vertices.iter().fold(0.0, |largest: f64, vertex| largest.max(self.gap(polygon, vertex).re().abs()))
         };
         self.polygons.iter().map(gaps).fold(0.0, f64::max)
     }
@@ -269,8 +317,8 @@ impl<T: Number> Pair<T> {
     pub fn mortar_weights(&self) -> [[T; NODES]; CORNERS] {
         let mut weights = [[T::from(0.0); NODES]; CORNERS];
         for polygon in &self.polygons {
-            let own = |k: usize, j: usize| polygon.vertices[k].of_secondary[j];
-            let other = |k: usize, j: usize| polygon.vertices[k].of_primary[j];
+            let own = |k: usize, j: usize| &polygon.vertices[k].of_secondary[j];
+            let other = |k: usize, j: usize| &polygon.vertices[k].of_primary[j];
             for a in 0..3 {
                 for b in 0..3 {
                     let on_own = polygon.integral(|k| own(k, a), |k| own(k, b));
@@ -339,26 +387,30 @@ impl<T: Number> Pair<T> {
     fn add_polygon(&self, polygon: &Polygon<T>, band: f64, weights: [f64; 3], of_p: &mut [[T; 2]; NODES + 2], of_h: &mut [T; NODES + 2]) {
         let zero = T::from(0.0);
         let (mut weight, mut gap) = ([zero; VERTICES], [zero; VERTICES]);
-        for (k, vertex) in polygon.vertices[..polygon.count].iter().enumerate() {
+        for (k, vertex) in polygon.vertices.iter().enumerate() {
             let shape = vertex.of_secondary;
             weight[k] = shape[0] * weights[0] + shape[1] * weights[1] + shape[2] * weights[2];
             gap[k] = self.gap(polygon, vertex);
         }
-        let slope = |corners: [usize; 3], area: T, values: [T; 3]| -> [T; 2] {
+        let slopes = [polygon.secondary, polygon.primary].map(|corners| {
             // grad N_j = the opposite side turned by a quarter over twice the area.
             let [a, b, c] = corners.map(|k| self.p[k]);
-            let sides = [sub(c, b), sub(a, c), sub(b, a)];
-            let sum = |i: usize| sides[0][i] * values[0] + sides[1][i] * values[1] + sides[2][i] * values[2];
-            scaled([-sum(1), sum(0)], area.recip())
+            [sub(c, b), sub(a, c), sub(b, a)]
+        });
+        let inverse = polygon.areas.map(T::recip);
+        let slope = |side: usize, sum: &dyn Fn(usize) -> T| -> [T; 2] { [-sum(1) * inverse[side], sum(0) * inverse[side]] };
+        let sides = &slopes[0];
+        let of_weight = slope(0, &|i| sides[0][i] * weights[0] + sides[1][i] * weights[1] + sides[2][i] * weights[2]);
+        let rise = |side: usize, [a, b, c]: [usize; 3]| {
+            let sides = &slopes[side];
+            slope(side, &|i| sides[0][i] * self.h[a] + sides[1][i] * self.h[b] + sides[2][i] * self.h[c])
         };
-        let of_weight = slope(polygon.secondary, polygon.areas[0], weights.map(T::from));
-        let heights = [polygon.secondary, polygon.primary].map(|corners| corners.map(|k| self.h[k]));
-        let rises = [slope(polygon.secondary, polygon.areas[0], heights[0]), slope(polygon.primary, polygon.areas[1], heights[1])];
+        let rises = [rise(0, polygon.secondary), rise(1, polygon.primary)];
         for j in 0..3 {
             let (own, other) = (polygon.secondary[j], polygon.primary[j]);
-            let on_own = polygon.integral(|k| weight[k], |k| polygon.vertices[k].of_secondary[j]);
-            let on_other = polygon.integral(|k| weight[k], |k| polygon.vertices[k].of_primary[j]);
-            let open = polygon.integral(|k| gap[k], |k| polygon.vertices[k].of_secondary[j]);
+            let on_own = polygon.integral(|k| &weight[k], |k| &polygon.vertices[k].of_secondary[j]);
+            let on_other = polygon.integral(|k| &weight[k], |k| &polygon.vertices[k].of_primary[j]);
+            let open = polygon.integral(|k| &gap[k], |k| &polygon.vertices[k].of_secondary[j]);
             of_h[own] -= on_own;
             of_h[other] += on_other;
             for i in 0..2 {
@@ -366,17 +418,18 @@ impl<T: Number> Pair<T> {
                 of_p[other][i] -= rises[1][i] * on_other;
             }
         }
-        for k in 0..polygon.count {
-            let next = (k + 1) % polygon.count;
+        for k in 0..polygon.vertices.len() {
+            let next = (k + 1) % polygon.vertices.len();
             let (a, b) = (&polygon.vertices[k], &polygon.vertices[next]);
             let outward = [b.p[1] - a.p[1], a.p[0] - b.p[0]];
             // Integrals of W g f over the edge for an affine f: one share for its value at either end.
             let (aa, bb) = (weight[k] * gap[k], weight[next] * gap[next]);
             let ab = weight[k] * gap[next] + weight[next] * gap[k];
             let (first, last) = ((aa * 3.0 + ab + bb) * (1.0 / 12.0), (aa + ab + bb * 3.0) * (1.0 / 12.0));
-            for (share, corners, at) in polygon.bearers([k, next], band) {
+            for Bearer { share, corners, at } in polygon.bearers([k, next], band).into_iter().flatten() {
                 for j in 0..3 {
-                    let moved = (first * at[0][j] + last * at[1][j]) * share;
+                    let whole = first * at[0][j] + last * at[1][j];
+                    let moved = share.map_or(whole, |share| whole * share);
                     (0..2).for_each(|i| of_p[corners[j]][i] += outward[i] * moved);
                 }
             }
@@ -384,74 +437,44 @@ impl<T: Number> Pair<T> {
     }
 }
 
+/// A triangle that an edge of a polygon goes with: its share of it, all of it where there is none; its corners and its shape functions at
+/// both ends of the edge.
+struct Bearer<'a, T> {
+    share: Option<T>,
+    corners: [usize; 3],
+    at: [&'a [T; 3]; 2],
+}
+
 impl<T: Number> Polygon<T> {
-    /// Cuts off what is on the right of a line; `false` when nothing is left.
-    fn clip(&mut self, [from, to]: [[T; 2]; 2]) -> bool {
-        let old = self.vertices;
-        let count = std::mem::take(&mut self.count);
-        let mut side = [T::from(0.0); VERTICES];
-        (0..count).for_each(|k| side[k] = area(from, to, old[k].p));
-        let is_in = |k: usize| side[k].re() >= 0.0;
-        let mut push = |vertex: Vertex<T>| {
-            if self.count < VERTICES {
-                self.vertices[self.count] = vertex;
-                self.count += 1;
-            }
-        };
-        for k in 0..count {
-            let next = (k + 1) % count;
-            if is_in(k) {
-                push(old[k]);
-            }
-            if is_in(k) != is_in(next) {
-                let share = side[k] / (side[k] - side[next]);
-                let p: [T; 2] = std::array::from_fn(|i| old[k].p[i] + share * (old[next].p[i] - old[k].p[i]));
-                // Leaving, the line itself follows.
-                push(Vertex { p, border: if is_in(k) { Border::Secondary } else { old[k].border }, ..old[k] });
-            }
-        }
-        self.count > 0
-    }
-
-    /// Finds the shape functions of both triangles at its corners.
-    fn shape(&mut self, secondary: [[T; 2]; 3], primary: [[T; 2]; 3]) {
-        let shares = |[a, b, c]: [[T; 2]; 3], whole: T, p: [T; 2]| {
-            let inverse = whole.recip();
-            [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse]
-        };
-        for vertex in &mut self.vertices[..self.count] {
-            vertex.of_secondary = shares(secondary, self.areas[0], vertex.p);
-            vertex.of_primary = shares(primary, self.areas[1], vertex.p);
-        }
-    }
-
-    /// Which triangles an edge of the polygon goes with: its share, its corners and its shape functions at both ends. An edge goes with the
-    /// triangle on whose border it lies, and in part with the other one where that has its own border nearer than `band` of its height,
-    /// half with either where both coincide: forces do not jump there, and have neither a resultant nor a moment of their own.
-    fn bearers(&self, [k, next]: [usize; 2], band: f64) -> [(T, [usize; 3], [[T; 3]; 2]); 2] {
+    /// Which triangles an edge of the polygon goes with. An edge goes with the triangle on whose border it lies, and in part with the other
+    /// one where that has its own border nearer than `band` of its height, half with either where both coincide: forces do not jump there,
+    /// and have neither a resultant nor a moment of their own.
+    fn bearers(&self, [k, next]: [usize; 2], band: f64) -> [Option<Bearer<'_, T>>; 2] {
         let (a, b) = (&self.vertices[k], &self.vertices[next]);
-        let own = (self.secondary, [a.of_secondary, b.of_secondary]);
-        let other = (self.primary, [a.of_primary, b.of_primary]);
+        let own = (self.secondary, [&a.of_secondary, &b.of_secondary]);
+        let other = (self.primary, [&a.of_primary, &b.of_primary]);
         let (bearer, neighbor) = if a.border == Border::Secondary { (own, other) } else { (other, own) };
-        let depth = |j: usize| (neighbor.1[0][j] + neighbor.1[1][j]) * 0.5;
-        let nearest = (1..3).map(depth).fold(depth(0), |least, depth| if depth.re() < least.re() { depth } else { least });
-        let mut share = T::from(0.0);
-        if band > 0.0 && nearest.re() < band {
-            let near = T::from(1.0) - nearest * (1.0 / band);
-            share = near * near * 0.5;
+        let bears = |share, (corners, at)| Some(Bearer { share, corners, at });
+        let depth = |j: usize| (neighbor.1[0][j].re() + neighbor.1[1][j].re()) * 0.5;
+        let nearest = (1..3).fold(0, |least, j| if depth(j) < depth(least) { j } else { least });
+        if band > 0.0 && depth(nearest) < band {
+            let depth = (neighbor.1[0][nearest] + neighbor.1[1][nearest]) * 0.5;
+            let near = T::from(1.0) - depth * (1.0 / band);
+            let share = near * near * 0.5;
+            [bears(Some(T::from(1.0) - share), bearer), bears(Some(share), neighbor)]
+        } else {
+            [bears(None, bearer), None]
         }
-        [(T::from(1.0) - share, bearer.0, bearer.1), (share, neighbor.0, neighbor.1)]
     }
 
     /// Integral of a product of two affine functions, from their values at the corners: exact.
-    fn integral(&self, f: impl Fn(usize) -> T, g: impl Fn(usize) -> T) -> T {
+    #[inline(always)]
+    fn integral<'a>(&'a self, f: impl Fn(usize) -> &'a T, g: impl Fn(usize) -> &'a T) -> T {
         let mut sum = T::from(0.0);
-        for k in 1..self.count - 1 {
-            let corners = [0, k, k + 1];
-            let [a, b, c] = corners.map(|k| self.vertices[k].p);
-            let (f, g) = (corners.map(&f), corners.map(&g));
-            let products = f[0] * g[0] + f[1] * g[1] + f[2] * g[2] + (f[0] + f[1] + f[2]) * (g[0] + g[1] + g[2]);
-            sum += area(a, b, c) * products * (1.0 / 24.0);
+        for k in 1..self.vertices.len() - 1 {
+            let ([f_0, f_1, f_2], [g_0, g_1, g_2]) = ([0, k, k + 1].map(&f), [0, k, k + 1].map(&g));
+            let products = *f_0 * *g_0 + *f_1 * *g_1 + *f_2 * *g_2 + (*f_0 + *f_1 + *f_2) * (*g_0 + *g_1 + *g_2);
+            sum += self.vertices[k].fan * products * (1.0 / 24.0);
         }
         sum
     }

@@ -2,7 +2,7 @@
 //!
 //! `Phi_A = w_A g(x_A - u(t))` with the node's share `w_A` of the facets' areas and the obstacle's translation `u`. The contact forces do
 //! the work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves, `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger
-//! books as work of a load. An obstacle does not turn.
+//! books as work of a load. An obstacle that is revolved about an axis may turn about it, which friction alone feels.
 //!
 //! A node has one row, or three where the obstacle has pockets: for the side that is nearest to it at the start of the step, and for up to
 //! two that rise from that one. Which shape a row feels is fixed for the step.
@@ -13,12 +13,13 @@ use nalgebra::Vector3;
 
 use super::facets::Distance;
 use super::obstacle::{ObstacleInSpace, Shape, StepGradient};
-use super::slip::{self, Group, SlipsInSpace};
+use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
-use crate::contact::slip::{Number, SlipStep};
+use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
@@ -42,8 +43,8 @@ pub struct RigidInSpace {
     shape: Shape,
     slots: usize,
     translations: [[f64; 3]; 3],
-    /// How far it carries along what sticks to it.
-    carried: [f64; 3],
+    /// How far it carries along what sticks to it, and by which angle about its axis.
+    carried: ([f64; 3], f64),
     start: Vec<Vector3<f64>>,
     /// Nodes at the other ends of the edges of each node.
     neighbors: Vec<Vec<usize>>,
@@ -76,7 +77,7 @@ impl RigidInSpace {
             }
         }
         let mut contact =
-            RigidInSpace { sides, shape, slots, translations: [[0.0; 3]; 3], carried: [0.0; 3], start, neighbors, felt: Vec::new() };
+            RigidInSpace { sides, shape, slots, translations: [[0.0; 3]; 3], carried: ([0.0; 3], 0.0), start, neighbors, felt: Vec::new() };
         contact.feel();
         contact
     }
@@ -196,7 +197,7 @@ impl PatchFunctions for RigidInSpace {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        slip::evaluate::<3>(self, &self.sides, step, lambda, out);
+        slip::evaluate(self, &self.sides, step, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
@@ -234,8 +235,8 @@ impl SlipsInSpace for RigidInSpace {
         self.felt[self.slots * p..self.slots * (p + 1)].iter().enumerate().filter_map(group).collect()
     }
 
-    fn carried(&self) -> Option<Vec3<f64>> {
-        Some(self.carried)
+    fn carrier(&self) -> Option<Carrier> {
+        Some(self.shape.carrier(self.carried, self.translations[2]))
     }
 }
 
@@ -250,8 +251,8 @@ impl RigidObstacle for RigidInSpace {
         self.translations = *translations;
     }
 
-    fn carry(&mut self, shift: [f64; 3], _angle: f64) {
-        self.carried = shift;
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
+        self.carried = (shift, angle);
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {
@@ -300,7 +301,10 @@ mod tests {
 
     fn obstacles() -> Vec<ObstacleInSpace> {
         let (center, axis) = ([0.1, -0.2, 0.3], [1.0, 2.0, -1.0]);
-        let mut all = vec![ObstacleInSpace::Plane { point: center, normal: axis }];
+        let mut all = vec![
+            ObstacleInSpace::Plane { point: center, normal: axis },
+            ObstacleInSpace::Drum { center, axis, radius: 0.7, length: 1.1, edge: 0.1 },
+        ];
         for is_hollow in [false, true] {
             all.extend([
                 ObstacleInSpace::Sphere { center, radius: 0.7, is_hollow },
@@ -445,6 +449,11 @@ mod tests {
         near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, is_hollow: false }, [2.0, 3.0, 6.0]), 4.0);
         near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, is_hollow: true }, [0.0, 1.0, 0.0]), 2.0);
         near(gap(ObstacleInSpace::Cylinder { point: origin, axis: up, radius: 3.0, is_hollow: false }, [3.0, 4.0, 9.0]), 2.0);
+        let drum = ObstacleInSpace::Drum { center: origin, axis: up, radius: 3.0, length: 4.0, edge: 1.0 };
+        near(gap(drum.clone(), [3.0, 4.0, 0.5]), 2.0);
+        near(gap(drum.clone(), [1.0, 0.0, -5.0]), 3.0);
+        near(gap(drum.clone(), [5.0, 0.0, 5.0]), 4.0);
+        near(gap(drum, [0.0, 0.5, 1.5]), -0.5);
         let cone = |is_hollow| ObstacleInSpace::Cone { tip: origin, axis: up, angle: std::f64::consts::FRAC_PI_4, is_hollow };
         near(gap(cone(false), [2.0, 0.0, 0.0]), 2f64.sqrt());
         near(gap(cone(false), [0.0, 0.0, -2.0]), 2.0);

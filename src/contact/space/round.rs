@@ -10,19 +10,20 @@
 //! as the minimum does not change with the shares to first order. The discrete gradient is `G_mid + (dPhi - G_mid.d)/p.p p` with the
 //! increment `d` of the ends as seen from the obstacle and its part `p` beside the obstacle's symmetries in mid-step, rotations and
 //! translations, so that the moment about a center or an axis is kept (Gonzalez, J. Nonlinear Sci. 6, 1996). A row is there in a step if
-//! its deepest point is no node, which has a row of its own.
+//! its deepest point is no node, which has a row of its own. Inside of the rim of a cylinder with ends there is a kink (`Kink`).
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
 
 use super::facets::Distance;
 use super::features::Features;
 use super::obstacle::{ObstacleInSpace, Shape, Symmetries};
-use super::slip::{self, Group, SlipsInSpace};
+use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
+use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
-use crate::contact::slip::{Number, SlipStep};
+use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative};
@@ -37,6 +38,9 @@ const OPEN: f64 = 0.25;
 /// Share of an edge at its ends where the node alone has a row.
 const AT_END: f64 = 0.02;
 
+/// Jump of the slope along an edge that is a kink: what is round turns by round-off from one number to the next.
+const KINK: f64 = 0.01;
+
 /// Steps of the search for the deepest point of an edge: each halves what is left.
 const HALVINGS: usize = 60;
 
@@ -50,8 +54,10 @@ pub struct RoundInSpace {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 3]; 3],
-    /// How far it carries along what sticks to it.
-    carried: [f64; 3],
+    /// How far it carries along what sticks to it, and by which angle about its axis.
+    carried: ([f64; 3], f64),
+    /// Whether edges have rows at the rim alone: what else there is of the obstacle is large.
+    only_at_rim: bool,
     /// Which edges have a row in this step.
     is_there: Vec<bool>,
     /// Their ends at the start of the step as seen from the obstacle.
@@ -63,40 +69,75 @@ struct Deepest {
     at: Distance,
     share: f64,
     gradient: Six,
+    kink: Option<Kink>,
+}
+
+/// What meets inside of a sharp edge of the obstacle, where the deepest point is as deep below one side as below the other one. There the
+/// gradient is that mean of both which has no part along the edge of the surface (Danskin, SIAM J. Appl. Math. 14, 1966).
+struct Kink {
+    normal: Vector3<f64>,
+    curvature: Matrix3<f64>,
+    /// Difference of both normals, and its part along the edge.
+    difference: Vector3<f64>,
+    jump: f64,
+}
+
+impl Kink {
+    /// Of the distances on either side of a place along an edge; nothing where they go over into each other.
+    fn between([a, b]: [Distance; 2], along: Vector3<f64>) -> Option<Self> {
+        let difference = b.normal - a.normal;
+        let jump = difference.dot(&along);
+        // Of the first one.
+        let share = b.normal.dot(&along) / jump;
+        (jump > KINK * along.norm()).then(|| Kink {
+            normal: b.normal - difference * share,
+            curvature: a.curvature * share + b.curvature * (1.0 - share),
+            difference,
+            jump,
+        })
+    }
 }
 
 impl Deepest {
     fn new(shape: &Shape, [a, b]: Ends) -> Self {
         let along = b - a;
         let slope = |share: f64| shape.distance(a + along * share).normal.dot(&along);
-        let share = if slope(0.0) >= 0.0 {
-            0.0
+        let (share, beside) = if slope(0.0) >= 0.0 {
+            (0.0, None)
         } else if slope(1.0) <= 0.0 {
-            1.0
+            (1.0, None)
         } else {
             let (mut low, mut high) = (0.0, 1.0);
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
                 if slope(middle) < 0.0 { low = middle } else { high = middle }
             }
-            0.5 * (low + high)
+            (0.5 * (low + high), Some([low, high]))
         };
-        let at = shape.distance(a + along * share);
+        let mut at = shape.distance(a + along * share);
+        let sides = beside.filter(|_| shape.has_edges()).map(|shares| shares.map(|share| shape.distance(a + along * share)));
+        let kink = sides.and_then(|sides| Kink::between(sides, along));
+        let mut normal = at.normal;
+        if let Some(kink) = &kink {
+            normal = kink.normal;
+            (at.normal, at.curvature) = (normal.try_normalize(0.0).unwrap_or(at.normal), kink.curvature);
+        }
         let mut gradient = Six::zeros();
-        gradient.fixed_rows_mut::<3>(0).copy_from(&(at.normal * (1.0 - share)));
-        gradient.fixed_rows_mut::<3>(3).copy_from(&(at.normal * share));
-        Deepest { at, share, gradient }
+        gradient.fixed_rows_mut::<3>(0).copy_from(&(normal * (1.0 - share)));
+        gradient.fixed_rows_mut::<3>(3).copy_from(&(normal * share));
+        Deepest { at, share, gradient, kink }
     }
 
     /// How the slope along the edge changes with the ends at a fixed share, and with the share; nothing of that where the share is fixed.
     fn turning(&self, [a, b]: Ends) -> (Six, f64) {
-        let Deepest { at, share, .. } = *self;
+        let Deepest { ref at, share, ref kink, .. } = *self;
         let (along, shares) = (b - a, [1.0 - share, share]);
+        let normal = kink.as_ref().map_or(at.normal, |kink| kink.normal);
         let bent = at.curvature * along;
         let bend = along.dot(&bent);
         let mut coupling = Six::zeros();
         for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(at.normal * sign + bent * shares[k]));
+            coupling.fixed_rows_mut::<3>(3 * k).copy_from(&(normal * sign + bent * shares[k]));
         }
         let is_free = 0.0 < share && share < 1.0 && bend > LIES_ALONG * along.norm();
         (coupling, if is_free { bend } else { 0.0 })
@@ -104,13 +145,24 @@ impl Deepest {
 
     /// Derivative of the share with respect to the ends.
     fn slide(&self, ends: Ends) -> Six {
+        if let Some(kink) = &self.kink {
+            return self.apart(kink) / -kink.jump;
+        }
         let (coupling, bend) = self.turning(ends);
         if bend > 0.0 { coupling / -bend } else { Six::zeros() }
     }
 
+    /// How the distances from both sides at a kink come apart with the ends.
+    fn apart(&self, kink: &Kink) -> Six {
+        let mut apart = Six::zeros();
+        apart.fixed_rows_mut::<3>(0).copy_from(&(kink.difference * (1.0 - self.share)));
+        apart.fixed_rows_mut::<3>(3).copy_from(&(kink.difference * self.share));
+        apart
+    }
+
     /// Second derivative: that of the point that stays where it is on the edge, less what it gains by moving.
     fn hessian(&self, ends: Ends) -> SixBySix {
-        let Deepest { at, share, .. } = *self;
+        let Deepest { ref at, share, .. } = *self;
         let shares = [1.0 - share, share];
         let mut hessian = SixBySix::zeros();
         for k in 0..2 {
@@ -119,7 +171,12 @@ impl Deepest {
             }
         }
         let (coupling, bend) = self.turning(ends);
-        if bend > 0.0 {
+        if let Some(kink) = &self.kink {
+            // The point moves so that both distances stay the same, and the mean so that it has no part along the edge.
+            let (apart, along) = (self.apart(kink), ends[1] - ends[0]);
+            hessian -= (coupling * apart.transpose() + apart * coupling.transpose()) / kink.jump;
+            hessian += apart * apart.transpose() * (along.dot(&(at.curvature * along)) / kink.jump.powi(2));
+        } else if bend > 0.0 {
             hessian -= coupling * coupling.transpose() / bend;
         }
         hessian
@@ -133,6 +190,12 @@ impl RoundInSpace {
         if !obstacle.is_small(surface, reference, facet_size) {
             return None;
         }
+        let only_at_rim = match *obstacle {
+            ObstacleInSpace::Drum { center: point, axis, radius, .. } => {
+                !ObstacleInSpace::Cylinder { point, axis, radius, is_hollow: false }.is_small(surface, reference, facet_size)
+            }
+            _ => false,
+        };
         let edges: Vec<[u32; 2]> = match shape {
             // On flat ground a sphere touches the facets.
             Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
@@ -143,7 +206,15 @@ impl RoundInSpace {
         edges.iter().zip(0..).for_each(|(nodes, row)| sides.patches.push(nodes, &[row]));
         sides.list_slips();
         let (is_there, start) = (vec![false; edges.len()], vec![Default::default(); edges.len()]);
-        (!edges.is_empty()).then_some(RoundInSpace { sides, shape, translations: [[0.0; 3]; 3], carried: [0.0; 3], is_there, start })
+        (!edges.is_empty()).then_some(RoundInSpace {
+            sides,
+            shape,
+            translations: [[0.0; 3]; 3],
+            carried: ([0.0; 3], 0.0),
+            only_at_rim,
+            is_there,
+            start,
+        })
     }
 
     /// Ends of an edge as seen from the obstacle where it is at the start, in the middle or at the end of the step.
@@ -164,7 +235,10 @@ impl RoundInSpace {
         if ends.iter().all(|&end| self.shape.distance(end).gap > reach + length) {
             return false;
         }
-        let Deepest { at, share, .. } = Deepest::new(&self.shape, ends);
+        let Deepest { at, share, kink, .. } = Deepest::new(&self.shape, ends);
+        if self.only_at_rim && kink.is_none() && !self.shape.is_at_rim(ends[0].lerp(&ends[1], share)) {
+            return false;
+        }
         (AT_END..=1.0 - AT_END).contains(&share) && at.gap < reach && at.gap > -SUNK * size
     }
 
@@ -294,7 +368,7 @@ impl PatchFunctions for RoundInSpace {
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        slip::evaluate::<6>(self, &self.sides, step, lambda, out);
+        slip::evaluate(self, &self.sides, step, lambda, out);
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
@@ -329,8 +403,8 @@ impl SlipsInSpace for RoundInSpace {
         vec![Group { place: 0, weights, tangents: slip::tangents(normal, axis), covered: 1.0 }]
     }
 
-    fn carried(&self) -> Option<Vec3<f64>> {
-        Some(self.carried)
+    fn carrier(&self) -> Option<Carrier> {
+        Some(self.shape.carrier(self.carried, self.translations[2]))
     }
 }
 
@@ -363,8 +437,8 @@ impl RigidObstacle for RoundInSpace {
         self.translations = *translations;
     }
 
-    fn carry(&mut self, shift: [f64; 3], _angle: f64) {
-        self.carried = shift;
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
+        self.carried = (shift, angle);
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {
@@ -403,6 +477,7 @@ mod tests {
         vec![
             ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, is_hollow },
             ObstacleInSpace::Cylinder { point: [0.5, 0.5, 0.0], axis: tilted, radius: 0.4, is_hollow },
+            ObstacleInSpace::Drum { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
             ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
         ]

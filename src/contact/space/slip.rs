@@ -15,10 +15,11 @@
 //! the reference configuration, so that the facets around a node agree. Components of a multiplier mean the same from step to step, and
 //! nothing has to be carried over when a body turns.
 
-use super::vectors::{Frame, Jet, Vec3, cross, dot, hessian_into, jets, scaled, sub};
+use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
 use crate::contact::faces;
-use crate::contact::patches::Evaluation;
-use crate::contact::slip::{Number, SlipStep};
+use crate::contact::numbers::Number;
+use crate::contact::patches::{Evaluation, Patches};
+use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::Configuration;
 
@@ -43,9 +44,33 @@ pub trait SlipsInSpace {
     /// The tangential rows of patch `p` at the positions of its nodes.
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
 
-    /// How far the other side moves in the step where it is no node `[length]`: then rigid motions of a patch have slips, too.
-    fn carried(&self) -> Option<Vec3<f64>> {
+    /// How the other side moves in the step where it is no node: then rigid motions of a patch have slips, too.
+    fn carrier(&self) -> Option<Carrier> {
         None
+    }
+}
+
+/// A rigid motion in a step: `o(x) = shift + turn x (x - center)` at a place in mid-step.
+///
+/// With the length `2 tan(angle/2)` of `turn` the points of a circle that turns by the angle move by the chords of their arcs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Carrier {
+    /// Displacement of the center `[length]`.
+    pub shift: Vec3<f64>,
+    /// Along the axis, twice the tangent of half the angle.
+    pub turn: Vec3<f64>,
+    /// A point of the axis in mid-step `[length]`.
+    pub center: Vec3<f64>,
+}
+
+impl Carrier {
+    /// What a displacement of a place in mid-step is as seen from there.
+    fn against<T: Number>(&self, moved: Vec3<f64>, x: &Vec3<T>) -> Vec3<T> {
+        let beside = sub(moved, self.shift).map(T::from);
+        if self.turn == [0.0; 3] {
+            return beside;
+        }
+        sub(beside, cross(self.turn.map(T::from), sub(*x, self.center.map(T::from))))
     }
 }
 
@@ -85,59 +110,79 @@ impl<T: Number> Group<T> {
 }
 
 /// Slips (as gaps of the evaluation), their gradients at the end of the step, the rows that carry forces, and their tangent with the
-/// multipliers `lambda`; coverage as what each row has opposite in mid-step. `N` is the number of unknowns of a patch, at most.
-pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+/// multipliers `lambda`; coverage as what each row has opposite in mid-step.
+pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
     let patches = sides.slip_patches();
     out.prepare(patches, lambda.len());
-    let (mut start, mut z, mut moved) = (Vec::new(), Vec::new(), Vec::new());
+    let mut patch = Patch::default();
     for p in 0..patches.len() {
         out.clear_patch(patches, p);
         if !step.live[p] {
             continue;
         }
-        patches.gather_into(p, step.q_0, &mut start);
-        patches.gather_into(p, step.q_1, &mut z);
-        patches.gather_into(p, step.moved, &mut moved);
-        let end = (step.test == Configuration::End).then(|| jets::<N>(&z));
-        z.iter_mut().zip(&start).for_each(|(z, start)| *z = 0.5 * (*z + start));
-        let middle = jets::<N>(&z);
+        patches.gather_into(p, step.q_0, &mut patch.middle);
+        patches.gather_into(p, step.q_1, &mut patch.end);
+        patches.gather_into(p, step.moved, &mut patch.moved);
+        patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
+        let mut passes = (0..patch.end.len()).step_by(LANES);
+        out.live[p] = passes.all(|first| patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out));
+    }
+}
+
+/// What is known of the nodes of a patch, used again from patch to patch.
+#[derive(Default)]
+struct Patch {
+    middle: Vec<f64>,
+    end: Vec<f64>,
+    moved: Vec<f64>,
+}
+
+impl Patch {
+    /// Writes what a pass with derivatives with respect to some unknowns finds, from `first` on; values with the first ones. `false` where
+    /// the patch has no slip.
+    fn differentiate(
+        &self,
+        kernel: &impl SlipsInSpace,
+        (patches, p): (&Patches, usize),
+        first: usize,
+        (test, lambda): (Configuration, &[f64]),
+        out: &mut Evaluation,
+    ) -> bool {
+        let middle = jets(&self.middle, first);
         let groups = kernel.groups(p, &middle);
         if groups.is_empty() {
-            continue;
+            return false;
         }
-        out.live[p] = true;
-        let (is_relative, carried) = (kernel.carried().is_none(), kernel.carried().unwrap_or_default());
-        let against = |d: &Vec3<f64>| -> Vec3<Jet<N>> { sub(*d, carried).map(Jet::from) };
-        let motion = relative(is_relative, &middle, moved.as_chunks().0.iter().map(against).collect());
-        let (first, width, rows) = (patches.gradient_range(p).start, z.len(), patches.rows(p));
-        for group in &groups {
-            let values = group.values();
-            for k in 0..2 {
-                let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &motion));
+        let (is_relative, carrier) = (kernel.carrier().is_none(), kernel.carrier().unwrap_or_default());
+        let moved = self.moved.as_chunks().0.iter().zip(&middle).map(|(moved, x)| carrier.against(*moved, x));
+        let motion = relative(is_relative, &middle, moved.collect());
+        let (width, rows) = (self.middle.len(), patches.rows(p));
+        let block = |group: &Group<Jet>, k: usize| {
+            let begin = patches.gradient_range(p).start + (2 * group.place + k) * width;
+            begin..begin + width
+        };
+        for (group, k) in groups.iter().flat_map(|group| [(group, 0), (group, 1)]) {
+            let (row, slip) = (rows[2 * group.place + k] as usize, group.slip(k, &motion));
+            let gradient = &mut out.gradient_end[block(group, k)];
+            if first == 0 {
                 out.gap[row] += slip.re;
                 out.coverage[row] += group.covered;
-                let block = first + (2 * group.place + k) * width;
-                let gradient = &mut out.gradient_end[block..block + width];
-                gradient.copy_from_slice(row_of(&values, k, is_relative, z.as_chunks().0).as_flattened());
-                if let num_dual::Derivative(Some(slope)) = &slip.eps {
-                    gradient.iter_mut().zip(slope.iter()).for_each(|(g, slope)| *g += 0.5 * slope);
-                }
+                gradient.copy_from_slice(row_of(&group.values(), k, is_relative, self.middle.as_chunks().0).as_flattened());
             }
+            gradient[first..].iter_mut().zip(slip.eps).for_each(|(g, slope)| *g += 0.5 * slope);
         }
-        let (at, groups) = match end {
-            Some(end) => {
-                let groups = kernel.groups(p, &end);
-                (end, groups)
-            }
-            None => (middle, groups),
+        let (at, z, groups) = if test == Configuration::End {
+            let end = jets(&self.end, first);
+            let groups = kernel.groups(p, &end);
+            (end, &self.end, groups)
+        } else {
+            (middle, &self.middle, groups)
         };
-        let positions: Vec<Vec3<f64>> = at.iter().map(|x| [x[0].re, x[1].re, x[2].re]).collect();
-        let (mut forces, mut is_loaded) = (vec![[Jet::<N>::from(0.0); 3]; at.len()], false);
+        let (mut forces, mut is_loaded) = (vec![[Jet::from(0.0); 3]; at.len()], false);
         for group in &groups {
-            let values = group.values();
-            for k in 0..2 {
-                let block = first + (2 * group.place + k) * width;
-                out.gradient_bar[block..block + width].copy_from_slice(row_of(&values, k, is_relative, &positions).as_flattened());
+            for k in (0..2).filter(|_| first == 0) {
+                let row = row_of(&group.values(), k, is_relative, z.as_chunks().0);
+                out.gradient_bar[block(group, k)].copy_from_slice(row.as_flattened());
             }
             let shear = [0, 1].map(|k| lambda[rows[2 * group.place + k] as usize]);
             if shear != [0.0; 2] {
@@ -147,8 +192,9 @@ pub fn evaluate<const N: usize>(kernel: &impl SlipsInSpace, sides: &Sides, step:
         }
         if is_loaded {
             let forces = relative(is_relative, &at, forces);
-            hessian_into(&forces, step.test.share(), &mut out.tangent[patches.tangent_range(p)]);
+            columns_into(&forces, first, test.share(), &mut out.tangent[patches.tangent_range(p)]);
         }
+        true
     }
 }
 
@@ -276,7 +322,7 @@ mod tests {
     }
 
     /// The surface below and round obstacles that move.
-    fn obstacles(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
+    fn obstacles(q: &[f64], angle: f64) -> Vec<Box<dyn ContactKernel>> {
         let below = Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
         let (point, axis) = ([0.9, 1.1, 0.15], [0.1, 1.0, 0.05]);
         let rod = ObstacleInSpace::Cylinder { point, axis, radius: 0.2, is_hollow: false };
@@ -287,7 +333,7 @@ mod tests {
         assert_eq!(kernels.len(), 2);
         for kernel in &mut kernels {
             kernel.move_obstacle(&[[0.0; 3], [0.05, -0.02, 0.01], [0.1, -0.04, 0.02]]);
-            kernel.carry([0.1, -0.04, 0.02], 0.0);
+            kernel.carry([0.1, -0.04, 0.02], angle);
             kernel.update_candidates(&Outlook::within(q, 1.0));
             kernel.begin_step(q);
         }
@@ -359,7 +405,7 @@ mod tests {
         fn what_an_obstacle_carries_along_does_not_slide((q_0, q_1) in steps()) {
             let against: Vec<f64> = difference(&q_1, &q_0).iter().enumerate().map(|(k, d)| d - [0.1, -0.04, 0.02][k % 3]).collect();
             let along: Vec<f64> = q_0.iter().enumerate().map(|(k, x)| x + [0.1, -0.04, 0.02][k % 3]).collect();
-            for kernel in obstacles(&q_0) {
+            for kernel in obstacles(&q_0, 0.0) {
                 let out = slips(&*kernel, &q_0, &q_1, Configuration::Middle);
                 for (row, slip) in rows(&*kernel, &out.gradient_bar).iter().zip(&out.gap) {
                     prop_assert!((product(row, &against) - slip).abs() < 1e-14);
@@ -368,6 +414,19 @@ mod tests {
                 let out = slips(&*kernel, &q_0, &along, Configuration::Middle);
                 prop_assert!(out.gap.iter().all(|slip| slip.abs() < 1e-15), "{:?}", out.gap);
             }
+        }
+
+        /// What turns with a rod, however far, does not slide on it.
+        #[test]
+        fn what_turns_with_an_obstacle_does_not_slide((q_0, _) in steps(), angle in -1.0..1.0f64) {
+            let (point, shift) = (nalgebra::Vector3::new(0.9, 1.1, 0.15), nalgebra::Vector3::new(0.1, -0.04, 0.02));
+            let axis = nalgebra::Unit::new_normalize(nalgebra::Vector3::new(0.1, 1.0, 0.05));
+            let rotation = nalgebra::Rotation3::from_axis_angle(&axis, angle);
+            let turned = |x: &[f64; 3]| -> [f64; 3] { (point + shift + rotation * (nalgebra::Vector3::from(*x) - point)).into() };
+            let along: Vec<f64> = q_0.as_chunks::<3>().0.iter().flat_map(turned).collect();
+            let rod = &obstacles(&q_0, angle)[1];
+            let out = slips(&**rod, &q_0, &along, Configuration::Middle);
+            prop_assert!(out.gap.iter().all(|slip| slip.abs() < 1e-14), "{:?}", out.gap);
         }
 
         /// However large it is, a rigid motion of both sides is no slip.
@@ -385,7 +444,7 @@ mod tests {
         /// Gradients and tangents along a random direction against differences, but where these meet a kink.
         #[test]
         fn gradients_and_tangents_are_derivatives((q_0, q_1) in steps(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
-            for kernel in kernels(&q_0).into_iter().chain(obstacles(&q_0)) {
+            for kernel in kernels(&q_0).into_iter().chain(obstacles(&q_0, 0.3)) {
                 for test in [Configuration::Middle, Configuration::End] {
                     let out = slips(&*kernel, &q_0, &q_1, test);
                     let at = |width: f64| {

@@ -1,14 +1,15 @@
 //! Vectors of any numbers, and what makes a second derivative of a gradient that is written for any numbers.
 
-use num_dual::DualSVec64;
-
-use crate::contact::slip::Number;
+use crate::contact::numbers::{self, Number};
 
 /// A vector in space.
 pub type Vec3<T> = [T; 3];
 
-/// A number with its derivatives with respect to `N` unknowns.
-pub type Jet<const N: usize> = DualSVec64<N>;
+/// Unknowns with respect to which one pass differentiates: half of those of two facets.
+pub const LANES: usize = 12;
+
+/// A number with its derivatives with respect to some unknowns.
+pub type Jet = numbers::Jet<LANES>;
 
 pub fn sub<T: Number, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
     std::array::from_fn(|i| a[i] - b[i])
@@ -61,19 +62,23 @@ impl<T: Number> Frame<T> {
     }
 }
 
-/// The unknowns `z` as numbers that carry their derivatives, three for each node.
-pub fn jets<const N: usize>(z: &[f64]) -> Vec<Vec3<Jet<N>>> {
-    let jet = |k: usize| Jet::from_re(z[k]).derivative(k);
+/// The unknowns `z`, three for each node, as numbers that carry the derivatives with respect to some of them, from `first` on.
+pub fn jets(z: &[f64], first: usize) -> Vec<Vec3<Jet>> {
+    let jet = |k: usize| Jet::unknown(z[k], k.checked_sub(first));
     (0..z.len() / 3).map(|node| std::array::from_fn(|i| jet(3 * node + i))).collect()
 }
 
-/// `share` times the derivatives of a gradient, row by row over its unknowns.
-pub fn hessian_into<const N: usize>(gradient: &[Vec3<Jet<N>>], share: f64, out: &mut [f64]) {
+/// `share` times the derivatives of a gradient at the unknowns `z`, row by row over them, some columns at a time.
+pub fn hessian_into<const N: usize>(z: &[f64], share: f64, out: &mut [f64], gradient: impl Fn(&[Vec3<Jet>]) -> [Vec3<Jet>; N]) {
+    for first in (0..z.len()).step_by(LANES) {
+        columns_into(&gradient(&jets(z, first)), first, share, out);
+    }
+}
+
+/// `share` times the derivatives that a gradient carries as columns of its Hessian, from `first` on.
+pub fn columns_into(gradient: &[Vec3<Jet>], first: usize, share: f64, out: &mut [f64]) {
     let unknowns = out.len().isqrt();
     for (row, jet) in out.chunks_exact_mut(unknowns).zip(gradient.as_flattened()) {
-        match &jet.eps {
-            num_dual::Derivative(Some(slope)) => row.iter_mut().zip(slope.iter()).for_each(|(entry, slope)| *entry = share * slope),
-            num_dual::Derivative(None) => row.fill(0.0),
-        }
+        row[first..].iter_mut().zip(jet.eps).for_each(|(entry, slope)| *entry = share * slope);
     }
 }

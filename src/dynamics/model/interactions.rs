@@ -104,7 +104,8 @@ pub enum Partner {
         shape: Obstacle,
         /// Translation in x, y and z over time `[length]`; `None`: at rest.
         motion: [Option<Amplitude>; 3],
-        /// Angle by which a disk or a ring has turned about its center `[rad]`, counter-clockwise; only friction feels it. `None`: at rest.
+        /// Angle by which a disk or a ring has turned about its center, or what is revolved about its axis `[rad]`, counter-clockwise; only
+        /// friction feels it. `None`: at rest.
         turn: Option<Amplitude>,
     },
     /// A boundary to which the secondary side is tied, although their meshes do not match. Better the coarser one.

@@ -93,11 +93,11 @@ impl Pairing<'_> {
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
-        if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, .. } = partner {
+        if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
             let seen = self.in_space(interaction);
             let kernel = RigidInSpace::new(seen.secondary.clone(), shape, &seen.reference);
             let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
-            pair.motion = motion.clone();
+            (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
             if matches!(shape, ObstacleInSpace::Facets(_)) && pair.is_unilateral() {
                 // Sides that meet at a flat angle ask nearly the same of a node.

@@ -44,18 +44,30 @@ pub enum Moves {
     Round,
     /// Along x, y and z.
     InSpace,
+    /// So, and turning about its axis.
+    AboutAxis,
+}
+
+impl Moves {
+    fn is_in_space(self) -> bool {
+        matches!(self, Moves::InSpace | Moves::AboutAxis)
+    }
 }
 
 fn motion_parameter(moves: Moves) -> Parameter {
     let component = |name| Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time").of("length");
-    let axes = if moves == Moves::InSpace { &["x", "y", "z"][..] } else { &["x", "y"] };
+    let axes = if moves.is_in_space() { &["x", "y", "z"][..] } else { &["x", "y"] };
     let mut components: Vec<Parameter> = axes.iter().map(|&name| component(name).or(Absent::Means("none"))).collect();
-    let is_round = moves == Moves::Round;
-    if is_round {
-        let angle = "the angle by which it has turned about its center, counter-clockwise, over time: friction feels it";
+    let about = match moves {
+        Moves::Round => Some("the angle by which it has turned about its center, counter-clockwise, over time: friction feels it"),
+        Moves::AboutAxis => Some("the angle by which it has turned about its axis, as a right-handed screw, over time: friction feels it"),
+        _ => None,
+    };
+    if let Some(angle) = about {
         components.push(Parameter::new("angle", Kind::Amplitude, angle).of("rad").or(Absent::Means("none")));
     }
-    let summary = if is_round { "how the obstacle moves over time" } else { "how the obstacle is displaced over time; it does not turn" };
+    let summary =
+        if about.is_some() { "how the obstacle moves over time" } else { "how the obstacle is displaced over time; it does not turn" };
     Parameter::new("motion", Kind::Options(components), summary).or(Absent::Means("at rest"))
 }
 
@@ -87,7 +99,7 @@ pub fn shape(
         parameters: vec![Parameter::new("options", Kind::Options(keys), "shape, place and motion")],
         returns: ObstacleHandle::NAME,
         example: example.into(),
-        see_also: if moves == Moves::InSpace { IN_SPACE } else { IN_PLANE },
+        see_also: if moves.is_in_space() { IN_SPACE } else { IN_PLANE },
         body: body(move |call| {
             let options = call.options("options")?;
             let obstacle = make(&options)?;
@@ -96,9 +108,9 @@ pub fn shape(
                 let argument = nested.argument(name);
                 if argument.is_given() { amplitude_of(&argument).map(Some) } else { Ok(None) }
             };
-            let along_z = if moves == Moves::InSpace { over_time("z")? } else { None };
+            let along_z = if moves.is_in_space() { over_time("z")? } else { None };
             let motion = [over_time("x")?, over_time("y")?, along_z];
-            let turn = if moves == Moves::Round { over_time("angle")? } else { None };
+            let turn = if matches!(moves, Moves::Round | Moves::AboutAxis) { over_time("angle")? } else { None };
             if motion[2].is_some() && !matches!(obstacle, Obstacle::InSpace(_)) {
                 let argument = nested.argument("z");
                 let failure = argument.fail("an obstacle of the plane does not move along z");

@@ -16,6 +16,9 @@ use crate::script::language::function::Function;
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
+/// Radius of the edges of a cylinder with ends over its own, or over half its length where that is less.
+const EDGE: f64 = 0.01;
+
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
     vec![rigid_sphere(), rigid_cylinder(), rigid_cone(), rigid_torus(), rigid_box(), rigid_surface()]
@@ -50,21 +53,49 @@ fn rigid_sphere() -> Function {
 fn rigid_cylinder() -> Function {
     shape(
         "rigid_cylinder",
-        "a rigid round cylinder without ends as the other side of a contact of bodies in space",
+        "a rigid round cylinder, without ends or with flat ones, as the other side of a contact of bodies in space",
         vec![
-            point("point", "a point of its axis"),
+            point("point", "a point of its axis; with a `length` its middle"),
             axis("the direction of its axis, of any length"),
             radius("its radius"),
+            Parameter::number("length", "length", Interval::Positive, "how long it is between flat ends").or(Absent::Means("without ends")),
+            Parameter::number("edge_radius", "length", Interval::Positive, "the radius of the edges between its side and its ends")
+                .or(Absent::Means("a hundredth of `radius`, or of half the `length` where that is less")),
             inside("whether bodies are inside of it, as in a pipe"),
         ],
-        Moves::InSpace,
+        Moves::AboutAxis,
         "let roller = rigid_cylinder(#{ point: [0.0, 0.0, 1.5], axis: [0.0, 1.0, 0.0], radius: 0.5, motion: #{ z: 0.1 } });",
         |options| {
             let (point, radius) = (options.argument("point").vector(3)?, options.number("radius")?);
             let (axis, is_hollow) = (direction(&options.argument("axis"))?, options.flag("inside")?);
+            if options.argument("length").is_given() {
+                return drum(options, (point, axis, radius));
+            }
+            let edge = options.argument("edge_radius");
+            if edge.is_given() {
+                let failure = edge.fail(format!("{} goes with a `length`", edge.title()));
+                return Err(failure.label("this cylinder has no ends").hint("give its `length`, or leave this out"));
+            }
             in_space(ObstacleInSpace::Cylinder { point, axis, radius, is_hollow })
         },
     )
+}
+
+/// A cylinder with ends, by its middle, axis and radius.
+fn drum(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) -> Result<Obstacle, Failure> {
+    let inside = options.argument("inside");
+    if options.flag("inside")? {
+        let failure = inside.fail("bodies are outside of a cylinder with ends");
+        return Err(failure.hint("leave out `length`, and close the pipe with a `rigid_plane` in a contact of its own"));
+    }
+    let (length, argument) = (options.number("length")?, options.argument("edge_radius"));
+    let most = radius.min(0.5 * length);
+    let edge = if argument.is_given() { options.number("edge_radius")? } else { EDGE * most };
+    if edge > most {
+        let failure = argument.fail(format!("{} must be no larger than the radius and half the length", argument.title()));
+        return Err(failure.label(format!("at most {most} fits")).hint("write a smaller one, or leave it out"));
+    }
+    in_space(ObstacleInSpace::Drum { center, axis, radius, length, edge })
 }
 
 fn rigid_cone() -> Function {
@@ -78,7 +109,7 @@ fn rigid_cone() -> Function {
             Parameter::number("half_angle", "rad", angle, "the angle between its axis and its side"),
             inside("whether bodies are inside of it, as in a funnel"),
         ],
-        Moves::InSpace,
+        Moves::AboutAxis,
         "let funnel = rigid_cone(#{ tip: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], half_angle: deg(40), inside: true });",
         |options| {
             let (tip, axis) = (options.argument("tip").vector(3)?, direction(&options.argument("axis"))?);
@@ -99,7 +130,7 @@ fn rigid_torus() -> Function {
             Parameter::number("tube_radius", "length", Interval::Positive, "the radius of the tube, smaller than that"),
             inside("whether bodies are inside of the tube"),
         ],
-        Moves::InSpace,
+        Moves::AboutAxis,
         "let ring = rigid_torus(#{ center: [0.0, 0.0, 0.0], axis: [0.0, 0.0, 1.0], radius: 2.0, tube_radius: 0.5 });",
         |options| {
             let (center, axis) = (options.argument("center").vector(3)?, direction(&options.argument("axis"))?);

@@ -133,6 +133,11 @@ fn describe_in_space(shape: &ObstacleInSpace) -> String {
         ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
             format!("{} around {} along {}", round("cylinder", radius, is_hollow), vector_text(point), vector_text(axis))
         }
+        ObstacleInSpace::Drum { center, axis, radius, length, edge } => {
+            let (round, edge) = (round("cylinder", radius, &false), number_text(*edge));
+            let (center, axis) = (vector_text(center), vector_text(axis));
+            format!("{round} and length {}, its edges of radius {edge}, around {center} along {axis}", number_text(*length))
+        }
         ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
             let kind = if *is_hollow { "hollow cone" } else { "cone" };
             format!("{kind} from {} along {} with the half angle {}", vector_text(tip), vector_text(axis), number_text(*angle))

@@ -1,0 +1,199 @@
+//! Numbers that formulas of contact are written for: plain ones, and ones that carry derivatives.
+//!
+//! A [`Jet`] carries a few derivatives in a plain array; more unknowns are more passes. The numbers of `num-dual` know besides whether they
+//! have any derivatives: with these the second derivatives of a pair of facets in space took three times as long.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+use num_dual::DualNumCopy;
+
+/// A number, or one with derivatives.
+pub trait Number:
+    Copy
+    + From<f64>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// Its value.
+    fn re(self) -> f64;
+    /// Its square root.
+    fn sqrt(self) -> Self;
+    /// One over it.
+    fn recip(self) -> Self;
+}
+
+impl<T: DualNumCopy<Primitive = f64>> Number for T {
+    #[inline(always)]
+    fn re(self) -> f64 {
+        num_dual::DualStruct::re(&self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        num_dual::DualNum::sqrt(&self)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        num_dual::DualNum::recip(&self)
+    }
+}
+
+/// A number with its derivatives with respect to some unknowns.
+#[derive(Clone, Copy, Debug)]
+pub struct Jet<const N: usize> {
+    /// The number.
+    pub re: f64,
+    /// Its derivatives.
+    pub eps: [f64; N],
+}
+
+impl<const N: usize> Jet<N> {
+    /// An unknown: the one of that lane, if any.
+    #[inline(always)]
+    pub fn unknown(re: f64, lane: Option<usize>) -> Self {
+        Jet { re, eps: std::array::from_fn(|k| if Some(k) == lane { 1.0 } else { 0.0 }) }
+    }
+
+    /// A function of it, by its value and its derivative.
+    #[inline(always)]
+    fn chain(self, re: f64, slope: f64) -> Self {
+        Jet { re, eps: self.eps.map(|eps| eps * slope) }
+    }
+
+    #[inline(always)]
+    fn with(self, other: Self, re: f64, eps: impl Fn(f64, f64) -> f64) -> Self {
+        Jet { re, eps: std::array::from_fn(|k| eps(self.eps[k], other.eps[k])) }
+    }
+
+    #[inline(always)]
+    fn product(self, other: Self) -> Self {
+        self.with(other, self.re * other.re, |a, b| a * other.re + b * self.re)
+    }
+
+    #[inline(always)]
+    fn quotient(self, other: Self) -> Self {
+        let inverse = other.re.recip();
+        self.with(other, self.re * inverse, |a, b| (a * other.re - b * self.re) * inverse * inverse)
+    }
+}
+
+impl<const N: usize> From<f64> for Jet<N> {
+    #[inline(always)]
+    fn from(re: f64) -> Self {
+        Jet { re, eps: [0.0; N] }
+    }
+}
+
+impl<const N: usize> Add for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.with(other, self.re + other.re, |a, b| a + b)
+    }
+}
+
+impl<const N: usize> Sub for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.with(other, self.re - other.re, |a, b| a - b)
+    }
+}
+
+impl<const N: usize> Mul for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.product(other)
+    }
+}
+
+impl<const N: usize> Div for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.quotient(other)
+    }
+}
+
+impl<const N: usize> Neg for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Jet { re: -self.re, eps: self.eps.map(|eps| -eps) }
+    }
+}
+
+impl<const N: usize> AddAssign for Jet<N> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<const N: usize> SubAssign for Jet<N> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<const N: usize> Add<f64> for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: f64) -> Self {
+        Jet { re: self.re + other, ..self }
+    }
+}
+
+impl<const N: usize> Sub<f64> for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: f64) -> Self {
+        Jet { re: self.re - other, ..self }
+    }
+}
+
+impl<const N: usize> Mul<f64> for Jet<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: f64) -> Self {
+        self.chain(self.re * other, other)
+    }
+}
+
+impl<const N: usize> Number for Jet<N> {
+    #[inline(always)]
+    fn re(self) -> f64 {
+        self.re
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        self.chain(root, root * self.re.recip() * 0.5)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let inverse = self.re.recip();
+        self.chain(inverse, -inverse * inverse)
+    }
+}
