@@ -256,7 +256,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// What is there instead.
-    pub(crate) fn belongs_to(&self, run: &Path) -> Result<Vec<CountedFile>, CheckpointError> {
+    pub fn belongs_to(&self, run: &Path) -> Result<Vec<CountedFile>, CheckpointError> {
         if let Some(complaint) = self.journal.complaint(run) {
             return Err(CheckpointError::Stranger(complaint.into()));
         }
@@ -306,7 +306,7 @@ impl Checkpoint {
 ///
 /// # Errors
 /// The operating system refused.
-pub(crate) fn bring_back(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
+pub fn bring_back(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> {
     aside.iter().try_for_each(|file| file.bring_back(run).map_err(OutputError::write(run.join(&file.name))))
 }
 
@@ -327,7 +327,7 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// The operating system refused.
-pub(crate) fn remove_all(run: &Path) -> Result<(), OutputError> {
+pub fn remove_all(run: &Path) -> Result<(), OutputError> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
     // What a program that was killed has begun to write, too.
     let is_ours = |ending: &std::ffi::OsStr| [POINTS, ASIDE, "part"].iter().any(|known| *known == ending);

@@ -143,7 +143,7 @@ struct Run {
 
 impl RunFiles {
     /// Whether a folder holds files of a run: their record, a summary, or checkpoints to go on from.
-    pub(crate) fn are_in(folder: &Path) -> bool {
+    pub fn are_in(folder: &Path) -> bool {
         [file_record::NAME, counted::FOLDER, SUMMARY].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
     }
 
@@ -199,7 +199,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// The operating system refused.
-    pub(crate) fn complete_record(&self) -> Result<(), OutputError> {
+    pub fn complete_record(&self) -> Result<(), OutputError> {
         let Some(run) = &self.run else { return Ok(()) };
         RunFiles { run: None, ..self.clone() }.write(file_record::NAME, run.record.text()).map(drop)
     }
@@ -232,7 +232,7 @@ impl RunFiles {
     }
 
     /// Whether a run that is resumed counts on a file of that name and moment.
-    pub(crate) fn counts_on(&self, name: &str, time: f64) -> bool {
+    pub fn counts_on(&self, name: &str, time: f64) -> bool {
         let path = self.root.join(name);
         self.run.as_ref().is_none_or(|run| run.counted.get(&path).is_some_and(|file| file.time == Some(time)))
     }
@@ -453,7 +453,7 @@ impl Stream {
     ///
     /// # Errors
     /// It was removed or replaced.
-    pub(crate) fn verify(&self) -> Result<(), OutputError> {
+    pub fn verify(&self) -> Result<(), OutputError> {
         let is_there = fs::metadata(&self.path).is_ok_and(|there| self.file.metadata().is_ok_and(|own| are_same(&there, &own)));
         if is_there { Ok(()) } else { Err(OutputError::Gone { path: self.path.clone() }) }
     }

@@ -114,7 +114,7 @@ impl HistoryCsv {
     ///
     /// # Errors
     /// It was removed or replaced.
-    pub(crate) fn verify(&self) -> Result<(), OutputError> {
+    pub fn verify(&self) -> Result<(), OutputError> {
         self.stream.as_ref().map_or(Ok(()), Stream::verify)
     }
 

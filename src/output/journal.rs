@@ -88,7 +88,7 @@ pub struct Mark {
 
 impl Mark {
     /// What is wrong with the journal in the folder of a run, if something is.
-    pub(crate) fn complaint(&self, run: &Path) -> Option<&'static str> {
+    pub fn complaint(&self, run: &Path) -> Option<&'static str> {
         match checksum(&run.join(FOLDER).join(NAME), self.length) {
             Ok((sum, found)) if found == self.length && sum == self.checksum => None,
             Ok((_, found)) if found < self.length => Some("its steps (`checkpoints/journal`) are cut off, or those of another run"),
@@ -170,7 +170,7 @@ impl JournalWriter {
     ///
     /// # Errors
     /// The operating system refused; the entries wait for the next time.
-    pub(crate) fn secure(&mut self) -> Result<Mark, OutputError> {
+    pub fn secure(&mut self) -> Result<Mark, OutputError> {
         if !self.waiting.is_empty() {
             self.flush()?;
         }

@@ -30,7 +30,7 @@ impl PointLog {
     ///
     /// # Errors
     /// The operating system refused.
-    pub(crate) fn reopen<T: DeserializeOwned>(files: &RunFiles, study: &str) -> Result<(Self, Vec<T>), OutputError> {
+    pub fn reopen<T: DeserializeOwned>(files: &RunFiles, study: &str) -> Result<(Self, Vec<T>), OutputError> {
         let place = files.place(&path(study))?;
         let Ok(bytes) = std::fs::read(&place) else { return Ok((PointLog::create(files, study)?, Vec::new())) };
         let (mut records, mut whole) = (Vec::new(), 0);

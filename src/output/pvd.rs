@@ -75,7 +75,7 @@ impl FieldSeries {
     ///
     /// # Errors
     /// The operating system refused.
-    pub(crate) fn go_on(&mut self) -> Result<Option<f64>, OutputError> {
+    pub fn go_on(&mut self) -> Result<Option<f64>, OutputError> {
         self.recalls = false;
         let is_strange = |frame: &&Listed| !self.files.counts_on(&self.below(&frame.path), frame.time);
         match self.frames.iter().find(is_strange) {
@@ -115,7 +115,7 @@ impl FieldSeries {
     ///
     /// # Errors
     /// One was removed.
-    pub(crate) fn verify(&self) -> Result<(), OutputError> {
+    pub fn verify(&self) -> Result<(), OutputError> {
         for frame in &self.frames {
             let path = self.files.place(&self.below(&frame.path))?;
             if !path.is_file() {

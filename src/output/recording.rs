@@ -169,7 +169,7 @@ impl Recording {
 
     /// Whether a recording that was read goes on this one: of the same bodies, every still with all of its bytes, of one of so many rows of
     /// the history, with obstacles among so many shapes.
-    pub(crate) fn goes_on_with(&self, other: &Recording, rows: usize, shapes: usize) -> bool {
+    pub fn goes_on_with(&self, other: &Recording, rows: usize, shapes: usize) -> bool {
         let is_whole = |still: &Arc<Still>| {
             still.is_of(&self.bodies)
                 && still.extremes.len() == Field::ALL.len()

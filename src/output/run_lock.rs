@@ -49,7 +49,7 @@ impl RunLock {
     ///
     /// # Errors
     /// A run is under way there.
-    pub(crate) fn refuse_if_taken(folder: &Path) -> Result<(), OutputError> {
+    pub fn refuse_if_taken(folder: &Path) -> Result<(), OutputError> {
         let path = folder.join(NAME);
         if !fs::symlink_metadata(&path).is_ok_and(|found| found.is_file()) {
             return Ok(());

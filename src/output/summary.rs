@@ -168,7 +168,7 @@ impl Summary {
     }
 
     /// Takes over where energy came from and went to.
-    pub(crate) fn book(&mut self, account: &EnergyAccount) {
+    pub fn book(&mut self, account: &EnergyAccount) {
         let change = |(cause, energy): (&'static str, f64)| {
             (cause.trim_start_matches("the "), EnergyChange { energy, share: energy / account.scale })
         };
@@ -184,7 +184,7 @@ impl Summary {
     }
 
     /// The text of the file. Numbers that are not finite become `null`.
-    pub(crate) fn to_json(&self) -> String {
+    pub fn to_json(&self) -> String {
         // Strings, numbers and maps with string keys always have a JSON form.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }

@@ -27,7 +27,7 @@ pub struct Column {
 
 impl Column {
     /// A column of a history. Behind the columns of the ledger, what is no number does not exist yet, as in `history.csv`.
-    pub(crate) fn of_history(name: &str, values: impl IntoIterator<Item = f64>, is_ledger: bool) -> Self {
+    pub fn of_history(name: &str, values: impl IntoIterator<Item = f64>, is_ledger: bool) -> Self {
         let values: Vec<Option<f64>> = values.into_iter().map(|value| Some(value).filter(|value| is_ledger || !value.is_nan())).collect();
         let is_count = is_count(name) && values.iter().flatten().all(|value| value.fract() == 0.0);
         Column { name: name.into(), values, is_count }

@@ -171,7 +171,7 @@ impl Frame {
     }
 
     /// Rigid obstacles where they are at that time, drawn beside bodies that are about as large as `around`.
-    pub(crate) fn of_obstacles(time: f64, obstacles: &[PlacedObstacle], around: &Surroundings) -> Self {
+    pub fn of_obstacles(time: f64, obstacles: &[PlacedObstacle], around: &Surroundings) -> Self {
         let of_wall = |wall: Wall| {
             let pieces: Vec<[[f64; 2]; 4]> = wall.pieces().collect();
             let points = pieces.as_flattened().iter().map(|&[x, y]| [x, y, 0.0]).collect();
@@ -188,7 +188,7 @@ impl Frame {
     }
 
     /// Secondary surfaces of contacts at that time.
-    pub(crate) fn of_contacts(time: f64, surfaces: &[ContactSurface]) -> Self {
+    pub fn of_contacts(time: f64, surfaces: &[ContactSurface]) -> Self {
         let grid = Grid::of_surfaces("contact", surfaces.iter().map(|surface| (&*surface.name, &*surface.points, &*surface.facets)));
         let count = grid.points;
         let scalars = |name, of: fn(&ContactFields) -> &[f64]| {

@@ -57,7 +57,7 @@ impl Field {
     ];
 
     /// The field of that name in a script.
-    pub(crate) fn from_name(name: &str) -> Option<Self> {
+    pub fn from_name(name: &str) -> Option<Self> {
         Field::ALL.iter().find(|row| row.0 == name).map(|row| row.2)
     }
 

@@ -317,7 +317,7 @@ impl LiveSimulation {
     }
 
     /// Whether it is time to tell the problem again.
-    pub(crate) fn wants_problem(&self) -> bool {
+    pub fn wants_problem(&self) -> bool {
         self.told.as_ref().is_none_or(|(at, _)| at.elapsed() >= BETWEEN_LOOKS)
     }
 
