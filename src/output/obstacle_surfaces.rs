@@ -70,7 +70,7 @@ impl ObstacleSurface {
                 let at = |s: f64, t: f64| point + axis * (height + t) + (toward * s.cos() + other * s.sin()) * *radius;
                 Grid::over([AROUND, PIECES], [[-angle, angle], [-far, far]], *is_hollow, at)
             }
-            ObstacleInSpace::Drum { center, axis, radius, length, edge } => {
+            ObstacleInSpace::FiniteCylinder { center, axis, radius, length, edge } => {
                 let (axis, center) = (unit(*axis), Vector::from(*center));
                 let [u, v] = across(axis);
                 // Half the profile, from the middle of the side to that of an end.
@@ -171,7 +171,7 @@ mod tests {
         type Outward = Box<dyn Fn(Vector) -> Vector>;
         let mut cases: Vec<(ObstacleInSpace, Outward)> = vec![
             (ObstacleInSpace::Plane { point: center, normal: axis }, Box::new(move |_| along)),
-            (ObstacleInSpace::Drum { center, axis, radius: 3.0, length: 2.0, edge: 0.1 }, Box::new(move |x| out(center, x))),
+            (ObstacleInSpace::FiniteCylinder { center, axis, radius: 3.0, length: 2.0, edge: 0.1 }, Box::new(move |x| out(center, x))),
             (ObstacleInSpace::Facets(cube.into()), Box::new(move |x| out([0.5, 1.0, 1.5], x))),
         ];
         for is_hollow in [false, true] {

@@ -61,7 +61,7 @@ pub enum ObstacleInSpace {
         is_hollow: bool,
     },
     /// A cylinder with flat ends and rounded edges between these and its side.
-    Drum {
+    FiniteCylinder {
         /// Its middle `[length]`.
         center: [f64; 3],
         /// Direction of the axis.
@@ -109,7 +109,7 @@ impl ObstacleInSpace {
             ObstacleInSpace::Plane { .. } => 0.0,
             ObstacleInSpace::Sphere { center, radius, .. } => size(center) + radius,
             ObstacleInSpace::Cylinder { point, radius, .. } => size(point) + radius,
-            ObstacleInSpace::Drum { center, radius, length, .. } => size(center) + radius + length,
+            ObstacleInSpace::FiniteCylinder { center, radius, length, .. } => size(center) + radius + length,
             ObstacleInSpace::Cone { tip, .. } => size(tip),
             ObstacleInSpace::Torus { center, radius, tube, .. } => size(center) + radius + tube,
             ObstacleInSpace::Facets(facets) => facets.points().iter().map(size).fold(0.0, f64::max),
@@ -121,7 +121,7 @@ impl ObstacleInSpace {
         let radius = match *self {
             ObstacleInSpace::Sphere { radius, is_hollow: false, .. } | ObstacleInSpace::Cylinder { radius, is_hollow: false, .. } => radius,
             ObstacleInSpace::Torus { tube, is_hollow: false, .. } => tube,
-            ObstacleInSpace::Drum { edge, .. } => edge,
+            ObstacleInSpace::FiniteCylinder { edge, .. } => edge,
             ObstacleInSpace::Cone { is_hollow: false, .. } => 0.0,
             _ => return false,
         };
@@ -175,7 +175,7 @@ pub(super) enum Profile {
         sign: f64,
     },
     /// From the middle: radius and half the length of what its edges are around, and their radius.
-    Drum {
+    FiniteCylinder {
         inner: [f64; 2],
         edge: f64,
     },
@@ -227,7 +227,7 @@ impl Profile {
         let none = [[0.0; 2]; 2];
         match *self {
             Profile::Cylinder { radius, sign } => Local { value: sign * (rho - radius), slope: [sign, 0.0], curvature: none },
-            Profile::Drum { inner, edge } => {
+            Profile::FiniteCylinder { inner, edge } => {
                 let ([x, y], up) = ([rho - inner[0], z.abs() - inner[1]], z.signum());
                 if x > 0.0 && y > 0.0 {
                     let Local { value, slope, curvature: [[xx, xy], [yx, yy]] } = around([x, y], edge, 1.0);
@@ -269,8 +269,8 @@ impl Shape {
                 let profile = Profile::Cylinder { radius: *radius, sign: sign(*is_hollow) };
                 Shape::Revolved { origin: Vector3::from(*point), axis: unit(axis), profile }
             }
-            ObstacleInSpace::Drum { center, axis, radius, length, edge } => {
-                let profile = Profile::Drum { inner: [radius - edge, 0.5 * length - edge], edge: *edge };
+            ObstacleInSpace::FiniteCylinder { center, axis, radius, length, edge } => {
+                let profile = Profile::FiniteCylinder { inner: [radius - edge, 0.5 * length - edge], edge: *edge };
                 Shape::Revolved { origin: Vector3::from(*center), axis: unit(axis), profile }
             }
             ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
@@ -291,12 +291,12 @@ impl Shape {
 
     /// Whether it has sharp edges: two distances meet inside of them.
     pub fn has_edges(&self) -> bool {
-        matches!(self, Shape::Revolved { profile: Profile::Drum { .. }, .. })
+        matches!(self, Shape::Revolved { profile: Profile::FiniteCylinder { .. }, .. })
     }
 
     /// Whether a point is opposite the rounded edge of a cylinder with ends.
     pub fn is_at_rim(&self, x: Vector3<f64>) -> bool {
-        let Shape::Revolved { origin, axis, profile: Profile::Drum { inner, .. } } = self else { return false };
+        let Shape::Revolved { origin, axis, profile: Profile::FiniteCylinder { inner, .. } } = self else { return false };
         let ([rho, z], _) = polar(x - origin, *axis);
         rho > inner[0] && z.abs() > inner[1]
     }

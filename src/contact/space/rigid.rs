@@ -303,7 +303,7 @@ mod tests {
         let (center, axis) = ([0.1, -0.2, 0.3], [1.0, 2.0, -1.0]);
         let mut all = vec![
             ObstacleInSpace::Plane { point: center, normal: axis },
-            ObstacleInSpace::Drum { center, axis, radius: 0.7, length: 1.1, edge: 0.1 },
+            ObstacleInSpace::FiniteCylinder { center, axis, radius: 0.7, length: 1.1, edge: 0.1 },
         ];
         for is_hollow in [false, true] {
             all.extend([
@@ -449,11 +449,11 @@ mod tests {
         near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, is_hollow: false }, [2.0, 3.0, 6.0]), 4.0);
         near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, is_hollow: true }, [0.0, 1.0, 0.0]), 2.0);
         near(gap(ObstacleInSpace::Cylinder { point: origin, axis: up, radius: 3.0, is_hollow: false }, [3.0, 4.0, 9.0]), 2.0);
-        let drum = ObstacleInSpace::Drum { center: origin, axis: up, radius: 3.0, length: 4.0, edge: 1.0 };
-        near(gap(drum.clone(), [3.0, 4.0, 0.5]), 2.0);
-        near(gap(drum.clone(), [1.0, 0.0, -5.0]), 3.0);
-        near(gap(drum.clone(), [5.0, 0.0, 5.0]), 4.0);
-        near(gap(drum, [0.0, 0.5, 1.5]), -0.5);
+        let cylinder = ObstacleInSpace::FiniteCylinder { center: origin, axis: up, radius: 3.0, length: 4.0, edge: 1.0 };
+        near(gap(cylinder.clone(), [3.0, 4.0, 0.5]), 2.0);
+        near(gap(cylinder.clone(), [1.0, 0.0, -5.0]), 3.0);
+        near(gap(cylinder.clone(), [5.0, 0.0, 5.0]), 4.0);
+        near(gap(cylinder, [0.0, 0.5, 1.5]), -0.5);
         let cone = |is_hollow| ObstacleInSpace::Cone { tip: origin, axis: up, angle: std::f64::consts::FRAC_PI_4, is_hollow };
         near(gap(cone(false), [2.0, 0.0, 0.0]), 2f64.sqrt());
         near(gap(cone(false), [0.0, 0.0, -2.0]), 2.0);

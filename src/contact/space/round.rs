@@ -191,7 +191,7 @@ impl RoundInSpace {
             return None;
         }
         let only_at_rim = match *obstacle {
-            ObstacleInSpace::Drum { center: point, axis, radius, .. } => {
+            ObstacleInSpace::FiniteCylinder { center: point, axis, radius, .. } => {
                 !ObstacleInSpace::Cylinder { point, axis, radius, is_hollow: false }.is_small(surface, reference, facet_size)
             }
             _ => false,
@@ -477,7 +477,7 @@ mod tests {
         vec![
             ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, is_hollow },
             ObstacleInSpace::Cylinder { point: [0.5, 0.5, 0.0], axis: tilted, radius: 0.4, is_hollow },
-            ObstacleInSpace::Drum { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
+            ObstacleInSpace::FiniteCylinder { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
             ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
         ]

@@ -25,6 +25,11 @@ impl CutPlane {
         CutPlane { point: Some(self.point.unwrap_or(middle)), ..self }
     }
 
+    /// Whether it takes away all of these points: they are on the viewer's side of it.
+    pub fn takes_all(&self, mut points: impl Iterator<Item = [f64; 3]>) -> bool {
+        self.point.is_some_and(|point| points.all(|x| dot(self.normal, [0, 1, 2].map(|d| x[d] - point[d])) > 0.0))
+    }
+
     /// Heights of points above the plane; zero where that is round-off.
     pub(super) fn heights(&self, points: &[[f64; 3]]) -> Vec<f64> {
         let point = self.point.unwrap_or([0.0; 3]);

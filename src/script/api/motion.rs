@@ -257,9 +257,9 @@ impl Motion {
             ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
                 ObstacleInSpace::Cylinder { point: at(point), axis: along(axis), radius: length * radius, is_hollow: *is_hollow }
             }
-            ObstacleInSpace::Drum { center, axis, radius, length: long, edge } => {
+            ObstacleInSpace::FiniteCylinder { center, axis, radius, length: long, edge } => {
                 let [radius, long, edge] = [radius, long, edge].map(|size| length * size);
-                ObstacleInSpace::Drum { center: at(center), axis: along(axis), radius, length: long, edge }
+                ObstacleInSpace::FiniteCylinder { center: at(center), axis: along(axis), radius, length: long, edge }
             }
             ObstacleInSpace::Cone { tip, axis, angle, is_hollow } => {
                 ObstacleInSpace::Cone { tip: at(tip), axis: along(axis), angle: *angle, is_hollow: *is_hollow }

@@ -80,7 +80,7 @@ pub enum Kind {
     /// Bodies between four rigid planes.
     Box,
     /// Bodies in a rigid ring.
-    Drum,
+    FiniteCylinder,
     /// Bodies fall on a plane, a hill or a landscape.
     Fall,
     /// Bodies one on another.

@@ -89,7 +89,7 @@ impl Scene {
             _ if lot < 0.32 => Kind::Collision,
             _ if lot < 0.40 => Kind::Nested,
             _ if lot < 0.57 => Kind::Box,
-            _ if lot < 0.65 => Kind::Drum,
+            _ if lot < 0.65 => Kind::FiniteCylinder,
             _ if lot < 0.85 => Kind::Fall,
             _ if lot < 0.95 => Kind::Stack,
             _ => Kind::Extreme,
@@ -135,7 +135,7 @@ impl Draft {
                 self.cluster(1, 5);
                 self.box_in();
             }
-            Kind::Drum => {
+            Kind::FiniteCylinder => {
                 self.cluster(1, 4);
                 let (center, radius) = self.circle();
                 let clearance = self.random.between(0.02, 0.2);
@@ -322,7 +322,7 @@ impl Draft {
         let limit = self.slowest() * if self.is_delicate() { FASTEST_DELICATE } else { FASTEST };
         let speed = limit * self.random.magnitude(0.04, 1.0);
         let (center, _) = self.circle();
-        if self.scene.kind == Kind::Drum && self.random.chance(0.5) {
+        if self.scene.kind == Kind::FiniteCylinder && self.random.chance(0.5) {
             self.weigh();
         }
         let still = self.scene.kind == Kind::Fall && self.random.chance(0.5);

@@ -69,7 +69,7 @@ fn rigid_cylinder() -> Function {
             let (point, radius) = (options.argument("point").vector(3)?, options.number("radius")?);
             let (axis, is_hollow) = (direction(&options.argument("axis"))?, options.flag("inside")?);
             if options.argument("length").is_given() {
-                return drum(options, (point, axis, radius));
+                return finite_cylinder(options, (point, axis, radius));
             }
             let edge = options.argument("edge_radius");
             if edge.is_given() {
@@ -82,7 +82,7 @@ fn rigid_cylinder() -> Function {
 }
 
 /// A cylinder with ends, by its middle, axis and radius.
-fn drum(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) -> Result<Obstacle, Failure> {
+fn finite_cylinder(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) -> Result<Obstacle, Failure> {
     let inside = options.argument("inside");
     if options.flag("inside")? {
         let failure = inside.fail("bodies are outside of a cylinder with ends");
@@ -95,7 +95,7 @@ fn drum(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) ->
         let failure = argument.fail(format!("{} must be no larger than the radius and half the length", argument.title()));
         return Err(failure.label(format!("at most {most} fits")).hint("write a smaller one, or leave it out"));
     }
-    in_space(ObstacleInSpace::Drum { center, axis, radius, length, edge })
+    in_space(ObstacleInSpace::FiniteCylinder { center, axis, radius, length, edge })
 }
 
 fn rigid_cone() -> Function {

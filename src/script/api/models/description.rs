@@ -133,7 +133,7 @@ fn describe_in_space(shape: &ObstacleInSpace) -> String {
         ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
             format!("{} around {} along {}", round("cylinder", radius, is_hollow), vector_text(point), vector_text(axis))
         }
-        ObstacleInSpace::Drum { center, axis, radius, length, edge } => {
+        ObstacleInSpace::FiniteCylinder { center, axis, radius, length, edge } => {
             let (round, edge) = (round("cylinder", radius, &false), number_text(*edge));
             let (center, axis) = (vector_text(center), vector_text(axis));
             format!("{round} and length {}, its edges of radius {edge}, around {center} along {axis}", number_text(*length))

@@ -6,6 +6,7 @@ use rhai::Dynamic;
 
 use super::handle::SimulationHandle;
 use super::plots::ascending;
+use crate::dynamics::BodyFields;
 use crate::math::catalogue::Interval;
 use crate::output::{CutPlane, Field, Measure, Panel, PictureOptions, VIEWS, Vectors, View, picture};
 use crate::script::api::examples::flight_example;
@@ -117,6 +118,7 @@ pub(super) fn picture_function() -> Function {
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
             let mut shown = shown(&options, &handle.0.model)?;
+            refuse_empty_section(&options, &handle, &shown)?;
             Ok(write_drawing(call, Some(&handle), || {
                 handle.with(call, |simulation| {
                     shown.title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, brief(simulation.time())));
@@ -125,6 +127,23 @@ pub(super) fn picture_function() -> Function {
             })?)
         }),
     }
+}
+
+/// Refuses a section that leaves nothing of the bodies that are shown.
+fn refuse_empty_section(options: &Options, handle: &SimulationHandle, shown: &PictureOptions) -> Result<(), Failure> {
+    let Some(section) = &shown.section else { return Ok(()) };
+    let is_shown = |body: &&BodyFields| shown.only.is_empty() || shown.only.contains(&body.name);
+    let takes_all = handle.0.simulation.try_borrow().is_ok_and(|simulation| {
+        let fields = simulation.fields();
+        let points = fields.iter().filter(is_shown).flat_map(|body| (0..body.displacement.len()).map(|node| body.position(node)));
+        section.takes_all(points)
+    });
+    if !takes_all {
+        return Ok(());
+    }
+    let argument = options.argument("section");
+    let failure = argument.fail(format!("{} takes away all that is shown", argument.title()));
+    Err(failure.hint("give a `point` within the bodies: what is on the viewer's side of the plane is taken away"))
 }
 
 /// What the options say of pictures of a model.
