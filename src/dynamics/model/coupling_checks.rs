@@ -1,5 +1,7 @@
 //! Which nodes couplings couple, and what is checked of them.
 
+use nalgebra::Vector3;
+
 use super::couplings::{CouplingKind, Sector};
 use super::definitions::Model;
 use super::error::ModelError;
@@ -19,19 +21,17 @@ impl Model {
     pub fn flat_normal(&self, on: &BodyBoundary) -> Option<[f64; 3]> {
         let mesh = &self.bodies[on.body].mesh;
         let points: Vec<[f64; 3]> = mesh.boundary_nodes(&on.boundary).into_iter().map(|node| mesh.points[node as usize]).collect();
-        let first = *points.first()?;
-        let from_first = |point: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|i| point[i] - first[i]) };
-        let farthest = |of: &dyn Fn([f64; 3]) -> [f64; 3]| {
-            points.iter().map(|point| of(from_first(point))).max_by(|a, b| length(*a).total_cmp(&length(*b))).unwrap_or_default()
+        let first = Vector3::from(*points.first()?);
+        let from_first = |point: &[f64; 3]| Vector3::from(*point) - first;
+        let farthest = |of: &dyn Fn(Vector3<f64>) -> Vector3<f64>| {
+            points.iter().map(|point| of(from_first(point))).max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default()
         };
-        let cross = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3]);
         let along = farthest(&|vector| vector);
-        let normal = if self.dimension() == 2 { [along[1], -along[0], 0.0] } else { farthest(&|vector| cross(along, vector)) };
-        let (size, extent) = (length(normal), self.extent());
-        let normal = normal.map(|x| x / size);
-        let height = |point: &[f64; 3]| from_first(point).iter().zip(normal).map(|(x, n)| x * n).sum::<f64>().abs();
-        let is_plane = size.is_normal() && points.iter().all(|point| height(point) <= tolerances::SAME_NODE * extent);
-        is_plane.then_some(normal)
+        let normal = if self.dimension() == 2 { Vector3::new(along[1], -along[0], 0.0) } else { farthest(&|vector| along.cross(&vector)) };
+        let (size, near) = (normal.norm(), tolerances::SAME_NODE * self.extent());
+        let normal = normal / size;
+        let is_plane = size.is_normal() && points.iter().all(|point| from_first(point).dot(&normal).abs() <= near);
+        is_plane.then_some(normal.into())
     }
 
     /// The nodes of a periodic pair, each of the first boundary with the one opposite, in the numbering of their bodies' meshes.
@@ -53,9 +53,7 @@ impl Model {
             |of: &[[f64; 3]]| -> [f64; 3] { std::array::from_fn(|i| of.iter().map(|point| point[i]).sum::<f64>() / of.len() as f64) };
         let (a, b) = (center(&own), center(&others));
         let moved = |point: [f64; 3]| -> [f64; 3] {
-            let Some(turn) = turn else { return std::array::from_fn(|i| point[i] - a[i] + b[i]) };
-            let rotation = turn.rotation();
-            std::array::from_fn(|i| turn.center[i] + (0..3).map(|j| rotation[i][j] * (point[j] - turn.center[j])).sum::<f64>())
+            turn.map_or_else(|| std::array::from_fn(|i| point[i] - a[i] + b[i]), |turn| turn.carried(point))
         };
         let (index, near) = (PointIndex::new(&others), tolerances::SAME_NODE * self.extent());
         let opposite = |(&point, node): (&[f64; 3], u32)| {

@@ -1,5 +1,7 @@
 //! Nodes of boundaries that linear equations couple: planes of symmetry, periodic pairs.
 
+use nalgebra::{Rotation3, Unit, Vector3};
+
 use super::amplitude::Amplitude;
 use super::interactions::BodyBoundary;
 
@@ -50,16 +52,15 @@ pub struct Sector {
 }
 
 impl Sector {
-    /// Rows of the rotation, `R = cos I + sin [k] + (1 - cos) k k^T` (O. Rodrigues, 1840).
-    pub fn rotation(&self) -> [[f64; 3]; 3] {
-        let ([x, y, z], (sine, cosine)) = (self.axis, self.angle.sin_cos());
-        let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                let own = if i == j { cosine } else { 0.0 };
-                own + sine * cross[i][j] + (1.0 - cosine) * self.axis[i] * self.axis[j]
-            })
-        })
+    /// The rotation.
+    pub fn rotation(&self) -> Rotation3<f64> {
+        Rotation3::from_axis_angle(&Unit::new_unchecked(Vector3::from(self.axis)), self.angle)
+    }
+
+    /// Where it carries a point.
+    pub fn carried(&self, point: [f64; 3]) -> [f64; 3] {
+        let center = Vector3::from(self.center);
+        (center + self.rotation() * (Vector3::from(point) - center)).into()
     }
 }
 

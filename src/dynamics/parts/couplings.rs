@@ -6,6 +6,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::Rotation3;
+
 use super::body::Body;
 use super::contact_pair::{ContactPair, CoupledNodes, PairKind};
 use super::joint_ends::node_vector;
@@ -46,11 +48,11 @@ fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coup
             // Checked when the model was.
             let pairs = model.opposite_nodes(from, to, turn.as_ref()).unwrap_or_default();
             let unit = |i: usize| -> [f64; 3] { std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 }) };
-            let rotation = turn.map_or([0, 1, 2].map(unit), |turn| turn.rotation());
+            let rotation = turn.map_or(Rotation3::identity(), |turn| turn.rotation());
             let led: Vec<(u32, f64)> = follows.map_or(Vec::new(), |body| center_of(&bodies[body], model.bodies[body].rigid.as_ref()));
             let equation = |i: usize, [a, b]: [u32; 2]| {
                 let led = led.iter().map(move |&(node, share)| (node, unit(i).map(|x| -share * x)));
-                let sides = [(first(to.body) + b, unit(i)), (first(from.body) + a, rotation[i].map(|x| -x))];
+                let sides = [(first(to.body) + b, unit(i)), (first(from.body) + a, [0, 1, 2].map(|j| -rotation[(i, j)]))];
                 sides.into_iter().chain(led).collect()
             };
             let along = |i: usize| Direction {

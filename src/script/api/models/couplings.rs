@@ -5,11 +5,11 @@ use rhai::Dynamic;
 use super::arguments::{body_of, boundary_of, boundary_parameter};
 use super::change::change;
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
-use crate::dynamics::{Coupling, CouplingKind, Sector, Turn};
+use super::supports::{along_axes, axis_of_turn};
+use crate::dynamics::{Coupling, CouplingKind, Sector};
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
-use crate::script::api::time_functions::amplitude_of;
-use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -94,39 +94,18 @@ pub fn add_periodic() -> Function {
             let (model, name, options) = (call.receiver::<ModelHandle>(), call.name("name")?, call.options("options")?);
             let dimension = model.0.borrow().model.dimension();
             let [from, to] = ["from", "to"].map(|name| boundary_of(&options.argument(name), &model));
-            let mut offset = [const { None }; 3];
-            for (component, name) in ["x", "y", "z"].into_iter().enumerate() {
-                let argument = options.argument(name);
-                if argument.is_given() && component >= dimension {
-                    return Err(argument.fail("the model is plane: there is no direction `z`").hint("remove the option").into());
-                }
-                offset[component] = if argument.is_given() { Some(amplitude_of(&argument)?) } else { None };
-            }
+            let offset = along_axes(&options, dimension)?;
+            let turn = match axis_of_turn(&options, dimension, "angle: deg(60)")? {
+                Some((center, axis)) => Some(Sector { center, axis, angle: options.number("angle")? }),
+                None => None,
+            };
             let follows = options.argument("follows");
             let follows = if follows.is_given() { Some(body_of(&follows, &model)?.index) } else { None };
-            let kind = CouplingKind::Periodic { from: from?, to: to?, turn: sector(&options, dimension)?, offset, follows };
+            let kind = CouplingKind::Periodic { from: from?, to: to?, turn, offset, follows };
             change(call, &model, |data| data.model.couplings.push(Coupling { name, kind }))?;
             Ok(Dynamic::UNIT)
         }),
     }
-}
-
-/// The turn of a sector.
-fn sector(options: &Options, dimension: usize) -> Result<Option<Sector>, Failure> {
-    let [angle, about, axis] = ["angle", "about", "axis"].map(|name| options.argument(name));
-    if !angle.is_given() {
-        return match [about, axis].into_iter().find(Argument::is_given) {
-            Some(given) => Err(given.fail(format!("{} has no meaning without an angle", given.title())).hint("add `angle: deg(60)`")),
-            None => Ok(None),
-        };
-    }
-    let center = if about.is_given() { about.vector(dimension)? } else { [0.0; 3] };
-    let along = if axis.is_given() { direction(&axis, 3)? } else { Turn::UPRIGHT };
-    if dimension == 2 && along != Turn::UPRIGHT {
-        return Err(axis.fail("the model is plane: it turns about the third axis").hint("remove the option"));
-    }
-    let size = length(along);
-    Ok(Some(Sector { center, axis: along.map(|x| x / size), angle: options.number("angle")? }))
 }
 
 /// A vector that has a length.

@@ -5,7 +5,7 @@ use rhai::Dynamic;
 use super::arguments::{boundary_of, boundary_parameter};
 use super::change::change;
 use super::handle::ModelHandle;
-use crate::dynamics::{Prescription, Support, Turn};
+use crate::dynamics::{Amplitude, Prescription, Support, Turn};
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
@@ -59,19 +59,11 @@ pub fn prescribe() -> Function {
             let model = call.receiver::<ModelHandle>();
             let (on, options) = (boundary_of(&call.argument("boundary"), &model)?, call.options("motion")?);
             let dimension = model.0.borrow().model.dimension();
-            let mut displacement = [const { None }; 3];
-            for (component, name) in ["x", "y", "z"].into_iter().enumerate() {
-                let argument = options.argument(name);
-                if !argument.is_given() {
-                    continue;
-                }
-                if component >= dimension {
-                    let failure = argument.fail("the model is plane: there is no direction `z`");
-                    return Err(failure.hint("remove the option").into());
-                }
-                displacement[component] = Some(amplitude_of(&argument)?);
-            }
-            let turn = turn(&options, dimension)?;
+            let displacement = along_axes(&options, dimension)?;
+            let turn = match axis_of_turn(&options, dimension, "angle: |t| …")? {
+                Some((center, axis)) => Some(Turn { center, axis, angle: amplitude_of(&options.argument("angle"))? }),
+                None => None,
+            };
             if turn.is_none() && displacement.iter().all(Option::is_none) {
                 let failure = call.argument("motion").fail("`prescribe` names no direction");
                 return Err(failure.hint("name one, such as `#{ y: ramp(0.0, 1.0, -0.1) }`; `fix` holds nodes where they are").into());
@@ -99,12 +91,36 @@ fn motion_options() -> Vec<Parameter> {
     along.into_iter().chain(turn).collect()
 }
 
-/// The turn that the options of `prescribe` ask for.
-fn turn(options: &Options, dimension: usize) -> Result<Option<Turn>, Failure> {
-    let [angle, about, axis] = ["angle", "about", "axis"].map(|name| options.argument(name));
-    if !angle.is_given() {
+/// What options say over time along the axes: `x`, `y`, `z`.
+///
+/// # Errors
+/// A `z` in a plane model, or what is no function of time.
+pub(super) fn along_axes(options: &Options, dimension: usize) -> Result<[Option<Amplitude>; 3], Failure> {
+    let mut along = [const { None }; 3];
+    for (component, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let argument = options.argument(name);
+        if !argument.is_given() {
+            continue;
+        }
+        if component >= dimension {
+            let failure = argument.fail("the model is plane: there is no direction `z`");
+            return Err(failure.hint("remove the option"));
+        }
+        along[component] = Some(amplitude_of(&argument)?);
+    }
+    Ok(along)
+}
+
+/// A point of the axis and its unit vector about which options turn, `about` and `axis`; nothing without an `angle`, which is written as
+/// `such_as`.
+///
+/// # Errors
+/// An axis without an angle or a length, or one that a plane model has not.
+pub(super) fn axis_of_turn(options: &Options, dimension: usize, such_as: &str) -> Result<Option<([f64; 3], [f64; 3])>, Failure> {
+    let [about, axis] = ["about", "axis"].map(|name| options.argument(name));
+    if !options.argument("angle").is_given() {
         return match [about, axis].into_iter().find(Argument::is_given) {
-            Some(given) => Err(given.fail(format!("{} has no meaning without an angle", given.title())).hint("add `angle: |t| …`")),
+            Some(given) => Err(given.fail(format!("{} has no meaning without an angle", given.title())).hint(format!("add `{such_as}`"))),
             None => Ok(None),
         };
     }
@@ -117,7 +133,7 @@ fn turn(options: &Options, dimension: usize) -> Result<Option<Turn>, Failure> {
     if size == 0.0 {
         return Err(axis.fail(format!("{} has no direction", axis.title())).label("this has length 0").hint("such as `[0.0, 0.0, 1.0]`"));
     }
-    Ok(Some(Turn { center, axis: direction.map(|x| x / size), angle: amplitude_of(&angle)? }))
+    Ok(Some((center, direction.map(|x| x / size))))
 }
 
 fn components(argument: &Argument, dimension: usize) -> Result<[bool; 3], Failure> {

@@ -118,27 +118,24 @@ pub(super) fn picture_function() -> Function {
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
             let mut shown = shown(&options, &handle.0.model)?;
-            refuse_empty_section(&options, &handle, &shown)?;
             Ok(write_drawing(call, Some(&handle), || {
                 handle.with(call, |simulation| {
                     shown.title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, brief(simulation.time())));
-                    picture(&simulation.fields(), &simulation.obstacles(), &shown)
-                })
+                    let fields = simulation.fields();
+                    refuse_empty_section(&options, &fields, &shown)?;
+                    Ok(picture(&fields, &simulation.obstacles(), &shown))
+                })?
             })?)
         }),
     }
 }
 
 /// Refuses a section that leaves nothing of the bodies that are shown.
-fn refuse_empty_section(options: &Options, handle: &SimulationHandle, shown: &PictureOptions) -> Result<(), Failure> {
+fn refuse_empty_section(options: &Options, fields: &[BodyFields], shown: &PictureOptions) -> Result<(), Failure> {
     let Some(section) = &shown.section else { return Ok(()) };
     let is_shown = |body: &&BodyFields| shown.only.is_empty() || shown.only.contains(&body.name);
-    let takes_all = handle.0.simulation.try_borrow().is_ok_and(|simulation| {
-        let fields = simulation.fields();
-        let points = fields.iter().filter(is_shown).flat_map(|body| (0..body.displacement.len()).map(|node| body.position(node)));
-        section.takes_all(points)
-    });
-    if !takes_all {
+    let points = fields.iter().filter(is_shown).flat_map(|body| (0..body.displacement.len()).map(|node| body.position(node)));
+    if !section.takes_all(points) {
         return Ok(());
     }
     let argument = options.argument("section");
