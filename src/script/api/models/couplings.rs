@@ -96,7 +96,7 @@ pub fn add_periodic() -> Function {
             let [from, to] = ["from", "to"].map(|name| boundary_of(&options.argument(name), &model));
             let offset = along_axes(&options, dimension)?;
             let turn = match axis_of_turn(&options, dimension, "angle: deg(60)")? {
-                Some((center, axis)) => Some(Sector { center, axis, angle: options.number("angle")? }),
+                Some([center, axis]) => Some(Sector { center, axis, angle: options.number("angle")? }),
                 None => None,
             };
             let follows = options.argument("follows");

@@ -61,7 +61,7 @@ pub fn prescribe() -> Function {
             let dimension = model.0.borrow().model.dimension();
             let displacement = along_axes(&options, dimension)?;
             let turn = match axis_of_turn(&options, dimension, "angle: |t| …")? {
-                Some((center, axis)) => Some(Turn { center, axis, angle: amplitude_of(&options.argument("angle"))? }),
+                Some([center, axis]) => Some(Turn { center, axis, angle: amplitude_of(&options.argument("angle"))? }),
                 None => None,
             };
             if turn.is_none() && displacement.iter().all(Option::is_none) {
@@ -116,7 +116,7 @@ pub(super) fn along_axes(options: &Options, dimension: usize) -> Result<[Option<
 ///
 /// # Errors
 /// An axis without an angle or a length, or one that a plane model has not.
-pub(super) fn axis_of_turn(options: &Options, dimension: usize, such_as: &str) -> Result<Option<([f64; 3], [f64; 3])>, Failure> {
+pub(super) fn axis_of_turn(options: &Options, dimension: usize, such_as: &str) -> Result<Option<[[f64; 3]; 2]>, Failure> {
     let [about, axis] = ["about", "axis"].map(|name| options.argument(name));
     if !options.argument("angle").is_given() {
         return match [about, axis].into_iter().find(Argument::is_given) {
@@ -133,7 +133,7 @@ pub(super) fn axis_of_turn(options: &Options, dimension: usize, such_as: &str) -
     if size == 0.0 {
         return Err(axis.fail(format!("{} has no direction", axis.title())).label("this has length 0").hint("such as `[0.0, 0.0, 1.0]`"));
     }
-    Ok(Some((center, direction.map(|x| x / size))))
+    Ok(Some([center, direction.map(|x| x / size)]))
 }
 
 fn components(argument: &Argument, dimension: usize) -> Result<[bool; 3], Failure> {
