@@ -6,8 +6,10 @@ use super::slip::SlipStep;
 use super::surface::{Sides, Surface};
 use super::window::Outlook;
 use crate::integrators::Derivative;
+use crate::math::workers::Workers;
 
-/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends.
+/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends. In space, where forces
+/// on edges that nearly coincide pass from one facet to the other within a band, they stand for its width: the usual one, none, a wider one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Correction {
     /// The gradient at mid-step, corrected patch by patch.
@@ -98,6 +100,9 @@ pub trait PatchFunctions {
 
     /// Chooses among discrete gradients that all conserve. Kernels without patch sums ignore it.
     fn set_correction(&mut self, _correction: Correction) {}
+
+    /// Gives it threads among which it may share its patches: results do not depend on them.
+    fn share_among(&mut self, _workers: &Workers) {}
 
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);

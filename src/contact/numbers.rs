@@ -47,6 +47,81 @@ impl<T: DualNumCopy<Primitive = f64>> Number for T {
     }
 }
 
+/// Several numbers of the same kind, which are computed together: what a formula decides by is the first.
+#[derive(Clone, Copy, Debug)]
+pub struct Each<const N: usize>(pub [f64; N]);
+
+impl<const N: usize> From<f64> for Each<N> {
+    #[inline(always)]
+    fn from(x: f64) -> Self {
+        Each([x; N])
+    }
+}
+
+impl<const N: usize> Number for Each<N> {
+    #[inline(always)]
+    fn re(self) -> f64 {
+        self.0[0]
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Each(self.0.map(f64::sqrt))
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Each(self.0.map(f64::recip))
+    }
+}
+
+impl<const N: usize> Neg for Each<N> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Each(self.0.map(|x| -x))
+    }
+}
+
+/// Arithmetic number by number, with others and with plain ones.
+macro_rules! of_each {
+    ($($trait:ident $name:ident $operator:tt;)*) => { $(
+        impl<const N: usize> $trait for Each<N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Each(std::array::from_fn(|k| self.0[k] $operator other.0[k]))
+            }
+        }
+
+        impl<const N: usize> $trait<f64> for Each<N> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: f64) -> Self {
+                Each(self.0.map(|x| x $operator other))
+            }
+        }
+    )* };
+}
+of_each! { Add add +; Sub sub -; Mul mul *; Div div /; }
+
+impl<const N: usize> AddAssign for Each<N> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<const N: usize> SubAssign for Each<N> {
+    #[inline(always)]
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
 /// A number with its derivatives with respect to some unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<const N: usize> {

@@ -15,6 +15,7 @@ use super::slip::SlipStep;
 use super::surface::Sides;
 use super::window::{Outlook, Travel};
 use crate::integrators::Derivative;
+use crate::math::workers::Workers;
 
 /// A contact method on points.
 pub(super) struct OnCurves {
@@ -278,6 +279,10 @@ impl PatchFunctions for OnCurves {
 
     fn set_correction(&mut self, correction: Correction) {
         self.inner.set_correction(correction);
+    }
+
+    fn share_among(&mut self, workers: &Workers) {
+        self.inner.share_among(workers);
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {

@@ -144,10 +144,44 @@ impl Evaluation {
 
     /// Sets the blocks of patch `p` to zero if they are not.
     pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
-        if std::mem::replace(&mut self.live[p], false) {
-            self.gradient_end[patches.gradient_range(p)].fill(0.0);
-            self.gradient_bar[patches.gradient_range(p)].fill(0.0);
-            self.tangent[patches.tangent_range(p)].fill(0.0);
+        Place {
+            live: &mut self.live[p],
+            gradient_end: &mut self.gradient_end[patches.gradient_range(p)],
+            gradient_bar: &mut self.gradient_bar[patches.gradient_range(p)],
+            tangent: &mut self.tangent[patches.tangent_range(p)],
+        }
+        .clear();
+    }
+
+    /// The places of all patches, one after the other.
+    pub(crate) fn places<'a>(&'a mut self, patches: &'a Patches) -> impl Iterator<Item = Place<'a>> {
+        let Evaluation { live, gradient_end, gradient_bar, tangent, .. } = self;
+        let (mut ends, mut bars, mut tangents) = (&mut gradient_end[..], &mut gradient_bar[..], &mut tangent[..]);
+        live.iter_mut().enumerate().map(move |(p, live)| {
+            let (gradient, square) = (patches.gradient_range(p).len(), patches.tangent_range(p).len());
+            Place {
+                live,
+                gradient_end: ends.split_off_mut(..gradient).unwrap_or_default(),
+                gradient_bar: bars.split_off_mut(..gradient).unwrap_or_default(),
+                tangent: tangents.split_off_mut(..square).unwrap_or_default(),
+            }
+        })
+    }
+}
+
+/// The blocks of one patch in an [`Evaluation`].
+pub(crate) struct Place<'a> {
+    pub(crate) live: &'a mut bool,
+    pub(crate) gradient_end: &'a mut [f64],
+    pub(crate) gradient_bar: &'a mut [f64],
+    pub(crate) tangent: &'a mut [f64],
+}
+
+impl Place<'_> {
+    /// Sets the blocks to zero if they are not.
+    pub(crate) fn clear(&mut self) {
+        if std::mem::replace(self.live, false) {
+            [&mut *self.gradient_end, &mut *self.gradient_bar, &mut *self.tangent].into_iter().for_each(|block| block.fill(0.0));
         }
     }
 }

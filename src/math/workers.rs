@@ -8,7 +8,7 @@ use rayon::Yield;
 use rayon::prelude::*;
 
 /// A number of threads.
-#[derive(Clone, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Workers {
     pool: Option<Arc<rayon::ThreadPool>>,
 }

@@ -9,7 +9,7 @@
 //! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common
 //! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
 
-use super::vectors::{self, Frame, Vec3, cross, diagonals, dot, scaled, sub};
+use super::vectors::{self, Frame, Gradient, Jet, Vec3, cross, diagonals, dot, scaled, sub};
 use crate::contact::numbers::Number;
 
 /// Nodes of a row, at most.
@@ -36,6 +36,7 @@ struct Spread<T> {
 }
 
 impl<T: Number> Spread<T> {
+    #[inline(always)]
     fn new([first, second]: [Vec3<T>; 2]) -> Self {
         let product = cross(first, second);
         let length = dot(product, product).sqrt();
@@ -44,11 +45,13 @@ impl<T: Number> Spread<T> {
     }
 
     /// Of two edges, by their ends.
+    #[inline(always)]
     fn of_edges(z: &[Vec3<T>]) -> Self {
         Spread::new([sub(z[1], z[0]), sub(z[3], z[2])])
     }
 
     /// The feet of the common perpendicular of lines along both vectors, the second of which begins at `from` the first.
+    #[inline(always)]
     fn feet(&self, from: Vec3<T>) -> [T; 2] {
         let square = (self.length * self.length).recip();
         let product = self.normal.map(|n| n * self.length);
@@ -70,6 +73,7 @@ impl Measure {
     }
 
     /// Its gradient.
+    #[inline(always)]
     pub fn gradient<T: Number>(self, z: &[Vec3<T>]) -> [Vec3<T>; NODES] {
         let mut gradient = [[T::from(0.0); 3]; NODES];
         match self {
@@ -113,10 +117,11 @@ impl Measure {
 
     /// `share` times its Hessian at the unknowns `z`.
     pub fn hessian_into(self, z: &[f64], share: f64, out: &mut [f64]) {
-        vectors::hessian_into(z, share, out, |z| self.gradient(z));
+        vectors::hessian_into(z, share, out, &self);
     }
 
     /// Weights of the motions of its nodes in that of one side against the other where they touch; their sum is zero.
+    #[inline(always)]
     pub fn weights<T: Number>(self, z: &[Vec3<T>]) -> [T; NODES] {
         let mut weights = [T::from(0.0); NODES];
         match self {
@@ -152,7 +157,15 @@ impl Measure {
     }
 }
 
+impl Gradient<NODES> for Measure {
+    #[inline(always)]
+    fn at(&self, x: &[Vec3<Jet>]) -> [Vec3<Jet>; NODES] {
+        self.gradient(x)
+    }
+}
+
 /// Shares of a facet's nodes in the point below `v`, seen along its normal: linear on each of the triangles about its mean point.
+#[inline(always)]
 fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> [T; 4] {
     let (count, zero) = (y.len(), T::from(0.0));
     let [first, second] = diagonals(y);

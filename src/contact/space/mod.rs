@@ -8,6 +8,7 @@ mod gaps;
 mod mortar;
 mod obstacle;
 mod pair;
+mod polygon;
 mod press_fit;
 mod rigid;
 mod round;

@@ -5,20 +5,28 @@
 //! each other.
 
 use super::bulge::Raised;
-use super::pair::{CORNERS, NODES, Pair};
+use super::pair::{CORNERS, Gradients, NODES, Pair};
 use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
-use super::vectors::{self, Jet, Vec3};
-use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
+use super::vectors::{self, Gradient, Jet, Vec3};
+use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
-use crate::contact::patches::Evaluation;
+use crate::contact::patches::{Evaluation, Place};
 use crate::contact::search::PairSearch;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
+use crate::math::tolerances::EDGES_MEET;
+use crate::math::workers::Workers;
 
 /// Margin beyond the need with which candidates are searched, in smallest secondary facets.
 const SPARE: f64 = 0.5;
+
+/// How much wider the band is within which forces pass on in a further attempt to solve a step.
+const WIDER: f64 = 5.0;
+
+/// Pairs that a thread takes at a time.
+const SHARED: usize = 32;
 
 /// Unknowns of a pair, at most.
 const UNKNOWNS: usize = 3 * NODES;
@@ -33,6 +41,10 @@ pub struct MortarInSpace {
     raised: [Vec<Raised>; 2],
     /// By facet and node, how tangents lie on the facet.
     turns: Vec<Vec<[f64; 2]>>,
+    /// Threads among which pairs are shared.
+    workers: Workers,
+    /// Within which forces pass from edges to others that nearly coincide with them.
+    band: f64,
 }
 
 /// What a pair keeps of the start of the step.
@@ -62,7 +74,15 @@ impl MortarInSpace {
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
-        Box::new(MortarInSpace { sides, search, start: Vec::new(), raised: raised.clone(), turns })
+        Box::new(MortarInSpace {
+            sides,
+            search,
+            start: Vec::new(),
+            raised: raised.clone(),
+            turns,
+            workers: Workers::default(),
+            band: EDGES_MEET,
+        })
     }
 
     /// By how much the facets of pair `p` are raised.
@@ -96,25 +116,30 @@ impl MortarInSpace {
     }
 }
 
-/// A gradient as one list; zeros without a pair.
-fn list_into(gradient: Option<[Vec3<f64>; NODES]>, out: &mut [f64]) {
-    match gradient {
-        Some(gradient) => out.copy_from_slice(&gradient.as_flattened()[..out.len()]),
+/// The gradient of secondary node `k` as one list; zeros without a pair.
+fn list_into(gradients: Option<&Gradients>, k: usize, out: &mut [f64]) {
+    match gradients {
+        Some(gradients) => out.iter_mut().zip(gradients.as_flattened()).for_each(|(out, each)| *out = each.0[k]),
         None => out.fill(0.0),
     }
 }
 
-/// `share` times the Hessian of a pair's function, of its gradient without kinks.
-fn hessian_into(z: &[f64], counts: [usize; 2], raised: [&Raised; 2], weights: &[f64; CORNERS], share: f64, out: &mut [f64]) {
-    vectors::hessian_into(z, share, out, |z| match Pair::new(z, counts) {
-        Some(pair) => pair.raised(raised).smooth_gradient(weights),
-        None => [[Jet::from(0.0); 3]; NODES],
-    });
+/// A pair's functions with these weights, as they act.
+struct Pressed<'a> {
+    counts: [usize; 2],
+    raised: [&'a Raised; 2],
+    weights: [f64; CORNERS],
+    band: f64,
 }
 
-/// The weight of one secondary node.
-fn unit(k: usize) -> [f64; CORNERS] {
-    std::array::from_fn(|other| if other == k { 1.0 } else { 0.0 })
+impl Gradient<NODES> for Pressed<'_> {
+    #[inline(always)]
+    fn at(&self, x: &[Vec3<Jet>]) -> [Vec3<Jet>; NODES] {
+        match Pair::new(x, self.counts) {
+            Some(pair) => pair.raised(self.raised).gradient(&self.weights, self.band),
+            None => [[Jet::from(0.0); 3]; NODES],
+        }
+    }
 }
 
 impl PatchFunctions for MortarInSpace {
@@ -137,16 +162,36 @@ impl PatchFunctions for MortarInSpace {
         self.start = (0..self.sides.patches.len()).map(start).collect();
     }
 
+    fn set_correction(&mut self, correction: Correction) {
+        self.band = match correction {
+            Correction::PerPatch => EDGES_MEET,
+            Correction::SteadyEnds => 0.0,
+            Correction::PerNode => WIDER * EDGES_MEET,
+        };
+    }
+
+    fn share_among(&mut self, workers: &Workers) {
+        self.workers = workers.clone();
+    }
+
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
-        out.prepare(&self.sides.patches, self.sides.weights.len());
-        let mut scratch = Scratch::default();
-        for (p, start) in self.start.iter().enumerate() {
-            let is_live = self.search.near[p] && scratch.evaluate(self, p, start, derivative, (q_1, lambda), out);
-            if is_live {
-                out.live[p] = true;
-            } else {
-                out.clear_patch(&self.sides.patches, p);
+        let patches = &self.sides.patches;
+        assert_eq!(self.start.len(), patches.len(), "begin_step follows a change of the candidates");
+        out.prepare(patches, self.sides.weights.len());
+        let mut sums = vec![None; patches.len()];
+        let mut places: Vec<_> = out.places(patches).zip(&mut sums).enumerate().collect();
+        let mut parts: Vec<_> = places.chunks_mut(SHARED).map(|places| (Scratch::default(), places)).collect();
+        self.workers.for_each(&mut parts, 1, |_, (scratch, places)| {
+            for (p, (place, sums)) in places.iter_mut() {
+                if !self.search.near[*p] || !scratch.evaluate(self, *p, derivative, (q_1, lambda), place, sums) {
+                    place.clear();
+                }
+            }
+        });
+        for (p, [values, areas]) in sums.into_iter().enumerate().filter_map(|(p, sums)| Some((p, sums?))) {
+            for ((&row, value), area) in patches.rows(p).iter().zip(values).zip(areas) {
+                out.gap[row as usize] += value;
+                out.coverage[row as usize] += area;
             }
         }
         self.sides.cover(&mut out.coverage, q_1);
@@ -169,16 +214,18 @@ impl PatchFunctions for MortarInSpace {
 }
 
 impl Scratch {
-    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` where its functions vanish throughout.
+    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` where its functions vanish throughout. `sums`
+    /// are its values and areas at the end, where it overlaps there.
     fn evaluate(
         &mut self,
         kernel: &MortarInSpace,
         p: usize,
-        start: &Start,
         derivative: Derivative,
         (q_1, lambda): (&[f64], &[f64]),
-        out: &mut Evaluation,
+        out: &mut Place,
+        sums: &mut Option<[[f64; CORNERS]; 2]>,
     ) -> bool {
+        let start = &kernel.start[p];
         let Scratch { end: end_z, middle: middle_z, row, hessian, weighted, projection } = self;
         kernel.sides.patches.gather_into(p, q_1, end_z);
         middle_z.clear();
@@ -187,24 +234,18 @@ impl Scratch {
         if !start.overlaps && middle.is_none() && end.is_none() {
             return false;
         }
+        *out.live = true;
+        *sums = end.as_ref().map(|end| [end.values(), end.covered()]);
+        let values = sums.map_or([0.0; CORNERS], |[values, _]| values);
         let (rows, unknowns) = (kernel.sides.patches.rows(p), end_z.len());
-        let mut values = [0.0; CORNERS];
-        if let Some(end) = &end {
-            values = end.values();
-            for ((&row, value), area) in rows.iter().zip(values).zip(end.covered()) {
-                out.gap[row as usize] += value;
-                out.coverage[row as usize] += area;
-            }
-        }
-        let range = kernel.sides.patches.gradient_range(p);
-        for (k, block) in out.gradient_end[range.clone()].chunks_exact_mut(unknowns).enumerate() {
-            list_into(end.as_ref().map(|end| end.gradient(&unit(k))), block);
-        }
-        let tangent = &mut out.tangent[kernel.sides.patches.tangent_range(p)];
-        tangent.fill(0.0);
+        let at_end = end.as_ref().map(|end| end.gradients(0.0));
+        let each = out.gradient_end.chunks_exact_mut(unknowns).enumerate();
+        each.for_each(|(k, block)| list_into(at_end.as_ref(), k, block));
+        out.tangent.fill(0.0);
         let mut weights = [0.0; CORNERS];
         rows.iter().zip(&mut weights).for_each(|(&row, weight)| *weight = lambda[row as usize]);
         let is_pressed = weights != [0.0; CORNERS];
+        let pressed = Pressed { counts: kernel.counts(p), raised: kernel.raised(p), weights, band: kernel.band };
         if derivative == Derivative::DiscreteGradient {
             projection.set(&start.positions, end_z);
             let [of_middle, of_end] = weighted;
@@ -212,9 +253,10 @@ impl Scratch {
                 vector.clear();
                 vector.resize(unknowns, 0.0);
             }
-            let blocks = out.gradient_bar[range.clone()].chunks_exact_mut(unknowns).zip(out.gradient_end[range].chunks_exact(unknowns));
+            let in_middle = middle.as_ref().map(|middle| middle.gradients(kernel.band));
+            let blocks = out.gradient_bar.chunks_exact_mut(unknowns).zip(out.gradient_end.chunks_exact(unknowns));
             for (k, (bar, at_end)) in blocks.enumerate() {
-                list_into(middle.as_ref().map(|middle| middle.smooth_gradient(&unit(k))), row);
+                list_into(in_middle.as_ref(), k, row);
                 projection.gradient_into(row, values[k] - start.values[k], bar);
                 of_middle.iter_mut().zip(&*row).for_each(|(sum, g)| *sum += weights[k] * g);
                 of_end.iter_mut().zip(at_end).for_each(|(sum, g)| *sum += weights[k] * g);
@@ -223,11 +265,11 @@ impl Scratch {
                 hessian.clear();
                 hessian.resize(unknowns * unknowns, 0.0);
                 if middle.is_some() {
-                    hessian_into(middle_z, kernel.counts(p), kernel.raised(p), &weights, 1.0, hessian);
+                    vectors::hessian_into(middle_z, 1.0, hessian, &pressed);
                 }
                 let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
                 let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };
-                projection.tangent_into(1.0, &function, tangent);
+                projection.tangent_into(1.0, &function, out.tangent);
             }
             return true;
         }
@@ -236,11 +278,11 @@ impl Scratch {
             Configuration::Middle => (&middle, middle_z),
             Configuration::End => (&end, end_z),
         };
-        for (k, block) in out.gradient_bar[range].chunks_exact_mut(unknowns).enumerate() {
-            list_into(pair.as_ref().map(|pair| pair.smooth_gradient(&unit(k))), block);
-        }
+        let acting = pair.as_ref().map(|pair| pair.gradients(kernel.band));
+        let each = out.gradient_bar.chunks_exact_mut(unknowns).enumerate();
+        each.for_each(|(k, block)| list_into(acting.as_ref(), k, block));
         if is_pressed && pair.is_some() {
-            hessian_into(z, kernel.counts(p), kernel.raised(p), &weights, placement.share, tangent);
+            vectors::hessian_into(z, placement.share, out.tangent, &pressed);
         }
         true
     }

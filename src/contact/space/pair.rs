@@ -26,52 +26,19 @@
 //! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives
 //! the Hessian.
 
+use std::ops::Mul;
+
 use super::bulge::Raised;
+use super::polygon::{Bearer, Polygon, VERTICES, Vertex};
 use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
-use crate::contact::numbers::Number;
-use crate::math::tolerances::{EDGES_MEET, FACING_AREA};
+use crate::contact::numbers::{Each, Number};
+use crate::math::simd::{Kernel, dispatch};
 
 /// Nodes of a facet, at most.
 pub const CORNERS: usize = 4;
 
 /// Nodes of a pair, at most.
 pub const NODES: usize = 2 * CORNERS;
-
-/// Corners of a polygon: a triangle cut by three lines has six at most, rounding may leave one more at each cut.
-const VERTICES: usize = 9;
-
-/// A corner of a polygon that is being cut: its place, what the edge that begins there lies on.
-#[derive(Clone, Copy)]
-struct Corner<T> {
-    p: [T; 2],
-    border: Border,
-}
-
-/// A corner of a polygon with the shape functions of both triangles there, and twice the area between it, the next and the first one.
-struct Vertex<T> {
-    p: [T; 2],
-    of_secondary: [T; 3],
-    of_primary: [T; 3],
-    border: Border,
-    fan: T,
-}
-
-/// What an edge of a polygon lies on.
-#[derive(Clone, Copy, PartialEq)]
-enum Border {
-    Secondary,
-    Primary,
-}
-
-/// A secondary triangle cut out of a primary one.
-struct Polygon<T> {
-    /// Corners of the triangles in the list of points.
-    secondary: [usize; 3],
-    primary: [usize; 3],
-    /// Twice their areas.
-    areas: [T; 2],
-    vertices: Vec<Vertex<T>>,
-}
 
 /// A pair as it is seen along the secondary normal.
 pub struct Pair<T> {
@@ -88,68 +55,19 @@ pub struct Pair<T> {
     p: [[T; 2]; NODES + 2],
     h: [T; NODES + 2],
     polygons: Vec<Polygon<T>>,
-    /// Within which forces pass from one facet to the other.
-    band: f64,
-}
-
-/// Twice the area of a triangle, positive counter-clockwise.
-#[inline(always)]
-fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Corners of the triangles of a facet, whose nodes begin at `first` and whose mean point is at `middle`, in the list of points.
+#[inline(always)]
 fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..if count == 3 { 1 } else { count })
         .map(move |k| if count == 3 { [first, first + 1, first + 2] } else { [first + k, first + (k + 1) % count, middle] })
 }
 
-/// Cuts off what is on the right of a line from a polygon of so many corners; returns how many are left.
-fn clip<T: Number>(corners: &mut [Corner<T>; VERTICES], count: usize, [from, to]: [&[T; 2]; 2]) -> usize {
-    let mut side = [T::from(0.0); VERTICES];
-    (0..count).for_each(|k| side[k] = area(from, to, &corners[k].p));
-    let is_in = |k: usize| side[k].re() >= 0.0;
-    if (0..count).all(is_in) {
-        return count;
-    }
-    let (old, mut left) = (*corners, 0);
-    let mut push = |corner: Corner<T>| {
-        if left < VERTICES {
-            corners[left] = corner;
-            left += 1;
-        }
-    };
-    for k in 0..count {
-        let next = (k + 1) % count;
-        if is_in(k) {
-            push(old[k]);
-        }
-        if is_in(k) != is_in(next) {
-            let share = side[k] / (side[k] - side[next]);
-            let p: [T; 2] = std::array::from_fn(|i| old[k].p[i] + share * (old[next].p[i] - old[k].p[i]));
-            // Leaving, the line itself follows.
-            push(Corner { p, border: if is_in(k) { Border::Secondary } else { old[k].border } });
-        }
-    }
-    left
-}
-
-/// The corners with the shape functions of both triangles.
-fn vertices<T: Number>(corners: &[Corner<T>], [secondary, primary]: [[&[T; 2]; 3]; 2], areas: [T; 2]) -> Vec<Vertex<T>> {
-    let inverse = areas.map(T::recip);
-    let shares =
-        |[a, b, c]: [&[T; 2]; 3], inverse: &T, p: &[T; 2]| [area(b, c, p) * *inverse, area(c, a, p) * *inverse, area(a, b, p) * *inverse];
-    let vertex = |k: usize| {
-        let Corner { p, border } = &corners[k];
-        let [of_secondary, of_primary] = [shares(secondary, &inverse[0], p), shares(primary, &inverse[1], p)];
-        Vertex { p: *p, of_secondary, of_primary, border: *border, fan: area(&corners[0].p, p, &corners[(k + 1) % corners.len()].p) }
-    };
-    (0..corners.len()).map(vertex).collect()
-}
-
 impl<T: Number> Pair<T> {
     /// The pair at the positions of its nodes, secondary ones first; `counts` how many either facet has. Nothing where the secondary facet
     /// has no area.
+    #[inline(always)]
     pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let [own, other] = counts;
         let Frame { axes, diagonals, length } = Frame::new(&x[..own])?;
@@ -166,7 +84,6 @@ impl<T: Number> Pair<T> {
             p: [[zero; 2]; NODES + 2],
             h: [zero; NODES + 2],
             polygons: Vec::new(),
-            band: EDGES_MEET,
         };
         for (k, x) in x.iter().enumerate() {
             let arm = sub(*x, middle);
@@ -186,13 +103,10 @@ impl<T: Number> Pair<T> {
         Some(pair)
     }
 
-    /// The pair between surfaces that lie above the facets by so much. Facets that stand for curves keep the kink: with
-    /// forces that pass on, the first step of a ring that turns in another one has found no solution.
+    /// The pair between surfaces that lie above the facets by so much.
+    #[inline(always)]
     pub fn raised(mut self, sides: [&Raised; 2]) -> Self {
         let [own, other] = self.counts;
-        if sides.iter().any(|raised| raised.iter().any(|height| *height != 0.0)) {
-            self.band = 0.0;
-        }
         // Outwards is up on the secondary side and down on the other one.
         for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
             for (k, raised) in raised[..count].iter().enumerate() {
@@ -205,6 +119,7 @@ impl<T: Number> Pair<T> {
     }
 
     /// Finds the polygons.
+    #[inline(always)]
     fn cut(&mut self) {
         let [own, other] = self.counts;
         for secondary in triangles(own, 0, NODES) {
@@ -214,23 +129,13 @@ impl<T: Number> Pair<T> {
                 if self.are_boxes_apart(secondary, primary) {
                     continue;
                 }
-                let corners = |of: [usize; 3]| of.map(|k| &self.p[k]);
-                let ([s_0, s_1, s_2], [m_0, m_1, m_2]) = (corners(secondary), corners(primary));
-                let areas = [area(s_0, s_1, s_2), area(m_0, m_1, m_2)];
-                if areas[0].re() <= 0.0 || areas[1].re() <= FACING_AREA * areas[0].re() {
-                    continue;
-                }
-                let mut corners = [m_0, m_1, m_2, m_0, m_0, m_0, m_0, m_0, m_0].map(|p| Corner { p: *p, border: Border::Primary });
-                let clip = |count, line| if count < 3 { 0 } else { clip(&mut corners, count, line) };
-                let count = [[s_0, s_1], [s_1, s_2], [s_2, s_0]].into_iter().fold(3, clip);
-                if count >= 3 {
-                    let triangles = [[s_0, s_1, s_2], [m_0, m_1, m_2]];
-                    self.polygons.push(Polygon { secondary, primary, areas, vertices: vertices(&corners[..count], triangles, areas) });
-                }
+                let places = [secondary, primary].map(|corners| corners.map(|k| &self.p[k]));
+                self.polygons.extend(Polygon::new([secondary, primary], places));
             }
         }
     }
 
+    #[inline(always)]
     fn are_boxes_apart(&self, secondary: [usize; 3], primary: [usize; 3]) -> bool {
         (0..2).any(|axis| {
             let range = |of: [usize; 3]| {
@@ -248,6 +153,7 @@ impl<T: Number> Pair<T> {
     }
 
     /// The part of a point's value that a node of its facet has.
+    #[inline(always)]
     fn shares(&self, point: usize) -> (std::ops::Range<usize>, f64) {
         let [own, other] = self.counts;
         match point {
@@ -258,19 +164,24 @@ impl<T: Number> Pair<T> {
     }
 
     /// Values of the weight `sum w_A N_A` at the corners of a secondary triangle.
-    fn weights(&self, secondary: [usize; 3], weights: &[f64; CORNERS]) -> [f64; 3] {
+    #[inline(always)]
+    fn weights<W: Number>(&self, secondary: [usize; 3], weights: &[W; CORNERS]) -> [W; 3] {
         secondary.map(|point| {
             let (nodes, share) = self.shares(point);
-            nodes.map(|node| share * weights[node]).sum()
+            nodes.fold(W::from(0.0), |sum, node| sum + weights[node] * share)
         })
     }
 
     /// Gap at a corner of a polygon.
+    #[inline(always)]
     fn gap(&self, polygon: &Polygon<T>, vertex: &Vertex<T>) -> T {
-        let height = |corners: [usize; 3], shape: &[T; 3]| {
-            self.h[corners[0]] * shape[0] + self.h[corners[1]] * shape[1] + self.h[corners[2]] * shape[2]
-        };
-        height(polygon.primary, &vertex.of_primary) - height(polygon.secondary, &vertex.of_secondary)
+        self.height(polygon.primary, &vertex.of_primary) - self.height(polygon.secondary, &vertex.of_secondary)
+    }
+
+    /// Height of a triangle at a point with these shape functions.
+    #[inline(always)]
+    fn height(&self, corners: [usize; 3], shape: &[T; 3]) -> T {
+        self.h[corners[0]] * shape[0] + self.h[corners[1]] * shape[1] + self.h[corners[2]] * shape[2]
     }
 
     /// `Phi_A` of the secondary nodes.
@@ -336,17 +247,13 @@ impl<T: Number> Pair<T> {
         weights
     }
 
-    /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes.
-    pub fn gradient(&self, weights: &[f64; CORNERS]) -> [Vec3<T>; NODES] {
-        self.gradient_with(weights, 0.0)
-    }
-
-    /// The same without kinks, as it acts: see [`Polygon::bearers`].
-    pub fn smooth_gradient(&self, weights: &[f64; CORNERS]) -> [Vec3<T>; NODES] {
-        self.gradient_with(weights, self.band)
-    }
-
-    fn gradient_with(&self, weights: &[f64; CORNERS], band: f64) -> [Vec3<T>; NODES] {
+    /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes, in which forces on edges that nearly coincide pass from one
+    /// facet to the other within a band, see [`Polygon::bearers`]; with none it is that of the function, kinks included.
+    #[inline(always)]
+    pub fn gradient<W: Number>(&self, weights: &[W; CORNERS], band: f64) -> [Vec3<T>; NODES]
+    where
+        T: Mul<W, Output = T>,
+    {
         let zero = T::from(0.0);
         let (mut of_p, mut of_h) = ([[zero; 2]; NODES + 2], [zero; NODES + 2]);
         for polygon in &self.polygons {
@@ -384,7 +291,17 @@ impl<T: Number> Pair<T> {
 
     /// Adds what one polygon gives to the derivatives with respect to plane coordinates and heights; `weights` at the corners of the
     /// secondary triangle.
-    fn add_polygon(&self, polygon: &Polygon<T>, band: f64, weights: [f64; 3], of_p: &mut [[T; 2]; NODES + 2], of_h: &mut [T; NODES + 2]) {
+    #[inline(always)]
+    fn add_polygon<W: Number>(
+        &self,
+        polygon: &Polygon<T>,
+        band: f64,
+        weights: [W; 3],
+        of_p: &mut [[T; 2]; NODES + 2],
+        of_h: &mut [T; NODES + 2],
+    ) where
+        T: Mul<W, Output = T>,
+    {
         let zero = T::from(0.0);
         let (mut weight, mut gap) = ([zero; VERTICES], [zero; VERTICES]);
         for (k, vertex) in polygon.vertices.iter().enumerate() {
@@ -437,46 +354,59 @@ impl<T: Number> Pair<T> {
     }
 }
 
-/// A triangle that an edge of a polygon goes with: its share of it, all of it where there is none; its corners and its shape functions at
-/// both ends of the edge.
-struct Bearer<'a, T> {
-    share: Option<T>,
-    corners: [usize; 3],
-    at: [&'a [T; 3]; 2],
-}
+/// Gradients of the `Phi_A` of all secondary nodes, which are computed together.
+pub type Gradients = [Vec3<Each<CORNERS>>; NODES];
 
-impl<T: Number> Polygon<T> {
-    /// Which triangles an edge of the polygon goes with. An edge goes with the triangle on whose border it lies, and in part with the other
-    /// one where that has its own border nearer than `band` of its height, half with either where both coincide: forces do not jump there,
-    /// and have neither a resultant nor a moment of their own.
-    fn bearers(&self, [k, next]: [usize; 2], band: f64) -> [Option<Bearer<'_, T>>; 2] {
-        let (a, b) = (&self.vertices[k], &self.vertices[next]);
-        let own = (self.secondary, [&a.of_secondary, &b.of_secondary]);
-        let other = (self.primary, [&a.of_primary, &b.of_primary]);
-        let (bearer, neighbor) = if a.border == Border::Secondary { (own, other) } else { (other, own) };
-        let bears = |share, (corners, at)| Some(Bearer { share, corners, at });
-        let depth = |j: usize| (neighbor.1[0][j].re() + neighbor.1[1][j].re()) * 0.5;
-        let nearest = (1..3).fold(0, |least, j| if depth(j) < depth(least) { j } else { least });
-        if band > 0.0 && depth(nearest) < band {
-            let depth = (neighbor.1[0][nearest] + neighbor.1[1][nearest]) * 0.5;
-            let near = T::from(1.0) - depth * (1.0 / band);
-            let share = near * near * 0.5;
-            [bears(Some(T::from(1.0) - share), bearer), bears(Some(share), neighbor)]
-        } else {
-            [bears(None, bearer), None]
-        }
+impl Pair<f64> {
+    /// The gradients of the functions, with this band: see [`Pair::gradient`].
+    pub fn gradients(&self, band: f64) -> Gradients {
+        dispatch(OfEach { pair: self, band })
     }
 
-    /// Integral of a product of two affine functions, from their values at the corners: exact.
+    /// The same pair for each secondary node.
     #[inline(always)]
-    fn integral<'a>(&'a self, f: impl Fn(usize) -> &'a T, g: impl Fn(usize) -> &'a T) -> T {
-        let mut sum = T::from(0.0);
-        for k in 1..self.vertices.len() - 1 {
-            let ([f_0, f_1, f_2], [g_0, g_1, g_2]) = ([0, k, k + 1].map(&f), [0, k, k + 1].map(&g));
-            let products = *f_0 * *g_0 + *f_1 * *g_1 + *f_2 * *g_2 + (*f_0 + *f_1 + *f_2) * (*g_0 + *g_1 + *g_2);
-            sum += self.vertices[k].fan * products * (1.0 / 24.0);
+    fn each(&self) -> Pair<Each<CORNERS>> {
+        let flat = |p: [f64; 2]| p.map(Each::from);
+        let vector = |x: Vec3<f64>| x.map(Each::from);
+        let vertex = |v: &Vertex<f64>| Vertex {
+            p: flat(v.p),
+            of_secondary: vector(v.of_secondary),
+            of_primary: vector(v.of_primary),
+            border: v.border,
+            fan: v.fan.into(),
+        };
+        let polygon = |of: &Polygon<f64>| Polygon {
+            secondary: of.secondary,
+            primary: of.primary,
+            areas: flat(of.areas),
+            vertices: of.vertices.iter().map(vertex).collect(),
+        };
+        Pair {
+            counts: self.counts,
+            axes: self.axes.map(vector),
+            diagonals: self.diagonals.map(vector),
+            length: self.length.into(),
+            arms: self.arms.map(vector),
+            p: self.p.map(flat),
+            h: self.h.map(Each::from),
+            polygons: self.polygons.iter().map(polygon).collect(),
         }
-        sum
+    }
+}
+
+/// The gradients of a pair's functions, with the instructions that the processor has.
+struct OfEach<'a> {
+    pair: &'a Pair<f64>,
+    band: f64,
+}
+
+impl Kernel for OfEach<'_> {
+    type Output = Gradients;
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) -> Gradients {
+        let weights = std::array::from_fn(|row| Each(std::array::from_fn(|lane| if lane == row { 1.0 } else { 0.0 })));
+        self.pair.each().gradient(&weights, self.band)
     }
 }
 
@@ -486,6 +416,7 @@ mod tests {
     use proptest::test_runner::RngSeed;
 
     use super::*;
+    use crate::math::tolerances::EDGES_MEET;
 
     /// Two facets of three or four nodes that face each other, warped, tilted and off each other at random.
     fn nodes(counts: [usize; 2]) -> impl Strategy<Value = Vec<Vec3<f64>>> {
@@ -502,6 +433,12 @@ mod tests {
         Pair::new(x, counts).map_or([0.0; CORNERS], |pair| pair.values())
     }
 
+    /// Gradient of the weighted sum of the functions, kinks included.
+    fn gradient(pair: &Pair<f64>, weights: &[f64; CORNERS]) -> [Vec3<f64>; NODES] {
+        let of_each = |each: Each<CORNERS>| each.0.iter().zip(weights).map(|(slope, weight)| slope * weight).sum();
+        pair.gradients(0.0).map(|node| node.map(of_each))
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { cases: 500, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
@@ -514,7 +451,7 @@ mod tests {
             for row in 0..counts[0] {
                 let mut weights = [0.0; CORNERS];
                 weights[row] = 1.0;
-                let gradient = pair.gradient(&weights);
+                let gradient = gradient(&pair, &weights);
                 for node in 0..counts[0] + counts[1] {
                     for i in 0..3 {
                         let at = |step: f64| {
@@ -549,7 +486,7 @@ mod tests {
                 prop_assert!((a - after[(k + 3) % 4]).abs() < 1e-14);
             }
             let (pair, weights) = (Pair::new(&x, counts).expect("it has an area"), [1.0, -0.5, 2.0, 0.25]);
-            for gradient in [pair.gradient(&weights), pair.smooth_gradient(&weights)] {
+            for gradient in [gradient(&pair, &weights), pair.gradient(&weights, EDGES_MEET)] {
                 let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
                 for (x, g) in x.iter().zip(gradient) {
                     (0..3).for_each(|i| force[i] += g[i]);
@@ -573,7 +510,7 @@ mod tests {
                 let x: Vec<Vec3<f64>> =
                     own.chain(other).enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + size * noise[3 * k + i])).collect();
                 let pair = Pair::new(&x, [4, 4]).expect("it has an area");
-                [pair.gradient(&[1.0; CORNERS]), pair.smooth_gradient(&[1.0; CORNERS])]
+                [gradient(&pair, &[1.0; CORNERS]), pair.gradient(&[1.0; CORNERS], EDGES_MEET)]
             };
             let apart = |a: &[Vec3<f64>; NODES], b: &[Vec3<f64>; NODES]| {
                 a.as_flattened().iter().zip(b.as_flattened()).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))

@@ -1,6 +1,7 @@
 //! Vectors of any numbers, and what makes a second derivative of a gradient that is written for any numbers.
 
 use crate::contact::numbers::{self, Number};
+use crate::math::simd::{Kernel, dispatch};
 
 /// A vector in space.
 pub type Vec3<T> = [T; 3];
@@ -11,18 +12,22 @@ pub const LANES: usize = 12;
 /// A number with its derivatives with respect to some unknowns.
 pub type Jet = numbers::Jet<LANES>;
 
+#[inline(always)]
 pub fn sub<T: Number, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
     std::array::from_fn(|i| a[i] - b[i])
 }
 
+#[inline(always)]
 pub fn scaled<T: Number, const N: usize>(a: [T; N], s: T) -> [T; N] {
     a.map(|a| a * s)
 }
 
+#[inline(always)]
 pub fn dot<T: Number>(a: Vec3<T>, b: Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline(always)]
 pub fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
     std::array::from_fn(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -31,6 +36,7 @@ pub fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
 }
 
 /// The diagonals of a facet of four nodes, two sides of one of three: their product is along its normal.
+#[inline(always)]
 pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
     if nodes.len() == 3 { [sub(nodes[1], nodes[0]), sub(nodes[2], nodes[0])] } else { [sub(nodes[2], nodes[0]), sub(nodes[3], nodes[1])] }
 }
@@ -46,6 +52,7 @@ pub struct Frame<T> {
 
 impl<T: Number> Frame<T> {
     /// That of a facet with these nodes; nothing where it has no area.
+    #[inline(always)]
     pub fn new(x: &[Vec3<T>]) -> Option<Self> {
         let diagonals = diagonals(x);
         let product = cross(diagonals[0], diagonals[1]);
@@ -63,19 +70,45 @@ impl<T: Number> Frame<T> {
 }
 
 /// The unknowns `z`, three for each node, as numbers that carry the derivatives with respect to some of them, from `first` on.
+#[inline(always)]
 pub fn jets(z: &[f64], first: usize) -> Vec<Vec3<Jet>> {
     let jet = |k: usize| Jet::unknown(z[k], k.checked_sub(first));
     (0..z.len() / 3).map(|node| std::array::from_fn(|i| jet(3 * node + i))).collect()
 }
 
+/// A gradient of a function of `N` nodes that is written for numbers with derivatives. `at` must be `#[inline(always)]`, and so must all it
+/// calls.
+pub trait Gradient<const N: usize> {
+    /// The gradient at positions of the nodes.
+    fn at(&self, x: &[Vec3<Jet>]) -> [Vec3<Jet>; N];
+}
+
 /// `share` times the derivatives of a gradient at the unknowns `z`, row by row over them, some columns at a time.
-pub fn hessian_into<const N: usize>(z: &[f64], share: f64, out: &mut [f64], gradient: impl Fn(&[Vec3<Jet>]) -> [Vec3<Jet>; N]) {
-    for first in (0..z.len()).step_by(LANES) {
-        columns_into(&gradient(&jets(z, first)), first, share, out);
+pub fn hessian_into<const N: usize>(z: &[f64], share: f64, out: &mut [f64], gradient: &impl Gradient<N>) {
+    dispatch(Hessian { z, share, out, gradient });
+}
+
+/// A Hessian, with the instructions that the processor has.
+struct Hessian<'a, G, const N: usize> {
+    z: &'a [f64],
+    share: f64,
+    out: &'a mut [f64],
+    gradient: &'a G,
+}
+
+impl<G: Gradient<N>, const N: usize> Kernel for Hessian<'_, G, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for first in (0..self.z.len()).step_by(LANES) {
+            columns_into(&self.gradient.at(&jets(self.z, first)), first, self.share, self.out);
+        }
     }
 }
 
 /// `share` times the derivatives that a gradient carries as columns of its Hessian, from `first` on.
+#[inline(always)]
 pub fn columns_into(gradient: &[Vec3<Jet>], first: usize, share: f64, out: &mut [f64]) {
     let unknowns = out.len().isqrt();
     for (row, jet) in out.chunks_exact_mut(unknowns).zip(gradient.as_flattened()) {

@@ -95,7 +95,7 @@ where
         let middles = middles(model, first);
         let mut points = point_pairs(model, &bodies, &reference);
         points.extend(coupling_pairs(model, &bodies, &reference));
-        let pairs = contact_pairs(model, first, &middles, &reference, default_rule(integrator), points);
+        let mut pairs = contact_pairs(model, first, &middles, &reference, default_rule(integrator), points);
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);
@@ -112,6 +112,7 @@ where
         let nodes = Nodes::new(model, &bodies, reference, (&supports.fixed, &followers), mass);
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
+        pairs.iter_mut().for_each(|pair| pair.kernel.share_among(&workers));
         let matrix = Matrix::new(pattern, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
         let equations = Equations {
             nodes,
