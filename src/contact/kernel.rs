@@ -8,8 +8,8 @@ use super::window::Outlook;
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
-/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends. In space, where forces
-/// on edges that nearly coincide pass from one facet to the other within a band, they stand for its width: the usual one, none, a wider one.
+/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends. In space forces on edges
+/// that nearly coincide pass from one facet to the other within a band, or with a kink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Correction {
     /// The gradient at mid-step, corrected patch by patch.
@@ -17,7 +17,8 @@ pub enum Correction {
     PerPatch,
     /// As `PerPatch`, but the overlaps of mid-step end at the nodes at which they end at the start of the step. Where nodes of both sides
     /// stay aligned while a gap closes, as those of two equal blocks, the gradient at mid-step pulls them together from both sides with the
-    /// depth at the overlap's end: a force that no position balances. Steady ends have no such pull.
+    /// depth at the overlap's end: a force that no position balances. Steady ends have no such pull. In space: with a kink what usually has
+    /// a band, and the other way round.
     SteadyEnds,
     /// One correction for each secondary node. A patch's own correction jumps where its overlap changes ends; in the sum over a node's
     /// patches the jumps cancel before they are divided by the size of the step. The tangent leaves out the correction's derivative, which

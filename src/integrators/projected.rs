@@ -90,11 +90,25 @@ impl<const D: usize> Projection<D> {
         self.doubtful = (square <= PROJECTED_INCREMENT * PROJECTED_INCREMENT * size).then(|| size.sqrt());
     }
 
+    /// What a gradient at `q_mid` leaves of a function's change over the step.
+    pub fn remainder(&self, gradient_mid: &[f64], change: f64) -> f64 {
+        change - gradient_mid.iter().zip(&self.motion).map(|(g, d)| g * d).sum::<f64>()
+    }
+
+    /// The projected increment `p`, node after node.
+    pub fn increment(&self) -> impl Iterator<Item = f64> {
+        self.projected.iter().flat_map(|p| p.as_slice()[..D].iter().copied())
+    }
+
+    /// Sum of the squared distances of the nodes from their mean.
+    pub fn size(&self) -> f64 {
+        self.arms.iter().map(Vector3::norm_squared).sum()
+    }
+
     /// Quotient `e` of a function with that gradient at `q_mid` and that change over the step; nothing where the numerator is round-off.
     /// In a small step a smooth function has no other one, a kink does.
     fn quotient(&self, gradient_mid: &[f64], change: f64) -> Option<f64> {
-        let linear: f64 = gradient_mid.iter().zip(&self.motion).map(|(g, d)| g * d).sum();
-        let remainder = change - linear;
+        let remainder = self.remainder(gradient_mid, change);
         let slope = || gradient_mid.iter().map(|g| g.abs()).sum::<f64>();
         let is_round_off = self.doubtful.is_some_and(|size| remainder.abs() <= REMAINDER * size * slope());
         (!is_round_off).then_some(remainder * self.inverse_square)

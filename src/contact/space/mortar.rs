@@ -15,15 +15,16 @@ use crate::contact::patches::{Evaluation, Place};
 use crate::contact::search::PairSearch;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::Sides;
+use crate::contact::window::Outlook;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
-use crate::math::tolerances::EDGES_MEET;
+use crate::math::tolerances::{EDGES_MEET, PROJECTED_INCREMENT};
 use crate::math::workers::Workers;
 
 /// Margin beyond the need with which candidates are searched, in smallest secondary facets.
 const SPARE: f64 = 0.5;
 
-/// How much wider the band is within which forces pass on in a further attempt to solve a step.
-const WIDER: f64 = 5.0;
+/// Motion of a pair's facets against each other, in smallest secondary facets, from which on it slides.
+const SLIDES: f64 = 0.1;
 
 /// Pairs that a thread takes at a time.
 const SHARED: usize = 32;
@@ -43,8 +44,10 @@ pub struct MortarInSpace {
     turns: Vec<Vec<[f64; 2]>>,
     /// Threads among which pairs are shared.
     workers: Workers,
-    /// Within which forces pass from edges to others that nearly coincide with them.
-    band: f64,
+    /// Which discrete gradient is taken.
+    correction: Correction,
+    /// Which pairs are expected to slide in this step.
+    slides: Vec<bool>,
 }
 
 /// What a pair keeps of the start of the step.
@@ -67,6 +70,17 @@ struct Scratch {
     projection: Projection<3>,
 }
 
+/// What a pair adds to sums over the pairs of its rows.
+#[derive(Clone, Default)]
+struct Sums {
+    /// Values and areas at the end, where it overlaps there.
+    end: Option<[[f64; CORNERS]; 2]>,
+    /// Where the pairs of a row share a correction: their remainders, the projected increment of its nodes, and the square of its extent.
+    remainders: [f64; CORNERS],
+    increment: Vec<f64>,
+    size: f64,
+}
+
 impl MortarInSpace {
     /// Contact of two surfaces, sized in the reference positions. A surface with itself takes each pair of facets once.
     pub fn kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
@@ -81,7 +95,8 @@ impl MortarInSpace {
             raised: raised.clone(),
             turns,
             workers: Workers::default(),
-            band: EDGES_MEET,
+            correction: Correction::default(),
+            slides: Vec::new(),
         })
     }
 
@@ -100,6 +115,41 @@ impl MortarInSpace {
     /// Pair `p` at the positions of its nodes.
     fn pair(&self, p: usize, z: &[f64]) -> Option<Pair<f64>> {
         Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.raised(self.raised(p)))
+    }
+
+    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges; where
+    /// they do not slide, the correction that a band needs may be as large as what it corrects.
+    fn band(&self, p: usize) -> f64 {
+        let is_raised = || self.raised(p).into_iter().flatten().any(|height| *height != 0.0);
+        let usual = if self.slides.get(p).is_none_or(|slides| !slides) && is_raised() { 0.0 } else { EDGES_MEET };
+        match self.correction {
+            Correction::PerPatch => usual,
+            Correction::SteadyEnds => EDGES_MEET - usual,
+            Correction::PerNode => EDGES_MEET,
+        }
+    }
+
+    /// Adds the corrections that pairs of a row share, `e_A = sum R / sum p.p` times each pair's projected increment `p`.
+    fn correct(&self, sums: &[Sums], out: &mut Evaluation) {
+        let patches = &self.sides.patches;
+        let mut of_rows = vec![[0.0; 3]; self.sides.weights.len()];
+        let shared = || sums.iter().enumerate().filter(|(_, sums)| !sums.increment.is_empty());
+        for (p, sums) in shared() {
+            let square = sums.increment.iter().map(|p| p * p).sum::<f64>();
+            for (&row, remainder) in patches.rows(p).iter().zip(sums.remainders) {
+                let of_row = &mut of_rows[row as usize];
+                [remainder, square, sums.size].iter().zip(of_row).for_each(|(part, sum)| *sum += part);
+            }
+        }
+        let threshold = PROJECTED_INCREMENT * PROJECTED_INCREMENT;
+        for (p, sums) in shared() {
+            let blocks = out.gradient_bar[patches.gradient_range(p)].chunks_exact_mut(sums.increment.len());
+            for (block, &row) in blocks.zip(patches.rows(p)) {
+                let [remainder, square, size] = of_rows[row as usize];
+                let e = if square > threshold * size { remainder / square } else { 0.0 };
+                block.iter_mut().zip(&sums.increment).for_each(|(g, p)| *g += e * p);
+            }
+        }
     }
 
     /// Sums what each pair that takes part and overlaps at `q` has for its secondary nodes into these.
@@ -163,11 +213,7 @@ impl PatchFunctions for MortarInSpace {
     }
 
     fn set_correction(&mut self, correction: Correction) {
-        self.band = match correction {
-            Correction::PerPatch => EDGES_MEET,
-            Correction::SteadyEnds => 0.0,
-            Correction::PerNode => WIDER * EDGES_MEET,
-        };
+        self.correction = correction;
     }
 
     fn share_among(&mut self, workers: &Workers) {
@@ -178,7 +224,7 @@ impl PatchFunctions for MortarInSpace {
         let patches = &self.sides.patches;
         assert_eq!(self.start.len(), patches.len(), "begin_step follows a change of the candidates");
         out.prepare(patches, self.sides.weights.len());
-        let mut sums = vec![None; patches.len()];
+        let mut sums = vec![Sums::default(); patches.len()];
         let mut places: Vec<_> = out.places(patches).zip(&mut sums).enumerate().collect();
         let mut parts: Vec<_> = places.chunks_mut(SHARED).map(|places| (Scratch::default(), places)).collect();
         self.workers.for_each(&mut parts, 1, |_, (scratch, places)| {
@@ -188,12 +234,13 @@ impl PatchFunctions for MortarInSpace {
                 }
             }
         });
-        for (p, [values, areas]) in sums.into_iter().enumerate().filter_map(|(p, sums)| Some((p, sums?))) {
+        for (p, [values, areas]) in sums.iter().enumerate().filter_map(|(p, sums)| Some((p, sums.end?))) {
             for ((&row, value), area) in patches.rows(p).iter().zip(values).zip(areas) {
                 out.gap[row as usize] += value;
                 out.coverage[row as usize] += area;
             }
         }
+        self.correct(&sums, out);
         self.sides.cover(&mut out.coverage, q_1);
     }
 
@@ -214,8 +261,7 @@ impl PatchFunctions for MortarInSpace {
 }
 
 impl Scratch {
-    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` where its functions vanish throughout. `sums`
-    /// are its values and areas at the end, where it overlaps there.
+    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` where its functions vanish throughout.
     fn evaluate(
         &mut self,
         kernel: &MortarInSpace,
@@ -223,7 +269,7 @@ impl Scratch {
         derivative: Derivative,
         (q_1, lambda): (&[f64], &[f64]),
         out: &mut Place,
-        sums: &mut Option<[[f64; CORNERS]; 2]>,
+        sums: &mut Sums,
     ) -> bool {
         let start = &kernel.start[p];
         let Scratch { end: end_z, middle: middle_z, row, hessian, weighted, projection } = self;
@@ -235,8 +281,8 @@ impl Scratch {
             return false;
         }
         *out.live = true;
-        *sums = end.as_ref().map(|end| [end.values(), end.covered()]);
-        let values = sums.map_or([0.0; CORNERS], |[values, _]| values);
+        sums.end = end.as_ref().map(|end| [end.values(), end.covered()]);
+        let values = sums.end.map_or([0.0; CORNERS], |[values, _]| values);
         let (rows, unknowns) = (kernel.sides.patches.rows(p), end_z.len());
         let at_end = end.as_ref().map(|end| end.gradients(0.0));
         let each = out.gradient_end.chunks_exact_mut(unknowns).enumerate();
@@ -245,7 +291,7 @@ impl Scratch {
         let mut weights = [0.0; CORNERS];
         rows.iter().zip(&mut weights).for_each(|(&row, weight)| *weight = lambda[row as usize]);
         let is_pressed = weights != [0.0; CORNERS];
-        let pressed = Pressed { counts: kernel.counts(p), raised: kernel.raised(p), weights, band: kernel.band };
+        let pressed = Pressed { counts: kernel.counts(p), raised: kernel.raised(p), weights, band: kernel.band(p) };
         if derivative == Derivative::DiscreteGradient {
             projection.set(&start.positions, end_z);
             let [of_middle, of_end] = weighted;
@@ -253,7 +299,20 @@ impl Scratch {
                 vector.clear();
                 vector.resize(unknowns, 0.0);
             }
-            let in_middle = middle.as_ref().map(|middle| middle.gradients(kernel.band));
+            let in_middle = middle.as_ref().map(|middle| middle.gradients(kernel.band(p)));
+            if kernel.correction == Correction::PerNode {
+                let blocks = out.gradient_bar.chunks_exact_mut(unknowns).zip(&mut sums.remainders);
+                for (k, (bar, remainder)) in blocks.enumerate() {
+                    list_into(in_middle.as_ref(), k, bar);
+                    *remainder = projection.remainder(bar, values[k] - start.values[k]);
+                }
+                sums.increment.extend(projection.increment());
+                sums.size = projection.size();
+                if is_pressed && middle.is_some() {
+                    vectors::hessian_into(middle_z, 0.5, out.tangent, &pressed);
+                }
+                return true;
+            }
             let blocks = out.gradient_bar.chunks_exact_mut(unknowns).zip(out.gradient_end.chunks_exact(unknowns));
             for (k, (bar, at_end)) in blocks.enumerate() {
                 list_into(in_middle.as_ref(), k, row);
@@ -278,7 +337,7 @@ impl Scratch {
             Configuration::Middle => (&middle, middle_z),
             Configuration::End => (&end, end_z),
         };
-        let acting = pair.as_ref().map(|pair| pair.gradients(kernel.band));
+        let acting = pair.as_ref().map(|pair| pair.gradients(kernel.band(p)));
         let each = out.gradient_bar.chunks_exact_mut(unknowns).enumerate();
         each.for_each(|(k, block)| list_into(acting.as_ref(), k, block));
         if is_pressed && pair.is_some() {
@@ -309,6 +368,19 @@ impl CandidateSearch for MortarInSpace {
 
     fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
         Some((&mut self.search, &self.sides))
+    }
+
+    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+        let changed = self.search.update(&self.sides, outlook);
+        if changed {
+            self.list_patches();
+        }
+        let Sides { secondary, primary, facet_size, .. } = &self.sides;
+        let slides = |&[own, other]: &[u32; 2]| {
+            outlook.travel::<3>(secondary.facet(own as usize), primary.facet(other as usize)) > SLIDES * facet_size
+        };
+        self.slides = self.search.candidates.pairs().iter().map(slides).collect();
+        changed
     }
 
     fn list_patches(&mut self) {
