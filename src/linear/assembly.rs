@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::dense::Blocks;
+use super::panels::Blocks;
 use super::fronts::{Beside, Front, Inside, Run};
 use super::pattern::Block;
 use super::symbolic::Symbolic;

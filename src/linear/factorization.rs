@@ -258,6 +258,11 @@ impl Factorization {
         size_of::<f64>() * (factors + stacks[0] + stacks[1] + handed)
     }
 
+    /// Bytes of the factors alone.
+    pub fn factor_bytes(&self) -> usize {
+        size_of::<f64>() * self.symbolic.factors
+    }
+
     /// Whether the last solution came from the slower method: pivots had to be replaced, or the residual was poor.
     #[cfg(test)]
     pub(crate) fn has_fallen_back(&self) -> bool {

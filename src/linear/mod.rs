@@ -18,6 +18,7 @@ mod lanczos;
 mod multifrontal;
 mod node_matrix;
 mod ordering;
+mod panels;
 mod partial_pivoting;
 mod pattern;
 mod places;

@@ -13,7 +13,7 @@ use pulp::{Simd, WithSimd};
 
 use super::aligned::AlignedBuffer;
 use super::assembly::{Received, add_entries};
-use super::dense::{self, Blocks, Manner};
+use super::panels::{self, Blocks, Manner};
 use super::substitution::{Direction, Part, Substitution, parts};
 use super::symbolic::Symbolic;
 use super::watch::Watch;
@@ -26,7 +26,7 @@ use crate::math::workers::Workers;
 struct Scratch {
     /// Updates that wait, level of the tree by level by turns.
     stacks: [AlignedBuffer; 2],
-    dense: dense::Scratch,
+    dense: panels::Scratch,
     /// A vector at a front.
     at_front: AlignedBuffer,
 }
