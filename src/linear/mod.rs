@@ -34,6 +34,7 @@ mod tests;
 mod tiles;
 mod tree;
 mod triangular;
+mod waiting;
 mod watch;
 
 pub use error::LinearError;
