@@ -15,6 +15,8 @@ mod fixtures;
 mod fronts;
 mod inertia;
 mod lanczos;
+#[cfg(test)]
+mod large_tests;
 mod multifrontal;
 mod node_matrix;
 mod ordering;
