@@ -1,6 +1,6 @@
 //! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]
 //! [--materials | --in-space | --solids [--write FOLDER]]`; with the last three only what laws cost, the bearing drawn out along its axis,
-//! or the linear solver on cubes (sizes: cells along an edge) and plates, whose matrices can be written for other solvers.
+//! or the linear solver on cubes and plates (sizes: cells along the first edge), whose matrices can be written for other solvers.
 //!
 //! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers
 //! were and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.

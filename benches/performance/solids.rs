@@ -104,10 +104,10 @@ fn product(side: usize, repetitions: usize) {
     println!("{:10} faer's product of matrices of side {n}: {:.1} Gflop/s", "", 2e-6 * (n * n * n) as f64 / taken);
 }
 
-/// Prints a line for each solid, or only for cubes of `sizes` cells along an edge, and for single fronts; writes the matrices to a folder,
-/// if one is given.
+/// Prints a line for each solid and for single fronts, or only for solids of `sizes` cells along the first edge; writes the matrices to a
+/// folder, if one is given.
 pub fn compare(sizes: &[usize], repetitions: usize, folder: Option<&Path>) -> Result<(), Box<dyn Error>> {
-    let chosen = SOLIDS.iter().filter(|[a, b, c]| sizes.is_empty() || (sizes.contains(a) && b == c));
+    let chosen = SOLIDS.iter().filter(|[along, ..]| sizes.is_empty() || sizes.contains(along));
     for cells in chosen {
         let system = solid(*cells);
         let name = cells.map(|count| count.to_string()).join("x");
