@@ -17,6 +17,9 @@ use crate::math::workers::Workers;
 /// Entries beside the pivot block from which on strips are copied.
 const PACKED: usize = 4096;
 
+/// Pivots up to which a front is one block: its factors fit into the cache.
+const WHOLE: usize = 384;
+
 impl Blocks<'_> {
     /// Eliminates the pivots. `swaps[k]` becomes the row that was exchanged with row `k`; pivots that are replaced are reported.
     #[inline(always)]
@@ -29,9 +32,10 @@ impl Blocks<'_> {
         replaced: &mut impl FnMut(usize),
     ) {
         let (p, u) = (self.p, self.u);
-        if p * u >= PACKED || p > DEPTH {
-            for from in (0..p).step_by(DEPTH) {
-                let block = from..(from + DEPTH).min(p);
+        if p * u >= PACKED || p > WHOLE {
+            let depth = if p <= WHOLE { p } else { DEPTH };
+            for from in (0..p).step_by(depth) {
+                let block = from..(from + depth).min(p);
                 self.factor_block(simd, block.clone(), manner, swaps, scratch, replaced);
                 self.swap_upper(swaps, block.clone());
                 self.eliminate_block(block, manner, scratch);

@@ -237,7 +237,7 @@ impl Factorization {
     /// Bytes of the factors, and of the updates of all threads.
     fn needed(&self) -> u64 {
         let (waiting, threads) = self.symbolic.waiting(&self.workers);
-        (size_of::<f64>() * (self.symbolic.factors + waiting.handed + threads * waiting.buffer)) as u64
+        (size_of::<f64>() * (self.symbolic.factors + waiting.handed + waiting.buffer + threads * waiting.of_task)) as u64
     }
 
     /// The order of elimination that is in use.
@@ -267,9 +267,9 @@ impl Factorization {
         self.work
     }
 
-    /// Bytes of the factors and of the updates that wait while they are computed.
+    /// Bytes of the factors and of the updates that wait while one thread computes them.
     pub fn bytes(&self) -> usize {
-        self.needed() as usize
+        size_of::<f64>() * (self.symbolic.factors + self.symbolic.alone.buffer)
     }
 
     /// Bytes of the factors alone.

@@ -91,8 +91,10 @@ impl Multifrontal {
         self.outside.resize(updates.sum(), 0.0);
         self.swaps.resize(symbolic.unknowns.len(), 0);
         self.scratch.resize_with(threads, Mutex::default);
-        for scratch in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()) {
-            scratch.waiting.resize(waiting.buffer)?;
+        // The first one also goes on where tasks have ended.
+        let lengths = std::iter::once(waiting.buffer.max(waiting.of_task)).chain(std::iter::repeat(waiting.of_task));
+        for (scratch, length) in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()).zip(lengths) {
+            scratch.waiting.resize(length)?;
             scratch.at_front.resize(symbolic.largest)?;
         }
         self.replaced.clear();

@@ -14,7 +14,7 @@ pub(super) const STRIP: usize = 2 * WIDTH;
 /// Columns of a pivot block that are factored before the rest of it is updated.
 pub(super) const PANEL: usize = 64;
 
-/// Pivots that are eliminated from all that remains at a time: strips of so many stay in a cache near by.
+/// Terms of a sum, and pivots of a block of a large front: strips of so many stay in a cache near by.
 pub(super) const DEPTH: usize = 192;
 
 /// Columns that are updated together: their strips stay in a cache not far away.
@@ -117,19 +117,22 @@ impl WithSimd for SubtractProducts<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let SubtractProducts { rows, right, columns, stride, first, depth, count } = self;
-        tiles!(i in 0, stride - first; M => {
-            let strip = &rows[i * depth..];
-            for (columns, right) in columns.chunks_mut(STRIP * stride).zip(right.chunks(STRIP * depth)) {
-                let width = columns.len() / stride;
-                for j in (0..width).step_by(WIDTH) {
-                    let right = right[j..].chunks(width).take(count).map(four);
-                    let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, right);
-                    let place = &mut columns[j * stride + first + i..];
-                    subtract_from(simd, place, stride, &mut tile);
-                    store::<S, M>(&tile, place, stride);
+        for k in (0..count).step_by(DEPTH) {
+            let terms = DEPTH.min(count - k);
+            tiles!(i in 0, stride - first; M => {
+                let strip = &rows[i * depth + k * M * WIDTH..];
+                for (columns, right) in columns.chunks_mut(STRIP * stride).zip(right.chunks(STRIP * depth)) {
+                    let width = columns.len() / stride;
+                    for j in (0..width).step_by(WIDTH) {
+                        let right = right[k * width + j..].chunks(width).take(terms).map(four);
+                        let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, right);
+                        let place = &mut columns[j * stride + first + i..];
+                        subtract_from(simd, place, stride, &mut tile);
+                        store::<S, M>(&tile, place, stride);
+                    }
                 }
-            }
-        });
+            });
+        }
     }
 }
 

@@ -28,8 +28,9 @@ pub(super) enum Side {
 pub(super) struct Waiting {
     /// Side and first number of the update of each front.
     pub(super) places: Vec<(Side, usize)>,
-    /// Length of the buffer of one thread, and of the updates that are handed over.
+    /// Length of the buffer of the fronts that belong to no task, of that of a task, and of the updates that are handed over.
     pub(super) buffer: usize,
+    pub(super) of_task: usize,
     pub(super) handed: usize,
 }
 
@@ -44,22 +45,20 @@ impl Waiting {
             }
         }
         let size = |k: usize| fronts[k].u * fronts[k].u;
+        let mut is_inside = vec![false; fronts.len()];
         for task in tasks {
+            is_inside[task.clone()].fill(true);
             waiting.places[task.end - 1] = (Side::Handed, waiting.handed);
             waiting.handed += size(task.end - 1);
         }
-        let mut tasks = tasks.iter().peekable();
         let (mut inside, mut above) = ([0; 2], [0; 2]);
         for (k, front) in fronts.iter().enumerate() {
-            while tasks.peek().is_some_and(|task| task.end <= k) {
-                tasks.next();
-            }
-            let tops = if tasks.peek().is_some_and(|task| task.contains(&k)) { &mut inside } else { &mut above };
+            let (tops, buffer) = if is_inside[k] { (&mut inside, &mut waiting.of_task) } else { (&mut above, &mut waiting.buffer) };
             let side = waiting.places[k].0;
             if side != Side::Handed {
                 waiting.places[k].1 = tops[side as usize];
                 tops[side as usize] += size(k);
-                waiting.buffer = waiting.buffer.max(tops[0] + tops[1]);
+                *buffer = (*buffer).max(tops[0] + tops[1]);
             }
             // The children of a front are last on the stack of the other side.
             for &child in &children[front.children.clone()] {
@@ -70,7 +69,7 @@ impl Waiting {
             }
         }
         for (k, (_, at)) in waiting.places.iter_mut().enumerate().filter(|(_, place)| place.0 == Side::High) {
-            *at = waiting.buffer - *at - size(k);
+            *at = if is_inside[k] { waiting.of_task } else { waiting.buffer } - *at - size(k);
         }
         waiting
     }
