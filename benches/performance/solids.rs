@@ -55,7 +55,10 @@ fn write(folder: &Path, name: &str, System { pattern, values, .. }: &System) -> 
         // Magic bytes, version and length of the header: 128 bytes with the line's end.
         file.write_all(b"\x93NUMPY\x01\x00\x76\x00")?;
         writeln!(file, "{header:<117}")?;
-        bytes.map(|bytes| file.write_all(&bytes)).collect()
+        for bytes in bytes {
+            file.write_all(&bytes)?;
+        }
+        Ok(())
     };
     array("starts", "i", starts.len(), &mut starts.iter().map(|&x| (x as u64).to_le_bytes()))?;
     array("rows", "i", rows.len(), &mut rows.iter().map(|&x| (x as u64).to_le_bytes()))?;
