@@ -24,7 +24,7 @@ pub fn seconds(start: Instant) -> f64 {
 }
 
 /// The least milliseconds of some repetitions.
-fn least(repetitions: usize, mut run: impl FnMut()) -> f64 {
+pub fn least(repetitions: usize, mut run: impl FnMut()) -> f64 {
     let start = Instant::now();
     let times = (0..repetitions).map(|_| {
         let before = seconds(start);
@@ -69,7 +69,8 @@ struct Row {
     residual: f64,
 }
 
-fn residual(pattern: &Pattern, values: &[f64], x: &[f64], right: &[f64]) -> f64 {
+/// Largest component of the residual over that of the right-hand side.
+pub fn residual(pattern: &Pattern, values: &[f64], x: &[f64], right: &[f64]) -> f64 {
     let mut product = vec![0.0; x.len()];
     pattern.multiply_into(values, x, &mut product);
     let largest = |x: f64, y: f64| x.max(y.abs());

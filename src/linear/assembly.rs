@@ -2,10 +2,11 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::dense::Blocks;
 use super::fronts::{Beside, Front, Inside, Run};
+use super::panels::Blocks;
 use super::pattern::Block;
 use super::symbolic::Symbolic;
+use super::waiting::Side;
 use crate::math::simd::with_registers;
 use crate::math::workers::Workers;
 
@@ -76,8 +77,12 @@ const WORTH_SHARING: usize = 20_000;
 #[derive(Clone, Copy)]
 pub(super) struct Received<'a> {
     pub(super) symbolic: &'a Symbolic,
+    /// Where all updates wait.
+    pub(super) places: &'a [(Side, usize)],
     pub(super) children: &'a [u32],
+    /// What waits, from number `start` of the buffer on, and what was handed over.
     pub(super) waiting: &'a [f64],
+    pub(super) start: usize,
     pub(super) handed: &'a [f64],
 }
 
@@ -131,9 +136,9 @@ impl<'a> Received<'a> {
     /// A child and its update.
     #[inline(always)]
     fn update(self, child: u32) -> (&'a Front, &'a [f64]) {
-        let child = &self.symbolic.fronts[child as usize];
-        let source = if child.side == 2 { self.handed } else { self.waiting };
-        (child, &source[child.update_at..][..child.u * child.u])
+        let ((side, at), child) = (self.places[child as usize], &self.symbolic.fronts[child as usize]);
+        let source = if side == Side::Handed { &self.handed[at..] } else { &self.waiting[at - self.start..] };
+        (child, &source[..child.u * child.u])
     }
 
     #[inline(always)]

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use super::elimination_order::{Account, EliminationOrder};
 use super::error::LinearError;
 use super::multifrontal::Multifrontal;
-use super::ordering::{Order, anchored, candidates};
+use super::ordering::{Order, alternatives, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
 use super::scaling::{all_finite, largest, reciprocal, reciprocal_root};
@@ -28,6 +28,9 @@ use crate::math::workers::Workers;
 /// Operations per block that is not zero that a new order is worth: some times what a dissection takes, because where meshes are coarse
 /// an order gets worse within few steps and then no more.
 const DISSECTION: f64 = 1.5e5;
+
+/// Operations of a factorisation from which on several dissections are tried: tenths of a second.
+const WORTH_ALTERNATIVES: f64 = 2e9;
 
 /// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to
 /// come back, and each new structure costs a third of a factorisation.
@@ -181,28 +184,41 @@ impl Factorization {
         if reorder {
             let restricted = pattern.restricted(&present);
             self.order.best = if ordered { self.symbolic.operations } else { f64::INFINITY };
-            let orders = candidates(&restricted, &self.watch);
-            if self.watch.is_interrupted() {
-                // The structure at hand is that of no order that was chosen.
-                self.order.kept = Arc::default();
-                return Err(LinearError::Interrupted);
-            }
-            for order in orders {
-                let vertices = anchored(&restricted, &order);
-                let symbolic = Symbolic::new(&restricted, &vertices);
-                if symbolic.operations < self.order.best {
-                    self.order.best = symbolic.operations;
-                    self.order.found = Arc::new(Order::new(vertices, symbolic.parents.clone()));
-                    self.symbolic = symbolic;
-                }
-            }
+            self.choose(&restricted, candidates(&restricted, &self.watch))?;
             self.work.dissections += 1;
+            if self.symbolic.operations > WORTH_ALTERNATIVES {
+                let orders = alternatives(&restricted, &self.watch, &self.workers);
+                self.work.dissections += orders.len();
+                self.choose(&restricted, orders)?;
+            }
             // The first matrix is often that of bodies that do not touch yet: the next structure is worth another order.
             self.account.wasted = if ordered { 0.0 } else { f64::INFINITY };
         }
         (self.order.least, self.account.uses) = (self.symbolic.operations, 0);
         self.order.kept = Arc::new(present);
         self.use_structure()
+    }
+
+    /// Takes the order of elimination that makes the least work, if it makes less than the present one.
+    fn choose(&mut self, pattern: &Pattern, orders: Vec<Vec<u32>>) -> Result<(), LinearError> {
+        for order in orders {
+            if self.watch.is_interrupted() {
+                break;
+            }
+            let vertices = anchored(pattern, &order);
+            let symbolic = Symbolic::new(pattern, &vertices);
+            if symbolic.operations < self.order.best {
+                self.order.best = symbolic.operations;
+                self.order.found = Arc::new(Order::new(vertices, symbolic.parents.clone()));
+                self.symbolic = symbolic;
+            }
+        }
+        if self.watch.is_interrupted() {
+            // The structure at hand is that of no order that was chosen.
+            self.order.kept = Arc::default();
+            return Err(LinearError::Interrupted);
+        }
+        Ok(())
     }
 
     /// Makes room for the factors of the structure.
@@ -220,9 +236,8 @@ impl Factorization {
 
     /// Bytes of the factors, and of the updates of all threads.
     fn needed(&self) -> u64 {
-        let Symbolic { factors, stacks, handed, tasks, .. } = &self.symbolic;
-        let threads = if tasks.is_empty() { 1 } else { self.workers.count() };
-        (size_of::<f64>() * (factors + handed + threads * (stacks[0] + stacks[1]))) as u64
+        let (waiting, threads) = self.symbolic.waiting(&self.workers);
+        (size_of::<f64>() * (self.symbolic.factors + waiting.handed + waiting.buffer + threads * waiting.of_task)) as u64
     }
 
     /// The order of elimination that is in use.
@@ -252,10 +267,14 @@ impl Factorization {
         self.work
     }
 
-    /// Bytes of the factors and of the updates that wait while they are computed.
+    /// Bytes of the factors and of the updates that wait while one thread computes them.
     pub fn bytes(&self) -> usize {
-        let Symbolic { factors, stacks, handed, .. } = &self.symbolic;
-        size_of::<f64>() * (factors + stacks[0] + stacks[1] + handed)
+        size_of::<f64>() * (self.symbolic.factors + self.symbolic.alone.buffer)
+    }
+
+    /// Bytes of the factors alone.
+    pub fn factor_bytes(&self) -> usize {
+        size_of::<f64>() * self.symbolic.factors
     }
 
     /// Whether the last solution came from the slower method: pivots had to be replaced, or the residual was poor.

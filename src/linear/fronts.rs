@@ -21,10 +21,6 @@ pub(super) struct Front {
     pub(super) u: usize,
     /// Place of the front's factors: `p * p` of the pivot block, `u * p` below it, `u * p` to its right.
     pub(super) factors: usize,
-    /// Where its update waits for the parent: in one of two stacks (0 or 1), by turns from level to level of the tree, or, if the front is
-    /// the last of a task, among the updates that are handed over (2).
-    pub(super) side: usize,
-    pub(super) update_at: usize,
     /// The other unknowns in `rows`.
     pub(super) rows: Range<usize>,
     /// Their places in the parent's front, in `runs`: first those that are pivots there, then the others.

@@ -15,9 +15,12 @@ mod fixtures;
 mod fronts;
 mod inertia;
 mod lanczos;
+#[cfg(test)]
+mod large_tests;
 mod multifrontal;
 mod node_matrix;
 mod ordering;
+mod panels;
 mod partial_pivoting;
 mod pattern;
 mod places;
@@ -33,6 +36,7 @@ mod tests;
 mod tiles;
 mod tree;
 mod triangular;
+mod waiting;
 mod watch;
 
 pub use error::LinearError;

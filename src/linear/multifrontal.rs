@@ -13,9 +13,10 @@ use pulp::{Simd, WithSimd};
 
 use super::aligned::AlignedBuffer;
 use super::assembly::{Received, add_entries};
-use super::dense::{self, Blocks, Manner};
+use super::panels::{self, Blocks, Manner};
 use super::substitution::{Direction, Part, Substitution, parts};
 use super::symbolic::Symbolic;
+use super::waiting::{Side, Waiting};
 use super::watch::Watch;
 use crate::math::simd::with_registers;
 use crate::math::tolerances::LINEAR_PIVOT;
@@ -24,9 +25,9 @@ use crate::math::workers::Workers;
 /// What one thread needs to eliminate fronts.
 #[derive(Debug, Default)]
 struct Scratch {
-    /// Updates that wait, level of the tree by level by turns.
-    stacks: [AlignedBuffer; 2],
-    dense: dense::Scratch,
+    /// Updates that wait.
+    waiting: AlignedBuffer,
+    dense: panels::Scratch,
     /// A vector at a front.
     at_front: AlignedBuffer,
 }
@@ -84,15 +85,16 @@ impl Multifrontal {
     /// Makes room for the factors of a structure.
     pub(super) fn reserve(&mut self, symbolic: &Symbolic, workers: &Workers) -> Result<(), TryReserveError> {
         self.factors.resize(symbolic.factors)?;
-        self.handed.resize(symbolic.handed)?;
+        let (waiting, threads) = symbolic.waiting(workers);
+        self.handed.resize(waiting.handed)?;
         let updates = symbolic.tasks.iter().map(|task| symbolic.fronts[task.end - 1].update);
         self.outside.resize(updates.sum(), 0.0);
         self.swaps.resize(symbolic.unknowns.len(), 0);
-        self.scratch.resize_with(if symbolic.tasks.is_empty() { 1 } else { workers.count() }, Mutex::default);
-        for scratch in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()) {
-            for (stack, &size) in scratch.stacks.iter_mut().zip(&symbolic.stacks) {
-                stack.resize(size)?;
-            }
+        self.scratch.resize_with(threads, Mutex::default);
+        // The first one also goes on where tasks have ended.
+        let lengths = std::iter::once(waiting.buffer.max(waiting.of_task)).chain(std::iter::repeat(waiting.of_task));
+        for (scratch, length) in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()).zip(lengths) {
+            scratch.waiting.resize(length)?;
             scratch.at_front.resize(symbolic.largest)?;
         }
         self.replaced.clear();
@@ -108,7 +110,8 @@ impl Multifrontal {
         let (mut tasks, mut above) = (Vec::with_capacity(symbolic.tasks.len()), Vec::with_capacity(symbolic.tasks.len() + 1));
         let mut updates = handed.all_mut();
         let mut done = 0;
-        for task in &symbolic.tasks {
+        let waiting = symbolic.waiting(workers).0;
+        for task in symbolic.tasks.iter().filter(|_| waiting.handed > 0) {
             above.push(whole.split_off(done..task.start, &mut []));
             let u = symbolic.fronts[task.end - 1].u;
             tasks.push(whole.split_off(task.clone(), updates.split_off_mut(..u * u).unwrap_or_default()));
@@ -121,6 +124,7 @@ impl Multifrontal {
             let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
             with_registers(Elimination {
                 symbolic,
+                waiting,
                 values,
                 scale,
                 segment,
@@ -204,6 +208,7 @@ impl Multifrontal {
 /// Consecutive fronts that one thread eliminates.
 struct Elimination<'a, 's, 'u> {
     symbolic: &'a Symbolic,
+    waiting: &'a Waiting,
     values: &'a [f64],
     scale: &'a [f64],
     segment: &'a mut Segment<'s, 'u>,
@@ -219,12 +224,13 @@ impl WithSimd for Elimination<'_, '_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Elimination { symbolic, values, scale, segment, handed, scratch, workers, watch, operations } = self;
+        let Elimination { symbolic, waiting: Waiting { places, .. }, values, scale, segment, handed, scratch, workers, watch, operations } =
+            self;
         let Segment { fronts, factors, swaps, update, replaced } = segment;
-        let Scratch { stacks: [even, odd], dense, .. } = scratch;
+        let Scratch { waiting, dense, .. } = scratch;
         let (mut factors, mut swaps) = (&mut factors[..], &mut swaps[..]);
         let stopped = || watch.is_interrupted();
-        for front in &symbolic.fronts[fronts.clone()] {
+        for (front, &(side, at)) in symbolic.fronts[fronts.clone()].iter().zip(&places[fronts.clone()]) {
             if stopped() {
                 return;
             }
@@ -234,14 +240,19 @@ impl WithSimd for Elimination<'_, '_, '_> {
             let (diagonal, beside) = own.split_at_mut(p * p);
             let (lower, upper) = beside.split_at_mut(u * p);
             let children = &symbolic.children[front.children.clone()];
-            let (rest, waiting) = match front.side {
-                0 => (&mut even.all_mut()[front.update_at..][..u * u], odd.all()),
-                1 => (&mut odd.all_mut()[front.update_at..][..u * u], even.all()),
-                _ if children.iter().any(|&child| symbolic.fronts[child as usize].side == 0) => (&mut update[..], even.all()),
-                _ => (&mut update[..], odd.all()),
+            let (rest, waiting, start) = match side {
+                Side::Low => {
+                    let (low, high) = waiting.all_mut().split_at_mut(at + u * u);
+                    (&mut low[at..], &*high, at + u * u)
+                }
+                Side::High => {
+                    let (low, high) = waiting.all_mut().split_at_mut(at);
+                    (&mut high[..u * u], &*low, 0)
+                }
+                Side::Handed => (&mut update[..], waiting.all(), 0),
             };
             let mut blocks = Blocks { pivots: front.pivots, p, u, diagonal, lower, upper, rest };
-            Received { symbolic, children, waiting, handed }.add_up(simd, &mut blocks, workers);
+            Received { symbolic, places, children, waiting, start, handed }.add_up(simd, &mut blocks, workers);
             add_entries(symbolic, front, values, scale, &mut blocks);
             let manner = Manner { tiny: LINEAR_PIVOT, workers, stopped: &stopped };
             let (own, rest) = swaps.split_at_mut(front.pivots);

@@ -9,6 +9,7 @@
 //! and Duff 1996). Dissection gives less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long
 //! as minimum degree. So an order outlives many changes of contact, and is repaired where surfaces have slid.
 
+use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
@@ -17,9 +18,15 @@ use serde::{Deserialize, Serialize};
 
 use super::pattern::Pattern;
 use super::watch::Watch;
+use crate::math::workers::Workers;
 
 /// Parts of at most this many vertices are not dissected: measured on the bearing (its matrices factor a fifth faster than with 200).
 const SMALLEST_PART: u32 = 25;
+
+/// Imbalances of the parts and seeds of the dissections that are tried for a large matrix, besides the first one: cubes of hexahedra took
+/// 7.5 Gflop with the best of them in place of 12.0, and 360 in place of 450. Others, more starts at the coarsest level, and separators
+/// refined as cuts of edges gain nothing more.
+const ALTERNATIVES: [(f64, u64); 4] = [(0.1, 2), (0.1, 4), (0.05, 1), (0.05, 4)];
 
 /// Couplings of a graph from which on its dissection is interruptible: some hundredths of a second.
 const LONG: usize = 50_000;
@@ -31,14 +38,27 @@ const PATIENCE: Duration = Duration::from_millis(20);
 pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
     let mut orders = Vec::new();
     if let Some(graph) = Graph::new(pattern) {
-        let minimum_degree = graph.dissection(u32::MAX);
-        orders.extend(graph.watched_dissection(SMALLEST_PART, watch));
+        let minimum_degree = graph.dissection(&MetisOptions { nd_to_amd_switch: u32::MAX, ..MetisOptions::default() });
+        let options = MetisOptions { nd_to_amd_switch: SMALLEST_PART, ..MetisOptions::default() };
+        orders.extend(Arc::new(graph).watched_dissection(&options, watch));
         orders.extend(minimum_degree);
     }
     if orders.is_empty() && !watch.is_interrupted() {
         orders.push((0..pattern.vertices() as u32).collect());
     }
     orders
+}
+
+/// Further dissections, for matrices so large that they are worth it, in the same order whatever the number of threads.
+pub(super) fn alternatives(pattern: &Pattern, watch: &Watch, workers: &Workers) -> Vec<Vec<u32>> {
+    let Some(graph) = Graph::new(pattern).map(Arc::new) else { return Vec::new() };
+    let mut orders = ALTERNATIVES.map(|_| None);
+    workers.for_each(&mut orders, 1, |k, order| {
+        let (max_imbalance, seed) = ALTERNATIVES[k];
+        let options = MetisOptions { nd_to_amd_switch: SMALLEST_PART, max_imbalance, seed, ..MetisOptions::default() };
+        *order = if watch.is_interrupted() { None } else { graph.clone().watched_dissection(&options, watch) };
+    });
+    orders.into_iter().flatten().collect()
 }
 
 /// The graph of a pattern as the crate wants it.
@@ -60,23 +80,23 @@ impl Graph {
         Some(graph)
     }
 
-    /// Nested dissection into parts of at most `smallest_part` vertices, and minimum degree in these.
-    fn dissection(&self, smallest_part: u32) -> Option<Vec<u32>> {
+    /// Nested dissection into small parts, and minimum degree in these.
+    fn dissection(&self, options: &MetisOptions) -> Option<Vec<u32>> {
         let graph = CscPattern::new(self.starts.len() - 1, &self.starts, &self.neighbors)?;
-        let options = MetisOptions { nd_to_amd_switch: smallest_part, ..MetisOptions::default() };
-        let (order, ..) = metis_order_full(&graph, &options).ok()?;
+        let (order, ..) = metis_order_full(&graph, options).ok()?;
         Some(order.into_iter().map(|v| v as u32).collect())
     }
 
     /// The same; nothing after an interrupt. The crate cannot be stopped, so a long dissection goes to a thread that is left behind then.
-    fn watched_dissection(self, smallest_part: u32, watch: &Watch) -> Option<Vec<u32>> {
+    fn watched_dissection(self: Arc<Self>, options: &MetisOptions, watch: &Watch) -> Option<Vec<u32>> {
         if watch.interrupt.is_none() || self.neighbors.len() < LONG {
-            return self.dissection(smallest_part);
+            return self.dissection(options);
         }
         let (sender, receiver) = mpsc::channel();
+        let options = options.clone();
         std::thread::spawn(move || {
             // Nobody listens any more after an interrupt.
-            let _ = sender.send(self.dissection(smallest_part));
+            let _ = sender.send(self.dissection(&options));
         });
         loop {
             match receiver.recv_timeout(PATIENCE) {

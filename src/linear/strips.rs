@@ -1,6 +1,8 @@
 //! Work on strips: a few rows or columns of a front's blocks at a time, each of which a thread can take; what one computes depends on no
 //! other.
 
+use std::ops::Range;
+
 use pulp::bytemuck::cast;
 use pulp::{Simd, WithSimd};
 
@@ -12,8 +14,30 @@ pub(super) const STRIP: usize = 2 * WIDTH;
 /// Columns of a pivot block that are factored before the rest of it is updated.
 pub(super) const PANEL: usize = 64;
 
-/// Pivots that are summed over before the next strip.
-const DEPTH: usize = 192;
+/// Terms of a sum, and pivots of a block of a large front: strips of so many stay in a cache near by.
+pub(super) const DEPTH: usize = 192;
+
+/// Columns that are updated together: their strips stay in a cache not far away.
+pub(super) const COLUMNS: usize = 64;
+
+/// Copies the rows from `first` on of some columns, strip by strip.
+pub(super) fn pack_rows(columns: &[f64], height: usize, first: usize, strips: &mut Vec<f64>) {
+    strips.clear();
+    for start in (first..height).step_by(STRIP) {
+        let rows = start..(start + STRIP).min(height);
+        columns.chunks_exact(height).for_each(|column| strips.extend_from_slice(&column[rows.clone()]));
+    }
+}
+
+/// Copies some rows of columns, strip of columns by strip.
+pub(super) fn pack_columns(columns: &[f64], height: usize, rows: Range<usize>, strips: &mut Vec<f64>) {
+    strips.clear();
+    for columns in columns.chunks(STRIP * height) {
+        for k in rows.clone() {
+            strips.extend(columns[k..].iter().step_by(height));
+        }
+    }
+}
 
 /// Forward substitution of the rows `i..i + 4` of four columns with the unit lower factor whose columns begin with number `from`; `rows`
 /// are those above. Returns the rows.
@@ -49,8 +73,10 @@ pub(super) fn substitute_four<'r, S: Simd>(
 pub(super) struct SolveStrip<'a, const UNIT: bool> {
     pub(super) source: &'a [f64],
     pub(super) stride: usize,
+    /// The block on the diagonal with columns of length `p`, and its side.
     pub(super) diagonal: &'a [f64],
     pub(super) p: usize,
+    pub(super) depth: usize,
     pub(super) rows: &'a [[f64; WIDTH]],
     pub(super) out: &'a mut [f64],
 }
@@ -60,49 +86,78 @@ impl<const UNIT: bool> WithSimd for SolveStrip<'_, UNIT> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let SolveStrip { source, stride, diagonal, p, rows, out } = self;
-        let width = out.len() / p;
+        let SolveStrip { source, stride, diagonal, p, depth, rows, out } = self;
+        let width = out.len() / depth;
         for (column, source) in out.chunks_exact_mut(width).zip(source.chunks(stride)) {
             column.copy_from_slice(&source[..width]);
         }
         match width / WIDTH {
-            1 => solve_strip::<S, 1, UNIT, false>(simd, out, WIDTH, diagonal, p, rows),
-            _ => solve_strip::<S, 2, UNIT, false>(simd, out, 2 * WIDTH, diagonal, p, rows),
+            1 => solve_strip::<S, 1, UNIT, false>(simd, out, WIDTH, diagonal, p, depth, rows),
+            _ => solve_strip::<S, 2, UNIT, false>(simd, out, 2 * WIDTH, diagonal, p, depth, rows),
         }
     }
 }
 
-/// Subtracts `lower * right^T` from a few columns of the remainder.
-pub(super) struct UpdateColumns<'a> {
-    /// All strips of the rows below, and those of these columns.
-    pub(super) lower: &'a [f64],
+/// Subtracts the product of strips of rows and strips of columns from some columns, below row `first`.
+pub(super) struct SubtractProducts<'a> {
+    /// All strips of the rows, and those of these columns.
+    pub(super) rows: &'a [f64],
     pub(super) right: &'a [f64],
     pub(super) columns: &'a mut [f64],
-    pub(super) p: usize,
-    pub(super) u: usize,
-    pub(super) pivots: usize,
+    pub(super) stride: usize,
+    pub(super) first: usize,
+    /// Numbers in a row of a strip, and how many of them are not zero.
+    pub(super) depth: usize,
+    pub(super) count: usize,
 }
 
-impl WithSimd for UpdateColumns<'_> {
+impl WithSimd for SubtractProducts<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let UpdateColumns { lower, right, columns, p, u, pivots } = self;
-        let width = columns.len() / u;
-        for k in (0..pivots).step_by(DEPTH) {
-            let depth = DEPTH.min(pivots - k);
-            let right = &right[k * width..];
-            tiles!(i in 0, u; M => {
-                let strip = &lower[i * p + k * M * WIDTH..];
-                for j in (0..width).step_by(WIDTH) {
-                    let rows = right[j..].chunks(width).take(depth).map(four);
-                    let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, rows);
-                    let place = &mut columns[j * u + i..];
-                    subtract_from(simd, place, u, &mut tile);
-                    store::<S, M>(&tile, place, u);
+        let SubtractProducts { rows, right, columns, stride, first, depth, count } = self;
+        for k in (0..count).step_by(DEPTH) {
+            let terms = DEPTH.min(count - k);
+            tiles!(i in 0, stride - first; M => {
+                let strip = &rows[i * depth + k * M * WIDTH..];
+                for (columns, right) in columns.chunks_mut(STRIP * stride).zip(right.chunks(STRIP * depth)) {
+                    let width = columns.len() / stride;
+                    for j in (0..width).step_by(WIDTH) {
+                        let right = right[k * width + j..].chunks(width).take(terms).map(four);
+                        let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, right);
+                        let place = &mut columns[j * stride + first + i..];
+                        subtract_from(simd, place, stride, &mut tile);
+                        store::<S, M>(&tile, place, stride);
+                    }
                 }
             });
+        }
+    }
+}
+
+/// Solves the rows `from..to` of a few columns with the unit lower factor of a block on the diagonal.
+pub(super) struct SolvePanel<'a> {
+    /// The block's columns.
+    pub(super) left: &'a [f64],
+    pub(super) columns: &'a mut [f64],
+    pub(super) p: usize,
+    pub(super) from: usize,
+    pub(super) to: usize,
+}
+
+impl WithSimd for SolvePanel<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let SolvePanel { left, columns, p, from, to } = self;
+        let mut rows = [[0.0; WIDTH]; DEPTH];
+        for columns in columns.chunks_exact_mut(WIDTH * p) {
+            for i in (from..to).step_by(WIDTH) {
+                let new = substitute_four(simd, left, p, from, i, rows[..i - from].iter(), columns);
+                rows[i - from..][..WIDTH].copy_from_slice(&new);
+            }
         }
     }
 }
@@ -141,8 +196,8 @@ impl WithSimd for UpdatePanel<'_> {
     }
 }
 
-/// `X := X T^-1` for `4 * M` rows, with `T` the upper factor or (`UNIT`) the transposed lower factor of the pivot block, whose rows are
-/// given as the factorisation of the pivot block leaves them.
+/// `X := X T^-1` for `4 * M` rows, with `T` the upper factor or (`UNIT`) the transposed lower factor of a block on the diagonal, of side
+/// `depth` in columns of length `p`, whose rows are given as the factorisation leaves them.
 #[inline(always)]
 pub(super) fn solve_strip<S: Simd, const M: usize, const UNIT: bool, const STRIDED: bool>(
     simd: S,
@@ -150,9 +205,10 @@ pub(super) fn solve_strip<S: Simd, const M: usize, const UNIT: bool, const STRID
     stride: usize,
     diagonal: &[f64],
     p: usize,
+    depth: usize,
     mut all_rows: &[[f64; WIDTH]],
 ) {
-    for j in (0..p).step_by(WIDTH) {
+    for j in (0..depth).step_by(WIDTH) {
         let (left, right) = x.split_at_mut(j * stride);
         let mut tile = if STRIDED {
             outer_products::<S, M>(simd, left, stride, diagonal[j..].chunks(p).take(j).map(four))

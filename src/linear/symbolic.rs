@@ -10,6 +10,8 @@ use super::pattern::{Block, Pattern};
 use super::places::Places;
 use super::tiles::padded;
 use super::tree::{NONE, Tree};
+use super::waiting::{Waiting, surplus};
+use crate::math::workers::Workers;
 
 /// Operations from which on a matrix is worth more than one thread: some tenths of a millisecond.
 const WORTH_TASKS: f64 = 3e6;
@@ -32,9 +34,9 @@ pub(super) struct Symbolic {
     pub(super) factors: usize,
     /// Independent subtrees, as ranges of fronts in ascending order: each can be eliminated before what is left. None in a small matrix.
     pub(super) tasks: Vec<Range<usize>>,
-    /// Numbers in updates that wait at one time on the two stacks of one thread, and in those that tasks hand over.
-    pub(super) stacks: [usize; 2],
-    pub(super) handed: usize,
+    /// Where updates wait if one thread eliminates all fronts, and if tasks are shared among several.
+    pub(super) alone: Waiting,
+    pub(super) shared: Waiting,
     /// Unknowns of the largest front.
     pub(super) largest: usize,
     /// Floating-point operations of a factorisation.
@@ -50,7 +52,9 @@ impl Symbolic {
         let numbering = symbolic.number_fronts(pattern, order, &tree);
         symbolic.places = Places::find(pattern, order, &tree, &numbering, &mut symbolic.fronts, &symbolic.children);
         symbolic.find_tasks();
-        symbolic.place_updates();
+        symbolic.largest = symbolic.fronts.iter().map(|front| front.p + front.u).max().unwrap_or(0);
+        symbolic.alone = Waiting::new(&symbolic.fronts, &symbolic.children, &[]);
+        symbolic.shared = Waiting::new(&symbolic.fronts, &symbolic.children, &symbolic.tasks);
         symbolic
     }
 
@@ -63,6 +67,11 @@ impl Symbolic {
         for entry in &mut self.places.beside {
             (entry.lower, entry.upper) = (find(entry.other, entry.pivot), find(entry.pivot, entry.other));
         }
+    }
+
+    /// Where updates wait, and for how many threads.
+    pub(super) fn waiting(&self, workers: &Workers) -> (&Waiting, usize) {
+        if workers.are_many() && !self.tasks.is_empty() { (&self.shared, workers.count()) } else { (&self.alone, 1) }
     }
 
     /// Splits the tree into independent subtrees of comparable work and the fronts above them.
@@ -94,46 +103,6 @@ impl Symbolic {
         self.tasks = tasks;
     }
 
-    /// Finds where each update waits. The children of a front are last on the stack of the other side.
-    fn place_updates(&mut self) {
-        let mut depth = vec![0u8; self.fronts.len()];
-        for k in (0..self.fronts.len()).rev() {
-            if let Some(parent) = self.fronts[k].parent {
-                depth[k] = 1 - depth[parent as usize];
-            }
-            self.fronts[k].side = depth[k] as usize;
-            self.largest = self.largest.max(self.fronts[k].p + self.fronts[k].u);
-        }
-        for task in &self.tasks {
-            self.fronts[task.end - 1].side = 2;
-        }
-        let mut tasks = self.tasks.iter().peekable();
-        let (mut inside, mut above) = ([0; 2], [0; 2]);
-        for k in 0..self.fronts.len() {
-            while tasks.peek().is_some_and(|task| task.end <= k) {
-                tasks.next();
-            }
-            // A task begins with empty stacks of its own.
-            let tops = if tasks.peek().is_some_and(|task| task.contains(&k)) { &mut inside } else { &mut above };
-            for &child in &self.children[self.fronts[k].children.clone()] {
-                let child = &self.fronts[child as usize];
-                if child.side < 2 {
-                    tops[child.side] -= child.u * child.u;
-                }
-            }
-            let front = &mut self.fronts[k];
-            let size = front.u * front.u;
-            if front.side < 2 {
-                front.update_at = tops[front.side];
-                tops[front.side] += size;
-                self.stacks[front.side] = self.stacks[front.side].max(tops[front.side]);
-            } else {
-                front.update_at = self.handed;
-                self.handed += size;
-            }
-        }
-    }
-
     /// Puts the fronts in an order that ends every subtree with its root. Returns the last vertex of each front and, per vertex in the
     /// order of elimination, its first pivot.
     fn number_fronts(&mut self, pattern: &Pattern, order: &[u32], tree: &Tree) -> Numbering {
@@ -141,6 +110,7 @@ impl Symbolic {
         let mut numbering = Numbering { roots: Vec::new(), first: vec![0; count], sequence: Vec::with_capacity(count) };
         let mut number = vec![NONE; count];
         let mut children: Vec<u32> = Vec::new();
+        let surplus = surplus(tree);
         let mut stack: Vec<(u32, bool)> = tree.roots.iter().rev().map(|&k| (k, false)).collect();
         while let Some((k, done)) = stack.pop() {
             if !done {
@@ -148,7 +118,7 @@ impl Symbolic {
                 children.clear();
                 children.extend(tree.kids(k));
                 // The largest update first keeps the stack of updates small.
-                children.sort_by_key(|&c| (tree.update[c as usize], c));
+                children.sort_by_key(|&c| (surplus.as_ref().map_or(tree.update[c as usize] as usize, |surplus| surplus[c as usize]), c));
                 stack.extend(children.iter().map(|&c| (c, false)));
                 continue;
             }

@@ -1,0 +1,114 @@
+//! Where the updates of fronts wait for their parents, and in which order children come so that little waits at one time.
+//!
+//! Updates wait on two stacks, by turns from level to level of the tree, which grow towards each other in one buffer: a front and its
+//! children are on different ones.
+
+use std::ops::Range;
+
+use super::fronts::Front;
+use super::tiles::padded;
+use super::tree::Tree;
+
+/// Numbers that wait at one time from which on children come in the order that makes them fewest: 16 MB. Below, the largest comes first.
+const LARGE: usize = 1 << 21;
+
+/// Where an update waits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Side {
+    /// On the stack that begins at the buffer's start, or on that which begins at its end.
+    #[default]
+    Low,
+    High,
+    /// Among the updates that tasks hand over.
+    Handed,
+}
+
+/// Where all updates wait.
+#[derive(Debug, Default)]
+pub(super) struct Waiting {
+    /// Side and first number of the update of each front.
+    pub(super) places: Vec<(Side, usize)>,
+    /// Length of the buffer of the fronts that belong to no task, of that of a task, and of the updates that are handed over.
+    pub(super) buffer: usize,
+    pub(super) of_task: usize,
+    pub(super) handed: usize,
+}
+
+impl Waiting {
+    /// For fronts in an order that ends every subtree with its root; a task, a range of fronts, has stacks of its own, and its last update
+    /// is handed over.
+    pub(super) fn new(fronts: &[Front], children: &[u32], tasks: &[Range<usize>]) -> Self {
+        let mut waiting = Waiting { places: vec![(Side::Low, 0); fronts.len()], ..Waiting::default() };
+        for k in (0..fronts.len()).rev() {
+            if let Some(parent) = fronts[k].parent {
+                waiting.places[k].0 = if waiting.places[parent as usize].0 == Side::Low { Side::High } else { Side::Low };
+            }
+        }
+        let size = |k: usize| fronts[k].u * fronts[k].u;
+        let mut is_inside = vec![false; fronts.len()];
+        for task in tasks {
+            is_inside[task.clone()].fill(true);
+            waiting.places[task.end - 1] = (Side::Handed, waiting.handed);
+            waiting.handed += size(task.end - 1);
+        }
+        let (mut inside, mut above) = ([0; 2], [0; 2]);
+        for (k, front) in fronts.iter().enumerate() {
+            let (tops, buffer) = if is_inside[k] { (&mut inside, &mut waiting.of_task) } else { (&mut above, &mut waiting.buffer) };
+            let side = waiting.places[k].0;
+            if side != Side::Handed {
+                waiting.places[k].1 = tops[side as usize];
+                tops[side as usize] += size(k);
+                *buffer = (*buffer).max(tops[0] + tops[1]);
+            }
+            // The children of a front are last on the stack of the other side.
+            for &child in &children[front.children.clone()] {
+                let side = waiting.places[child as usize].0;
+                if side != Side::Handed {
+                    tops[side as usize] -= size(child as usize);
+                }
+            }
+        }
+        for (k, (_, at)) in waiting.places.iter_mut().enumerate().filter(|(_, place)| place.0 == Side::High) {
+            *at = if is_inside[k] { waiting.of_task } else { waiting.buffer } - *at - size(k);
+        }
+        waiting
+    }
+}
+
+/// For each front the numbers that wait at most while its subtree is eliminated, less those that its own update has: children come in
+/// descending order of it (Liu 1986). Nothing where that is not worth another order than by size.
+pub(super) fn surplus(tree: &Tree) -> Option<Vec<usize>> {
+    let by_size = peaks(tree, |c, _| tree.update[c as usize] as usize);
+    let largest = tree.roots.iter().map(|&root| by_size[root as usize]).max()?;
+    let surplus = |peaks: &[usize], c: u32| peaks[c as usize] - size(tree, c);
+    let by_surplus = (largest >= LARGE).then(|| peaks(tree, |c, peaks| surplus(peaks, c)))?;
+    Some((0..by_surplus.len() as u32).map(|c| by_surplus[c as usize].saturating_sub(size(tree, c))).collect())
+}
+
+fn size(tree: &Tree, front: u32) -> usize {
+    padded(tree.update[front as usize] as usize).pow(2)
+}
+
+/// The numbers that wait at most in the subtree of each front, where children come in descending order of a number.
+fn peaks(tree: &Tree, rank: impl Fn(u32, &[usize]) -> usize) -> Vec<usize> {
+    let mut from_above = tree.roots.clone();
+    let mut k = 0;
+    while let Some(&front) = from_above.get(k) {
+        from_above.extend(tree.kids(front));
+        k += 1;
+    }
+    let mut peaks = vec![0; tree.update.len()];
+    let mut kids: Vec<u32> = Vec::new();
+    for &front in from_above.iter().rev() {
+        kids.clear();
+        kids.extend(tree.kids(front));
+        kids.sort_by_key(|&c| std::cmp::Reverse(rank(c, &peaks)));
+        let (mut waiting, mut peak) = (0, 0);
+        for &c in &kids {
+            peak = peak.max(waiting + peaks[c as usize]);
+            waiting += size(tree, c);
+        }
+        peaks[front as usize] = peak.max(waiting + size(tree, front));
+    }
+    peaks
+}
