@@ -170,8 +170,8 @@ fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], 
     }
 }
 
-/// Nodal forces of a contact with these multipliers over those of unit ones, along these; `for_each` tells of the forces. Corners of faces of
-/// six nodes have hardly any, and their multipliers in place of a mean.
+/// Nodal forces of a contact with these multipliers over those of unit ones, along these; `for_each` tells of the forces. Corners of faces
+/// of six nodes have hardly any, and their multipliers in place of a mean.
 fn means<const D: usize>(
     contact: Loaded,
     lambda: &[f64],
