@@ -65,6 +65,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/bearing_3d", "energy.svg"),
     ("scenarios/thrown_bricks", "bricks.svg"),
     ("scenarios/ball_in_bowl", "bowl.png"),
+    ("scenarios/roller", "roller.png"),
     ("scenarios/crossing_tubes", "tubes.png"),
     ("scenarios/o_ring", "o_ring.png"),
     ("scenarios/snap_ring", "snap_ring.png"),

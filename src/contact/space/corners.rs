@@ -2,12 +2,10 @@
 //!
 //! For convex bodies the depth of an overlap is the largest gap over the faces of the Minkowski difference: every such face is a vertex of
 //! one body on a facet of the other, or two edges that cross. So a vertex on a sharp edge has a row against each facet opposite it, and a
-//! sharp edge one against each sharp edge that it crosses, if everything next to the feature recedes along the row's normal: then the pair
-//! is such a face. Which rows there are, and their signs, is decided at the start of a step, where it begins and where it is predicted to
-//! end. A row with an overlap goes where a shallower one near by says that the bodies have to be parted along another direction
-//! (*dominance*).
-//!
-//! Rows stand in a few slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
+//! sharp edge one against each sharp edge that it crosses, if all next to the feature recedes along the row's normal: then the pair is such
+//! a face. Rows and their signs are chosen at the start of a step, where it begins and where it is predicted to end. A row with an overlap
+//! goes where a shallower one near by parts the bodies along another direction (*dominance*). Rows stand in a few slots for each feature,
+//! taken in the order of what is opposite; weights are the square of the smallest facet.
 
 use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};
@@ -24,8 +22,9 @@ use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
-/// Rows of a feature: a vertex in a pocket touches three walls.
+/// Rows of a feature, as of a vertex in a pocket; those of a ball on all facets around a node, and its largest radius in facets.
 const SLOTS: usize = 3;
+const OF_BALL: (usize, f64) = (6, 3.0);
 
 /// Margin beyond the need with which candidates are searched, in smallest facets.
 const SPARE: f64 = 1.0;
@@ -75,6 +74,7 @@ pub struct CornersInSpace {
     has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
     radius: f64,
+    slots: usize,
     /// What the facets of either side are of a curve.
     bulges: [Bulges; 2],
     /// For each patch what is added to its gap.
@@ -122,7 +122,9 @@ impl CornersInSpace {
     pub(crate) fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
         let alone = Features { vertices: vec![Vertex { node: center, spokes: Vec::new() }], edges: Vec::new(), laps: vec![Vec::new()] };
         let features = [Features::new(&surface, positions), alone];
-        let made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);
+        let mut made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);
+        made.slots = if radius > 0.0 && radius <= OF_BALL.1 * facet_size { OF_BALL.0 } else { SLOTS };
+        made.sides.weights.resize(made.slots * made.owners.count(), facet_size * facet_size);
         Box::new(CornersInSpace { has_nodal_rows: true, radius, ..made })
     }
 
@@ -149,6 +151,7 @@ impl CornersInSpace {
             start: Vec::new(),
             has_nodal_rows: false,
             radius: 0.0,
+            slots: SLOTS,
             bulges: Default::default(),
             clearances: Vec::new(),
         }
@@ -179,8 +182,7 @@ impl CornersInSpace {
         for &[owner, partner] in self.candidates.pairs() {
             let Some(kind) = self.kind(owner as usize, partner as usize) else { continue };
             let nodes = [self.owners.facet(owner as usize), self.partners.facet(partner as usize)].concat();
-            let first = SLOTS as u32 * owner;
-            self.sides.patches.push(&nodes, &[first, first + 1, first + 2]);
+            self.sides.patches.push(&nodes, &Vec::from_iter((0..self.slots as u32).map(|slot| self.slots as u32 * owner + slot)));
             self.kinds.push(kind);
         }
         self.rows = vec![None; self.kinds.len()];
@@ -218,7 +220,7 @@ impl CornersInSpace {
         let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
         for q in configurations {
             let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, outlook)).collect();
-            let found = self.nearest_facets(found);
+            let found = if self.slots > SLOTS { found } else { self.nearest_facets(found) };
             let is_elsewhere = |row: &Found| self.has_nodal_rows && matches!(self.kinds[row.patch], Kind::Vertex { side: 0, .. });
             for row in found.iter().filter(|row| !is_elsewhere(row) && !self.is_dominated(row, &found)) {
                 let known = &mut chosen[row.patch];
@@ -234,8 +236,7 @@ impl CornersInSpace {
         for rows in of_owner.chunk_by_mut(|a, b| owner(a.patch) == owner(b.patch)) {
             // The deepest ones, where there are more than slots.
             rows.sort_by(|a, b| a.gap.total_cmp(&b.gap));
-            let count = rows.len().min(SLOTS);
-            let kept = &mut rows[..count];
+            let mut kept: Vec<Found> = rows.iter().take(self.slots).copied().collect();
             kept.sort_by_key(|row| row.patch);
             for (slot, row) in kept.iter().enumerate() {
                 self.rows[row.patch] = Some((slot, row.measure));
@@ -351,7 +352,7 @@ impl PatchFunctions for CornersInSpace {
     }
 
     fn rows_per_node(&self) -> usize {
-        SLOTS
+        self.slots
     }
 
     fn is_nodal(&self) -> bool {

@@ -170,7 +170,8 @@ fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], 
     }
 }
 
-/// Nodal forces of a contact with these multipliers over those of unit ones, along these; `for_each` tells of the forces.
+/// Nodal forces of a contact with these multipliers over those of unit ones, along these; `for_each` tells of the forces. Corners of faces
+/// of six nodes have hardly any, and their multipliers in place of a mean.
 fn means<const D: usize>(
     contact: Loaded,
     lambda: &[f64],
@@ -179,8 +180,14 @@ fn means<const D: usize>(
     for_each: impl FnOnce(&[f64], &mut dyn FnMut(u32, bool, f64, [f64; 3])),
 ) -> Vec<f64> {
     let dot = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let over = |(force, unit): (&[f64; 3], &[f64; 3])| if *unit == [0.0; 3] { 0.0 } else { dot(force, unit) / dot(unit, unit) };
-    forces.iter().zip(&unit_forces::<D>(contact, lambda, q, for_each)).map(over).collect()
+    let unit = unit_forces::<D>(contact, lambda, q, for_each);
+    let covered: Vec<f64> = areas(contact.pair, q).iter().zip(&contact.evaluation.coverage).map(|(area, share)| area * share).collect();
+    let of = |(node, (force, unit)): (usize, (&[f64; 3], &[f64; 3]))| match size(unit) {
+        0.0 => 0.0,
+        of_unit if D == 3 && of_unit < 0.5 * covered[node] => lambda[node],
+        _ => dot(force, unit) / dot(unit, unit),
+    };
+    forces.iter().zip(&unit).enumerate().map(of).collect()
 }
 
 /// Forces of unit multipliers on the secondary nodes; none where there are no means or no multipliers `lambda`.

@@ -229,7 +229,7 @@ where
 
     /// What all pairs and their tangential rows are at `q` with the present multipliers.
     fn evaluated_at(&self, q: &[f64]) -> [Vec<Evaluation>; 2] {
-        let evaluations = self.system.evaluations_at(q, &self.state.lambda);
+        let evaluations = self.system.evaluations_at(q);
         let slips = self.system.slips_at_rest(q, &evaluations);
         [evaluations, slips]
     }

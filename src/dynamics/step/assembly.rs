@@ -284,11 +284,12 @@ where
         }
     }
 
-    /// What all pairs are at rest at `q` with these multipliers.
-    pub fn evaluations_at(&self, q: &[f64], lambda: &[f64]) -> Vec<Evaluation> {
+    /// What all pairs are at rest at `q`: gaps and gradients, and no tangent.
+    pub fn evaluations_at(&self, q: &[f64]) -> Vec<Evaluation> {
+        let none = vec![0.0; self.multipliers];
         let evaluated = |pair: &ContactPair| {
             let mut evaluation = Evaluation::default();
-            pair.kernel.evaluate(Derivative::AT_END, q, &lambda[pair.rows.clone()], &mut evaluation);
+            pair.kernel.evaluate(Derivative::AT_END, q, &none[pair.rows.clone()], &mut evaluation);
             evaluation
         };
         self.pairs.iter().map(evaluated).collect()
