@@ -8,8 +8,8 @@ use super::window::Outlook;
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
-/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends. In space forces on edges
-/// that nearly coincide pass from one facet to the other within a band, or with a kink.
+/// Discrete gradients of a mortar sum: all conserve, each copes with other kinks, where overlaps change their ends. In space forces on
+/// edges that nearly coincide pass from one facet to the other within a band, or with a kink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Correction {
     /// The gradient at mid-step, corrected patch by patch.

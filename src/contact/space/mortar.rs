@@ -117,8 +117,8 @@ impl MortarInSpace {
         Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.raised(self.raised(p)))
     }
 
-    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges; where
-    /// they do not slide, the correction that a band needs may be as large as what it corrects.
+    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges;
+    /// where they do not slide, the correction that a band needs may be as large as what it corrects.
     fn band(&self, p: usize) -> f64 {
         let is_raised = || self.raised(p).into_iter().flatten().any(|height| *height != 0.0);
         let usual = if self.slides.get(p).is_none_or(|slides| !slides) && is_raised() { 0.0 } else { EDGES_MEET };
@@ -164,6 +164,11 @@ impl MortarInSpace {
         };
         self.search.summed(&self.sides, (0..self.sides.patches.len()).map(of_pair))
     }
+}
+
+/// The gradients of all secondary nodes as lists of so many unknowns, one after the other.
+fn lists_into(gradients: Option<&Gradients>, unknowns: usize, out: &mut [f64]) {
+    out.chunks_exact_mut(unknowns).enumerate().for_each(|(k, block)| list_into(gradients, k, block));
 }
 
 /// The gradient of secondary node `k` as one list; zeros without a pair.
@@ -285,11 +290,9 @@ impl Scratch {
         let values = sums.end.map_or([0.0; CORNERS], |[values, _]| values);
         let (rows, unknowns) = (kernel.sides.patches.rows(p), end_z.len());
         let at_end = end.as_ref().map(|end| end.gradients(0.0));
-        let each = out.gradient_end.chunks_exact_mut(unknowns).enumerate();
-        each.for_each(|(k, block)| list_into(at_end.as_ref(), k, block));
+        lists_into(at_end.as_ref(), unknowns, out.gradient_end);
         out.tangent.fill(0.0);
-        let mut weights = [0.0; CORNERS];
-        rows.iter().zip(&mut weights).for_each(|(&row, weight)| *weight = lambda[row as usize]);
+        let weights: [f64; CORNERS] = std::array::from_fn(|k| rows.get(k).map_or(0.0, |&row| lambda[row as usize]));
         let is_pressed = weights != [0.0; CORNERS];
         let pressed = Pressed { counts: kernel.counts(p), raised: kernel.raised(p), weights, band: kernel.band(p) };
         if derivative == Derivative::DiscreteGradient {
@@ -301,10 +304,9 @@ impl Scratch {
             }
             let in_middle = middle.as_ref().map(|middle| middle.gradients(kernel.band(p)));
             if kernel.correction == Correction::PerNode {
-                let blocks = out.gradient_bar.chunks_exact_mut(unknowns).zip(&mut sums.remainders);
-                for (k, (bar, remainder)) in blocks.enumerate() {
-                    list_into(in_middle.as_ref(), k, bar);
-                    *remainder = projection.remainder(bar, values[k] - start.values[k]);
+                lists_into(in_middle.as_ref(), unknowns, out.gradient_bar);
+                for (k, bar) in out.gradient_bar.chunks_exact(unknowns).enumerate() {
+                    sums.remainders[k] = projection.remainder(bar, values[k] - start.values[k]);
                 }
                 sums.increment.extend(projection.increment());
                 sums.size = projection.size();
@@ -338,8 +340,7 @@ impl Scratch {
             Configuration::End => (&end, end_z),
         };
         let acting = pair.as_ref().map(|pair| pair.gradients(kernel.band(p)));
-        let each = out.gradient_bar.chunks_exact_mut(unknowns).enumerate();
-        each.for_each(|(k, block)| list_into(acting.as_ref(), k, block));
+        lists_into(acting.as_ref(), unknowns, out.gradient_bar);
         if is_pressed && pair.is_some() {
             vectors::hessian_into(z, placement.share, out.tangent, &pressed);
         }
