@@ -18,7 +18,7 @@ pub const SCRIPTS: &[(&str, usize)] = &[
     ("04_laws", 70),
     ("05_viscosity", 18),
     ("06_contact_at_rest", 48),
-    ("07_hertz_and_punch", 24),
+    ("07_hertz_and_punch", 36),
     ("08_rigid_motion", 28),
     ("09_conservation", 25),
     ("10_waves_and_impacts", 33),
