@@ -108,19 +108,18 @@ macro_rules! of_each {
 }
 of_each! { Add add +; Sub sub -; Mul mul *; Div div /; }
 
-impl<const N: usize> AddAssign for Each<N> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
+/// What is added and subtracted in place.
+macro_rules! in_place {
+    ($($type:ident $trait:ident $name:ident $operator:tt;)*) => { $(
+        impl<const N: usize> $trait for $type<N> {
+            #[inline(always)]
+            fn $name(&mut self, other: Self) {
+                *self = *self $operator other;
+            }
+        }
+    )* };
 }
-
-impl<const N: usize> SubAssign for Each<N> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
+in_place! { Each AddAssign add_assign +; Each SubAssign sub_assign -; Jet AddAssign add_assign +; Jet SubAssign sub_assign -; }
 
 /// A number with its derivatives with respect to some unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -210,20 +209,6 @@ impl<const N: usize> Neg for Jet<N> {
     #[inline(always)]
     fn neg(self) -> Self {
         Jet { re: -self.re, eps: self.eps.map(|eps| -eps) }
-    }
-}
-
-impl<const N: usize> AddAssign for Jet<N> {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl<const N: usize> SubAssign for Jet<N> {
-    #[inline(always)]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
     }
 }
 

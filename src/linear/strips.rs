@@ -136,6 +136,16 @@ impl WithSimd for SubtractProducts<'_> {
     }
 }
 
+/// Solves some rows of four columns with the unit lower factor of a block on the diagonal, and keeps them in `rows`.
+#[inline(always)]
+fn substitute<S: Simd>(simd: S, left: &[f64], p: usize, range: Range<usize>, rows: &mut [[f64; WIDTH]], columns: &mut [f64]) {
+    let from = range.start;
+    for i in range.step_by(WIDTH) {
+        let new = substitute_four(simd, left, p, from, i, rows[..i - from].iter(), columns);
+        rows[i - from..][..WIDTH].copy_from_slice(&new);
+    }
+}
+
 /// Solves the rows `from..to` of a few columns with the unit lower factor of a block on the diagonal.
 pub(super) struct SolvePanel<'a> {
     /// The block's columns.
@@ -154,10 +164,7 @@ impl WithSimd for SolvePanel<'_> {
         let SolvePanel { left, columns, p, from, to } = self;
         let mut rows = [[0.0; WIDTH]; DEPTH];
         for columns in columns.chunks_exact_mut(WIDTH * p) {
-            for i in (from..to).step_by(WIDTH) {
-                let new = substitute_four(simd, left, p, from, i, rows[..i - from].iter(), columns);
-                rows[i - from..][..WIDTH].copy_from_slice(&new);
-            }
+            substitute(simd, left, p, from..to, &mut rows, columns);
         }
     }
 }
@@ -182,10 +189,7 @@ impl WithSimd for UpdatePanel<'_> {
         let depth = to - from;
         let mut rows = [[0.0; WIDTH]; PANEL];
         for columns in columns.chunks_exact_mut(WIDTH * p) {
-            for i in (from..to).step_by(WIDTH) {
-                let new = substitute_four(simd, left, p, from, i, rows[..i - from].iter(), columns);
-                rows[i - from..][..WIDTH].copy_from_slice(&new);
-            }
+            substitute(simd, left, p, from..to, &mut rows, columns);
             tiles!(i in to, p; M => {
                 let strip = &strips[(i - to) * depth..];
                 let mut tile = outer_products::<S, M>(simd, strip, M * WIDTH, rows[..depth].iter());

@@ -117,11 +117,12 @@ impl MortarInSpace {
         Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.raised(self.raised(p)))
     }
 
-    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges;
-    /// where they do not slide, the correction that a band needs may be as large as what it corrects.
-    fn band(&self, p: usize) -> f64 {
+    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges: the
+    /// correction that a band needs there may be as large as what it corrects, unless they slide in the step.
+    fn band(&self, p: usize, derivative: Derivative) -> f64 {
+        let slides = derivative == Derivative::DiscreteGradient && self.slides.get(p).is_some_and(|slides| *slides);
         let is_raised = || self.raised(p).into_iter().flatten().any(|height| *height != 0.0);
-        let usual = if self.slides.get(p).is_none_or(|slides| !slides) && is_raised() { 0.0 } else { EDGES_MEET };
+        let usual = if slides || !is_raised() { EDGES_MEET } else { 0.0 };
         match self.correction {
             Correction::PerPatch => usual,
             Correction::SteadyEnds => EDGES_MEET - usual,
@@ -294,7 +295,8 @@ impl Scratch {
         out.tangent.fill(0.0);
         let weights: [f64; CORNERS] = std::array::from_fn(|k| rows.get(k).map_or(0.0, |&row| lambda[row as usize]));
         let is_pressed = weights != [0.0; CORNERS];
-        let pressed = Pressed { counts: kernel.counts(p), raised: kernel.raised(p), weights, band: kernel.band(p) };
+        let band = kernel.band(p, derivative);
+        let pressed = Pressed { counts: kernel.counts(p), raised: kernel.raised(p), weights, band };
         if derivative == Derivative::DiscreteGradient {
             projection.set(&start.positions, end_z);
             let [of_middle, of_end] = weighted;
@@ -302,7 +304,7 @@ impl Scratch {
                 vector.clear();
                 vector.resize(unknowns, 0.0);
             }
-            let in_middle = middle.as_ref().map(|middle| middle.gradients(kernel.band(p)));
+            let in_middle = middle.as_ref().map(|middle| middle.gradients(band));
             if kernel.correction == Correction::PerNode {
                 lists_into(in_middle.as_ref(), unknowns, out.gradient_bar);
                 for (k, bar) in out.gradient_bar.chunks_exact(unknowns).enumerate() {
@@ -339,7 +341,7 @@ impl Scratch {
             Configuration::Middle => (&middle, middle_z),
             Configuration::End => (&end, end_z),
         };
-        let acting = pair.as_ref().map(|pair| pair.gradients(kernel.band(p)));
+        let acting = pair.as_ref().map(|pair| pair.gradients(band));
         lists_into(acting.as_ref(), unknowns, out.gradient_bar);
         if is_pressed && pair.is_some() {
             vectors::hessian_into(z, placement.share, out.tangent, &pressed);
@@ -371,17 +373,12 @@ impl CandidateSearch for MortarInSpace {
         Some((&mut self.search, &self.sides))
     }
 
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = self.search.update(&self.sides, outlook);
-        if changed {
-            self.list_patches();
-        }
+    fn look_ahead(&mut self, outlook: &Outlook) {
         let Sides { secondary, primary, facet_size, .. } = &self.sides;
         let slides = |&[own, other]: &[u32; 2]| {
             outlook.travel::<3>(secondary.facet(own as usize), primary.facet(other as usize)) > SLIDES * facet_size
         };
         self.slides = self.search.candidates.pairs().iter().map(slides).collect();
-        changed
     }
 
     fn list_patches(&mut self) {
