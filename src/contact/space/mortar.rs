@@ -117,8 +117,8 @@ impl MortarInSpace {
         Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.raised(self.raised(p)))
     }
 
-    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges: the
-    /// correction that a band needs there may be as large as what it corrects, unless they slide in the step.
+    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges:
+    /// the correction that a band needs there may be as large as what it corrects, unless they slide in the step.
     fn band(&self, p: usize, derivative: Derivative) -> f64 {
         let slides = derivative == Derivative::DiscreteGradient && self.slides.get(p).is_some_and(|slides| *slides);
         let is_raised = || self.raised(p).into_iter().flatten().any(|height| *height != 0.0);
