@@ -239,6 +239,15 @@ impl<const N: usize> Mul<f64> for Jet<N> {
     }
 }
 
+impl<const N: usize> Mul<Jet<N>> for f64 {
+    type Output = Jet<N>;
+
+    #[inline(always)]
+    fn mul(self, other: Jet<N>) -> Jet<N> {
+        other * self
+    }
+}
+
 impl<const N: usize> Number for Jet<N> {
     #[inline(always)]
     fn re(self) -> f64 {

@@ -8,7 +8,7 @@ use super::bulge::Raised;
 use super::pair::{CORNERS, Gradients, NODES, Pair};
 use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
-use super::vectors::{self, Gradient, Jet, Vec3};
+use super::vectors::Vec3;
 use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Place};
@@ -180,24 +180,6 @@ fn list_into(gradients: Option<&Gradients>, k: usize, out: &mut [f64]) {
     }
 }
 
-/// A pair's functions with these weights, as they act.
-struct Pressed<'a> {
-    counts: [usize; 2],
-    raised: [&'a Raised; 2],
-    weights: [f64; CORNERS],
-    band: f64,
-}
-
-impl Gradient<NODES> for Pressed<'_> {
-    #[inline(always)]
-    fn at(&self, x: &[Vec3<Jet>]) -> [Vec3<Jet>; NODES] {
-        match Pair::new(x, self.counts) {
-            Some(pair) => pair.raised(self.raised).gradient(&self.weights, self.band),
-            None => [[Jet::from(0.0); 3]; NODES],
-        }
-    }
-}
-
 impl PatchFunctions for MortarInSpace {
     fn sides(&self) -> &Sides {
         &self.sides
@@ -296,7 +278,6 @@ impl Scratch {
         let weights: [f64; CORNERS] = std::array::from_fn(|k| rows.get(k).map_or(0.0, |&row| lambda[row as usize]));
         let is_pressed = weights != [0.0; CORNERS];
         let band = kernel.band(p, derivative);
-        let pressed = Pressed { counts: kernel.counts(p), raised: kernel.raised(p), weights, band };
         if derivative == Derivative::DiscreteGradient {
             projection.set(&start.positions, end_z);
             let [of_middle, of_end] = weighted;
@@ -312,8 +293,8 @@ impl Scratch {
                 }
                 sums.increment.extend(projection.increment());
                 sums.size = projection.size();
-                if is_pressed && middle.is_some() {
-                    vectors::hessian_into(middle_z, 0.5, out.tangent, &pressed);
+                if let Some(middle) = middle.as_ref().filter(|_| is_pressed) {
+                    middle.hessian_into(&weights, band, 0.5, out.tangent);
                 }
                 return true;
             }
@@ -327,8 +308,8 @@ impl Scratch {
             if is_pressed {
                 hessian.clear();
                 hessian.resize(unknowns * unknowns, 0.0);
-                if middle.is_some() {
-                    vectors::hessian_into(middle_z, 1.0, hessian, &pressed);
+                if let Some(middle) = &middle {
+                    middle.hessian_into(&weights, band, 1.0, hessian);
                 }
                 let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
                 let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };
@@ -337,14 +318,14 @@ impl Scratch {
             return true;
         }
         let placement = derivative.placement();
-        let (pair, z) = match placement.test {
-            Configuration::Middle => (&middle, middle_z),
-            Configuration::End => (&end, end_z),
+        let pair = match placement.test {
+            Configuration::Middle => &middle,
+            Configuration::End => &end,
         };
         let acting = pair.as_ref().map(|pair| pair.gradients(band));
         lists_into(acting.as_ref(), unknowns, out.gradient_bar);
-        if is_pressed && pair.is_some() {
-            vectors::hessian_into(z, placement.share, out.tangent, &pressed);
+        if let Some(pair) = pair.as_ref().filter(|_| is_pressed) {
+            pair.hessian_into(&weights, band, placement.share, out.tangent);
         }
         true
     }

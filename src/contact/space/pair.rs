@@ -2,7 +2,7 @@
 //!
 //! Everything is seen along one direction: the normal `n` of the secondary facet, along `(x_3 - x_1) x (x_4 - x_2)`, through its mean
 //! point. Nodes have plane coordinates `p` and heights `h`; a facet of four nodes is four flat triangles about its mean point, which has a
-//! quarter of each node. Each primary triangle is clipped by each secondary one, and on the polygons
+//! quarter of each node. Each primary triangle is clipped by each secondary one, and on the polygons (`polygon.rs`)
 //!
 //! ```text
 //! Phi_A = sum int N_A (h_primary - h_secondary) dA          [length^3], > 0 when open
@@ -12,25 +12,18 @@
 //! quadrature instead; a value that depends on how a polygon is cut jumps where a vertex appears). The value is continuous everywhere, the
 //! gradient where vertices come and go; it has kinks where edges of the two facets coincide.
 //!
-//! The gradient is that of a domain that moves: with `W = sum w_A N_A`, gap `g`, shape functions `N_j` and `M_m` of the triangles,
+//! Heights may have constants added (`bulge.rs`), which change gaps and no derivatives of heights. The frame turns with the secondary
+//! facet: with the moment `m` of the derivatives with respect to plane coordinates and heights, as forces, the turn of `n` adds
+//! `b = -m x n / |N|`, `d N.b`.
 //!
-//! ```text
-//! d/dh_m =  int W M_m dA               d/dp_m = - grad h_primary   int W M_m dA                       + sum_edges nu int W g M_m ds
-//! d/dh_j = -int W N_j dA               d/dp_j =   grad h_secondary int W N_j dA - grad W int g N_j dA + sum_edges nu int W g N_j ds
-//! ```
-//!
-//! over the edges of the polygon that lie on the triangle's own border. Where edges of both triangles nearly coincide, these forces go from
-//! one to the other gradually, so that the gradient that acts has no kink; a discrete gradient is exact whatever gradient it corrects.
-//! Heights may have constants added (`bulge.rs`), which change gaps
-//! and no derivatives of heights. The frame turns with the secondary facet: with the moment `m` of
-//! these forces the turn of `n` adds `b = -m x n / |N|`, `d N.b`. All is generic in its numbers, so that one pass with derivatives gives
-//! the Hessian.
+//! A polygon depends on twelve plane coordinates, and linearly on heights: one pass over it with derivatives by these gives its part of
+//! the Hessian, which is then carried to the positions of the nodes by the derivatives of the view.
 
 use std::ops::Mul;
 
 use super::bulge::Raised;
-use super::polygon::{Bearer, Polygon, VERTICES, Vertex};
-use super::vectors::{Frame, Vec3, cross, dot, scaled, sub};
+use super::polygon::{Forces, OfBoth, Polygon, VERTICES};
+use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
@@ -40,20 +33,25 @@ pub const CORNERS: usize = 4;
 /// Nodes of a pair, at most.
 pub const NODES: usize = 2 * CORNERS;
 
-/// A pair as it is seen along the secondary normal.
-pub struct Pair<T> {
+/// Points of a pair, at most: its nodes, then the mean points of both facets.
+const POINTS: usize = NODES + 2;
+
+/// The nodes of a pair as they are seen along the secondary normal.
+struct View<T> {
     /// Nodes of the secondary and of the primary facet.
     counts: [usize; 2],
-    /// Axes of the plane, and the normal.
-    axes: [Vec3<T>; 3],
-    /// Diagonals of the secondary facet, or two sides of a triangle, and the length of their product.
-    diagonals: [Vec3<T>; 2],
-    length: T,
+    /// Axes of the plane, and the normal; diagonals of the secondary facet and the length of their product.
+    frame: Frame<T>,
     /// Positions from the mean point of the secondary facet.
     arms: [Vec3<T>; NODES],
-    /// Plane coordinates and heights of the nodes, then of the mean points.
-    p: [[T; 2]; NODES + 2],
-    h: [T; NODES + 2],
+    /// Plane coordinates and heights of the points.
+    p: [[T; 2]; POINTS],
+    h: [T; POINTS],
+}
+
+/// A pair as it is seen along the secondary normal.
+pub struct Pair<T> {
+    view: View<T>,
     polygons: Vec<Polygon<T>>,
 }
 
@@ -64,95 +62,40 @@ fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = 
         .map(move |k| if count == 3 { [first, first + 1, first + 2] } else { [first + k, first + (k + 1) % count, middle] })
 }
 
-impl<T: Number> Pair<T> {
-    /// The pair at the positions of its nodes, secondary ones first; `counts` how many either facet has. Nothing where the secondary facet
-    /// has no area.
+impl<T: Number> View<T> {
+    /// The view of nodes at these positions, secondary ones first; nothing where the secondary facet has no area.
     #[inline(always)]
-    pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
+    fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let [own, other] = counts;
-        let Frame { axes, diagonals, length } = Frame::new(&x[..own])?;
-        let normal = axes[2];
+        let frame = Frame::new(&x[..own])?;
         let zero = T::from(0.0);
         let mut middle = [zero; 3];
-        x[..own].iter().for_each(|x| (0..3).for_each(|i| middle[i] += x[i] * (1.0 / own as f64)));
-        let mut pair = Pair {
-            counts,
-            axes,
-            diagonals,
-            length,
-            arms: [[zero; 3]; NODES],
-            p: [[zero; 2]; NODES + 2],
-            h: [zero; NODES + 2],
-            polygons: Vec::new(),
-        };
+        for x in &x[..own] {
+            for i in 0..3 {
+                middle[i] += x[i] * (1.0 / own as f64);
+            }
+        }
+        let mut view = View { counts, frame, arms: [[zero; 3]; NODES], p: [[zero; 2]; POINTS], h: [zero; POINTS] };
         for (k, x) in x.iter().enumerate() {
             let arm = sub(*x, middle);
-            pair.arms[k] = arm;
-            pair.p[k] = [dot(arm, axes[0]), dot(arm, axes[1])];
-            pair.h[k] = dot(arm, normal);
+            let [first, second, normal] = view.frame.axes;
+            view.arms[k] = arm;
+            view.p[k] = [dot(arm, first), dot(arm, second)];
+            view.h[k] = dot(arm, normal);
         }
         for (place, range) in [(NODES, 0..own), (NODES + 1, own..own + other)] {
             let share = 1.0 / range.len() as f64;
             for k in range {
-                let (p, h) = (pair.p[k], pair.h[k]);
-                (0..2).for_each(|i| pair.p[place][i] += p[i] * share);
-                pair.h[place] += h * share;
+                let (p, h) = (view.p[k], view.h[k]);
+                view.p[place][0] += p[0] * share;
+                view.p[place][1] += p[1] * share;
+                view.h[place] += h * share;
             }
         }
-        pair.cut();
-        Some(pair)
+        Some(view)
     }
 
-    /// The pair between surfaces that lie above the facets by so much.
-    #[inline(always)]
-    pub fn raised(mut self, sides: [&Raised; 2]) -> Self {
-        let [own, other] = self.counts;
-        // Outwards is up on the secondary side and down on the other one.
-        for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
-            for (k, raised) in raised[..count].iter().enumerate() {
-                self.h[first + k] += T::from(up * raised);
-                self.h[middle] += T::from(up * raised / count as f64);
-            }
-            self.h[middle] += T::from(up * raised[CORNERS]);
-        }
-        self
-    }
-
-    /// Finds the polygons.
-    #[inline(always)]
-    fn cut(&mut self) {
-        let [own, other] = self.counts;
-        for secondary in triangles(own, 0, NODES) {
-            for [a, b, c] in triangles(other, own, NODES + 1) {
-                // The other facet looks the other way.
-                let primary = [b, a, c];
-                if self.are_boxes_apart(secondary, primary) {
-                    continue;
-                }
-                let places = [secondary, primary].map(|corners| corners.map(|k| &self.p[k]));
-                self.polygons.extend(Polygon::new([secondary, primary], places));
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn are_boxes_apart(&self, secondary: [usize; 3], primary: [usize; 3]) -> bool {
-        (0..2).any(|axis| {
-            let range = |of: [usize; 3]| {
-                let at = of.map(|k| self.p[k][axis].re());
-                (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]))
-            };
-            let (own, other) = (range(secondary), range(primary));
-            own.0 >= other.1 || other.0 >= own.1
-        })
-    }
-
-    /// Whether the facets are opposite each other anywhere.
-    pub fn overlaps(&self) -> bool {
-        !self.polygons.is_empty()
-    }
-
-    /// The part of a point's value that a node of its facet has.
+    /// The nodes that have a part of a point's value, and which part.
     #[inline(always)]
     fn shares(&self, point: usize) -> (std::ops::Range<usize>, f64) {
         let [own, other] = self.counts;
@@ -163,82 +106,140 @@ impl<T: Number> Pair<T> {
         }
     }
 
+    /// Places of the corners of triangles.
+    #[inline(always)]
+    fn places(&self, corners: &OfBoth<usize>) -> OfBoth<[T; 2]> {
+        let [[a, b, c], [d, e, f]] = *corners;
+        [[self.p[a], self.p[b], self.p[c]], [self.p[d], self.p[e], self.p[f]]]
+    }
+
     /// Values of the weight `sum w_A N_A` at the corners of a secondary triangle.
     #[inline(always)]
     fn weights<W: Number>(&self, secondary: [usize; 3], weights: &[W; CORNERS]) -> [W; 3] {
-        secondary.map(|point| {
+        let mut at = [W::from(0.0); 3];
+        for (at, point) in at.iter_mut().zip(secondary) {
             let (nodes, share) = self.shares(point);
-            nodes.fold(W::from(0.0), |sum, node| sum + weights[node] * share)
+            for node in nodes {
+                *at += weights[node] * share;
+            }
+        }
+        at
+    }
+
+    /// Whether the boxes about two triangles have nothing in common.
+    #[inline(always)]
+    fn are_apart(&self, [secondary, primary]: &OfBoth<usize>) -> bool {
+        (0..2).any(|axis| {
+            let range = |of: &[usize; 3]| {
+                let at = of.map(|k| self.p[k][axis].re());
+                (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]))
+            };
+            let (own, other) = (range(secondary), range(primary));
+            own.0 >= other.1 || other.0 >= own.1
         })
     }
 
-    /// Gap at a corner of a polygon.
+    /// Derivatives with respect to the positions of the nodes from those with respect to their plane coordinates and heights.
     #[inline(always)]
-    fn gap(&self, polygon: &Polygon<T>, vertex: &Vertex<T>) -> T {
-        self.height(polygon.primary, &vertex.of_primary) - self.height(polygon.secondary, &vertex.of_secondary)
-    }
-
-    /// Height of a triangle at a point with these shape functions.
-    #[inline(always)]
-    fn height(&self, corners: [usize; 3], shape: &[T; 3]) -> T {
-        self.h[corners[0]] * shape[0] + self.h[corners[1]] * shape[1] + self.h[corners[2]] * shape[2]
-    }
-
-    /// `Phi_A` of the secondary nodes.
-    pub fn values(&self) -> [T; CORNERS] {
-        let mut values = [T::from(0.0); CORNERS];
-        for polygon in &self.polygons {
-            let gaps: Vec<T> = polygon.vertices.iter().map(|vertex| self.gap(polygon, vertex)).collect();
-            for j in 0..3 {
-                let integral = polygon.integral(|k| &polygon.vertices[k].of_secondary[j], |k| &gaps[k]);
-                let (nodes, share) = self.shares(polygon.secondary[j]);
-                nodes.for_each(|node| values[node] += integral * share);
+    fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]; POINTS], of_h: &[R; POINTS]) -> [Vec3<R>; NODES] {
+        let Frame { axes: [first, second, normal], diagonals: [c, d], length } = self.frame;
+        let zero = R::from(0.0);
+        let (mut gradient, mut moment) = ([[zero; 3]; NODES], [zero; 3]);
+        for k in 0..self.counts[0] + self.counts[1] {
+            for i in 0..3 {
+                gradient[k][i] = of_p[k][0] * first[i] + of_p[k][1] * second[i] + of_h[k] * normal[i];
+            }
+            let turn = cross(gradient[k], self.arms[k]);
+            for i in 0..3 {
+                moment[i] -= turn[i];
             }
         }
-        values
+        // b = -m x n / |N|, d N.b = dc.(d x b) + dd.(b x c)
+        let tilt = scaled(cross(moment, normal), -length.recip());
+        let (of_c, of_d) = (cross(tilt, d), cross(tilt, c));
+        let [on_c, on_d] = if self.counts[0] == 3 { [(1, 0), (2, 0)] } else { [(2, 0), (3, 1)] };
+        for i in 0..3 {
+            gradient[on_c.0][i] -= of_c[i];
+            gradient[on_c.1][i] += of_c[i];
+            gradient[on_d.0][i] += of_d[i];
+            gradient[on_d.1][i] -= of_d[i];
+        }
+        gradient
     }
+}
 
-    /// What is covered of each secondary node, `int N_A dA` over the overlap `[length^2]`.
-    pub fn covered(&self) -> [f64; CORNERS] {
-        let (mut covered, one) = ([0.0; CORNERS], T::from(1.0));
-        for polygon in &self.polygons {
-            for j in 0..3 {
-                let integral = polygon.integral(|k| &polygon.vertices[k].of_secondary[j], |_| &one).re();
-                let (nodes, share) = self.shares(polygon.secondary[j]);
-                nodes.for_each(|node| covered[node] += integral * share);
+impl<T: Number> Pair<T> {
+    /// The pair at the positions of its nodes, secondary ones first; `counts` how many either facet has. Nothing where the secondary facet
+    /// has no area.
+    #[inline(always)]
+    pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
+        let (view, mut polygons, [own, other]) = (View::new(x, counts)?, Vec::new(), counts);
+        let mut polygon = Polygon::empty();
+        for secondary in triangles(own, 0, NODES) {
+            for [a, b, c] in triangles(other, own, NODES + 1) {
+                // The other facet looks the other way.
+                let corners = [secondary, [b, a, c]];
+                if !view.are_apart(&corners) && polygon.set(corners, &view.places(&corners)) {
+                    polygons.push(polygon.clone());
+                }
             }
         }
-        covered
+        Some(Pair { view, polygons })
     }
 
-    /// Largest distance of the facets, on either side, along the normal.
-    pub fn farthest(&self) -> f64 {
-        let gaps = |polygon: &Polygon<T>| {
-            polygon.vertices.iter().fold(0.0, |largest: f64, vertex| largest.max(self.gap(polygon, vertex).re().abs()))
-        };
-        self.polygons.iter().map(gaps).fold(0.0, f64::max)
+    /// The pair between surfaces that lie above the facets by so much.
+    #[inline(always)]
+    pub fn raised(mut self, sides: [&Raised; 2]) -> Self {
+        let [own, other] = self.view.counts;
+        let h = &mut self.view.h;
+        // Outwards is up on the secondary side and down on the other one.
+        for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
+            for (k, raised) in raised[..count].iter().enumerate() {
+                h[first + k] += T::from(up * raised);
+                h[middle] += T::from(up * raised / count as f64);
+            }
+            h[middle] += T::from(up * raised[CORNERS]);
+        }
+        self
+    }
+
+    /// Whether the facets are opposite each other anywhere.
+    pub fn overlaps(&self) -> bool {
+        !self.polygons.is_empty()
     }
 
     /// Axes of the secondary facet.
     pub fn axes(&self) -> [Vec3<T>; 3] {
-        self.axes
+        self.view.frame.axes
+    }
+
+    /// What is covered of each secondary node, `int N_A dA` over the overlap `[length^2]`.
+    pub fn covered(&self) -> [f64; CORNERS] {
+        let mut covered = [0.0; CORNERS];
+        for polygon in &self.polygons {
+            let integrals = polygon.integrals(&polygon.counting(&[T::from(1.0); VERTICES]), 0);
+            for (integral, point) in integrals.into_iter().zip(polygon.corners[0]) {
+                let (nodes, share) = self.view.shares(point);
+                nodes.for_each(|node| covered[node] += integral.re() * share);
+            }
+        }
+        covered
     }
 
     /// Mortar weights of the secondary nodes: `int N_A N_B dA` of secondary nodes, `-int N_A M_C dA` of primary ones, over the overlap.
     pub fn mortar_weights(&self) -> [[T; NODES]; CORNERS] {
         let mut weights = [[T::from(0.0); NODES]; CORNERS];
         for polygon in &self.polygons {
-            let own = |k: usize, j: usize| &polygon.vertices[k].of_secondary[j];
-            let other = |k: usize, j: usize| &polygon.vertices[k].of_primary[j];
             for a in 0..3 {
-                for b in 0..3 {
-                    let on_own = polygon.integral(|k| own(k, a), |k| own(k, b));
-                    let on_other = polygon.integral(|k| own(k, a), |k| other(k, b));
-                    let (rows, share) = self.shares(polygon.secondary[a]);
-                    for (integral, point) in [(on_own, polygon.secondary[b]), (-on_other, polygon.primary[b])] {
-                        let (nodes, part) = self.shares(point);
+                let mut own = [T::from(0.0); VERTICES];
+                own.iter_mut().zip(polygon.vertices()).for_each(|(own, vertex)| *own = vertex.of_secondary[a]);
+                let counts = polygon.counting(&own);
+                let (rows, share) = self.view.shares(polygon.corners[0][a]);
+                for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                    for (integral, point) in polygon.integrals(&counts, side).into_iter().zip(polygon.corners[side]) {
+                        let (nodes, part) = self.view.shares(point);
                         for row in rows.clone() {
-                            nodes.clone().for_each(|node| weights[row][node] += integral * (share * part));
+                            nodes.clone().for_each(|node| weights[row][node] += integral * (sign * share * part));
                         }
                     }
                 }
@@ -246,151 +247,76 @@ impl<T: Number> Pair<T> {
         }
         weights
     }
-
-    /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes, in which forces on edges that nearly coincide pass from one
-    /// facet to the other within a band, see [`Polygon::bearers`]; with none it is that of the function, kinks included.
-    #[inline(always)]
-    pub fn gradient<W: Number>(&self, weights: &[W; CORNERS], band: f64) -> [Vec3<T>; NODES]
-    where
-        T: Mul<W, Output = T>,
-    {
-        let zero = T::from(0.0);
-        let (mut of_p, mut of_h) = ([[zero; 2]; NODES + 2], [zero; NODES + 2]);
-        for polygon in &self.polygons {
-            self.add_polygon(polygon, band, self.weights(polygon.secondary, weights), &mut of_p, &mut of_h);
-        }
-        for (place, point) in [NODES, NODES + 1].into_iter().enumerate() {
-            let (nodes, share) = self.shares(NODES + place);
-            for node in nodes {
-                let (p, h) = (of_p[point], of_h[point]);
-                (0..2).for_each(|i| of_p[node][i] += p[i] * share);
-                of_h[node] += h * share;
-            }
-        }
-        let [first, second, normal] = self.axes;
-        let count = self.counts[0] + self.counts[1];
-        let (mut gradient, mut moment) = ([[zero; 3]; NODES], [zero; 3]);
-        for k in 0..count {
-            gradient[k] = std::array::from_fn(|i| first[i] * of_p[k][0] + second[i] * of_p[k][1] + normal[i] * of_h[k]);
-            let turn = cross(self.arms[k], gradient[k]);
-            (0..3).for_each(|i| moment[i] += turn[i]);
-        }
-        let tilt = scaled(cross(normal, moment), self.length.recip());
-        let [c, d] = self.diagonals;
-        // d N.b = dc.(d x b) + dd.(b x c)
-        let (of_c, of_d) = (cross(d, tilt), cross(tilt, c));
-        let ends = if self.counts[0] == 3 { [(1, 0), (2, 0)] } else { [(2, 0), (3, 1)] };
-        for ((to, from), force) in ends.into_iter().zip([of_c, of_d]) {
-            for i in 0..3 {
-                gradient[to][i] += force[i];
-                gradient[from][i] -= force[i];
-            }
-        }
-        gradient
-    }
-
-    /// Adds what one polygon gives to the derivatives with respect to plane coordinates and heights; `weights` at the corners of the
-    /// secondary triangle.
-    #[inline(always)]
-    fn add_polygon<W: Number>(
-        &self,
-        polygon: &Polygon<T>,
-        band: f64,
-        weights: [W; 3],
-        of_p: &mut [[T; 2]; NODES + 2],
-        of_h: &mut [T; NODES + 2],
-    ) where
-        T: Mul<W, Output = T>,
-    {
-        let zero = T::from(0.0);
-        let (mut weight, mut gap) = ([zero; VERTICES], [zero; VERTICES]);
-        for (k, vertex) in polygon.vertices.iter().enumerate() {
-            let shape = vertex.of_secondary;
-            weight[k] = shape[0] * weights[0] + shape[1] * weights[1] + shape[2] * weights[2];
-            gap[k] = self.gap(polygon, vertex);
-        }
-        let slopes = [polygon.secondary, polygon.primary].map(|corners| {
-            // grad N_j = the opposite side turned by a quarter over twice the area.
-            let [a, b, c] = corners.map(|k| self.p[k]);
-            [sub(c, b), sub(a, c), sub(b, a)]
-        });
-        let inverse = polygon.areas.map(T::recip);
-        let slope = |side: usize, sum: &dyn Fn(usize) -> T| -> [T; 2] { [-sum(1) * inverse[side], sum(0) * inverse[side]] };
-        let sides = &slopes[0];
-        let of_weight = slope(0, &|i| sides[0][i] * weights[0] + sides[1][i] * weights[1] + sides[2][i] * weights[2]);
-        let rise = |side: usize, [a, b, c]: [usize; 3]| {
-            let sides = &slopes[side];
-            slope(side, &|i| sides[0][i] * self.h[a] + sides[1][i] * self.h[b] + sides[2][i] * self.h[c])
-        };
-        let rises = [rise(0, polygon.secondary), rise(1, polygon.primary)];
-        for j in 0..3 {
-            let (own, other) = (polygon.secondary[j], polygon.primary[j]);
-            let on_own = polygon.integral(|k| &weight[k], |k| &polygon.vertices[k].of_secondary[j]);
-            let on_other = polygon.integral(|k| &weight[k], |k| &polygon.vertices[k].of_primary[j]);
-            let open = polygon.integral(|k| &gap[k], |k| &polygon.vertices[k].of_secondary[j]);
-            of_h[own] -= on_own;
-            of_h[other] += on_other;
-            for i in 0..2 {
-                of_p[own][i] += rises[0][i] * on_own - of_weight[i] * open;
-                of_p[other][i] -= rises[1][i] * on_other;
-            }
-        }
-        for k in 0..polygon.vertices.len() {
-            let next = (k + 1) % polygon.vertices.len();
-            let (a, b) = (&polygon.vertices[k], &polygon.vertices[next]);
-            let outward = [b.p[1] - a.p[1], a.p[0] - b.p[0]];
-            // Integrals of W g f over the edge for an affine f: one share for its value at either end.
-            let (aa, bb) = (weight[k] * gap[k], weight[next] * gap[next]);
-            let ab = weight[k] * gap[next] + weight[next] * gap[k];
-            let (first, last) = ((aa * 3.0 + ab + bb) * (1.0 / 12.0), (aa + ab + bb * 3.0) * (1.0 / 12.0));
-            for Bearer { share, corners, at } in polygon.bearers([k, next], band).into_iter().flatten() {
-                for j in 0..3 {
-                    let whole = first * at[0][j] + last * at[1][j];
-                    let moved = share.map_or(whole, |share| whole * share);
-                    (0..2).for_each(|i| of_p[corners[j]][i] += outward[i] * moved);
-                }
-            }
-        }
-    }
 }
 
 /// Gradients of the `Phi_A` of all secondary nodes, which are computed together.
 pub type Gradients = [Vec3<Each<CORNERS>>; NODES];
 
 impl Pair<f64> {
+    /// Heights of the corners of a polygon's triangles.
+    #[inline(always)]
+    fn heights(&self, corners: &OfBoth<usize>) -> OfBoth<f64> {
+        corners.map(|corners| corners.map(|point| self.view.h[point]))
+    }
+
+    /// `Phi_A` of the secondary nodes.
+    pub fn values(&self) -> [f64; CORNERS] {
+        let mut values = [0.0; CORNERS];
+        for polygon in &self.polygons {
+            let integrals = polygon.integrals(&polygon.counting(&polygon.gaps(&self.heights(&polygon.corners))), 0);
+            for (integral, point) in integrals.into_iter().zip(polygon.corners[0]) {
+                let (nodes, share) = self.view.shares(point);
+                nodes.for_each(|node| values[node] += integral * share);
+            }
+        }
+        values
+    }
+
+    /// Largest distance of the facets, on either side, along the normal.
+    pub fn farthest(&self) -> f64 {
+        let gaps = |polygon: &Polygon<f64>| polygon.gaps(&self.heights(&polygon.corners));
+        self.polygons.iter().flat_map(gaps).fold(0.0, |largest, gap| largest.max(gap.abs()))
+    }
+
+    /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes, in which forces on edges that nearly coincide pass from one
+    /// facet to the other within a band of this part of a triangle's height; with none it is that of the function, kinks included.
+    #[inline(always)]
+    pub fn gradient<R: Number>(&self, weights: &[R; CORNERS], band: f64) -> [Vec3<R>; NODES] {
+        let zero = R::from(0.0);
+        let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
+        for polygon in &self.polygons {
+            let corners = &polygon.corners;
+            let (places, heights) = (self.view.places(corners), self.heights(corners));
+            let forces: Forces<R> = polygon.forces(&places, &heights, &self.view.weights(corners[0], weights), band);
+            for side in 0..2 {
+                for j in 0..3 {
+                    let (point, [x, y]) = (corners[side][j], forces.of_p[side][j]);
+                    of_p[point][0] += x;
+                    of_p[point][1] += y;
+                    of_h[point] += forces.of_h[side][j];
+                }
+            }
+        }
+        for point in [NODES, NODES + 1] {
+            let (nodes, share) = self.view.shares(point);
+            let ([x, y], h) = (of_p[point], of_h[point]);
+            for node in nodes {
+                of_p[node][0] += x * share;
+                of_p[node][1] += y * share;
+                of_h[node] += h * share;
+            }
+        }
+        self.view.spread(&of_p, &of_h)
+    }
+
     /// The gradients of the functions, with this band: see [`Pair::gradient`].
     pub fn gradients(&self, band: f64) -> Gradients {
         dispatch(OfEach { pair: self, band })
     }
 
-    /// The same pair for each secondary node.
-    #[inline(always)]
-    fn each(&self) -> Pair<Each<CORNERS>> {
-        let flat = |p: [f64; 2]| p.map(Each::from);
-        let vector = |x: Vec3<f64>| x.map(Each::from);
-        let vertex = |v: &Vertex<f64>| Vertex {
-            p: flat(v.p),
-            of_secondary: vector(v.of_secondary),
-            of_primary: vector(v.of_primary),
-            border: v.border,
-            fan: v.fan.into(),
-        };
-        let polygon = |of: &Polygon<f64>| Polygon {
-            secondary: of.secondary,
-            primary: of.primary,
-            areas: flat(of.areas),
-            vertices: of.vertices.iter().map(vertex).collect(),
-        };
-        Pair {
-            counts: self.counts,
-            axes: self.axes.map(vector),
-            diagonals: self.diagonals.map(vector),
-            length: self.length.into(),
-            arms: self.arms.map(vector),
-            p: self.p.map(flat),
-            h: self.h.map(Each::from),
-            polygons: self.polygons.iter().map(polygon).collect(),
-        }
+    /// Writes `share` times the derivatives of [`Pair::gradient`], row by row over the unknowns of the nodes.
+    pub fn hessian_into(&self, weights: &[f64; CORNERS], band: f64, share: f64, out: &mut [f64]) {
+        dispatch(Hessian { pair: self, weights, band, share, out });
     }
 }
 
@@ -406,7 +332,119 @@ impl Kernel for OfEach<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Gradients {
         let weights = std::array::from_fn(|row| Each(std::array::from_fn(|lane| if lane == row { 1.0 } else { 0.0 })));
-        self.pair.each().gradient(&weights, self.band)
+        self.pair.gradient(&weights, self.band)
+    }
+}
+
+/// The Hessian of a pair, with the instructions that the processor has.
+struct Hessian<'a> {
+    pair: &'a Pair<f64>,
+    weights: &'a [f64; CORNERS],
+    band: f64,
+    share: f64,
+    out: &'a mut [f64],
+}
+
+/// Plane coordinates and height of the points, one after the other.
+const SEEN: usize = 3 * POINTS;
+
+/// Derivatives of forces with respect to plane coordinates and heights, and the forces.
+struct Stiffness {
+    rows: [[f64; SEEN]; SEEN],
+    forces: [f64; SEEN],
+}
+
+impl Stiffness {
+    /// Adds that of a polygon.
+    #[inline(always)]
+    fn add(&mut self, pair: &Pair<f64>, polygon: &Polygon<f64>, jets: &mut Polygon<Jet>, weights: &[f64; 3], band: f64) {
+        let (corners, zero) = (&polygon.corners, Jet::from(0.0));
+        let (places, heights) = (pair.view.places(corners), pair.heights(corners));
+        let mut unknowns = [[[zero; 2]; 3]; 2];
+        for lane in 0..LANES {
+            let (side, j, i) = (lane / 6, lane / 2 % 3, lane % 2);
+            unknowns[side][j][i] = Jet::unknown(places[side][j][i], Some(lane));
+        }
+        jets.set(*corners, &unknowns);
+        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, weights, band);
+        let points = corners.as_flattened();
+        for (&point, (p, h)) in points.iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
+            for (i, force) in [p[0], p[1], *h].into_iter().enumerate() {
+                self.forces[3 * point + i] += force.re;
+                for lane in 0..LANES {
+                    let column = 3 * points[lane / 2] + lane % 2;
+                    self.rows[3 * point + i][column] += force.eps[lane];
+                    if i == 2 {
+                        self.rows[column][3 * point + 2] += force.eps[lane];
+                    }
+                }
+            }
+        }
+        if band > 0.0 {
+            for (row, derivatives) in polygon.passed(weights, band).into_iter().enumerate() {
+                for (&point, derivative) in points.iter().zip(derivatives) {
+                    self.rows[3 * points[row / 2] + row % 2][3 * point + 2] += derivative;
+                }
+            }
+        }
+    }
+
+    /// Gives the nodes their parts of what mean points have.
+    #[inline(always)]
+    fn fold(&mut self, view: &View<f64>) {
+        for point in [NODES, NODES + 1] {
+            let (nodes, share) = view.shares(point);
+            for node in nodes {
+                for i in 0..3 {
+                    let (to, from) = (3 * node + i, 3 * point + i);
+                    self.forces[to] += share * self.forces[from];
+                    for k in 0..SEEN {
+                        self.rows[to][k] += share * self.rows[from][k];
+                    }
+                    for k in 0..SEEN {
+                        self.rows[k][to] += share * self.rows[k][from];
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Kernel for Hessian<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Hessian { pair, weights, band, share, out } = self;
+        let view = &pair.view;
+        let mut stiffness = Stiffness { rows: [[0.0; SEEN]; SEEN], forces: [0.0; SEEN] };
+        let mut jets_of_polygon = Polygon::empty();
+        for polygon in &pair.polygons {
+            stiffness.add(pair, polygon, &mut jets_of_polygon, &view.weights(polygon.corners[0], weights), band);
+        }
+        stiffness.fold(view);
+        let count = view.counts[0] + view.counts[1];
+        let positions = view.arms[..count].as_flattened();
+        for first in (0..positions.len()).step_by(LANES) {
+            let Some(moved) = View::new(&jets(positions, first), view.counts) else { return };
+            let zero = Jet::from(0.0);
+            let (mut of_p, mut of_h) = ([[zero; 2]; POINTS], [zero; POINTS]);
+            for k in 0..count {
+                for (i, force) in [0, 1, 2].map(|i| 3 * k + i).into_iter().enumerate() {
+                    let (row, mut jet) = (&stiffness.rows[force], Jet::from(stiffness.forces[force]));
+                    for node in 0..count {
+                        let seen = [&moved.p[node][0], &moved.p[node][1], &moved.h[node]];
+                        for (part, seen) in row[3 * node..].iter().zip(seen) {
+                            for lane in 0..LANES {
+                                jet.eps[lane] += part * seen.eps[lane];
+                            }
+                        }
+                    }
+                    if i < 2 { of_p[k][i] = jet } else { of_h[k] = jet }
+                }
+            }
+            columns_into(&moved.spread(&of_p, &of_h), first, share, out);
+        }
     }
 }
 
@@ -464,6 +502,36 @@ mod tests {
                         if (fine - coarse).abs() < 1e-7 {
                             prop_assert!((gradient[node][i] - fine).abs() < 1e-6, "{node} {i}: {} {fine}", gradient[node][i]);
                         }
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn hessians_agree_with_differences(
+            (counts, x) in prop::sample::select(vec![[4, 4], [4, 3], [3, 4], [3, 3]])
+                .prop_flat_map(|counts| nodes(counts).prop_map(move |x| (counts, x))),
+            band in prop::sample::select(vec![0.0, EDGES_MEET, 0.3]),
+        ) {
+            let weights = [1.0, -0.5, 2.0, 0.25];
+            let (at, unknowns) = (|x: &[Vec3<f64>]| Pair::new(x, counts).expect("facets have areas"), 3 * x.len());
+            let mut hessian = vec![0.0; unknowns * unknowns];
+            at(&x).hessian_into(&weights, band, 2.0, &mut hessian);
+            for column in 0..unknowns {
+                let moved = |step: f64| {
+                    let mut moved = x.clone();
+                    moved[column / 3][column % 3] += step;
+                    at(&moved).gradient(&weights, band)
+                };
+                let differences = [1e-5, 2e-5].map(|step| {
+                    let (more, less) = (moved(step), moved(-step));
+                    let slope = |(more, less): (&f64, &f64)| (more - less) / step;
+                    more.as_flattened().iter().zip(less.as_flattened()).map(slope).collect::<Vec<f64>>()
+                });
+                for (row, derivatives) in hessian.chunks_exact(unknowns).enumerate() {
+                    let [fine, coarse] = [differences[0][row], differences[1][row]];
+                    if (fine - coarse).abs() < 1e-6 {
+                        prop_assert!((derivatives[column] - fine).abs() < 1e-5, "{row} {column}: {} {fine}", derivatives[column]);
                     }
                 }
             }

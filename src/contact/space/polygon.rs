@@ -1,5 +1,21 @@
-//! The polygons that a pair of facets has in common: a primary triangle cut by a secondary one, with the shape functions of both.
+//! The polygons that a pair of facets has in common: a primary triangle cut by a secondary one, with the shape functions of both, and what
+//! each adds to the derivatives of `Phi = int W g dA` with `W = sum w_A N_A`.
+//!
+//! The gradient is that of a domain that moves: with the gap `g`, shape functions `N_j` and `M_m` of the triangles,
+//!
+//! ```text
+//! d/dh_m =  int W M_m dA               d/dp_m = - grad h_primary   int W M_m dA                       + sum_edges nu int W g M_m ds
+//! d/dh_j = -int W N_j dA               d/dp_j =   grad h_secondary int W N_j dA - grad W int g N_j dA + sum_edges nu int W g N_j ds
+//! ```
+//!
+//! over the edges of the polygon that lie on the triangle's own border. Where edges of both triangles nearly coincide, these forces go from
+//! one to the other gradually, so that the gradient that acts has no kink; a discrete gradient is exact whatever gradient it corrects.
+//!
+//! What is called here is inlined, arrays are filled by loops: else it would be compiled without the wide registers of its caller.
 
+use std::ops::Mul;
+
+use super::vectors::sub;
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -14,6 +30,7 @@ struct Corner<T> {
 }
 
 /// A corner of a polygon with the shape functions of both triangles there, and twice the area between it, the next and the first one.
+#[derive(Clone, Copy)]
 pub struct Vertex<T> {
     pub p: [T; 2],
     pub of_secondary: [T; 3],
@@ -29,14 +46,24 @@ pub enum Border {
     Primary,
 }
 
+/// Of the corners of both triangles, the secondary one first.
+pub type OfBoth<T> = [[T; 3]; 2];
+
 /// A secondary triangle cut out of a primary one.
+#[derive(Clone)]
 pub struct Polygon<T> {
     /// Corners of the triangles in the list of points.
-    pub secondary: [usize; 3],
-    pub primary: [usize; 3],
+    pub corners: OfBoth<usize>,
     /// Twice their areas.
     pub areas: [T; 2],
-    pub vertices: Vec<Vertex<T>>,
+    vertices: [Vertex<T>; VERTICES],
+    count: usize,
+}
+
+/// Derivatives with respect to plane coordinates and heights of the corners.
+pub struct Forces<R> {
+    pub of_p: OfBoth<[R; 2]>,
+    pub of_h: OfBoth<R>,
 }
 
 /// Twice the area of a triangle, positive counter-clockwise.
@@ -45,32 +72,24 @@ fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Cuts off what is on the right of a line from a polygon of so many corners; returns how many are left.
+/// Copies what is on the left of a line, on which side of it corners are, of a polygon to another; returns how many corners that has.
 #[inline(always)]
-fn clip<T: Number>(corners: &mut [Corner<T>; VERTICES], count: usize, [from, to]: [&[T; 2]; 2]) -> usize {
-    let mut side = [T::from(0.0); VERTICES];
-    (0..count).for_each(|k| side[k] = area(from, to, &corners[k].p));
-    let is_in = |k: usize| side[k].re() >= 0.0;
-    if (0..count).all(is_in) {
-        return count;
-    }
-    let (old, mut left) = (*corners, 0);
-    let mut push = |corner: Corner<T>| {
-        if left < VERTICES {
-            corners[left] = corner;
+fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>; VERTICES]) -> usize {
+    let mut left = 0;
+    for k in 0..old.len() {
+        let next = if k + 1 == old.len() { 0 } else { k + 1 };
+        let [is_in, is_next_in] = [side[k].re() >= 0.0, side[next].re() >= 0.0];
+        if is_in && left < VERTICES {
+            new[left] = old[k];
             left += 1;
         }
-    };
-    for k in 0..count {
-        let next = (k + 1) % count;
-        if is_in(k) {
-            push(old[k]);
-        }
-        if is_in(k) != is_in(next) {
+        if is_in != is_next_in && left < VERTICES {
             let share = side[k] / (side[k] - side[next]);
-            let p: [T; 2] = std::array::from_fn(|i| old[k].p[i] + share * (old[next].p[i] - old[k].p[i]));
+            let (from, to) = (&old[k].p, &old[next].p);
+            new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
             // Leaving, the line itself follows.
-            push(Corner { p, border: if is_in(k) { Border::Secondary } else { old[k].border } });
+            new[left].border = if is_in { Border::Secondary } else { old[k].border };
+            left += 1;
         }
     }
     left
@@ -78,84 +97,269 @@ fn clip<T: Number>(corners: &mut [Corner<T>; VERTICES], count: usize, [from, to]
 
 /// Shape functions of a triangle at a point, by one over twice its area.
 #[inline(always)]
-fn shares<T: Number>([a, b, c]: [&[T; 2]; 3], inverse: T, p: &[T; 2]) -> [T; 3] {
+fn shares<T: Number>([a, b, c]: &[[T; 2]; 3], inverse: T, p: &[T; 2]) -> [T; 3] {
     [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse]
 }
 
-/// The corners with the shape functions of both triangles.
+/// Sides of a triangle opposite to its corners: turned by a quarter, over twice the area, they are the gradients of its shape functions.
 #[inline(always)]
-fn vertices<T: Number>(corners: &[Corner<T>], [secondary, primary]: [[&[T; 2]; 3]; 2], areas: [T; 2]) -> Vec<Vertex<T>> {
-    let [of_secondary, of_primary] = areas.map(T::recip);
-    let mut vertices = Vec::with_capacity(corners.len());
-    for (k, Corner { p, border }) in corners.iter().enumerate() {
-        vertices.push(Vertex {
-            p: *p,
-            of_secondary: shares(secondary, of_secondary, p),
-            of_primary: shares(primary, of_primary, p),
-            border: *border,
-            fan: area(&corners[0].p, p, &corners[(k + 1) % corners.len()].p),
-        });
-    }
-    vertices
+fn sides<T: Number>([a, b, c]: &[[T; 2]; 3]) -> [[T; 2]; 3] {
+    [sub(*c, *b), sub(*a, *c), sub(*b, *a)]
 }
 
-/// A triangle that an edge of a polygon goes with: its share of it, all of it where there is none; its corners and its shape functions at
-/// both ends of the edge.
-pub struct Bearer<'a, T> {
-    pub share: Option<T>,
-    pub corners: [usize; 3],
-    pub at: [&'a [T; 3]; 2],
+/// Gradient of an affine function on a triangle, by its sides and one over twice its area, from its values at the corners.
+#[inline(always)]
+fn slope<T: Number, W: Copy + Mul<T, Output = R>, R: Number + Mul<T, Output = R>>(sides: &[[T; 2]; 3], inverse: T, at: &[W; 3]) -> [R; 2] {
+    let along = |i: usize| at[0] * sides[0][i] + at[1] * sides[1][i] + at[2] * sides[2][i];
+    [-along(1) * inverse, along(0) * inverse]
+}
+
+/// Integrals of `W g f` over an edge for an affine `f`, over the edge's length: one share for its value at either end.
+#[inline(always)]
+fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 2]) -> [R; 2] {
+    let (aa, bb) = (weight[0] * gap[0], weight[1] * gap[1]);
+    let ab = weight[0] * gap[1] + weight[1] * gap[0];
+    [(aa * 3.0 + ab + bb) * (1.0 / 12.0), (aa + ab + bb * 3.0) * (1.0 / 12.0)]
+}
+
+/// The triangle that an edge of a polygon goes with (0 the secondary, 1 the primary one), and with which share with the other one.
+pub struct Bearer<T> {
+    side: usize,
+    share: Option<T>,
+}
+
+impl<T: Copy> Vertex<T> {
+    /// Shape functions of the secondary (0) or the primary triangle (1).
+    #[inline(always)]
+    fn shape(&self, side: usize) -> &[T; 3] {
+        if side == 0 { &self.of_secondary } else { &self.of_primary }
+    }
+}
+
+/// The normal of an edge, as long as the edge is.
+#[inline(always)]
+fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
+    [b.p[1] - a.p[1], a.p[0] - b.p[0]]
+}
+
+/// Moves corners of a triangle with what an edge has of it, by what counts at either end.
+#[inline(always)]
+fn push<T: Copy, R: Number + Mul<T, Output = R>>(
+    of_p: &mut [[R; 2]; 3],
+    ends: [&Vertex<T>; 2],
+    side: usize,
+    outward: [T; 2],
+    edge: [R; 2],
+) {
+    let (from, to) = (ends[0].shape(side), ends[1].shape(side));
+    for j in 0..3 {
+        let moved = edge[0] * from[j] + edge[1] * to[j];
+        of_p[j][0] += moved * outward[0];
+        of_p[j][1] += moved * outward[1];
+    }
 }
 
 impl<T: Number> Polygon<T> {
-    /// The part of a primary triangle within a secondary one, by the numbers and places of their corners; nothing where they have none in
-    /// common or do not face each other.
+    /// One to be [`Polygon::set`].
     #[inline(always)]
-    pub fn new([secondary, primary]: [[usize; 3]; 2], places: [[&[T; 2]; 3]; 2]) -> Option<Self> {
+    pub fn empty() -> Self {
+        let zero = T::from(0.0);
+        let vertex = Vertex { p: [zero; 2], of_secondary: [zero; 3], of_primary: [zero; 3], border: Border::Primary, fan: zero };
+        Polygon { corners: [[0; 3]; 2], areas: [zero; 2], vertices: [vertex; VERTICES], count: 0 }
+    }
+
+    /// Makes it the part of a primary triangle within a secondary one, by the numbers and places of their corners; `false` where they have
+    /// none in common or do not face each other.
+    #[inline(always)]
+    pub fn set(&mut self, corners: OfBoth<usize>, places: &OfBoth<[T; 2]>) -> bool {
         let [[s_0, s_1, s_2], [m_0, m_1, m_2]] = places;
         let areas = [area(s_0, s_1, s_2), area(m_0, m_1, m_2)];
         if areas[0].re() <= 0.0 || areas[1].re() <= FACING_AREA * areas[0].re() {
-            return None;
+            return false;
         }
-        let mut corners = [m_0, m_1, m_2, m_0, m_0, m_0, m_0, m_0, m_0].map(|p| Corner { p: *p, border: Border::Primary });
-        let mut count = 3;
-        for line in [[s_0, s_1], [s_1, s_2], [s_2, s_0]] {
-            count = if count < 3 { 0 } else { clip(&mut corners, count, line) };
+        let corner = |p: &[T; 2]| Corner { p: *p, border: Border::Primary };
+        let mut first = [corner(m_0); VERTICES];
+        (first[1], first[2]) = (corner(m_1), corner(m_2));
+        let mut second = first;
+        let (mut now, mut next, mut count) = (&mut first, &mut second, 3);
+        for [from, to] in [[s_0, s_1], [s_1, s_2], [s_2, s_0]] {
+            let (mut side, mut is_cut) = ([T::from(0.0); VERTICES], false);
+            for k in 0..count {
+                side[k] = area(from, to, &now[k].p);
+                is_cut |= side[k].re() < 0.0;
+            }
+            if is_cut {
+                count = clip(&now[..count], &side, next);
+                std::mem::swap(&mut now, &mut next);
+            }
+            if count < 3 {
+                return false;
+            }
         }
-        (count >= 3).then(|| Polygon { secondary, primary, areas, vertices: vertices(&corners[..count], places, areas) })
+        let inverse = [areas[0].recip(), areas[1].recip()];
+        (self.corners, self.areas, self.count) = (corners, areas, count);
+        for k in 0..count {
+            let (vertex, p) = (&mut self.vertices[k], &now[k].p);
+            (vertex.p, vertex.border) = (*p, now[k].border);
+            vertex.of_secondary = shares(&places[0], inverse[0], p);
+            vertex.of_primary = shares(&places[1], inverse[1], p);
+            vertex.fan = area(&now[0].p, p, &now[if k + 1 == count { 0 } else { k + 1 }].p);
+        }
+        true
     }
 
-    /// Which triangles an edge of the polygon goes with. An edge goes with the triangle on whose border it lies, and in part with the other
-    /// one where that has its own border nearer than `band` of its height, half with either where both coincide: forces do not jump there,
-    /// and have neither a resultant nor a moment of their own.
+    /// Its corners.
     #[inline(always)]
-    pub fn bearers(&self, [k, next]: [usize; 2], band: f64) -> [Option<Bearer<'_, T>>; 2] {
-        let (a, b) = (&self.vertices[k], &self.vertices[next]);
-        let own = (self.secondary, [&a.of_secondary, &b.of_secondary]);
-        let other = (self.primary, [&a.of_primary, &b.of_primary]);
-        let (bearer, neighbor) = if a.border == Border::Secondary { (own, other) } else { (other, own) };
-        let bears = |share, (corners, at)| Some(Bearer { share, corners, at });
-        let depth = |j: usize| (neighbor.1[0][j].re() + neighbor.1[1][j].re()) * 0.5;
-        let nearest = (1..3).fold(0, |least, j| if depth(j) < depth(least) { j } else { least });
-        if band > 0.0 && depth(nearest) < band {
-            let depth = (neighbor.1[0][nearest] + neighbor.1[1][nearest]) * 0.5;
-            let near = T::from(1.0) - depth * (1.0 / band);
-            let share = near * near * 0.5;
-            [bears(Some(T::from(1.0) - share), bearer), bears(Some(share), neighbor)]
-        } else {
-            [bears(None, bearer), None]
-        }
+    pub fn vertices(&self) -> &[Vertex<T>] {
+        &self.vertices[..self.count]
     }
 
-    /// Integral of a product of two affine functions, from their values at the corners: exact.
+    /// The edge that begins at corner `k` and what its ends are numbered.
     #[inline(always)]
-    pub fn integral<'a>(&'a self, f: impl Fn(usize) -> &'a T, g: impl Fn(usize) -> &'a T) -> T {
-        let mut sum = T::from(0.0);
-        for k in 1..self.vertices.len() - 1 {
-            let ([f_0, f_1, f_2], [g_0, g_1, g_2]) = ([0, k, k + 1].map(&f), [0, k, k + 1].map(&g));
-            let products = *f_0 * *g_0 + *f_1 * *g_1 + *f_2 * *g_2 + (*f_0 + *f_1 + *f_2) * (*g_0 + *g_1 + *g_2);
-            sum += self.vertices[k].fan * products * (1.0 / 24.0);
+    fn edge(&self, k: usize) -> ([&Vertex<T>; 2], [usize; 2]) {
+        let next = if k + 1 == self.count { 0 } else { k + 1 };
+        ([&self.vertices[k], &self.vertices[next]], [k, next])
+    }
+
+    /// Which triangles an edge goes with. An edge goes with the triangle on whose border it lies, and in part with the other one where that
+    /// has its own border nearer than `band` of its height, half with either where both coincide: forces do not jump there, and have neither
+    /// a resultant nor a moment of their own.
+    #[inline(always)]
+    fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> Bearer<T> {
+        let side = if ends[0].border == Border::Secondary { 0 } else { 1 };
+        if band <= 0.0 {
+            return Bearer { side, share: None };
         }
-        sum
+        let [a, b] = [ends[0].shape(1 - side), ends[1].shape(1 - side)];
+        let mut nearest = 0;
+        for j in 1..3 {
+            if a[j].re() + b[j].re() < a[nearest].re() + b[nearest].re() {
+                nearest = j;
+            }
+        }
+        let depth = (a[nearest] + b[nearest]) * 0.5;
+        if depth.re() >= band {
+            return Bearer { side, share: None };
+        }
+        let near = T::from(1.0) - depth * (1.0 / band);
+        Bearer { side, share: Some(near * near * 0.5) }
+    }
+
+    /// How much the values of an affine function at the corners count in its integral together with another one, of these values: exact.
+    #[inline(always)]
+    pub fn counting<R: Number + Mul<T, Output = R>>(&self, other: &[R; VERTICES]) -> [R; VERTICES] {
+        let mut counts = [R::from(0.0); VERTICES];
+        for k in 1..self.count - 1 {
+            let fan = self.vertices[k].fan * (1.0 / 24.0);
+            let sum = other[0] + other[k] + other[k + 1];
+            for place in [0, k, k + 1] {
+                counts[place] += (sum + other[place]) * fan;
+            }
+        }
+        counts
+    }
+
+    /// Integrals of a function, by [`Polygon::counting`], together with the shape functions of a triangle.
+    #[inline(always)]
+    pub fn integrals<R: Number + Mul<T, Output = R>>(&self, counts: &[R; VERTICES], side: usize) -> [R; 3] {
+        let mut integrals = [R::from(0.0); 3];
+        for (k, vertex) in self.vertices().iter().enumerate() {
+            let shape = vertex.shape(side);
+            for j in 0..3 {
+                integrals[j] += counts[k] * shape[j];
+            }
+        }
+        integrals
+    }
+
+    /// Gaps at the corners, from heights at the corners of the triangles.
+    #[inline(always)]
+    pub fn gaps(&self, heights: &OfBoth<f64>) -> [T; VERTICES] {
+        let mut gaps = [T::from(0.0); VERTICES];
+        for (k, vertex) in self.vertices().iter().enumerate() {
+            let [own, other] = [vertex.of_secondary, vertex.of_primary];
+            let [below, above] = heights;
+            gaps[k] = other[0] * above[0] + other[1] * above[1] + other[2] * above[2]
+                - (own[0] * below[0] + own[1] * below[1] + own[2] * below[2]);
+        }
+        gaps
+    }
+
+    /// What the weights at the corners of the secondary triangle are at those of the polygon.
+    #[inline(always)]
+    fn weights<W: Copy + Mul<T, Output = R>, R: Number>(&self, weights: &[W; 3]) -> [R; VERTICES] {
+        let mut at = [R::from(0.0); VERTICES];
+        for (k, vertex) in self.vertices().iter().enumerate() {
+            let shape = vertex.of_secondary;
+            at[k] = weights[0] * shape[0] + weights[1] * shape[1] + weights[2] * shape[2];
+        }
+        at
+    }
+
+    /// What it gives to the derivatives, from the places and heights of the triangles' corners and the weights at those of the secondary one.
+    #[inline(always)]
+    pub fn forces<W, R>(&self, places: &OfBoth<[T; 2]>, heights: &OfBoth<f64>, weights: &[W; 3], band: f64) -> Forces<R>
+    where
+        W: Copy + Mul<T, Output = R>,
+        R: Number + Mul<T, Output = R>,
+        f64: Mul<T, Output = T>,
+    {
+        let (weight, gap) = (self.weights(weights), self.gaps(heights));
+        let (of_weight, of_gap) = (self.counting(&weight), self.counting(&gap));
+        let inverse = [self.areas[0].recip(), self.areas[1].recip()];
+        let (own, other) = (sides(&places[0]), sides(&places[1]));
+        let weight_slope: [R; 2] = slope(&own, inverse[0], weights);
+        let rises: [[T; 2]; 2] = [slope(&own, inverse[0], &heights[0]), slope(&other, inverse[1], &heights[1])];
+        let (on_own, on_other, open) = (self.integrals(&of_weight, 0), self.integrals(&of_weight, 1), self.integrals(&of_gap, 0));
+        let zero = R::from(0.0);
+        let mut forces = Forces { of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };
+        for j in 0..3 {
+            forces.of_h[0][j] = -on_own[j];
+            forces.of_h[1][j] = on_other[j];
+            for i in 0..2 {
+                forces.of_p[0][j][i] = on_own[j] * rises[0][i] - weight_slope[i] * open[j];
+                forces.of_p[1][j][i] = -(on_other[j] * rises[1][i]);
+            }
+        }
+        for k in 0..self.count {
+            let (ends, [a, b]) = self.edge(k);
+            let outward = outward(ends);
+            let edge = along_edge([weight[a], weight[b]], [gap[a], gap[b]]);
+            let Bearer { side, share } = self.bearer(ends, band);
+            match share {
+                Some(share) => {
+                    let passed = [edge[0] * share, edge[1] * share];
+                    push(&mut forces.of_p[side], ends, side, outward, [edge[0] - passed[0], edge[1] - passed[1]]);
+                    push(&mut forces.of_p[1 - side], ends, 1 - side, outward, passed);
+                }
+                None => push(&mut forces.of_p[side], ends, side, outward, edge),
+            }
+        }
+        forces
+    }
+}
+
+impl Polygon<f64> {
+    /// How what passes from edge to edge within a band changes with heights: derivatives of the forces in the plane, corner by corner, with
+    /// respect to the heights of the corners.
+    pub fn passed(&self, weights: &[f64; 3], band: f64) -> [[f64; 6]; 12] {
+        let mut passed = [[0.0; 6]; 12];
+        let weight: [f64; VERTICES] = self.weights(weights);
+        for k in 0..self.count {
+            let (ends, [a, b]) = self.edge(k);
+            let Bearer { side, share: Some(share) } = self.bearer(ends, band) else { continue };
+            for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
+                let gap = ends.map(|end| up * end.shape(from)[column % 3]);
+                let edge = along_edge([weight[a], weight[b]], gap);
+                for (side, edge) in [(side, edge.map(|part| -part)), (1 - side, edge)] {
+                    let mut of_p = [[0.0; 2]; 3];
+                    push(&mut of_p, ends, side, outward(ends), edge);
+                    for (row, force) in passed[6 * side..].iter_mut().zip(of_p.as_flattened()) {
+                        row[column] += force;
+                    }
+                }
+            }
+        }
+        passed
     }
 }

@@ -1,5 +1,7 @@
 //! Vectors of any numbers, and what makes a second derivative of a gradient that is written for any numbers.
 
+use std::ops::Mul;
+
 use crate::contact::numbers::{self, Number};
 use crate::math::simd::{Kernel, dispatch};
 
@@ -13,13 +15,19 @@ pub const LANES: usize = 12;
 pub type Jet = numbers::Jet<LANES>;
 
 #[inline(always)]
-pub fn sub<T: Number, const N: usize>(a: [T; N], b: [T; N]) -> [T; N] {
-    std::array::from_fn(|i| a[i] - b[i])
+pub fn sub<T: Number, const N: usize>(mut a: [T; N], b: [T; N]) -> [T; N] {
+    for i in 0..N {
+        a[i] -= b[i];
+    }
+    a
 }
 
 #[inline(always)]
-pub fn scaled<T: Number, const N: usize>(a: [T; N], s: T) -> [T; N] {
-    a.map(|a| a * s)
+pub fn scaled<T: Copy, R: Number + Mul<T, Output = R>, const N: usize>(mut a: [R; N], s: T) -> [R; N] {
+    for i in 0..N {
+        a[i] = a[i] * s;
+    }
+    a
 }
 
 #[inline(always)]
@@ -28,11 +36,8 @@ pub fn dot<T: Number>(a: Vec3<T>, b: Vec3<T>) -> T {
 }
 
 #[inline(always)]
-pub fn cross<T: Number>(a: Vec3<T>, b: Vec3<T>) -> Vec3<T> {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
+pub fn cross<T: Copy, R: Number + Mul<T, Output = R>>(a: Vec3<R>, b: Vec3<T>) -> Vec3<R> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The diagonals of a facet of four nodes, two sides of one of three: their product is along its normal.
