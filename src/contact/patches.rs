@@ -132,8 +132,8 @@ impl Evaluation {
             for (blocks, length) in
                 [(&mut self.gradient_end, last.gradient), (&mut self.gradient_bar, last.gradient), (&mut self.tangent, last.tangent)]
             {
-                blocks.clear();
-                blocks.resize(length, 0.0);
+                // Memory that nothing is written to takes none: most candidates stay without numbers.
+                *blocks = vec![0.0; length];
             }
         }
         for sums in [&mut self.gap, &mut self.coverage] {

@@ -365,7 +365,9 @@ impl Stiffness {
             let (side, j, i) = (lane / 6, lane / 2 % 3, lane % 2);
             unknowns[side][j][i] = Jet::unknown(places[side][j][i], Some(lane));
         }
-        jets.set(*corners, &unknowns);
+        if !jets.set(*corners, &unknowns) {
+            return;
+        }
         let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, weights, band);
         let points = corners.as_flattened();
         for (&point, (p, h)) in points.iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {

@@ -84,7 +84,8 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
             left += 1;
         }
         if is_in != is_next_in && left < VERTICES {
-            let share = side[k] / (side[k] - side[next]);
+            // Not a quotient, which numbers with derivatives round in another way: both are to decide alike.
+            let share = side[k] * (side[k] - side[next]).recip();
             let (from, to) = (&old[k].p, &old[next].p);
             new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
             // Leaving, the line itself follows.
