@@ -133,6 +133,7 @@ impl Evaluation {
                 [(&mut self.gradient_end, last.gradient), (&mut self.gradient_bar, last.gradient), (&mut self.tangent, last.tangent)]
             {
                 // Memory that nothing is written to takes none: most candidates stay without numbers.
+                *blocks = Vec::new();
                 *blocks = vec![0.0; length];
             }
         }
