@@ -222,9 +222,9 @@ impl<T: Number> Polygon<T> {
         ([&self.vertices[k], &self.vertices[next]], [k, next])
     }
 
-    /// Which triangles an edge goes with. An edge goes with the triangle on whose border it lies, and in part with the other one where that
-    /// has its own border nearer than `band` of its height, half with either where both coincide: forces do not jump there, and have neither
-    /// a resultant nor a moment of their own.
+    /// Which triangles an edge goes with: that on whose border it lies, and in part the other one where that has its own border nearer than
+    /// `band` of its height, half with either where both coincide. Forces do not jump there, and have neither a resultant nor a moment of
+    /// their own.
     #[inline(always)]
     fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> Bearer<T> {
         let side = if ends[0].border == Border::Secondary { 0 } else { 1 };
@@ -297,7 +297,7 @@ impl<T: Number> Polygon<T> {
         at
     }
 
-    /// What it gives to the derivatives, from the places and heights of the triangles' corners and the weights at those of the secondary one.
+    /// What it gives to the derivatives, from places and heights of the triangles' corners and weights at those of the secondary one.
     #[inline(always)]
     pub fn forces<W, R>(&self, places: &OfBoth<[T; 2]>, heights: &OfBoth<f64>, weights: &[W; 3], band: f64) -> Forces<R>
     where

@@ -161,7 +161,7 @@ where
         let begun = self.state.positions.clone();
         let mut progress = Progress::new(begun.len(), Closing::of(&self.model), stride, care);
         let at = loop {
-            let mut present = self.look(&balance, &progress)?;
+            let present = self.look(&balance, &progress)?;
             if present.is_closed && present.imbalance.excess() <= if care == Care::Coarse { COARSE } else { 1.0 } {
                 break present.at;
             }
@@ -173,7 +173,8 @@ where
             if is_gone || progress.steps - progress.parts == MAX_STEPS || progress.parts == MAX_PARTS || progress.stuck == MAX_STUCK {
                 return Err(self.no_equilibrium(&balance, &present.imbalance, &progress));
             }
-            self.step_to_rest(&balance, &mut present, &mut progress)?;
+            self.step_to_rest(&balance, &present, &mut progress)?;
+            self.system.recycle(present.at);
         };
         let state = Arc::make_mut(&mut self.state);
         state.search = self.system.search();
@@ -270,13 +271,9 @@ where
     }
 
     /// A damped step, or the experience that more damping is needed or more motion to be expected.
-    fn step_to_rest(&mut self, balance: &Balance, present: &mut Present, progress: &mut Progress) -> Result<(), StepError> {
+    fn step_to_rest(&mut self, balance: &Balance, present: &Present, progress: &mut Progress) -> Result<(), StepError> {
+        let Present { positions, displacements, imbalance, .. } = present;
         let plan = self.plan(balance, present, progress);
-        // The step needs the storage of all but the forces.
-        let mut at = std::mem::take(&mut present.at);
-        present.at.forces = std::mem::take(&mut at.forces);
-        self.system.recycle(at);
-        let Present { positions, displacements, imbalance, .. } = &*present;
         // How far nodes may move: as their component is expected to, and both sides as far as is prescribed.
         let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| progress.leeway * size).collect();
         // Where something was overlooked, what was not expected to move did.
