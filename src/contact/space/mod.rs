@@ -2,6 +2,8 @@
 
 mod bulge;
 mod corners;
+#[cfg(test)]
+mod depth_study;
 mod facets;
 mod features;
 mod gaps;
