@@ -4,6 +4,7 @@ mod bulge;
 mod corners;
 mod facets;
 mod features;
+mod found;
 mod gaps;
 mod mortar;
 mod obstacle;
