@@ -98,6 +98,11 @@ impl PairSearch {
             }
             for (index, found) in closest.into_iter().enumerate() {
                 let Some((facet, seen)) = found.filter(|(_, seen)| !seen.is_beside && -seen.gap > deepest) else { continue };
+                // Round a sharp edge lies what is nearer, although it takes no part with this node's facets.
+                let node = faces::at(surface.nodes()[index], q);
+                let around = other.local_facet(facet as usize).iter().flat_map(|&corner| other.adjacent_facets(corner as usize));
+                let around = around.map(|&facet| (facet, faces::Seen::new(node, other.facet(facet as usize), q)));
+                let (facet, seen) = around.fold((facet, seen), |near, next| if next.1.distance < near.1.distance { next } else { near });
                 if self.window.admits_depth(own, surface.adjacent_facets(index), facet, seen.gap) {
                     deepest = -seen.gap;
                 }

@@ -1,14 +1,15 @@
 //! Sharp vertices and edges of two bodies in space that the weighted gaps of their surfaces do not see.
 //!
 //! For convex bodies the depth of an overlap is the largest gap over the faces of the Minkowski difference: every such face is a vertex of
-//! one body on a facet of the other, or two edges that cross. So a vertex on a sharp edge has a row against each facet opposite it, and a
-//! sharp edge one against each sharp edge that it crosses, if all next to the feature recedes along the row's normal: then the pair is such
-//! a face. Rows and their signs are chosen at the start of a step, where it begins and where it is predicted to end. A row with an overlap
-//! goes where a shallower one near by parts the bodies along another direction (*dominance*). Rows stand in a few slots for each feature,
-//! taken in the order of what is opposite; weights are the square of the smallest facet.
+//! one body on a facet of the other, or two edges that cross. So a vertex on a sharp edge, or on a bump, has a row against each facet
+//! opposite it, and a sharp edge one against each sharp edge that it crosses, if all next to the feature recedes along the row's normal:
+//! then the pair is such a face. Rows and their signs are chosen at the start of a step, where it begins and where it is predicted to end.
+//! A row with an overlap goes where a shallower one near by parts the bodies along another direction (`found.rs`). Rows stand in a few slots
+//! for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
 use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};
+use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
@@ -39,12 +40,6 @@ const CROSSING: f64 = 0.05;
 /// Cosine up to which what is next to a feature may rise along the normal, and up to which the row may dominate others.
 const CONE: f64 = 0.1;
 const STRICT: f64 = 0.01;
-
-/// Cosine of the angle between the normals of two facets from which on a vertex has a row against the nearer one alone: 10 degrees.
-const ALIKE: f64 = features::SMOOTH;
-
-/// How far, in smallest facets, a body may reach beyond a row's plane and still recede along it.
-const RECEDES: f64 = 0.02;
 
 /// What a patch is between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,29 +76,16 @@ pub struct CornersInSpace {
     clearances: Vec<f64>,
 }
 
-/// A row that may be there at a configuration.
-#[derive(Clone, Copy)]
-struct Found {
-    patch: usize,
-    measure: Measure,
-    gap: f64,
-    /// Direction in which the secondary side has to go to part them.
-    normal: Vector,
-    /// Points of the secondary and of the primary side that touch.
-    at: [Vector; 2],
-    /// Whether all that is next to it strictly recedes.
-    is_strict: bool,
-}
-
 impl CornersInSpace {
     /// The rows of two surfaces; nothing where neither has anything sharp.
     pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Option<Box<dyn ContactKernel>> {
-        let features = [Features::new(&secondary, reference), Features::new(&primary, reference)];
+        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference));
+        let features =
+            [(&secondary, &bulges[0]), (&primary, &bulges[1])].map(|(side, bulges)| Features::with_bumps(side, reference, bulges));
         if features.iter().all(|features| features.vertices.is_empty()) {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference));
         Some(Box::new(CornersInSpace { bulges, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
     }
 
@@ -120,7 +102,8 @@ impl CornersInSpace {
 
     /// The rows of a rigid ball against the facets of a surface, or of the tip of a cone as one of no radius.
     pub(crate) fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
-        let alone = Features { vertices: vec![Vertex { node: center, spokes: Vec::new() }], edges: Vec::new(), laps: vec![Vec::new()] };
+        let center_alone = Vertex { node: center, spokes: Vec::new(), is_bump: false };
+        let alone = Features { vertices: vec![center_alone], edges: Vec::new(), laps: vec![Vec::new()] };
         let features = [Features::new(&surface, positions), alone];
         let mut made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);
         made.slots = if radius > 0.0 && radius <= OF_BALL.1 * facet_size { OF_BALL.0 } else { SLOTS };
@@ -191,13 +174,12 @@ impl CornersInSpace {
     }
 
     /// How far features overlap of which the curved surfaces just touch: facets of a hollow lie up to one and a half times the mean height
-    /// above it, and points of a round side may be raised by that.
+    /// above it, and points of a round side may be raised by that; bumps are none of a round side.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
             Kind::Vertex { side, vertex, facet } => {
-                let surface = self.surface(side);
-                let around =
-                    surface.index(self.features[side].vertices[vertex].node).map_or(&[][..], |index| surface.adjacent_facets(index));
+                let (surface, vertex) = (self.surface(side), &self.features[side].vertices[vertex]);
+                let around = surface.index(vertex.node).filter(|_| !vertex.is_bump).map_or(&[][..], |index| surface.adjacent_facets(index));
                 self.bulges[1 - side].hollow(&[facet as u32]) + self.bulges[side].raised_by(around)
             }
             Kind::Edges(edges) => {
@@ -222,7 +204,7 @@ impl CornersInSpace {
             let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, outlook)).collect();
             let found = if self.slots > SLOTS { found } else { self.nearest_facets(found) };
             let is_elsewhere = |row: &Found| self.has_nodal_rows && matches!(self.kinds[row.patch], Kind::Vertex { side: 0, .. });
-            for row in found.iter().filter(|row| !is_elsewhere(row) && !self.is_dominated(row, &found)) {
+            for row in found.iter().filter(|row| !is_elsewhere(row) && !row.is_dominated(&found, self.sides.facet_size)) {
                 let known = &mut chosen[row.patch];
                 if known.is_none_or(|known| row.gap < known.gap) {
                     *known = Some(*row);
@@ -262,20 +244,14 @@ impl CornersInSpace {
         kept
     }
 
-    /// Whether a row that overlaps goes, because a shallower one near by parts the bodies along another direction.
-    fn is_dominated(&self, row: &Found, found: &[Found]) -> bool {
-        let reach = RECEDES * self.sides.facet_size;
-        let middle = |row: &Found| 0.5 * (row.at[0] + row.at[1]);
-        row.gap < 0.0
-            && found.iter().any(|other| {
-                let beyond = [0, 1].map(|side| other.normal.dot(&(row.at[side] - other.at[side])));
-                other.is_strict
-                    && other.gap > row.gap
-                    && (middle(row) - middle(other)).norm() <= 2.0 * row.gap.abs()
-                    && row.normal.dot(&other.normal) < ALIKE
-                    && beyond[0] >= -reach
-                    && beyond[1] <= reach
-            })
+    /// Depth of a row: of a vertex near an edge of the other body the least of those behind the facets that meet there.
+    fn depth(&self, row: &Found, q: &[f64]) -> f64 {
+        let size = self.sides.facet_size;
+        let outlook = Outlook::within(q, size);
+        let owner = |patch: usize| self.sides.patches.rows(patch)[0];
+        let others = (0..self.kinds.len()).filter(|&patch| owner(patch) == owner(row.patch) && matches!(row.measure, Measure::Facet(_)));
+        let beside = others.filter_map(|patch| self.find(patch, q, &outlook)).filter(|other| row.is_beside(other, size));
+        -beside.map(|other| other.gap).fold(row.gap, f64::max)
     }
 
     /// The row of a patch at a configuration, if it has one there.
@@ -493,7 +469,8 @@ impl CandidateSearch for CornersInSpace {
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {
-        self.rows_at(q).into_iter().map(|(_, found)| -found.gap).fold(0.0, f64::max)
+        let deeper = |deepest: f64, (_, row): (usize, Found)| if -row.gap > deepest { self.depth(&row, q).max(deepest) } else { deepest };
+        self.rows_at(q).into_iter().fold(0.0, deeper)
     }
 }
 

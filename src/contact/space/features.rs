@@ -1,10 +1,18 @@
 //! Sharp vertices and edges of a surface in space, in the reference positions.
 
+use super::bulge::Bulges;
 use crate::contact::faces::{self, Vector};
-use crate::contact::surface::Surface;
+use crate::contact::surface::{Edge, Surface};
 
 /// Cosine of the angle by which facets turn at an edge that is sharp: 10 degrees.
 pub const SMOOTH: f64 = 0.984_807_753_012_208;
+
+/// Cosine of the angle by which facets turn away at an edge whose ends may be bumps: 2.5 degrees.
+const BUMP: f64 = 0.999_048;
+
+/// Height of a curve above its facets, over how far each of them is below the next one's plane in its middle, below which they are bumpy: of
+/// a circle it is a sixth.
+const ROUND: f64 = 1.0 / 24.0;
 
 /// How far a facet, or a sharp edge, may be left and still be met, over its size: across a border behind which the surface goes on
 /// smoothly, and across one into which another part of the surface rises (a point in the crease of two coarse facets would be opposite
@@ -12,12 +20,14 @@ pub const SMOOTH: f64 = 0.984_807_753_012_208;
 const LAP_SMOOTH: f64 = 0.05;
 const LAP_CONCAVE: f64 = 0.25;
 
-/// A node on sharp edges.
+/// A node on sharp edges, or a bump.
 #[derive(Clone, Debug)]
 pub struct Vertex {
     pub node: u32,
     /// The other ends of the edges that meet there.
     pub spokes: Vec<u32>,
+    /// Whether it has no sharp edge.
+    pub is_bump: bool,
 }
 
 /// A sharp edge that is not re-entrant, or a smooth one.
@@ -51,15 +61,20 @@ enum Bend {
 impl Features {
     /// The features of a surface. Where it ends, its body is taken to have a sharp edge.
     pub fn new(surface: &Surface, q: &[f64]) -> Features {
-        Features::with_edges(surface, q, |bend| bend == Bend::Sharp)
+        Features::with_edges(surface, q, &[], |bend| bend == Bend::Sharp)
+    }
+
+    /// The same with its bumps among the vertices: nodes from which the surface turns away at an edge, where it is not a curve.
+    pub fn with_bumps(surface: &Surface, q: &[f64], bulges: &Bulges) -> Features {
+        Features::with_edges(surface, q, &bumps(surface, q, bulges), |bend| bend == Bend::Sharp)
     }
 
     /// The same with its smooth edges among the sharp ones: for what lies across flat ground on a line.
     pub fn with_smooth_edges(surface: &Surface, q: &[f64]) -> Features {
-        Features::with_edges(surface, q, |bend| bend != Bend::Concave)
+        Features::with_edges(surface, q, &[], |bend| bend != Bend::Concave)
     }
 
-    fn with_edges(surface: &Surface, q: &[f64], is_kept: impl Fn(Bend) -> bool) -> Features {
+    fn with_edges(surface: &Surface, q: &[f64], bumps: &[u32], is_kept: impl Fn(Bend) -> bool) -> Features {
         let edges = surface.edges();
         let bends: Vec<Bend> = edges.iter().map(|edge| bend(surface, edge.facets, edge.nodes, q)).collect();
         let along = |nodes: [u32; 2]| (faces::at(nodes[1], q) - faces::at(nodes[0], q)).try_normalize(0.0).unwrap_or_default();
@@ -88,10 +103,11 @@ impl Features {
         let mut nodes: Vec<u32> = sharp().flat_map(|index| edges[index].nodes).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let vertex = |node: u32| {
+        let vertex = |is_bump: bool, node: u32| {
             let spokes = around(node).iter().map(|&index| edges[index].nodes).map(|[a, b]| if a == node { b } else { a }).collect();
-            Vertex { node, spokes }
+            Vertex { node, spokes, is_bump }
         };
+        let bumps = bumps.iter().filter(|bump| nodes.binary_search(bump).is_err());
         let laps_of = |facet: usize| {
             let nodes = surface.facet(facet);
             let of_side = |k: usize| {
@@ -106,11 +122,32 @@ impl Features {
             (0..nodes.len()).map(of_side).collect()
         };
         Features {
-            vertices: nodes.into_iter().map(vertex).collect(),
+            vertices: nodes.iter().map(|&node| vertex(false, node)).chain(bumps.map(|&node| vertex(true, node))).collect(),
             edges: (0..edges.len()).filter(|&index| is_kept(bends[index])).map(sharp_edge).collect(),
             laps: (0..surface.count()).map(laps_of).collect(),
         }
     }
+}
+
+/// Ends of edges at which a surface turns away and beside which it is no curve.
+fn bumps(surface: &Surface, q: &[f64], bulges: &Bulges) -> Vec<u32> {
+    // How far the middle of the facet behind an edge is below the plane of the one in front of it.
+    let drop = |edge: &Edge| {
+        let [one, other] = edge.facets.map(|facet| facet.map(|facet| surface.facet(facet as usize)));
+        let [normal, next] = [faces::normal(one?, q), faces::normal(other?, q)];
+        let drop = normal.dot(&(faces::at(edge.nodes[0], q) - faces::middle(other?, q)));
+        (drop > 0.0 && normal.dot(&next) < BUMP).then_some(drop)
+    };
+    let is_curve = |node: u32, drop: f64| {
+        let around = surface.index(node).map_or(&[][..], |index| surface.adjacent_facets(index));
+        around.iter().all(|&facet| bulges.height(facet as usize) > ROUND * drop)
+    };
+    let edges = surface.edges();
+    let ends = edges.iter().filter_map(|edge| Some((edge.nodes, drop(edge)?)));
+    let mut bumps: Vec<u32> = ends.flat_map(|(nodes, drop)| nodes.into_iter().filter(move |&node| !is_curve(node, drop))).collect();
+    bumps.sort_unstable();
+    bumps.dedup();
+    bumps
 }
 
 /// How a surface goes on at an edge.
@@ -148,4 +185,32 @@ pub fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f6
         let inward = normal.cross(&(b - a)).try_normalize(0.0).unwrap_or_default();
         inward.dot(&(x - a)) >= -laps[k] * size
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A face of `n` by `n` facets of size 0.5 at these heights.
+    fn face(n: u32, height: impl Fn(f64, f64) -> f64) -> (Surface, Vec<f64>) {
+        let place = |k: u32| 0.5 * f64::from(k) - 0.25 * f64::from(n);
+        let nodes = (0..=n).flat_map(|j| (0..=n).map(move |i| (place(i), place(j))));
+        let q = nodes.flat_map(|(x, y)| [x, y, height(x, y)]).collect();
+        let first = |i: u32, j: u32| i + j * (n + 1);
+        let facets = (0..n).flat_map(|j| (0..n).map(move |i| [first(i, j), first(i + 1, j), first(i + 1, j + 1), first(i, j + 1)]));
+        let facets: Vec<[u32; 4]> = facets.collect();
+        (Surface::in_space(facets.iter().map(|facet| &facet[..])), q)
+    }
+
+    #[test]
+    fn bumps_stick_out_of_a_face_that_is_no_curve() {
+        let found = |(surface, q): (Surface, Vec<f64>)| bumps(&surface, &q, &Bulges::new(&surface, &q));
+        let waves = found(face(4, |x, y| 0.05 * (3.0 * x).sin() * (3.0 * y).sin()));
+        // The nodes at (-0.5, -0.5) and (0.5, 0.5), where it is highest; at (-0.5, 0.5) it is lowest.
+        assert!(waves.contains(&6) && waves.contains(&18) && !waves.contains(&16), "{waves:?}");
+        assert_eq!(found(face(6, |x, _| -0.08 * x * x)), []);
+        assert_eq!(found(face(6, |x, y| -0.06 * (x * x + y * y))), []);
+        assert_eq!(found(face(6, |x, y| 0.06 * (x * x + y * y))), []);
+        assert_eq!(found(face(6, |x, y| 0.3 * x - 0.2 * y)), []);
+    }
 }

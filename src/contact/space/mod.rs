@@ -6,6 +6,7 @@ mod corners;
 mod depth_study;
 mod facets;
 mod features;
+mod found;
 mod gaps;
 mod mortar;
 mod obstacle;
