@@ -18,6 +18,7 @@ use super::node_patch::{self, Start};
 use super::patches::Evaluation;
 use super::search::{Candidates, within_the_body};
 use super::slip::{self, SlipStep};
+use super::space::CornersInSpace;
 use super::surface::{Sides, Surface};
 use super::tips::{Parting, Tip};
 use super::window::{Outlook, Travel, Window};
@@ -30,7 +31,7 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
     summary: "node-to-segment method: no secondary node enters the primary side; locks where both are polygons. In two passes: two \
               contacts with the sides swapped, both with `penalty` or `augmented_lagrange`",
     kernel: |secondary, primary, reference| Box::new(NodeToSegment::new(secondary, primary, reference)),
-    in_space: None,
+    in_space: Some(CornersInSpace::of_nodes),
     is_nodal: true,
     passes_patch_test: false,
 };

@@ -43,7 +43,7 @@ const STRICT: f64 = 0.01;
 
 /// What a patch is between.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     /// A vertex of the side (0: secondary) and a facet of the other one.
     Vertex { side: usize, vertex: usize, facet: usize },
     /// Sharp edges of the secondary and of the primary side.
@@ -53,27 +53,29 @@ enum Kind {
 /// Rows of the sharp vertices and edges of two surfaces.
 #[derive(Clone, Debug)]
 pub struct CornersInSpace {
-    sides: Sides,
-    features: [Features; 2],
+    pub(super) sides: Sides,
+    pub(super) features: [Features; 2],
     /// Points and edges that own rows, and facets and edges that they meet, as surfaces to be searched.
-    owners: Surface,
-    partners: Surface,
-    candidates: Candidates,
+    pub(super) owners: Surface,
+    pub(super) partners: Surface,
+    pub(super) candidates: Candidates,
     /// For each row-owning feature a node of it.
     row_nodes: Vec<u32>,
-    kinds: Vec<Kind>,
+    pub(super) kinds: Vec<Kind>,
     /// For each patch its row, of those of its feature, and what measures it in this step.
-    rows: Vec<Option<(usize, Measure)>>,
+    pub(super) rows: Vec<Option<(usize, Measure)>>,
     start: Vec<Vec<f64>>,
     /// Whether vertices of the secondary side have rows of their own elsewhere.
     has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
-    radius: f64,
-    slots: usize,
+    pub(super) radius: f64,
+    pub(super) slots: usize,
     /// What the facets of either side are of a curve.
     bulges: [Bulges; 2],
     /// For each patch what is added to its gap.
     clearances: Vec<f64>,
+    /// Whether its rows are those of all nodes of the secondary side, which then have one each (`nodes.rs`).
+    pub(super) of_nodes: bool,
 }
 
 impl CornersInSpace {
@@ -111,7 +113,7 @@ impl CornersInSpace {
         Box::new(CornersInSpace { has_nodal_rows: true, radius, ..made })
     }
 
-    fn new(secondary: Surface, primary: Surface, features: [Features; 2], reference: &[f64], facet_size: f64) -> Self {
+    pub(super) fn new(secondary: Surface, primary: Surface, features: [Features; 2], reference: &[f64], facet_size: f64) -> Self {
         let mut sides = Sides::of(secondary, primary, reference);
         let points = features.iter().flat_map(|features| &features.vertices).map(|vertex| std::slice::from_ref(&vertex.node));
         let owners = Surface::in_space(points.chain(features[0].edges.iter().map(|edge| &edge.nodes[..])));
@@ -137,6 +139,7 @@ impl CornersInSpace {
             slots: SLOTS,
             bulges: Default::default(),
             clearances: Vec::new(),
+            of_nodes: false,
         }
     }
 
@@ -204,6 +207,9 @@ impl CornersInSpace {
             let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, outlook)).collect();
             let found = if self.slots > SLOTS { found } else { self.nearest_facets(found) };
             let is_elsewhere = |row: &Found| self.has_nodal_rows && matches!(self.kinds[row.patch], Kind::Vertex { side: 0, .. });
+            let settled = self.settled(&chosen);
+            let is_settled = |row: &Found| settled.get(self.owner(row.patch)).is_some_and(|settled| *settled);
+            let found: Vec<Found> = found.into_iter().filter(|row| !is_settled(row)).collect();
             for row in found.iter().filter(|row| !is_elsewhere(row) && !row.is_dominated(&found, self.sides.facet_size)) {
                 let known = &mut chosen[row.patch];
                 if known.is_none_or(|known| row.gap < known.gap) {
@@ -233,7 +239,7 @@ impl CornersInSpace {
         let mut kept: Vec<Found> = Vec::with_capacity(found.len());
         for rows in found.chunk_by(|a, b| owner(a) == owner(b)) {
             let is_beaten = |row: &Found| {
-                matches!(row.measure, Measure::Facet(_))
+                !matches!(row.measure, Measure::Edges(_))
                     && rows.iter().any(|other| {
                         let order = other.gap.abs().total_cmp(&row.gap.abs()).then(other.patch.cmp(&row.patch));
                         order.is_lt() && other.normal.dot(&row.normal) > ALIKE
@@ -249,13 +255,13 @@ impl CornersInSpace {
         let size = self.sides.facet_size;
         let outlook = Outlook::within(q, size);
         let owner = |patch: usize| self.sides.patches.rows(patch)[0];
-        let others = (0..self.kinds.len()).filter(|&patch| owner(patch) == owner(row.patch) && matches!(row.measure, Measure::Facet(_)));
+        let others = (0..self.kinds.len()).filter(|&patch| owner(patch) == owner(row.patch) && !matches!(row.measure, Measure::Edges(_)));
         let beside = others.filter_map(|patch| self.find(patch, q, &outlook)).filter(|other| row.is_beside(other, size));
         -beside.map(|other| other.gap).fold(row.gap, f64::max)
     }
 
     /// The row of a patch at a configuration, if it has one there.
-    fn find(&self, patch: usize, q: &[f64], outlook: &Outlook) -> Option<Found> {
+    pub(super) fn find(&self, patch: usize, q: &[f64], outlook: &Outlook) -> Option<Found> {
         let nodes = self.sides.patches.nodes(patch);
         let own = self.owners_nodes(patch);
         let travel = outlook.travel::<3>(&nodes[..own], &nodes[own..]);
@@ -266,8 +272,10 @@ impl CornersInSpace {
                 let on = self.surface(1 - side).facet(facet);
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
                 let height = normal.dot(&(v - faces::middle(on, q)));
+                let laps = &self.features[1 - side].laps[facet];
+                let (measure, height) = self.measure(nodes, q).unwrap_or((Measure::Facet(on.len()), height));
                 let gap = height + self.clearances[patch] - self.radius;
-                if !is_near(gap) || !features::is_inside(v, on, normal, &self.features[1 - side].laps[facet], q) {
+                if !is_near(gap) || !self.faces(vertex, normal, q) || !features::is_inside(v, on, normal, laps, q) {
                     return None;
                 }
                 let rise = |&end: &u32| (faces::at(end, q) - v).try_normalize(0.0).map_or(0.0, |along| normal.dot(&along));
@@ -275,7 +283,7 @@ impl CornersInSpace {
                 let foot = v - normal * height;
                 let (normal, at) = if side == 0 { (normal, [v, foot]) } else { (-normal, [foot, v]) };
                 let is_strict = least >= -STRICT;
-                (least >= -CONE).then_some(Found { patch, measure: Measure::Facet(on.len()), gap, normal, at, is_strict })
+                (least >= -CONE).then_some(Found { patch, measure, gap, normal, at, is_strict })
             }
             Kind::Edges([own, other]) => {
                 let edges = [&self.features[0].edges[own], &self.features[1].edges[other]];
@@ -466,6 +474,10 @@ impl CandidateSearch for CornersInSpace {
         self.list_patches();
         self.choose(&[q], &Outlook::within(q, 0.0));
         self.begin_step(q);
+    }
+
+    fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
+        self.of_nodes && self.comes_through(q_0, q_1, tolerance)
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {

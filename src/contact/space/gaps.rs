@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! vertex v, facet y_1..y_k (mean point y):  g = n.(v - y),        n = N/|N|, N = (y_3 - y_1) x (y_4 - y_2)
+//! the same above one of the four triangles of y_k, y_k+1 and the mean point, of which that is the normal
 //! edges a b, c d:                           g = sigma n.(c - a),  n = N/|N|, N = (b - a) x (d - c)
 //! ```
 //!
@@ -23,6 +24,8 @@ pub const UNKNOWNS: usize = 3 * NODES;
 pub enum Measure {
     /// A vertex against a facet of so many nodes.
     Facet(usize),
+    /// A vertex against the triangle of a facet of four nodes that begins at this one of them: its shape functions carry the force.
+    Fan(usize),
     /// Two edges, with the sign of their normal.
     Edges(f64),
 }
@@ -68,6 +71,7 @@ impl Measure {
                 let middle: Vec3<f64> = std::array::from_fn(|i| y.iter().map(|y| y[i]).sum::<f64>() / count as f64);
                 dot(Spread::new(diagonals(y)).normal, sub(v, middle))
             }
+            Measure::Fan(k) => Measure::Facet(3).gap(&fan(z, k)),
             Measure::Edges(sign) => sign * dot(Spread::of_edges(z).normal, sub(z[2], z[0])),
         }
     }
@@ -99,6 +103,18 @@ impl Measure {
                     }
                 }
             }
+            Measure::Fan(k) => {
+                let [of_vertex, of_node, of_next, of_middle, _] = Measure::Facet(3).gradient(&fan(z, k));
+                gradient[0] = of_vertex;
+                for (place, force) in [(1 + k, of_node), (1 + (k + 1) % 4, of_next)] {
+                    gradient[place] = force;
+                }
+                for gradient in &mut gradient[1..] {
+                    for i in 0..3 {
+                        gradient[i] += of_middle[i] * 0.25;
+                    }
+                }
+            }
             Measure::Edges(sign) => {
                 let n = Spread::of_edges(z).normal.map(|n| n * -sign);
                 for (gradient, weight) in gradient.iter_mut().zip(self.weights(z)) {
@@ -125,9 +141,9 @@ impl Measure {
     pub fn weights<T: Number>(self, z: &[Vec3<T>]) -> [T; NODES] {
         let mut weights = [T::from(0.0); NODES];
         match self {
-            Measure::Facet(count) => {
+            Measure::Facet(_) | Measure::Fan(_) => {
                 weights[0] = T::from(1.0);
-                foot(z[0], &z[1..]).into_iter().take(count).enumerate().for_each(|(k, weight)| weights[1 + k] = -weight);
+                foot(z[0], &z[1..]).1.into_iter().take(z.len() - 1).enumerate().for_each(|(k, weight)| weights[1 + k] = -weight);
             }
             Measure::Edges(_) => {
                 let [s, t] = Spread::of_edges(z).feet(sub(z[2], z[0]));
@@ -140,13 +156,18 @@ impl Measure {
     /// Two unit vectors across the direction of the gap, which go with the facet or with the first edge.
     pub fn tangents<T: Number>(self, z: &[Vec3<T>]) -> Option<[Vec3<T>; 2]> {
         match self {
-            Measure::Facet(_) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
+            Measure::Facet(_) | Measure::Fan(_) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
             Measure::Edges(_) => {
                 let Spread { first, normal, .. } = Spread::of_edges(z);
                 let first = scaled(first, dot(first, first).sqrt().recip());
                 Some([first, cross(normal, first)])
             }
         }
+    }
+
+    /// That of a vertex above the triangle of the facet where it is.
+    pub fn above(z: &[Vec3<f64>]) -> Measure {
+        if z.len() == 4 { Measure::Facet(3) } else { Measure::Fan(foot(z[0], &z[1..]).0) }
     }
 
     /// Feet of the common perpendicular of two edges, and the sine of the angle between them.
@@ -164,15 +185,24 @@ impl Gradient<NODES> for Measure {
     }
 }
 
-/// Shares of a facet's nodes in the point below `v`, seen along its normal: linear on each of the triangles about its mean point.
+/// A vertex and the triangle of a facet of four nodes that begins at one of them.
 #[inline(always)]
-fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> [T; 4] {
+fn fan<T: Number>(z: &[Vec3<T>], k: usize) -> [Vec3<T>; 4] {
+    let y = &z[1..5];
+    let middle = std::array::from_fn(|i| (y[0][i] + y[1][i] + y[2][i] + y[3][i]) * 0.25);
+    [z[0], y[k], y[(k + 1) % 4], middle]
+}
+
+/// Shares of a facet's nodes in the point below `v`, seen along its normal, linear on each of the triangles about its mean point; and the
+/// triangle where that is.
+#[inline(always)]
+fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> (usize, [T; 4]) {
     let (count, zero) = (y.len(), T::from(0.0));
     let [first, second] = diagonals(y);
     let normal = cross(first, second);
     let part = 1.0 / count as f64;
     let middle: Vec3<T> = std::array::from_fn(|i| y.iter().fold(zero, |sum, y| sum + y[i] * part));
-    let mut shares = [zero; 4];
+    let (mut triangle, mut shares) = (0, [zero; 4]);
     let mut least = f64::NEG_INFINITY;
     for k in 0..count {
         let next = (k + 1) % count;
@@ -182,13 +212,13 @@ fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> [T; 4] {
         // The triangle in which the point is, or which it has left least.
         let within = of_a.re().min(of_b.re());
         if within > least {
-            least = within;
+            (least, triangle) = (within, k);
             shares = std::array::from_fn(|node| if node < count { (-of_a - of_b + 1.0) * part } else { zero });
             shares[k] += of_a;
             shares[next] += of_b;
         }
     }
-    shares
+    (triangle, shares)
 }
 
 #[cfg(test)]
@@ -205,8 +235,8 @@ mod tests {
         fn gradients_agree_with_differences(noise in prop::collection::vec(-0.25..0.25f64, 15)) {
             let facet = [[0.4, 0.5, 0.3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
             let edges = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, -0.5, 0.2], [0.5, 0.5, 0.2], [0.0; 3]];
-            for (measure, base) in [(Measure::Facet(4), facet), (Measure::Facet(3), facet), (Measure::Edges(-1.0), edges)] {
-                let count = match measure { Measure::Facet(count) => count + 1, Measure::Edges(_) => 4 };
+            for (measure, base) in [(Measure::Facet(4), facet), (Measure::Facet(3), facet), (Measure::Fan(3), facet), (Measure::Edges(-1.0), edges)] {
+                let count = match measure { Measure::Facet(count) => count + 1, Measure::Fan(_) => 5, Measure::Edges(_) => 4 };
                 let z: Vec<Vec3<f64>> =
                     base[..count].iter().enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + noise[3 * k + i])).collect();
                 let gradient = measure.gradient(&z);

@@ -9,6 +9,7 @@ mod features;
 mod found;
 mod gaps;
 mod mortar;
+mod nodes;
 mod obstacle;
 mod pair;
 mod polygon;

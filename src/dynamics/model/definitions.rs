@@ -135,6 +135,7 @@ impl Model {
             // The middles of its faces have no nodes, and with them no tangents of their own.
             _ if interaction.friction.is_some() && kind == Some(CellKind::Hex20) => Some("friction on a secondary side of `hex20`".into()),
             Partner::Obstacle { .. } => None,
+            Partner::Itself if interaction.method.is_nodal => Some(format!("self contact by the method \"{}\"", interaction.method.name)),
             _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),
             _ => None,
         };
