@@ -2,6 +2,7 @@
 
 mod bulge;
 mod corners;
+mod dual;
 mod facets;
 mod features;
 mod gaps;
