@@ -20,7 +20,10 @@ use crate::contact::faces;
 use crate::contact::numbers::Each;
 use crate::contact::search::PairSearch;
 use crate::contact::surface::{Sides, Surface};
-use crate::math::tolerances::WHOLE;
+
+/// Share of a facet that must be covered before dual functions have any part in its own ones: all pressures that they give are positive
+/// from there on.
+const PARTLY: f64 = 0.75;
 
 /// Multiplier shape functions of a facet as combinations of its own ones, `C`; without one they are these.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +43,14 @@ impl Shape {
         };
         // The facet opposite itself.
         Shape(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
+    }
+
+    /// These with such a share in the facet's own ones.
+    fn in_part(&self, share: f64) -> Shape {
+        let of = |by: &[[f64; CORNERS]; CORNERS]| -> [[f64; CORNERS]; CORNERS] {
+            array::from_fn(|j| array::from_fn(|k| share * by[j][k] + if j == k { 1.0 - share } else { 0.0 }))
+        };
+        if share > 0.0 { Shape(self.0.as_ref().map(of)) } else { Shape::STANDARD }
     }
 
     /// What the multipliers' functions give, from what the facet's own ones do.
@@ -73,36 +84,37 @@ impl Shape {
     }
 }
 
-/// Dual functions of a surface, and which facets have them.
+/// Multiplier shape functions of a surface whose facets have dual ones where they can.
 #[derive(Clone, Debug)]
 pub struct Duals {
-    /// Those of each facet.
-    shapes: Vec<Shape>,
-    /// Which facets have them in this step.
-    is_dual: Vec<bool>,
+    /// The dual functions of each facet.
+    dual: Vec<Shape>,
+    /// What each facet has in this step.
+    in_step: Vec<Shape>,
 }
 
 impl Duals {
-    /// Those of a surface with these reference positions; no facet has them yet.
+    /// Those of a surface with these reference positions: standard ones until a step begins.
     pub fn new(surface: &Surface, reference: &[f64]) -> Self {
         let of = |facet: usize| {
             let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
             Shape::dual(&nodes)
         };
-        Duals { shapes: (0..surface.count()).map(of).collect(), is_dual: vec![false; surface.count()] }
+        Duals { dual: (0..surface.count()).map(of).collect(), in_step: vec![Shape::STANDARD; surface.count()] }
     }
 
     /// The shape functions of a facet in this step.
     pub fn shape(&self, facet: u32) -> &Shape {
-        if self.is_dual[facet as usize] { &self.shapes[facet as usize] } else { &Shape::STANDARD }
+        &self.in_step[facet as usize]
     }
 
-    /// Decides which facets have dual functions in a step from `q_0`, where `pair` gives the pairs whose facets are opposite each other.
+    /// Chooses the functions for a step from `q_0`, where `pair` gives the pairs whose facets are opposite each other.
     ///
-    /// They are negative in places, where a facet that is covered in part would take an opening for a penetration. So those have them that
-    /// are wholly covered by the pairs that take part, and whose neighbors have something opposite everywhere, if only a facet away.
-    /// Would that have to take part, too, the functions, and with them the constraints that are closed, would change wherever two bodies
-    /// roll on each other.
+    /// Dual ones are negative in places, where a facet that is covered in part would take an opening for a penetration. So a facet has them
+    /// that is wholly covered by the pairs that take part, and whose neighbors have something opposite everywhere, if only a facet away.
+    /// Would that have to take part, too, they would change wherever two bodies roll on each other. Between that and three quarters of what
+    /// is covered least they pass into the facet's own ones: where rims of two bodies lie on each other, a switch would change the forces
+    /// with any motion, and no position be in equilibrium.
     pub fn choose(&mut self, search: &PairSearch, sides: &Sides, q_0: &[f64], pair: impl Fn(usize) -> Option<Pair<f64>>) {
         let secondary = &sides.secondary;
         // Of each facet, seen along its normal, the area that is covered by pairs that take part, and by these and open ones.
@@ -121,16 +133,19 @@ impl Duals {
                 *seen += area;
             }
         }
-        let is_whole = |facet: usize, kind: usize| {
-            let whole = 0.5 * faces::area_vector(secondary.facet(facet), q_0).norm();
-            covered[facet][kind] > (1.0 - WHOLE) * whole
+        let share = |facet: usize, kind: usize| covered[facet][kind] / (0.5 * faces::area_vector(secondary.facet(facet), q_0).norm());
+        let of = |(facet, dual): (usize, &Shape)| {
+            let around = secondary.local_facet(facet).iter().flat_map(|&node| secondary.adjacent_facets(node as usize));
+            let least = around.map(|&other| share(other as usize, 1)).fold(share(facet, 0), f64::min);
+            dual.in_part(part(least))
         };
-        let is_inside = |facet: usize| {
-            let mut around = secondary.local_facet(facet).iter().flat_map(|&node| secondary.adjacent_facets(node as usize));
-            is_whole(facet, 0) && around.all(|&other| is_whole(other as usize, 1))
-        };
-        self.is_dual = (0..secondary.count()).map(is_inside).collect();
+        self.in_step = self.dual.iter().enumerate().map(of).collect();
     }
+}
+
+/// The part that dual functions have where such a share is covered.
+fn part(share: f64) -> f64 {
+    ((share - PARTLY) / (1.0 - PARTLY)).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -207,6 +222,25 @@ mod tests {
             }
             for (node, sum) in shape.back([1.0; CORNERS]).into_iter().enumerate().take(count) {
                 prop_assert!((sum - 1.0).abs() < 1e-14, "{node}: {sum}");
+            }
+        }
+
+        /// Whatever part of a facet is left beside a straight rim, no function takes an opening there for a penetration.
+        #[test]
+        fn a_constant_opening_is_one_for_every_row(nodes in facets(), angle in 0.0..6.3f64, place in -0.8..0.8f64) {
+            let count = nodes.len();
+            let ((sin, cos), middle) = (angle.sin_cos(), [0, 1].map(|i| nodes.iter().map(|x| x[i]).sum::<f64>() / count as f64));
+            let at = |along: f64, across: f64| [middle[0] + cos * along - sin * across, middle[1] + sin * along + cos * across, 1.0];
+            let all = [at(-9.0, 9.0), at(9.0, 9.0), at(9.0, place), at(-9.0, place)];
+            let covered = |other: [Vec3<f64>; 4]| {
+                let x: Vec<Vec3<f64>> = nodes.iter().copied().chain(other).collect();
+                Pair::new(&x, [count, 4]).map_or([0.0; CORNERS], |pair| pair.covered())
+            };
+            let (left, whole) = (covered(all), covered([at(-9.0, 9.0), at(9.0, 9.0), at(9.0, -9.0), at(-9.0, -9.0)]));
+            let share = left.iter().sum::<f64>() / whole.iter().sum::<f64>();
+            let shape = Shape::dual(&nodes).in_part(part(share));
+            for (row, whole) in shape.of(left).iter().zip(whole) {
+                prop_assert!(*row >= -1e-15 && *row <= 2.0 * whole + 1e-15, "{row} of {whole}, {share} is covered");
             }
         }
 
@@ -301,7 +335,7 @@ mod tests {
     /// Where something is missing opposite a facet, it and its neighbors have their own functions.
     #[test]
     fn facets_that_are_covered_in_part_have_standard_functions() {
-        let q: Vec<f64> = base().iter().enumerate().map(|(k, x)| if k == 60 { 3.2 } else { *x }).collect();
+        let q: Vec<f64> = base().iter().enumerate().map(|(k, x)| if k == 60 { 5.0 } else { *x }).collect();
         let kernel = kernel(&q, &q);
         let out = evaluated(&*kernel, Derivative::Gradient(Configuration::End), &q, &[0.0; 5]);
         let rows = dense_rows(&*kernel, &out.gradient_end, UNKNOWNS);
