@@ -21,9 +21,10 @@ use crate::contact::numbers::Each;
 use crate::contact::search::PairSearch;
 use crate::contact::surface::{Sides, Surface};
 
-/// Share of a facet that must be covered before dual functions have any part in its own ones: all pressures that they give are positive
-/// from there on.
-const PARTLY: f64 = 0.75;
+/// Share of a facet that is covered where dual functions begin to have a part in its own ones, and from which on they are all of them. Not
+/// less may be missing than what rims that lie on each other lose when bodies deform, or functions would change in every step. All pressures
+/// are positive between these.
+const PARTLY: [f64; 2] = [0.75, 0.9];
 
 /// Multiplier shape functions of a facet as combinations of its own ones, `C`; without one they are these.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,11 +111,11 @@ impl Duals {
 
     /// Chooses the functions for a step from `q_0`, where `pair` gives the pairs whose facets are opposite each other.
     ///
-    /// Dual ones are negative in places, where a facet that is covered in part would take an opening for a penetration. So a facet has them
-    /// that is wholly covered by the pairs that take part, and whose neighbors have something opposite everywhere, if only a facet away.
-    /// Would that have to take part, too, they would change wherever two bodies roll on each other. Between that and three quarters of what
-    /// is covered least they pass into the facet's own ones: where rims of two bodies lie on each other, a switch would change the forces
-    /// with any motion, and no position be in equilibrium.
+    /// Dual ones are negative in places, where a facet that is covered in part would take an opening for a penetration. So facets have them
+    /// that are covered by the pairs that take part, and whose neighbors have something opposite, if only a facet away. Would that have to
+    /// take part, too, the functions, and with them the constraints that are closed, would change wherever two bodies roll on each other.
+    /// With what is missing they pass into the facet's own ones: a switch would change the forces with any motion where it lies, and no
+    /// position be in equilibrium.
     pub fn choose(&mut self, search: &PairSearch, sides: &Sides, q_0: &[f64], pair: impl Fn(usize) -> Option<Pair<f64>>) {
         let secondary = &sides.secondary;
         // Of each facet, seen along its normal, the area that is covered by pairs that take part, and by these and open ones.
@@ -145,7 +146,7 @@ impl Duals {
 
 /// The part that dual functions have where such a share is covered.
 fn part(share: f64) -> f64 {
-    ((share - PARTLY) / (1.0 - PARTLY)).clamp(0.0, 1.0)
+    ((share - PARTLY[0]) / (PARTLY[1] - PARTLY[0])).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
