@@ -21,9 +21,8 @@ use crate::contact::numbers::Each;
 use crate::contact::search::PairSearch;
 use crate::contact::surface::{Sides, Surface};
 
-/// Share of a facet that is covered where dual functions begin to have a part in its own ones, and from which on they are all of them. Not
-/// less may be missing than what rims that lie on each other lose when bodies deform, or functions would change in every step. All pressures
-/// are positive between these.
+/// Shares of a facet between which dual functions take the place of its own ones. More than the last is left of facets at rims that lie on
+/// each other when bodies deform, or functions would change in every step; down to the first all integrals over what is left are positive.
 const PARTLY: [f64; 2] = [0.75, 0.9];
 
 /// Multiplier shape functions of a facet as combinations of its own ones, `C`; without one they are these.
