@@ -303,7 +303,7 @@ impl Scratch {
         out: &mut Place,
         sums: &mut Sums,
     ) -> bool {
-        let start = &kernel.start[p];
+        let (start, shape) = (&kernel.start[p], kernel.shape(p));
         let Scratch { end: end_z, middle: middle_z, row, hessian, weighted, projection } = self;
         kernel.sides.patches.gather_into(p, q_1, end_z);
         middle_z.clear();
@@ -313,7 +313,6 @@ impl Scratch {
             return false;
         }
         *out.live = true;
-        let shape = kernel.shape(p);
         sums.end = end.as_ref().map(|end| [shape.of(end.values()), shape.of(end.covered())]);
         let values = sums.end.map_or([0.0; CORNERS], |[values, _]| values);
         let (rows, unknowns) = (kernel.sides.patches.rows(p), end_z.len());
