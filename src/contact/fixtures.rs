@@ -45,6 +45,19 @@ pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     })
 }
 
+/// The same in space.
+pub(crate) fn unbalance_in_space(rows: &[Vec<f64>], q: &[f64]) -> f64 {
+    let of = |row: &Vec<f64>| {
+        let mut sums = [0.0; 6];
+        for ([x, y, z], [f, g, h]) in q.as_chunks::<3>().0.iter().zip(row.as_chunks::<3>().0) {
+            let entries = [*f, *g, *h, y * h - z * g, z * f - x * h, x * g - y * f];
+            sums.iter_mut().zip(entries).for_each(|(sum, entry)| *sum += entry);
+        }
+        sums.iter().fold(0.0, |largest: f64, sum| largest.max(sum.abs()))
+    };
+    rows.iter().map(of).fold(0.0, f64::max)
+}
+
 /// Two polygons, one inside the other; positions of the inner one's nodes first.
 pub struct Rings {
     pub inner: Vec<[u32; 2]>,

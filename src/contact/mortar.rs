@@ -35,7 +35,7 @@ pub static DUAL_MORTAR: ContactMethod = ContactMethod {
     name: "dual_mortar",
     summary: "mortar method with dual shape functions: each multiplier presses its own node and no other",
     kernel: |secondary, primary, reference| Box::new(Mortar::new(secondary, primary, reference).with_dual_multipliers()),
-    in_space: None,
+    in_space: Some(MortarInSpace::dual_kernel),
     is_nodal: false,
     passes_patch_test: true,
 };

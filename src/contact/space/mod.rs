@@ -4,6 +4,7 @@ mod bulge;
 mod corners;
 #[cfg(test)]
 mod depth_study;
+mod dual;
 mod facets;
 mod features;
 mod found;

@@ -5,6 +5,7 @@
 //! each other.
 
 use super::bulge::Raised;
+use super::dual::{Duals, Shape};
 use super::pair::{CORNERS, Gradients, NODES, Pair};
 use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
@@ -48,6 +49,8 @@ pub struct MortarInSpace {
     correction: Correction,
     /// Which pairs are expected to slide in this step.
     slides: Vec<bool>,
+    /// Dual functions of the secondary side, where multipliers have them.
+    duals: Option<Duals>,
 }
 
 /// What a pair keeps of the start of the step.
@@ -84,11 +87,20 @@ struct Sums {
 impl MortarInSpace {
     /// Contact of two surfaces, sized in the reference positions. A surface with itself takes each pair of facets once.
     pub fn kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
+        Box::new(Self::new(seen))
+    }
+
+    /// The same with dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
+    pub fn dual_kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
+        Box::new(MortarInSpace { duals: Some(Duals::new(&seen.secondary, &seen.reference)), ..Self::new(seen) })
+    }
+
+    fn new(seen: &SeenInSpace) -> Self {
         let SeenInSpace { secondary, primary, reference, raised, .. } = seen;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
-        Box::new(MortarInSpace {
+        MortarInSpace {
             sides,
             search,
             start: Vec::new(),
@@ -97,13 +109,19 @@ impl MortarInSpace {
             workers: Workers::default(),
             correction: Correction::default(),
             slides: Vec::new(),
-        })
+            duals: None,
+        }
     }
 
     /// By how much the facets of pair `p` are raised.
     fn raised(&self, p: usize) -> [&Raised; 2] {
         let [own, other] = self.search.candidates.pairs()[p];
         [&self.raised[0][own as usize], &self.raised[1][other as usize]]
+    }
+
+    /// Shape functions of the multipliers of pair `p` in this step.
+    fn shape(&self, p: usize) -> &Shape {
+        self.duals.as_ref().map_or(&Shape::STANDARD, |duals| duals.shape(self.search.candidates.pairs()[p][0]))
     }
 
     /// Numbers of nodes of the facets of pair `p`.
@@ -161,7 +179,7 @@ impl MortarInSpace {
                 return [0.0; CORNERS];
             }
             self.sides.patches.gather_into(p, q, &mut z);
-            self.pair(p, &z).as_ref().map_or([0.0; CORNERS], &contribution)
+            self.pair(p, &z).as_ref().map_or([0.0; CORNERS], |pair| self.shape(p).of(contribution(pair)))
         };
         self.search.summed(&self.sides, (0..self.sides.patches.len()).map(of_pair))
     }
@@ -190,11 +208,19 @@ impl PatchFunctions for MortarInSpace {
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
+        if let Some(mut duals) = self.duals.take() {
+            duals.choose(&self.search, &self.sides, q_0, |p| {
+                let mut z = Vec::new();
+                self.sides.patches.gather_into(p, q_0, &mut z);
+                self.pair(p, &z)
+            });
+            self.duals = Some(duals);
+        }
         let start = |p: usize| {
             let mut positions = Vec::new();
             self.sides.patches.gather_into(p, q_0, &mut positions);
             let pair = if self.search.near[p] { self.pair(p, &positions) } else { None };
-            let values = pair.as_ref().map_or([0.0; CORNERS], Pair::values);
+            let values = pair.as_ref().map_or([0.0; CORNERS], |pair| self.shape(p).of(pair.values()));
             Start { positions, values, overlaps: pair.is_some() }
         };
         self.start = (0..self.sides.patches.len()).map(start).collect();
@@ -259,7 +285,7 @@ impl Scratch {
         out: &mut Place,
         sums: &mut Sums,
     ) -> bool {
-        let start = &kernel.start[p];
+        let (start, shape) = (&kernel.start[p], kernel.shape(p));
         let Scratch { end: end_z, middle: middle_z, row, hessian, weighted, projection } = self;
         kernel.sides.patches.gather_into(p, q_1, end_z);
         middle_z.clear();
@@ -269,15 +295,16 @@ impl Scratch {
             return false;
         }
         *out.live = true;
-        sums.end = end.as_ref().map(|end| [end.values(), end.covered()]);
+        sums.end = end.as_ref().map(|end| [shape.of(end.values()), shape.of(end.covered())]);
         let values = sums.end.map_or([0.0; CORNERS], |[values, _]| values);
         let (rows, unknowns) = (kernel.sides.patches.rows(p), end_z.len());
-        let at_end = end.as_ref().map(|end| end.gradients(0.0));
+        let at_end = end.as_ref().map(|end| shape.of_gradients(end.gradients(0.0)));
         lists_into(at_end.as_ref(), unknowns, out.gradient_end);
         out.tangent.fill(0.0);
         let weights: [f64; CORNERS] = std::array::from_fn(|k| rows.get(k).map_or(0.0, |&row| lambda[row as usize]));
         let is_pressed = weights != [0.0; CORNERS];
         let band = kernel.band(p, derivative);
+        let pressed = shape.back(weights);
         if derivative == Derivative::DiscreteGradient {
             projection.set(&start.positions, end_z);
             let [of_middle, of_end] = weighted;
@@ -285,7 +312,7 @@ impl Scratch {
                 vector.clear();
                 vector.resize(unknowns, 0.0);
             }
-            let in_middle = middle.as_ref().map(|middle| middle.gradients(band));
+            let in_middle = middle.as_ref().map(|middle| shape.of_gradients(middle.gradients(band)));
             if kernel.correction == Correction::PerNode {
                 lists_into(in_middle.as_ref(), unknowns, out.gradient_bar);
                 for (k, bar) in out.gradient_bar.chunks_exact(unknowns).enumerate() {
@@ -294,7 +321,7 @@ impl Scratch {
                 sums.increment.extend(projection.increment());
                 sums.size = projection.size();
                 if let Some(middle) = middle.as_ref().filter(|_| is_pressed) {
-                    middle.hessian_into(&weights, band, 0.5, out.tangent);
+                    middle.hessian_into(&pressed, band, 0.5, out.tangent);
                 }
                 return true;
             }
@@ -309,7 +336,7 @@ impl Scratch {
                 hessian.clear();
                 hessian.resize(unknowns * unknowns, 0.0);
                 if let Some(middle) = &middle {
-                    middle.hessian_into(&weights, band, 1.0, hessian);
+                    middle.hessian_into(&pressed, band, 1.0, hessian);
                 }
                 let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
                 let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };
@@ -322,20 +349,21 @@ impl Scratch {
             Configuration::Middle => &middle,
             Configuration::End => &end,
         };
-        let acting = pair.as_ref().map(|pair| pair.gradients(band));
+        let acting = pair.as_ref().map(|pair| shape.of_gradients(pair.gradients(band)));
         lists_into(acting.as_ref(), unknowns, out.gradient_bar);
         if let Some(pair) = pair.as_ref().filter(|_| is_pressed) {
-            pair.hessian_into(&weights, band, placement.share, out.tangent);
+            pair.hessian_into(&pressed, band, placement.share, out.tangent);
         }
         true
     }
 }
 
-/// Slip weighted as the gap is: the facet's own shape functions against those of the facet opposite, over the overlap.
+/// Slip weighted as the gap is: the multipliers' shape functions against those of the facet opposite, over the overlap.
 impl SlipsInSpace for MortarInSpace {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let Some(pair) = Pair::new(z, self.counts(p)).filter(Pair::overlaps) else { return Vec::new() };
-        let (weights, covered, [first, second, _]) = (pair.mortar_weights(), pair.covered(), pair.axes());
+        let shape = self.shape(p);
+        let (weights, covered, [first, second, _]) = (shape.of_lists(pair.mortar_weights()), shape.of(pair.covered()), pair.axes());
         let along = |cos: f64, sin: f64| -> Vec3<T> { std::array::from_fn(|i| first[i] * cos + second[i] * sin) };
         let group = |(place, &[cos, sin]): (usize, &[f64; 2])| {
             let tangents = [along(cos, sin), along(-sin, cos)];

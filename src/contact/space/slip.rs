@@ -291,7 +291,7 @@ mod tests {
     use proptest::test_runner::RngSeed;
 
     use super::*;
-    use crate::contact::fixtures::{dense_rows_of, difference, evaluated};
+    use crate::contact::fixtures::{dense_rows_of, difference, evaluated, product, unbalance_in_space};
     use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, RigidInSpace, RoundInSpace, SeenInSpace};
     use crate::contact::{ContactKernel, Outlook};
     use crate::integrators::Derivative;
@@ -314,6 +314,8 @@ mod tests {
         let base = base();
         let mut kernels = vec![MortarInSpace::kernel(&SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base))];
         kernels.extend(CornersInSpace::kernel(below(), above(), &base));
+        // The facet above lies wholly over those below.
+        kernels.push(MortarInSpace::dual_kernel(&SeenInSpace::new([&faces[1], &faces[0]], &base)));
         for kernel in &mut kernels {
             kernel.update_candidates(&Outlook::within(q, 1.0));
             kernel.begin_step(q);
@@ -355,23 +357,6 @@ mod tests {
         dense_rows_of(kernel.slip_patches(), 2 * kernel.rows(), blocks, UNKNOWNS)
     }
 
-    fn product(a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
-    }
-
-    /// Largest resultant and moment of rows at positions.
-    fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
-        let of = |row: &Vec<f64>| {
-            let mut sums = [0.0; 6];
-            for (x, g) in q.as_chunks::<3>().0.iter().zip(row.as_chunks::<3>().0) {
-                let turn = cross(*x, *g);
-                (0..3).for_each(|i| (sums[i], sums[3 + i]) = (sums[i] + g[i], sums[3 + i] + turn[i]));
-            }
-            sums.iter().fold(0.0, |largest: f64, sum| largest.max(sum.abs()))
-        };
-        rows.iter().map(of).fold(0.0, f64::max)
-    }
-
     fn steps() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
         let noise = || prop::collection::vec(-0.05..0.05f64, UNKNOWNS);
         let moved = |noise: &[f64], shift: [f64; 3]| -> Vec<f64> {
@@ -394,9 +379,9 @@ mod tests {
                 for (row, slip) in bar.iter().zip(&out.gap) {
                     prop_assert!((product(row, &moved) - slip).abs() < 1e-14);
                 }
-                prop_assert!(unbalance(&bar, &middle) < 1e-13);
+                prop_assert!(unbalance_in_space(&bar, &middle) < 1e-13);
                 let at_end = slips(&*kernel, &q_0, &q_1, Configuration::End);
-                prop_assert!(unbalance(&rows(&*kernel, &at_end.gradient_bar), &q_1) < 1e-13);
+                prop_assert!(unbalance_in_space(&rows(&*kernel, &at_end.gradient_bar), &q_1) < 1e-13);
             }
         }
 

@@ -1,0 +1,345 @@
+//! Dual multiplier shape functions in space: what they are of a facet's own ones, and which facets have them in a step.
+//!
+//! With the mass matrix of a facet in the reference positions, `M_jk = int N_j N_k dA`, and `D_j = int N_j dA`, the functions
+//!
+//! ```text
+//! psi_j = sum_k C_jk N_k,      C = D M^-1,      int psi_j N_k dA = delta_jk D_j
+//! ```
+//!
+//! are biorthogonal to the facet's own ones, their sum is one and their integrals are `D_j` (Wohlmuth, SIAM J. Numer. Anal. 38, 2000). They
+//! stay so in deformations that are affine in the facet; in others nearly. They are made once, so that what is closed at the end of a step
+//! is closed at the start of the next one. All that is linear in the shape functions of a pair (`pair.rs`) is combined in the same way:
+//! values and gradients by `C`, the weights of the second derivatives by its transpose. A constant matrix changes no law of conservation.
+
+use std::array;
+use std::ops::{Add, Mul};
+
+use super::pair::{CORNERS, Gradients, Pair};
+use super::vectors::Vec3;
+use crate::contact::faces;
+use crate::contact::numbers::Each;
+use crate::contact::search::PairSearch;
+use crate::contact::surface::{Sides, Surface};
+
+/// Shares of a facet between which dual functions take the place of its own ones. More than the last is left of facets at rims that lie on
+/// each other when bodies deform, or functions would change in every step; down to the first all integrals over what is left are positive.
+const PARTLY: [f64; 2] = [0.75, 0.9];
+
+/// Multiplier shape functions of a facet as combinations of its own ones, `C`; without one they are these.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape(Option<[[f64; CORNERS]; CORNERS]>);
+
+impl Shape {
+    /// The facet's own shape functions.
+    pub const STANDARD: Shape = Shape(None);
+
+    /// Those dual to a facet's own ones at these positions of its nodes; standard ones where the facet is folded or has no area.
+    fn dual(nodes: &[Vec3<f64>]) -> Shape {
+        let of_pair = |both: &[Vec3<f64>]| {
+            let mass = Pair::new(both, [nodes.len(); 2])?.mortar_weights();
+            let mass = nalgebra::DMatrix::from_fn(nodes.len(), nodes.len(), |j, k| mass[j][k]);
+            let (shares, inverse) = (mass.column_sum(), mass.cholesky()?.inverse());
+            Some(array::from_fn(|j| array::from_fn(|k| if j.max(k) < nodes.len() { shares[j] * inverse[(j, k)] } else { 0.0 })))
+        };
+        // The facet opposite itself.
+        Shape(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
+    }
+
+    /// These with such a share in the facet's own ones.
+    fn in_part(&self, share: f64) -> Shape {
+        let of = |by: &[[f64; CORNERS]; CORNERS]| -> [[f64; CORNERS]; CORNERS] {
+            array::from_fn(|j| array::from_fn(|k| share * by[j][k] + if j == k { 1.0 - share } else { 0.0 }))
+        };
+        if share > 0.0 { Shape(self.0.as_ref().map(of)) } else { Shape::STANDARD }
+    }
+
+    /// What the multipliers' functions give, from what the facet's own ones do.
+    #[inline(always)]
+    pub fn of<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(&self, own: [T; CORNERS]) -> [T; CORNERS] {
+        let Shape(Some(by)) = self else { return own };
+        by.map(|by| own[0] * by[0] + own[1] * by[1] + own[2] * by[2] + own[3] * by[3])
+    }
+
+    /// The same of gradients.
+    pub fn of_gradients(&self, own: Gradients) -> Gradients {
+        if self.0.is_none() { own } else { own.map(|node| node.map(|each| Each(self.of(each.0)))) }
+    }
+
+    /// The same of lists.
+    pub fn of_lists<T: Copy + Add<Output = T> + Mul<f64, Output = T>, const N: usize>(
+        &self,
+        mut own: [[T; N]; CORNERS],
+    ) -> [[T; N]; CORNERS] {
+        for k in 0..N {
+            let each = self.of(array::from_fn(|j| own[j][k]));
+            (0..CORNERS).for_each(|j| own[j][k] = each[j]);
+        }
+        own
+    }
+
+    /// The weights of the facet's own functions with which their sum is that of the multipliers' functions with these.
+    pub fn back(&self, weights: [f64; CORNERS]) -> [f64; CORNERS] {
+        let Shape(Some(by)) = self else { return weights };
+        array::from_fn(|k| (0..CORNERS).map(|j| by[j][k] * weights[j]).sum())
+    }
+}
+
+/// Multiplier shape functions of a surface whose facets have dual ones where they can.
+#[derive(Clone, Debug)]
+pub struct Duals {
+    /// The dual functions of each facet.
+    dual: Vec<Shape>,
+    /// What each facet has in this step.
+    in_step: Vec<Shape>,
+}
+
+impl Duals {
+    /// Those of a surface with these reference positions: standard ones until a step begins.
+    pub fn new(surface: &Surface, reference: &[f64]) -> Self {
+        let of = |facet: usize| {
+            let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
+            Shape::dual(&nodes)
+        };
+        Duals { dual: (0..surface.count()).map(of).collect(), in_step: vec![Shape::STANDARD; surface.count()] }
+    }
+
+    /// The shape functions of a facet in this step.
+    pub fn shape(&self, facet: u32) -> &Shape {
+        &self.in_step[facet as usize]
+    }
+
+    /// Chooses the functions for a step from `q_0`, where `pair` gives the pairs whose facets are opposite each other.
+    ///
+    /// Dual ones are negative in places, where a facet that is covered in part would take an opening for a penetration. So facets have them
+    /// that are covered by the pairs that take part, and whose neighbors have something opposite, if only a facet away. Would that have to
+    /// take part, too, the functions, and with them the constraints that are closed, would change wherever two bodies roll on each other.
+    /// With what is missing they pass into the facet's own ones: a switch would change the forces with any motion where it lies, and no
+    /// position be in equilibrium.
+    pub fn choose(&mut self, search: &PairSearch, sides: &Sides, q_0: &[f64], pair: impl Fn(usize) -> Option<Pair<f64>>) {
+        let secondary = &sides.secondary;
+        // Of each facet, seen along its normal, the area that is covered by pairs that take part, and by these and open ones.
+        let mut covered = vec![[0.0; 2]; secondary.count()];
+        for (p, &[own, _]) in search.candidates.pairs().iter().enumerate() {
+            if !search.near[p] && !search.is_beside(p, sides, q_0) {
+                continue;
+            }
+            let Some(pair) = pair(p) else { continue };
+            let area = pair.covered().iter().sum::<f64>();
+            let [taking_part, seen] = &mut covered[own as usize];
+            if search.near[p] {
+                *taking_part += area;
+                *seen += area;
+            } else if pair.values().iter().sum::<f64>() > 0.0 {
+                *seen += area;
+            }
+        }
+        let share = |facet: usize, kind: usize| covered[facet][kind] / (0.5 * faces::area_vector(secondary.facet(facet), q_0).norm());
+        let of = |(facet, dual): (usize, &Shape)| {
+            let around = secondary.local_facet(facet).iter().flat_map(|&node| secondary.adjacent_facets(node as usize));
+            let least = around.map(|&other| share(other as usize, 1)).fold(share(facet, 0), f64::min);
+            dual.in_part(part(least))
+        };
+        self.in_step = self.dual.iter().enumerate().map(of).collect();
+    }
+}
+
+/// The part that dual functions have where such a share is covered.
+fn part(share: f64) -> f64 {
+    ((share - PARTLY[0]) / (PARTLY[1] - PARTLY[0])).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::*;
+    use crate::contact::fixtures::{dense_rows, difference, evaluated, product, unbalance_in_space};
+    use crate::contact::space::{MortarInSpace, SeenInSpace};
+    use crate::contact::{ContactKernel, Correction, Outlook};
+    use crate::integrators::{Configuration, Derivative};
+
+    /// Facets of three and four nodes, distorted and warped at random.
+    fn facets() -> impl Strategy<Value = Vec<Vec3<f64>>> {
+        (prop::sample::select(vec![3, 4]), prop::collection::vec(-0.2..0.2f64, 12)).prop_map(|(count, noise)| {
+            let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            (0..count).map(|k| [square[k][0] + noise[3 * k], square[k][1] + noise[3 * k + 1], noise[3 * k + 2]]).collect()
+        })
+    }
+
+    /// Nodes 0 to 15 are the primary side, 3 x 3 facets that look up; 16 to 20 a quadrilateral and a triangle above it, which look down.
+    const SECONDARY: [&[u32]; 2] = [&[16, 17, 18, 19], &[19, 18, 20]];
+    const COUNT: usize = 21;
+    const UNKNOWNS: usize = 3 * COUNT;
+
+    fn base() -> Vec<f64> {
+        let below = (0..16).flat_map(|k| [f64::from(k % 4), f64::from(k / 4), 0.0]);
+        let above = [[0.5, 0.4], [0.6, 1.9], [1.9, 2.0], [1.7, 0.5], [2.6, 1.1]].into_iter().flat_map(|[x, y]| [x, y, 0.02]);
+        below.chain(above).collect()
+    }
+
+    fn kernel(reference: &[f64], q_0: &[f64]) -> Box<dyn ContactKernel> {
+        let below = (0..9).map(|k| (k / 3) * 4 + k % 3).map(|k| vec![k, k + 1, k + 5, k + 4]).collect::<Vec<_>>();
+        let above = SECONDARY.map(<[u32]>::to_vec);
+        let mut kernel = MortarInSpace::dual_kernel(&SeenInSpace::new([&above, &below], reference));
+        kernel.update_candidates(&Outlook::within(q_0, 1.0));
+        kernel.begin_step(q_0);
+        kernel
+    }
+
+    fn steps() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+        let noise = || prop::collection::vec(-0.05..0.05f64, UNKNOWNS);
+        let moved = |noise: &[f64], size: f64, shift: [f64; 3]| -> Vec<f64> {
+            base().iter().enumerate().map(|(k, x)| x + size * noise[k] + if k >= 48 { shift[k % 3] } else { 0.0 }).collect()
+        };
+        (noise(), noise(), -0.3..0.3f64, -0.3..0.3f64)
+            .prop_map(move |(first, second, x, y)| (moved(&first, 1.0, [0.0; 3]), moved(&second, 1.0, [x, y, -0.01])))
+    }
+
+    const PRESSURES: [f64; 5] = [1.0, -0.5, 2.0, 0.25, 1.5];
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 200, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        #[test]
+        fn dual_functions_are_biorthogonal_to_those_of_the_facet(nodes in facets()) {
+            let count = nodes.len();
+            // Opposite something larger.
+            let all = [[-9.0, 9.0, 1.0], [9.0, 9.0, 1.0], [9.0, -9.0, 1.0], [-9.0, -9.0, 1.0]];
+            let x: Vec<Vec3<f64>> = nodes.iter().copied().chain(all).collect();
+            let pair = Pair::new(&x, [count, 4]).expect("it has an area");
+            let (shape, shares) = (Shape::dual(&nodes), pair.covered());
+            prop_assert!(shape != Shape::STANDARD);
+            for (j, row) in shape.of_lists(pair.mortar_weights()).iter().enumerate().take(count) {
+                for (k, integral) in row[..count].iter().enumerate() {
+                    let expected = if j == k { shares[j] } else { 0.0 };
+                    prop_assert!((integral - expected).abs() < 1e-14, "{j} {k}: {integral} {expected}");
+                }
+            }
+            // They have the same integrals, and their sum is one.
+            for (dual, own) in shape.of(shares).iter().zip(shares) {
+                prop_assert!((dual - own).abs() < 1e-14);
+            }
+            for (node, sum) in shape.back([1.0; CORNERS]).into_iter().enumerate().take(count) {
+                prop_assert!((sum - 1.0).abs() < 1e-14, "{node}: {sum}");
+            }
+        }
+
+        /// Whatever part of a facet is left beside a straight rim, no function takes an opening there for a penetration.
+        #[test]
+        fn a_constant_opening_is_one_for_every_row(nodes in facets(), angle in 0.0..6.3f64, place in -0.8..0.8f64) {
+            let count = nodes.len();
+            let ((sin, cos), middle) = (angle.sin_cos(), [0, 1].map(|i| nodes.iter().map(|x| x[i]).sum::<f64>() / count as f64));
+            let at = |along: f64, across: f64| [middle[0] + cos * along - sin * across, middle[1] + sin * along + cos * across, 1.0];
+            let all = [at(-9.0, 9.0), at(9.0, 9.0), at(9.0, place), at(-9.0, place)];
+            let covered = |other: [Vec3<f64>; 4]| {
+                let x: Vec<Vec3<f64>> = nodes.iter().copied().chain(other).collect();
+                Pair::new(&x, [count, 4]).map_or([0.0; CORNERS], |pair| pair.covered())
+            };
+            let (left, whole) = (covered(all), covered([at(-9.0, 9.0), at(9.0, 9.0), at(9.0, -9.0), at(-9.0, -9.0)]));
+            let share = left.iter().sum::<f64>() / whole.iter().sum::<f64>();
+            let shape = Shape::dual(&nodes).in_part(part(share));
+            for (row, whole) in shape.of(left).iter().zip(whole) {
+                prop_assert!(*row >= -1e-15 && *row <= 2.0 * whole + 1e-15, "{row} of {whole}, {share} is covered");
+            }
+        }
+
+        #[test]
+        fn forces_are_balanced_and_conserve((q_0, q_1) in steps()) {
+            let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
+            let (mut kernel, moved) = (kernel(&base(), &q_0), difference(&q_1, &q_0));
+            for correction in [Correction::PerPatch, Correction::SteadyEnds, Correction::PerNode] {
+                kernel.set_correction(correction);
+                let out = evaluated(&*kernel, Derivative::DiscreteGradient, &q_1, &PRESSURES);
+                let rows = dense_rows(&*kernel, &out.gradient_bar, UNKNOWNS);
+                for ((row, end), start) in rows.iter().zip(&out.gap).zip(kernel.start_gap()) {
+                    prop_assert!((product(row, &moved) - (end - start)).abs() < 1e-14);
+                }
+                prop_assert!(unbalance_in_space(&rows, &middle) < 1e-13);
+                prop_assert!(unbalance_in_space(&dense_rows(&*kernel, &out.gradient_end, UNKNOWNS), &q_1) < 1e-13);
+                prop_assert_eq!((&out.gap, &out.coverage), (&kernel.gap(&q_1), &kernel.coverage(&q_1)));
+            }
+        }
+
+        /// Gradients and tangents along a random direction against differences, as far as these agree on both sides; with kinks in place of
+        /// bands, in which a discrete gradient's tangent is not exact.
+        #[test]
+        fn gradients_and_tangents_are_derivatives((q_0, q_1) in steps(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
+            let (mut kernel, mut compared) = (kernel(&base(), &q_0), 0);
+            kernel.set_correction(Correction::SteadyEnds);
+            for derivative in Derivative::ALL {
+                let out = evaluated(&*kernel, derivative, &q_1, &PRESSURES);
+                let at = |width: f64| -> Vec<f64> {
+                    let moved: Vec<f64> = q_1.iter().zip(&direction).map(|(q, d)| q + width * d).collect();
+                    let out = evaluated(&*kernel, derivative, &moved, &PRESSURES);
+                    let rows = dense_rows(&*kernel, &out.gradient_bar, UNKNOWNS);
+                    let force = (0..UNKNOWNS).map(|k| rows.iter().zip(PRESSURES).map(|(row, by)| by * row[k]).sum());
+                    out.gap.iter().copied().chain(force).collect()
+                };
+                let [before, now, after] = [-1e-5, 0.0, 1e-5].map(at);
+                let mut exact: Vec<f64> =
+                    dense_rows(&*kernel, &out.gradient_end, UNKNOWNS).iter().map(|row| product(row, &direction)).collect();
+                let (patches, mut of_forces) = (kernel.patches(), vec![0.0; UNKNOWNS]);
+                for p in 0..patches.len() {
+                    let (nodes, width) = (patches.nodes(p), patches.unknowns(p));
+                    let place = |i: usize| 3 * nodes[i / 3] as usize + i % 3;
+                    for (entry, value) in out.tangent[patches.tangent_range(p)].iter().enumerate() {
+                        of_forces[place(entry / width)] += value * direction[place(entry % width)];
+                    }
+                }
+                exact.extend(of_forces);
+                for (k, exact) in exact.iter().enumerate() {
+                    let [back, forth] = [(now[k] - before[k]) * 1e5, (after[k] - now[k]) * 1e5];
+                    let measured = 0.5 * (back + forth);
+                    let tolerance = 1e-5 * (1.0 + measured.abs()) + (forth - back).abs();
+                    prop_assert!((exact - measured).abs() < tolerance, "{derivative:?} {k}: {exact} {measured} {tolerance}");
+                    compared += usize::from(tolerance < 1e-4 * (1.0 + measured.abs()));
+                }
+            }
+            prop_assert!(compared > 2 * UNKNOWNS, "{compared} are no kinks");
+        }
+    }
+
+    /// Closed form: those of a triangle are three times its own one less the other two, whatever the triangle.
+    #[test]
+    fn the_functions_of_triangles_are_known() {
+        let shape = Shape::dual(&[[0.3, 0.1, 0.0], [2.0, 0.4, 0.7], [-0.5, 1.5, 0.2]]);
+        for (k, of) in shape.of([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]].map(Each)).iter().enumerate() {
+            for (j, by) in of.0.iter().enumerate() {
+                let expected = if j == 3 || k == 3 {
+                    0.0
+                } else if j == k {
+                    3.0
+                } else {
+                    -1.0
+                };
+                assert!((by - expected).abs() < 1e-13, "{j} {k}: {by}");
+            }
+        }
+    }
+
+    /// What they are for: the gradient of a constraint with respect to the secondary side lives at its own node alone.
+    #[test]
+    fn a_dual_multiplier_presses_its_own_node_alone() {
+        let q = base();
+        let kernel = kernel(&q, &q);
+        let out = evaluated(&*kernel, Derivative::Gradient(Configuration::End), &q, &[0.0; 5]);
+        for (node, row) in dense_rows(&*kernel, &out.gradient_end, UNKNOWNS).iter().enumerate() {
+            for other in 0..5 {
+                let expected = if other == node { kernel.weights()[node] } else { 0.0 };
+                assert!((row[48 + 3 * other + 2] - expected).abs() < 1e-14, "{node} {other}: {}", row[48 + 3 * other + 2]);
+            }
+        }
+    }
+
+    /// Where something is missing opposite a facet, it and its neighbors have their own functions.
+    #[test]
+    fn facets_that_are_covered_in_part_have_standard_functions() {
+        let q: Vec<f64> = base().iter().enumerate().map(|(k, x)| if k == 60 { 5.0 } else { *x }).collect();
+        let kernel = kernel(&q, &q);
+        let out = evaluated(&*kernel, Derivative::Gradient(Configuration::End), &q, &[0.0; 5]);
+        let rows = dense_rows(&*kernel, &out.gradient_end, UNKNOWNS);
+        assert!(rows.iter().flat_map(|row| row[50..].iter().step_by(3)).all(|entry| *entry > -1e-15), "all press the same way");
+        assert!(rows[0][53] > 0.01, "a multiplier presses the neighbors of its node, too");
+    }
+}
