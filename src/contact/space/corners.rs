@@ -4,8 +4,8 @@
 //! one body on a facet of the other, or two edges that cross. So a vertex on a sharp edge, or on a bump, has a row against each facet
 //! opposite it, and a sharp edge one against each sharp edge that it crosses, if all next to the feature recedes along the row's normal:
 //! then the pair is such a face. Rows and their signs are chosen at the start of a step, where it begins and where it is predicted to end.
-//! A row with an overlap goes where a shallower one near by parts the bodies along another direction (`found.rs`). Rows stand in a few slots
-//! for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
+//! A row with an overlap goes where a shallower one near by parts the bodies along another direction (`found.rs`). Rows stand in a few
+//! slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
 use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};

@@ -10,8 +10,8 @@ pub const SMOOTH: f64 = 0.984_807_753_012_208;
 /// Cosine of the angle by which facets turn away at an edge whose ends may be bumps: 2.5 degrees.
 const BUMP: f64 = 0.999_048;
 
-/// Height of a curve above its facets, over how far each of them is below the next one's plane in its middle, below which they are bumpy: of
-/// a circle it is a sixth.
+/// Height of a curve above its facets, over how far each of them is below the next one's plane in its middle, below which they are bumpy:
+/// of a circle it is a sixth.
 const ROUND: f64 = 1.0 / 24.0;
 
 /// How far a facet, or a sharp edge, may be left and still be met, over its size: across a border behind which the surface goes on

@@ -288,8 +288,8 @@ impl ModelError {
                 "give a plane a point and a normal of 2 numbers; plane bodies touch disks, rings and polylines".into()
             }
             ModelError::NotInSpace { .. } => {
-                "bodies in space touch each other by the methods \"mortar\" and \"dual_mortar\"; leave this out, take other cells or \
-                 `hex27` where friction is, or use plane meshes"
+                "bodies in space touch each other by the methods \"mortar\", \"dual_mortar\" and \"node_to_segment\", each itself by \
+                 the first two; leave this out, take `hex27` where friction is, or use plane meshes"
                     .into()
             }
             ModelError::SelfContact { .. } => {
