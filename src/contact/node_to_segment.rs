@@ -1,5 +1,5 @@
-//! Node-to-segment contact in the plane (in space: `space/nodes.rs`): one multiplier per secondary node, its constraint the node's gap to the
-//! primary chain.
+//! Node-to-segment contact in the plane (in space: `space/nodes.rs`): one multiplier per secondary node, its constraint the node's gap to
+//! the primary chain.
 //!
 //! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure and `Phi` has the dimension
 //! of the mortar method's weighted gap. A patch is a node with all primary facets within its reach: `g` is one continuous function of them

@@ -256,6 +256,9 @@ pub const HALVED: f64 = 0.01;
 /// the surfaces. So large that Newton's method does not notice it.
 pub const CORNER_AUGMENTATION: f64 = 1e6;
 
+/// The same of surfaces in space, whose rows over a small part of a facet are nearly the same one: with less Newton's method notices it.
+pub const SURFACE_AUGMENTATION: f64 = 1e8;
+
 /// Momentum that a push of the `velocity` rule may have, over the sum of its nodal momenta: the promise of 1e-11 a step.
 pub const PUSH: f64 = 1e-12;
 

@@ -235,7 +235,8 @@ mod tests {
         fn gradients_agree_with_differences(noise in prop::collection::vec(-0.25..0.25f64, 15)) {
             let facet = [[0.4, 0.5, 0.3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
             let edges = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, -0.5, 0.2], [0.5, 0.5, 0.2], [0.0; 3]];
-            for (measure, base) in [(Measure::Facet(4), facet), (Measure::Facet(3), facet), (Measure::Fan(3), facet), (Measure::Edges(-1.0), edges)] {
+            let of_facets = [Measure::Facet(4), Measure::Facet(3), Measure::Fan(3)].map(|measure| (measure, facet));
+            for (measure, base) in of_facets.into_iter().chain([(Measure::Edges(-1.0), edges)]) {
                 let count = match measure { Measure::Facet(count) => count + 1, Measure::Fan(_) => 5, Measure::Edges(_) => 4 };
                 let z: Vec<Vec3<f64>> =
                     base[..count].iter().enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + noise[3 * k + i])).collect();

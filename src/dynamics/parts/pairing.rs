@@ -115,7 +115,7 @@ impl Pairing<'_> {
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
             if pair.is_unilateral() {
                 // Over a small part of a facet the rows of its nodes are nearly the same one.
-                pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
+                pair.augmentation = pair.augmentation.or(Some(tolerances::SURFACE_AUGMENTATION));
             }
             return pair;
         }
