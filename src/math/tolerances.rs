@@ -252,9 +252,9 @@ pub const LOST: f64 = 1e-3;
 /// Halvings for one way of failing per accepted step from which on they are told: fewer cost nothing that one would notice.
 pub const HALVED: f64 = 0.01;
 
-/// Augmentation of a corner's constraints, where the contact has none, and of surfaces in space: where bodies overlap at the start, or over
-/// a small part of a facet, they depend on one another. So large that Newton's method does not notice it.
+/// Augmentation of a corner's constraints, where the contact has none: where bodies overlap at the start, they depend on the surfaces'.
 pub const CORNER_AUGMENTATION: f64 = 1e6;
+/// The same of surfaces in space, whose rows over a small part of a facet are nearly the same one: Newton's method does not notice it.
 pub const SURFACE_AUGMENTATION: f64 = 1e8;
 
 /// Momentum that a push of the `velocity` rule may have, over the sum of its nodal momenta: the promise of 1e-11 a step.
