@@ -68,6 +68,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/roller", "roller.png"),
     ("scenarios/crossing_tubes", "tubes.png"),
     ("scenarios/hertz_ball", "ball.png"),
+    ("scenarios/brick_wall", "wall.png"),
     ("scenarios/o_ring", "o_ring.png"),
     ("scenarios/snap_ring", "snap_ring.png"),
     ("scenarios/screw_and_nut", "screw.png"),
