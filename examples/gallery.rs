@@ -69,6 +69,7 @@ const SHOWN: &[(&str, &str)] = &[
     ("scenarios/crossing_tubes", "tubes.png"),
     ("scenarios/hertz_ball", "ball.png"),
     ("scenarios/brick_wall", "wall.png"),
+    ("scenarios/gears", "gears.png"),
     ("scenarios/o_ring", "o_ring.png"),
     ("scenarios/snap_ring", "snap_ring.png"),
     ("scenarios/screw_and_nut", "screw.png"),
