@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 
-use super::fixtures::{dense_rows, difference, evaluated, product, unbalance};
+use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance};
 use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, Outlook, PatchFunctions};
 use crate::integrators::{Configuration, Derivative};
 
@@ -131,18 +131,7 @@ fn tangents_are_derivatives_of_forces() {
                 }
                 *compared.borrow_mut().entry((name, format!("{derivative:?}"))).or_default() += 1;
                 let out = evaluated(&*kernel, derivative, &q_1, &PRESSURES);
-                let mut product_of = [0.0; UNKNOWNS];
-                for p in 0..kernel.patches().len() {
-                    let nodes = kernel.patches().nodes(p);
-                    let width = 2 * nodes.len();
-                    let tangent = &out.tangent[kernel.patches().tangent_range(p)];
-                    let place = |i: usize| 2 * nodes[i / 2] as usize + i % 2;
-                    for i in 0..width {
-                        for k in 0..width {
-                            product_of[place(i)] += tangent[i * width + k] * direction[place(k)];
-                        }
-                    }
-                }
+                let product_of = tangent_along(kernel.patches(), &out.tangent, &direction);
                 for (exact, measured) in product_of.iter().zip(&fine) {
                     // Two differences that agree to 1e-3 are off by a third of that at most, to second order.
                     prop_assert!((exact - measured).abs() < 1e-3 * scale, "{name} {derivative:?}: {exact} against {measured}");

@@ -36,6 +36,19 @@ pub(crate) fn dense_rows_of(patches: &Patches, count: usize, blocks: &[f64], unk
     rows
 }
 
+/// What tangent blocks make of a direction: a derivative of the forces.
+pub(crate) fn tangent_along(patches: &Patches, tangent: &[f64], direction: &[f64]) -> Vec<f64> {
+    let (mut change, d) = (vec![0.0; direction.len()], patches.dimension());
+    for p in 0..patches.len() {
+        let (nodes, width) = (patches.nodes(p), patches.unknowns(p));
+        let place = |i: usize| d * nodes[i / d] as usize + i % d;
+        for (entry, value) in tangent[patches.tangent_range(p)].iter().enumerate() {
+            change[place(entry / width)] += value * direction[place(entry % width)];
+        }
+    }
+    change
+}
+
 /// Largest resultant force and moment (about the origin, with arms `q`) of the rows.
 pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     rows.iter().fold(0.0, |largest: f64, row| {

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::contract::{UNKNOWNS, chains, config, kernels, step};
-use super::fixtures::{dense_rows, difference, evaluated, product, unbalance};
+use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance};
 use super::{ContactKernel, Evaluation, Obstacle, PatchFunctions, RigidContact, RigidObstacle, SlipStep};
 use crate::integrators::{Configuration, Derivative};
 
@@ -69,19 +69,9 @@ proptest! {
                     at(width).iter().zip(at(-width)).map(|(a, b)| (a - b) / (2.0 * width)).collect()
                 };
                 let (fine, coarse) = (slope(1e-4), slope(2e-4));
-                let mut exact = vec![0.0; fine.len()];
-                let (of_slips, of_forces) = exact.split_at_mut(out.gap.len());
-                for (sum, row) in of_slips.iter_mut().zip(dense_rows(&*kernel, &out.gradient_end, UNKNOWNS)) {
-                    *sum = product(&row, &direction);
-                }
-                for p in 0..kernel.patches().len() {
-                    let (nodes, width) = (kernel.patches().nodes(p), kernel.patches().unknowns(p));
-                    let place = |i: usize| 2 * nodes[i / 2] as usize + i % 2;
-                    let tangent = &out.tangent[kernel.patches().tangent_range(p)];
-                    for (entry, value) in tangent.iter().enumerate() {
-                        of_forces[place(entry / width)] += value * direction[place(entry % width)];
-                    }
-                }
+                let rows = dense_rows(&*kernel, &out.gradient_end, UNKNOWNS);
+                let of_slips = rows.iter().map(|row| product(row, &direction));
+                let exact: Vec<f64> = of_slips.chain(tangent_along(kernel.patches(), &out.tangent, &direction)).collect();
                 for ((exact, fine), coarse) in exact.iter().zip(&fine).zip(&coarse) {
                     let scale = 1.0 + fine.abs();
                     prop_assert!((fine - coarse).abs() > 1e-4 * scale || (exact - fine).abs() < 2e-4 * scale, "{name}: {exact} {fine}");

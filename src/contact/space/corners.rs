@@ -54,11 +54,11 @@ pub(super) enum Kind {
 #[derive(Clone, Debug)]
 pub struct CornersInSpace {
     pub(super) sides: Sides,
-    pub(super) features: [Features; 2],
+    features: [Features; 2],
     /// Points and edges that own rows, and facets and edges that they meet, as surfaces to be searched.
     pub(super) owners: Surface,
     pub(super) partners: Surface,
-    pub(super) candidates: Candidates,
+    candidates: Candidates,
     /// For each row-owning feature a node of it.
     row_nodes: Vec<u32>,
     pub(super) kinds: Vec<Kind>,
@@ -68,7 +68,7 @@ pub struct CornersInSpace {
     /// Whether vertices of the secondary side have rows of their own elsewhere.
     has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
-    pub(super) radius: f64,
+    radius: f64,
     pub(super) slots: usize,
     /// What the facets of either side are of a curve.
     bulges: [Bulges; 2],
@@ -195,6 +195,11 @@ impl CornersInSpace {
         }
     }
 
+    /// The feature that owns the rows of a patch.
+    pub(super) fn owner(&self, patch: usize) -> usize {
+        self.sides.patches.rows(patch)[0] as usize / self.slots
+    }
+
     /// Gap of a row's measure.
     fn gap_of(&self, patch: usize, measure: Measure, z: &[f64]) -> f64 {
         measure.gap(z.as_chunks().0) + self.clearances[patch] - self.radius
@@ -217,27 +222,26 @@ impl CornersInSpace {
                 }
             }
         }
-        self.rows = vec![None; self.kinds.len()];
-        let owner = |patch: usize| self.sides.patches.rows(patch)[0];
+        let mut chosen_rows = vec![None; self.kinds.len()];
         let mut of_owner: Vec<Found> = chosen.into_iter().flatten().collect();
-        of_owner.sort_by_key(|row| (owner(row.patch), row.patch));
-        for rows in of_owner.chunk_by_mut(|a, b| owner(a.patch) == owner(b.patch)) {
+        of_owner.sort_by_key(|row| (self.owner(row.patch), row.patch));
+        for rows in of_owner.chunk_by_mut(|a, b| self.owner(a.patch) == self.owner(b.patch)) {
             // The deepest ones, where there are more than slots.
             rows.sort_by(|a, b| a.gap.total_cmp(&b.gap));
             let mut kept: Vec<Found> = rows.iter().take(self.slots).copied().collect();
             kept.sort_by_key(|row| row.patch);
             for (slot, row) in kept.iter().enumerate() {
-                self.rows[row.patch] = Some((slot, row.measure));
+                chosen_rows[row.patch] = Some((slot, row.measure));
             }
         }
+        self.rows = chosen_rows;
     }
 
     /// Of facets that look nearly the same way a vertex keeps the nearest.
     fn nearest_facets(&self, mut found: Vec<Found>) -> Vec<Found> {
-        let owner = |row: &Found| self.sides.patches.rows(row.patch)[0];
-        found.sort_by_key(|row| (owner(row), row.patch));
+        found.sort_by_key(|row| (self.owner(row.patch), row.patch));
         let mut kept: Vec<Found> = Vec::with_capacity(found.len());
-        for rows in found.chunk_by(|a, b| owner(a) == owner(b)) {
+        for rows in found.chunk_by(|a, b| self.owner(a.patch) == self.owner(b.patch)) {
             let is_beaten = |row: &Found| {
                 !matches!(row.measure, Measure::Edges(_))
                     && rows.iter().any(|other| {
@@ -254,8 +258,8 @@ impl CornersInSpace {
     fn depth(&self, row: &Found, q: &[f64]) -> f64 {
         let size = self.sides.facet_size;
         let outlook = Outlook::within(q, size);
-        let owner = |patch: usize| self.sides.patches.rows(patch)[0];
-        let others = (0..self.kinds.len()).filter(|&patch| owner(patch) == owner(row.patch) && !matches!(row.measure, Measure::Edges(_)));
+        let others =
+            (0..self.kinds.len()).filter(|&patch| self.owner(patch) == self.owner(row.patch) && !matches!(row.measure, Measure::Edges(_)));
         let beside = others.filter_map(|patch| self.find(patch, q, &outlook)).filter(|other| row.is_beside(other, size));
         -beside.map(|other| other.gap).fold(row.gap, f64::max)
     }

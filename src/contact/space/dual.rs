@@ -154,7 +154,7 @@ mod tests {
     use proptest::test_runner::RngSeed;
 
     use super::*;
-    use crate::contact::fixtures::{dense_rows, difference, evaluated, product, unbalance_in_space};
+    use crate::contact::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance_in_space};
     use crate::contact::space::{MortarInSpace, SeenInSpace};
     use crate::contact::{ContactKernel, Correction, Outlook};
     use crate::integrators::{Configuration, Derivative};
@@ -279,15 +279,7 @@ mod tests {
                 let [before, now, after] = [-1e-5, 0.0, 1e-5].map(at);
                 let mut exact: Vec<f64> =
                     dense_rows(&*kernel, &out.gradient_end, UNKNOWNS).iter().map(|row| product(row, &direction)).collect();
-                let (patches, mut of_forces) = (kernel.patches(), vec![0.0; UNKNOWNS]);
-                for p in 0..patches.len() {
-                    let (nodes, width) = (patches.nodes(p), patches.unknowns(p));
-                    let place = |i: usize| 3 * nodes[i / 3] as usize + i % 3;
-                    for (entry, value) in out.tangent[patches.tangent_range(p)].iter().enumerate() {
-                        of_forces[place(entry / width)] += value * direction[place(entry % width)];
-                    }
-                }
-                exact.extend(of_forces);
+                exact.extend(tangent_along(kernel.patches(), &out.tangent, &direction));
                 for (k, exact) in exact.iter().enumerate() {
                     let [back, forth] = [(now[k] - before[k]) * 1e5, (after[k] - now[k]) * 1e5];
                     let measured = 0.5 * (back + forth);

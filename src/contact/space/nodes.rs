@@ -37,11 +37,6 @@ impl CornersInSpace {
         Box::new(made)
     }
 
-    /// The feature that owns the rows of a patch.
-    pub(super) fn owner(&self, patch: usize) -> usize {
-        self.sides.patches.rows(patch)[0] as usize / self.slots
-    }
-
     /// Which nodes have a row already, where each has one: at the start of the step.
     pub(super) fn settled(&self, chosen: &[Option<Found>]) -> Vec<bool> {
         let mut settled = vec![false; if self.of_nodes { self.owners.count() } else { 0 }];

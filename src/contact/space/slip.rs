@@ -291,7 +291,7 @@ mod tests {
     use proptest::test_runner::RngSeed;
 
     use super::*;
-    use crate::contact::fixtures::{dense_rows_of, difference, evaluated, product, unbalance_in_space};
+    use crate::contact::fixtures::{dense_rows_of, difference, evaluated, product, tangent_along, unbalance_in_space};
     use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, RigidInSpace, RoundInSpace, SeenInSpace};
     use crate::contact::{ContactKernel, Outlook};
     use crate::integrators::Derivative;
@@ -445,16 +445,7 @@ mod tests {
                     };
                     let (fine, coarse) = (slope(1e-4), slope(2e-4));
                     let mut exact: Vec<f64> = rows(&*kernel, &out.gradient_end).iter().map(|row| product(row, &direction)).collect();
-                    let mut of_forces = vec![0.0; UNKNOWNS];
-                    let patches = kernel.slip_patches();
-                    for p in 0..patches.len() {
-                        let (nodes, width) = (patches.nodes(p), patches.unknowns(p));
-                        let place = |i: usize| 3 * nodes[i / 3] as usize + i % 3;
-                        for (entry, value) in out.tangent[patches.tangent_range(p)].iter().enumerate() {
-                            of_forces[place(entry / width)] += value * direction[place(entry % width)];
-                        }
-                    }
-                    exact.extend(of_forces);
+                    exact.extend(tangent_along(kernel.slip_patches(), &out.tangent, &direction));
                     for ((exact, fine), coarse) in exact.iter().zip(&fine).zip(&coarse) {
                         let scale = 1.0 + fine.abs();
                         prop_assert!((fine - coarse).abs() > 1e-5 * scale || (exact - fine).abs() < 2e-5 * scale, "{exact} {fine}");

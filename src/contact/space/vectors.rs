@@ -8,7 +8,7 @@ use crate::math::simd::{Kernel, dispatch};
 /// A vector in space.
 pub type Vec3<T> = [T; 3];
 
-/// Unknowns with respect to which one pass differentiates: half of those of two facets.
+/// Unknowns with respect to which one pass differentiates: half of those of two facets, all plane coordinates of two triangles.
 pub const LANES: usize = 12;
 
 /// A number with its derivatives with respect to some unknowns.
