@@ -40,6 +40,14 @@ impl SlipGroup<'_> {
         }
     }
 
+    /// Whether it is known where the rows would slide. In the plane it always is: one way or the other.
+    pub fn is_directed(&self) -> bool {
+        match self {
+            SlipGroup::Row(_) => true,
+            SlipGroup::Vector(rows) => rows.is_directed(),
+        }
+    }
+
     /// Slip that counts as zero.
     pub fn tolerance(&self) -> f64 {
         match self {

@@ -69,6 +69,7 @@ impl<'a> SlipPlace<'a> {
             around,
             compliance: conditions.compliance[first],
             c: friction.c,
+            stiffness: conditions.stiffness[first],
             tolerance: pair.gap_tolerance,
         };
         let rest = |k: usize| if conditions.stops[first] { rests[k] } else { 0.0 };
@@ -200,7 +201,7 @@ pub fn constraint_rows<const D: usize>(
         let (mut group, first) = (place.at(conditions, at), place.rows.start);
         // More rows than a node can move: those that stick give way, until the multipliers are found.
         if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
-            group.yield_by(yielding * conditions.yielding[first]);
+            group.yield_by(yielding / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
         }
         for (row, equation) in place.rows.zip(group.equations(set[first])) {
             rows.0[row] = equation;
