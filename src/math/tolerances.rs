@@ -14,6 +14,10 @@ pub const STEP_ERROR: f64 = 1e-3;
 /// Growth of the error in a step, relative to the displacements, that is no error but round-off and what Newton's tolerance leaves.
 pub const STILL: f64 = 1e-12;
 
+/// Error of the positions in a step, relative to the largest coordinate, that is round-off where contacts or rigid bodies depend on positions:
+/// differences of three steps of a body that friction holds reach 1e-14.
+pub const STILL_AT: f64 = 1e-13;
+
 /// Smallest step, relative to the first one, of those that choose their size, where no other is asked for: an impact that is timed to a
 /// millionth costs some twenty refused steps.
 pub const SMALLEST_STEP: f64 = 1e-6;
