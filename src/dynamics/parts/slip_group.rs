@@ -56,6 +56,14 @@ impl SlipGroup<'_> {
         }
     }
 
+    /// Lets rows that stick give way by so much per change of a multiplier.
+    pub fn set_compliance(&mut self, compliance: f64) {
+        match self {
+            SlipGroup::Row(row) => row.pressed.compliance = compliance,
+            SlipGroup::Vector(rows) => rows.pressed.compliance = compliance,
+        }
+    }
+
     /// Lets rows that stick give way by at least so much per change of a multiplier.
     pub fn yield_by(&mut self, compliance: f64) {
         let pressed = match self {

@@ -144,9 +144,9 @@ impl SlipVector<'_> {
     pub fn residual(&self) -> (f64, f64) {
         let (c, limit) = (self.pressed.c, self.limit(self.slip).shear);
         let off = plus(self.dry(), -1.0, self.map(c, self.nearest(c, limit), limit).value);
-        let noise = tolerances::SLIP_NOISE * (limit + size(self.lambda));
-        let clear = (size(off) - noise).max(0.0);
-        (clear / c, clear * dot(direction(off), self.slip))
+        let of_slip = tolerances::SLIP_ROUND_OFF * self.pressed.tolerance * self.pressed.stiffness;
+        let noise = tolerances::SLIP_NOISE * (limit + size(self.lambda)) + of_slip;
+        ((size(off) - noise).max(0.0) / c, dot(off, self.slip))
     }
 
     /// The equations of the rows in a state.

@@ -33,6 +33,13 @@ pub struct Conditions {
 }
 
 impl Conditions {
+    /// Compliance of a row in an iteration; `yielding` is the part of the first compliance that is asked for.
+    pub fn eased(&self, row: usize, yielding: f64) -> f64 {
+        let compliance = self.compliance[row];
+        let is_large = compliance * self.stiffness[row] > tolerances::LARGE_COMPLIANCE;
+        if is_large { compliance * yielding.max(tolerances::LEAST_EASED) } else { compliance }
+    }
+
     /// A row of a pair at an iterate with that gap and multiplier.
     pub fn row(&self, pair: &ContactPair, row: usize, gap: f64, lambda: f64) -> Row {
         Row {
@@ -89,7 +96,7 @@ impl<const D: usize> Equations<D> {
                 compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[pressing]);
             }
         }
-        for pair in self.pairs.iter().filter(|pair| D == 3 && self.is_on_rigid_body(pair)) {
+        for pair in self.pairs.iter().filter(|pair| self.is_on_rigid_body(pair)) {
             let Some(factor) = pair.augmentation else { continue };
             let weights = pair.kernel.weights();
             let of_area: f64 = pair.rows.clone().zip(weights).map(|(row, weight)| stiffness[row] * weight).sum();
