@@ -363,6 +363,18 @@ impl Pattern {
         }
     }
 
+    /// `y = |A| |x|`, the sum of the sizes of the terms of every row of `A x`.
+    pub(super) fn multiply_sizes_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for v in 0..self.lengths.len() {
+            for k in 0..self.size(v) {
+                let column = &values[self.columns[v] + k * self.lengths[v]..][..self.lengths[v]];
+                let rows = self.neighbors(v).iter().flat_map(|&u| self.first[u as usize]..self.first[u as usize + 1]);
+                rows.zip(column).for_each(|(row, value)| y[row] += (value * x[self.first[v] + k]).abs());
+            }
+        }
+    }
+
     /// Compressed columns: start of every column, and row of every entry and place of its value; `None` where there is none.
     pub fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>, Vec<Option<usize>>) {
         let mut starts = Vec::with_capacity(self.unknowns() + 1);

@@ -12,6 +12,7 @@ use super::ordering::{Order, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::symbolic::Symbolic;
 use super::{LinearError, Pattern, Vertex, Watch};
+use crate::math::tolerances::LINEAR_RESIDUAL;
 use crate::math::workers::Workers;
 
 /// Two strips (boxes for `D = 3`) of cells, `along` cells long, tied along a side by a multiplier per node of the first one.
@@ -207,6 +208,49 @@ fn a_multiplier_whose_anchor_is_held_is_solved_all_the_same() {
     let (error, residual) = system.error(&mut factorization);
     assert!(residual < 1e-13 && error < 1e-10, "residual {residual}, error {error}");
     assert!(!factorization.has_fallen_back());
+}
+
+/// A saddle point some of whose multipliers have `huge` diagonal entries: scaled by their constraints, which are of order one, these rows
+/// have entries far above one.
+fn badly_scaled(huge: f64) -> System {
+    let mut system = tied::<3>(6, 3, 1, 0.05);
+    for m in (system.nodes..system.pattern.vertices()).step_by(3) {
+        let own = system.pattern.block(m as u32, m as u32).at(0, 0);
+        system.values[own] = huge;
+    }
+    system
+}
+
+#[test]
+fn rows_with_large_entries_are_judged_by_their_own_terms() {
+    for huge in [1e2, 1e6, 1e10] {
+        let system = badly_scaled(huge);
+        let (exact, mut right) = system.problem();
+        let mut factorization = Factorization::new(&system.pattern).unwrap();
+        factorization.factorize(&system.values).unwrap();
+        let error = factorization.solve(&system.values, &mut right).unwrap();
+        assert!(error < 1e-10 && !factorization.has_fallen_back(), "{huge:e}: {error:e}");
+        let size = |values: &[f64]| values.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let off: Vec<f64> = right.iter().zip(&exact).map(|(x, e)| x - e).collect();
+        assert!(size(&off) < 1e-9 * size(&exact), "{huge:e}: {:e}", size(&off));
+    }
+}
+
+/// A displacement or a multiplier that is wrong by a ten-thousandth of the largest is refused, whatever entries other rows have.
+#[test]
+fn a_wrong_solution_beside_rows_with_large_entries_is_refused() {
+    let system = badly_scaled(1e10);
+    let (exact, right) = system.problem();
+    let mut factorization = Factorization::new(&system.pattern).unwrap();
+    factorization.factorize(&system.values).unwrap();
+    assert!(factorization.error_of(&system.values, &exact, &right) < 1e-14);
+    let displacements = system.pattern.first_unknown(system.nodes);
+    for unknown in 0..exact.len() {
+        let mut wrong = exact.clone();
+        wrong[unknown] += 1e-4 * if unknown < displacements { 1e-3 } else { 1e2 };
+        let error = factorization.error_of(&system.values, &wrong, &right);
+        assert!(error > LINEAR_RESIDUAL, "{unknown}: {error:e}");
+    }
 }
 
 #[test]

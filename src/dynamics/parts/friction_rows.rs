@@ -113,6 +113,9 @@ pub struct Pressed<'a> {
     pub compliance: f64,
     /// Multiplier per slip, which compares the two.
     pub c: f64,
+    /// Multiplier per slip with which the node resists in this step, `kappa`: by its stiffness and, growing with `1/dt^2`, its inertia.
+    /// Equations of rows that slide are divided by it, so that their entries are of order one for every step size.
+    pub stiffness: f64,
     /// Slip that counts as zero.
     pub tolerance: f64,
 }
@@ -245,7 +248,7 @@ impl SlipRow<'_> {
             return match state {
                 RowState::Open => Equation::OPEN,
                 RowState::Turns => {
-                    let by = 1.0 / self.pressed.c;
+                    let by = 1.0 / self.pressed.stiffness;
                     Equation {
                         acts: true,
                         gradient: by * self.film(),
@@ -261,8 +264,7 @@ impl SlipRow<'_> {
         };
         // Slip leads against the multiplier; one that does not yet has no speed.
         let Limit { shear, by_pressure, by_speed } = self.limit((-sense * self.slip).max(0.0));
-        // Divided by `c`: then it is of the size of other rows.
-        let by = 1.0 / self.pressed.c;
+        let by = 1.0 / self.pressed.stiffness;
         Equation {
             acts: true,
             // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
@@ -277,8 +279,8 @@ impl SlipRow<'_> {
     /// The multiplier as it was, as far as the pressure bears it.
     fn kept(&self) -> Equation {
         let limit = self.limit(0.0).shear;
-        let (by, right) = (1.0 / self.pressed.c, self.lambda.clamp(-limit, limit) / self.pressed.c);
-        Equation { acts: true, diagonal: by, right, ..Equation::OPEN }
+        let by = 1.0 / self.pressed.stiffness;
+        Equation { acts: true, diagonal: by, right: by * self.lambda.clamp(-limit, limit), ..Equation::OPEN }
     }
 
     /// The state that the row asks for, and how strongly, if it is another one; `self` is what the frozen linearization makes of it.
@@ -314,7 +316,7 @@ mod tests {
 
     fn row(law: &dyn FrictionLaw, normal: f64, lambda: f64, slip: f64) -> SlipRow<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, tolerance };
+        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipRow { pressed, lambda, slip, rest: 0.0, is_held: false }
     }
 

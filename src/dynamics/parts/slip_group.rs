@@ -40,11 +40,27 @@ impl SlipGroup<'_> {
         }
     }
 
+    /// Whether it is known where the rows would slide. In the plane it always is: one way or the other.
+    pub fn is_directed(&self) -> bool {
+        match self {
+            SlipGroup::Row(_) => true,
+            SlipGroup::Vector(rows) => rows.is_directed(),
+        }
+    }
+
     /// Slip that counts as zero.
     pub fn tolerance(&self) -> f64 {
         match self {
             SlipGroup::Row(row) => row.pressed.tolerance,
             SlipGroup::Vector(rows) => rows.pressed.tolerance,
+        }
+    }
+
+    /// Lets rows that stick give way by so much per change of a multiplier.
+    pub fn set_compliance(&mut self, compliance: f64) {
+        match self {
+            SlipGroup::Row(row) => row.pressed.compliance = compliance,
+            SlipGroup::Vector(rows) => rows.pressed.compliance = compliance,
         }
     }
 

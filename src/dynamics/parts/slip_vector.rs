@@ -15,11 +15,15 @@
 //! (1 - N') (ds)/c + N' du = (N - s)/c,    N' = n z z/|z|^2 + m (1 - z z/|z|^2)
 //! ```
 //!
-//! (Alart and Curnier, CMAME 92, 1991, for `r = 0`).
+//! (Alart and Curnier, CMAME 92, 1991, for `r = 0`). With `kappa` the stiffness of the node in the step, a multiplier of `kappa` goes with
+//! a slip of one. So along `z` and across it the equation is divided by `n + (1 - n) kappa/c`, `n` the derivative in that direction: rows
+//! that slide then have entries of order one for every step size. The residual is measured with a constant `c`; iterations take
+//! `max(c, 0.1 kappa)`, because with a `c` that is small against `kappa` the trial depends on multipliers alone.
 
 use super::friction_rows::Pressed;
 use super::laws::{Equation, RowState};
 use crate::contact::Limit;
+use crate::math::tolerances;
 
 /// Two components along the tangents of a row.
 type Pair = [f64; 2];
@@ -82,13 +86,19 @@ impl SlipVector<'_> {
         plus(self.lambda, self.film(), self.slip)
     }
 
-    fn trial(&self) -> Pair {
-        plus(self.dry(), -self.pressed.c, self.slip)
+    /// Multiplier per slip of the trial of an iteration.
+    fn pace(&self) -> f64 {
+        self.pressed.c.max(tolerances::TRIAL_STIFFNESS * self.pressed.stiffness)
     }
 
-    /// The state of the trial.
-    fn nearest(&self, limit: f64) -> RowState {
-        let (size, stop) = (size(self.trial()), self.pressed.c * self.stop());
+    /// The trial with a multiplier `c` per slip.
+    fn trial(&self, c: f64) -> Pair {
+        plus(self.dry(), -c, self.slip)
+    }
+
+    /// The state of the trial with a multiplier `c` per slip.
+    fn nearest(&self, c: f64, limit: f64) -> RowState {
+        let (size, stop) = (size(self.trial(c)), c * self.stop());
         match stop > 0.0 {
             true if size < stop => RowState::Turns,
             true if size <= stop + limit => RowState::Stops,
@@ -97,10 +107,10 @@ impl SlipVector<'_> {
         }
     }
 
-    /// `N` in a state.
-    fn map(&self, state: RowState, limit: f64) -> Map {
-        let z = self.trial();
-        let (size, stop) = (size(z), self.pressed.c * self.stop());
+    /// `N` in a state, at the trial with a multiplier `c` per slip.
+    fn map(&self, c: f64, state: RowState, limit: f64) -> Map {
+        let z = self.trial(c);
+        let (size, stop) = (size(z), c * self.stop());
         let share = |part: f64| if size > part { part / size } else { 1.0 };
         match state {
             RowState::Turns | RowState::Open => Map { value: [0.0; 2], along: 0.0, across: 0.0 },
@@ -119,15 +129,24 @@ impl SlipVector<'_> {
     pub fn first_state(&self) -> RowState {
         let limit = self.limit(self.slip).shear;
         // What is pressed by nothing yet, and does not move, begins by sticking.
-        let is_idle = self.pressed.normal <= 0.0 && self.trial() == [0.0; 2];
-        if limit > 0.0 || is_idle { self.nearest(limit) } else { RowState::Forward }
+        let is_idle = self.pressed.normal <= 0.0 && self.trial(self.pace()) == [0.0; 2];
+        if limit > 0.0 || is_idle { self.nearest(self.pace(), limit) } else { RowState::Forward }
+    }
+
+    /// Whether the trial has a direction above round-off of the limit. Without one, the equations of sliding rows have an arbitrary
+    /// direction.
+    pub fn is_directed(&self) -> bool {
+        let trial = size(self.trial(self.pace()));
+        trial > 0.0 && trial >= tolerances::UNDIRECTED * self.limit(self.slip).shear
     }
 
     /// Natural residual: by how much the rows are off, as a slip, and the energy that goes with it.
     pub fn residual(&self) -> (f64, f64) {
-        let limit = self.limit(self.slip).shear;
-        let off = plus(self.dry(), -1.0, self.map(self.nearest(limit), limit).value);
-        (size(off) / self.pressed.c, dot(off, self.slip))
+        let (c, limit) = (self.pressed.c, self.limit(self.slip).shear);
+        let off = plus(self.dry(), -1.0, self.map(c, self.nearest(c, limit), limit).value);
+        let of_slip = tolerances::SLIP_ROUND_OFF * self.pressed.tolerance * self.pressed.stiffness;
+        let noise = tolerances::SLIP_NOISE * (limit + size(self.lambda)) + of_slip;
+        ((size(off) - noise).max(0.0) / c, dot(off, self.slip))
     }
 
     /// The equations of the rows in a state.
@@ -135,25 +154,30 @@ impl SlipVector<'_> {
         if state == RowState::Open {
             return [Equation::OPEN; 2];
         }
-        let Pressed { c, compliance, normal, .. } = self.pressed;
-        let e = direction(self.trial());
+        let Pressed { stiffness, compliance, normal, .. } = self.pressed;
+        let c = self.pace();
+        let e = direction(self.trial(c));
         let slides = matches!(state, RowState::Forward | RowState::Backward);
         // Slip leads against the multiplier; one that does not yet has no speed.
         let at = if slides { (-dot(e, self.slip)).max(0.0) } else { size(self.slip) };
         let Limit { shear, by_pressure, by_speed } = self.pressed.limit(at);
-        let (Map { value, along, across }, film, by) = (self.map(state, shear), self.film(), 1.0 / c);
+        let (Map { value, along, across }, film, by) = (self.map(c, state, shear), self.film(), 1.0 / c);
+        let scale = |n: f64| 1.0 / (n + (1.0 - n) * by * stiffness);
+        let (scale_along, scale_across) = (scale(along), scale(across));
         let matrix = |along: f64, across: f64| -> [Pair; 2] {
+            let (along, across) = (scale_along * along, scale_across * across);
             std::array::from_fn(|i| std::array::from_fn(|j| (along - across) * e[i] * e[j] + if i == j { across } else { 0.0 }))
         };
         // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
         let weakening = if slides { by_speed.max(-c) } else { 0.0 };
         let gradient = matrix(along + by * ((1.0 - along) * film + weakening), across + by * (1.0 - across) * film);
         let diagonal = matrix(by * (1.0 - along) + compliance * along, by * (1.0 - across) + compliance * across);
-        let pressing = if slides { by * by_pressure } else { 0.0 };
+        let pressing = if slides { scale_along * by * by_pressure } else { 0.0 };
         let missed = plus(value, -1.0, self.dry());
+        let scaled = plus(missed.map(|x| scale_across * x), (scale_along - scale_across) * dot(missed, e), e);
         std::array::from_fn(|i| {
             let j = 1 - i;
-            let right = by * missed[i] + dot(diagonal[i], self.lambda) - pressing * normal * e[i];
+            let right = by * scaled[i] + dot(diagonal[i], self.lambda) - pressing * normal * e[i];
             Equation {
                 acts: true,
                 gradient: gradient[i][i],
@@ -192,7 +216,7 @@ mod tests {
 
     fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Pair, slip: Pair, rest: Pair) -> SlipVector<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, tolerance };
+        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipVector { pressed, lambda, slip, rest }
     }
 
@@ -260,11 +284,17 @@ mod tests {
             (RowState::Turns, [0.01, 0.02], [0.03, 0.05], 0.2),
         ];
         for (state, lambda, slip, r) in cases {
+            // Along the trial and across it divided by what makes the entries of order one.
+            let at = rows(&law, 1.7, lambda, slip, [r, 0.0]);
+            let (c, e) = (at.pace(), direction(at.trial(at.pace())));
+            let Map { along, across, .. } = at.map(c, state, at.pressed.limit((-dot(e, slip)).max(0.0)).shear);
+            let [along, across] = [along, across].map(|n| 1.0 / (n * c + (1.0 - n) * at.pressed.stiffness));
+            let scaled = |off: Pair| plus(off.map(|x| across * x), (along - across) * dot(off, e), e);
             // Speed against the trial, as in the equation: along a slip that leads straight against it both are the same.
             let missed = |normal: f64, lambda: Pair, slip: Pair| {
                 let at = rows(&law, normal, lambda, slip, [r, 0.0]);
-                let speed = (-dot(direction(at.trial()), slip)).max(0.0);
-                plus(at.dry(), -1.0, at.map(state, at.pressed.limit(speed).shear).value).map(|x| x / 5.0)
+                let speed = (-dot(direction(at.trial(c)), slip)).max(0.0);
+                scaled(plus(at.dry(), -1.0, at.map(c, state, at.pressed.limit(speed).shear).value))
             };
             let equations = rows(&law, 1.7, lambda, slip, [r, 0.0]).equations(state);
             for (i, Equation { gradient, diagonal, normal, beside, .. }) in equations.into_iter().enumerate() {

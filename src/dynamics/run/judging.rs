@@ -9,6 +9,7 @@ use crate::bodies::{Elements, Space};
 use crate::dynamics::step::counters::Counters;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::system::System;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Times that sound takes across a cell for which a contact must have been open for a touch to be a first one: nodes of a surface that
@@ -30,7 +31,10 @@ where
         let chosen = old.pace.size(&control, options.dt);
         let is_cut = substeps.is_whole() && dt < chosen * (1.0 - tolerances::SAME_MOMENT);
         let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| old.pace.is_open(contact, BOUNCE * self.sound));
-        let step = Stepped { scheme: &scheme, dt, u: [&old.displacements, &state.displacements], v_0: &old.velocities, is_cut, touch };
+        let (u, v_0) = ([&old.displacements[..], &state.displacements], &old.velocities[..]);
+        let reach = || largest_size(&state.positions).max(self.system.nodes.extent);
+        let round_off = if self.system.sees_positions() { tolerances::STILL_AT * reach() } else { 0.0 };
+        let step = Stepped { scheme: &scheme, dt, u, v_0, is_cut, touch, round_off };
         match old.pace.after(&step, &control, options.dt, &self.system) {
             Ok(pace) => {
                 let pace = pace.with_contacts(dt, state.row.contacts.iter().map(|contact| contact.active > 0));

@@ -7,6 +7,7 @@
 //! *How wrong it may be.* The error grows by no more than the tolerance times the way that the motion goes: `tolerance` times the largest
 //! mean speed of a body so far. Both are root mean squares over the mass of a body, of the body where it is largest. Where velocities
 //! jump, as in impacts, no step is short enough for a rate: such a step may be as wrong as one of the size that steps usually have. The
+//! An error that is round-off of the positions counts as none: a body that friction holds has no other motion. The
 //! first touch of a contact is a matter of time: by how far it is missed, or, where a rule closes the gap within the step, by half of the
 //! step's way.
 //!
@@ -90,6 +91,8 @@ pub struct Stepped<'a> {
     pub is_cut: bool,
     /// The first touch of a contact that it has missed.
     pub touch: Option<Touch>,
+    /// Round-off of the positions, where contacts or rigid bodies depend on them; else 0 `[length]`.
+    pub round_off: f64,
 }
 
 /// A first touch that does not fall on the end of a step.
@@ -142,12 +145,13 @@ impl Pace {
     /// # Errors
     /// It is not: the size to try instead.
     pub fn after(&self, step: &Stepped, control: &StepControl, first: f64, measure: &impl Measure) -> Result<Pace, f64> {
-        let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, touch, .. } = step;
+        let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, touch, round_off, .. } = step;
         let velocity: Vec<f64> = u_1.iter().zip(u_0).map(|(u_1, u_0)| (u_1 - u_0) / dt).collect();
         let speed = self.speed.max(measure.size(&velocity, false));
         let (order, smallest) = (scheme.promises.order as f64, control.smallest(first));
         // What the error may grow by in the step `[length]`.
-        let allowed = control.tolerance * speed * self.usual.max(dt) + tolerances::STILL * measure.size(u_1, false) + f64::MIN_POSITIVE;
+        let still = (tolerances::STILL * measure.size(u_1, false)).max(round_off) + f64::MIN_POSITIVE;
+        let allowed = control.tolerance * speed * self.usual.max(dt) + still;
         let growth = self.growth(step, &velocity).map(|growth| measure.size(&growth, true));
         let ratio = growth.map_or(0.0, |growth| growth * dt / allowed);
         let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());

@@ -382,15 +382,15 @@ where
 
     /// At rest every rule closes the gaps.
     pub(super) fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
-        let count = self.system.multipliers;
+        let (count, stiffness) = (self.system.multipliers, self.system.row_stiffness(start));
         Conditions {
             gap_n: vec![0.0; count],
             targets: self.system.closed_gaps(),
             members: (0..count).map(|row| !self.system.redundant[row] && (row < self.system.pressing || self.rest_friction)).collect(),
-            compliance: self.system.compliance(start),
+            compliance: self.system.compliance(&stiffness),
             end_point: true,
             shift: vec![0.0; count],
-            yielding: self.system.yielding(start),
+            stiffness,
             stops: vec![false; count],
             dt: 0.0,
         }

@@ -110,8 +110,10 @@ where
 
     /// Weighted gap per change of the multiplier of every row: a part of what the row's own node gives way by.
     fn proximal_terms(&self, at: &Linearization, factor: f64) -> Vec<f64> {
-        let mut terms = self.system.row_stiffness(self.task.start);
+        let mut terms = self.task.conditions.stiffness.clone();
         for (pair, evaluation) in pairs_at(self.system, at) {
+            // Rigidity and joints are equations of every set: terms would only soften them.
+            let factor = if pair.kind.is_of_points() && pair.law.is_bilateral() { 0.0 } else { factor };
             for (term, coverage) in terms[pair.rows.clone()].iter_mut().zip(&evaluation.coverage) {
                 *term = factor * coverage * coverage / *term;
             }
@@ -147,6 +149,10 @@ where
         let takes_part = |place: &SlipPlace| place.exists && !self.dropped[place.rows.start] && set[place.pressing].is_closed();
         for place in slips_at(self.system, at).filter(takes_part) {
             let first = place.rows.start;
+            // Sliding begins in the direction of the trial, which a later iterate has.
+            if !place.at(self.task.conditions, at).is_directed() {
+                continue;
+            }
             let Some((state, violation)) = place.with(self.task.conditions, gaps, lambda).change(set[first]) else { continue };
             next[place.rows].fill(state);
             if violation > largest {

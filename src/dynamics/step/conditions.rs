@@ -24,8 +24,8 @@ pub struct Conditions {
     /// By how much a penalty potential feels the weighted gaps larger than they are: an overlap that no motion has made, but that pairs
     /// find which take part in this step and took none in the one before, has no potential.
     pub shift: Vec<f64>,
-    /// Slip per change of the multiplier of a tangential row that sticks to a node which others hold already; empty without friction.
-    pub yielding: Vec<f64>,
+    /// Pressure per weighted gap, and multiplier per slip, with which the node of every row resists in the step.
+    pub stiffness: Vec<f64>,
     /// Whether a tangential row may come to rest within the step: it slid in the one before.
     pub stops: Vec<bool>,
     /// Size of the step, 0 at rest.
@@ -33,6 +33,13 @@ pub struct Conditions {
 }
 
 impl Conditions {
+    /// Compliance of a row in an iteration; `yielding` is the part of the first compliance that is asked for.
+    pub fn eased(&self, row: usize, yielding: f64) -> f64 {
+        let compliance = self.compliance[row];
+        let is_large = compliance * self.stiffness[row] > tolerances::LARGE_COMPLIANCE;
+        if is_large { compliance * yielding.max(tolerances::LEAST_EASED) } else { compliance }
+    }
+
     /// A row of a pair at an iterate with that gap and multiplier.
     pub fn row(&self, pair: &ContactPair, row: usize, gap: f64, lambda: f64) -> Row {
         Row {
@@ -72,13 +79,12 @@ impl<const D: usize> Equations<D> {
         Ok(())
     }
 
-    /// Inverse augmentation of every constraint row in a step.
-    pub fn compliance(&self, start: &StepStart) -> Vec<f64> {
+    /// Inverse augmentation of every constraint row in a step, by the stiffness of the rows.
+    pub fn compliance(&self, stiffness: &[f64]) -> Vec<f64> {
         if self.pairs.iter().all(|pair| pair.augmentation.is_none() && (D == 2 || pair.friction.is_none())) {
             return vec![0.0; self.multipliers];
         }
-        let stiffness = self.row_stiffness(start);
-        let mut compliance = stiffness.clone();
+        let mut compliance = stiffness.to_vec();
         for pair in &self.pairs {
             let rows = &mut compliance[pair.rows.clone()];
             rows.iter_mut().for_each(|row| *row = pair.augmentation.map_or(0.0, |factor| 1.0 / (factor * *row)));
@@ -90,7 +96,24 @@ impl<const D: usize> Equations<D> {
                 compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[pressing]);
             }
         }
+        for pair in self.pairs.iter().filter(|pair| self.is_on_rigid_body(pair)) {
+            let Some(factor) = pair.augmentation else { continue };
+            let weights = pair.kernel.weights();
+            let of_area: f64 = pair.rows.clone().zip(weights).map(|(row, weight)| stiffness[row] * weight).sum();
+            let by_weight = pair.rows.len() as f64 / (factor.min(tolerances::RIGID_AUGMENTATION) * of_area);
+            pair.rows.clone().zip(weights).for_each(|(row, weight)| compliance[row] = by_weight * weight);
+            pair.tangential().for_each(|(row, pressing)| compliance[row] = compliance[pressing]);
+        }
         compliance
+    }
+
+    /// Whether the rows of a contact belong to nodes of a rigid body: more than its motions, so that pressures are undetermined.
+    ///
+    /// From iteration to iteration, compliances `C_A` select those with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face
+    /// has even pressures; by stiffness they would follow nodal masses.
+    fn is_on_rigid_body(&self, pair: &ContactPair) -> bool {
+        let node = if pair.is_unilateral() { pair.node_of(pair.rows.start) } else { None };
+        node.is_some_and(|node| self.bodies[self.body_of(node as usize)].rigid.is_some())
     }
 
     /// Pressure per weighted gap with which the node of every constraint row resists, by its stiffness and its inertia in a step.
@@ -108,14 +131,6 @@ impl<const D: usize> Equations<D> {
         stiffness.resize(self.multipliers, 0.0);
         self.copy_to_slips(&mut stiffness);
         stiffness
-    }
-
-    /// Compliance of every row that gives way to others; empty without friction.
-    pub fn yielding(&self, start: &StepStart) -> Vec<f64> {
-        if self.multipliers == self.pressing {
-            return Vec::new();
-        }
-        self.row_stiffness(start).iter().map(|stiffness| 1.0 / (tolerances::SHARED_AUGMENTATION * stiffness)).collect()
     }
 
     /// Gives tangential rows what the rows have that press beside them.
@@ -152,14 +167,15 @@ impl<const D: usize> Equations<D> {
             }
         }
         self.copy_to_slips(&mut members);
+        let stiffness = self.row_stiffness(start);
         Conditions {
             gap_n,
             targets,
             members,
-            compliance: self.compliance(start),
+            compliance: self.compliance(&stiffness),
             end_point,
             shift,
-            yielding: self.yielding(start),
+            stiffness,
             stops: active.iter().map(|state| state.slides()).collect(),
             dt: start.dt(),
         }

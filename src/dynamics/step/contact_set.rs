@@ -69,6 +69,7 @@ impl<'a> SlipPlace<'a> {
             around,
             compliance: conditions.compliance[first],
             c: friction.c,
+            stiffness: conditions.stiffness[first],
             tolerance: pair.gap_tolerance,
         };
         let rest = |k: usize| if conditions.stops[first] { rests[k] } else { 0.0 };
@@ -179,8 +180,8 @@ pub fn starting_set<const D: usize>(
     set
 }
 
-/// The constraint rows for a set of active nodes; `yielding` is how far tangential rows of nodes with more rows than motions give way, over
-/// what they do at first.
+/// The constraint rows for a set of active nodes; `yielding` is how far rows with a compliance, and tangential rows of nodes with more rows
+/// than motions, give way, over what they do at first.
 pub fn constraint_rows<const D: usize>(
     equations: &Equations<D>,
     at: &Linearization,
@@ -191,16 +192,18 @@ pub fn constraint_rows<const D: usize>(
     let mut rows = ConstraintRows::open(equations.multipliers);
     for (pair, evaluation) in pairs_at(equations, at) {
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
-            let at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
+            let mut at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
+            at_iterate.compliance = conditions.eased(row, yielding);
             rows.0[row] = pair.law.equation(&at_iterate);
         }
     }
     let held = rows_of_nodes(equations, set);
     for place in slips_at(equations, at).filter(|place| set[place.rows.start].acts()) {
         let (mut group, first) = (place.at(conditions, at), place.rows.start);
+        group.set_compliance(conditions.eased(first, yielding));
         // More rows than a node can move: those that stick give way, until the multipliers are found.
         if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
-            group.yield_by(yielding * conditions.yielding[first]);
+            group.yield_by(yielding / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
         }
         for (row, equation) in place.rows.zip(group.equations(set[first])) {
             rows.0[row] = equation;
