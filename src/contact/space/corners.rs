@@ -441,7 +441,8 @@ impl SlipsInSpace for CornersInSpace {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let Some((place, measure)) = self.rows[p] else { return Vec::new() };
         let Some(tangents) = measure.tangents(z) else { return Vec::new() };
-        let (of_gap, weight) = (measure.weights(z), self.sides.weights[0]);
+        let row = self.sides.patches.rows(p)[place] as usize;
+        let (of_gap, weight) = (measure.weights(z), self.sides.weights[row]);
         let weights = std::array::from_fn(|k| of_gap.get(k).map_or(T::from(0.0), |w| *w * weight));
         vec![Group { place, weights, tangents, covered: 1.0 }]
     }

@@ -138,6 +138,20 @@ pub struct RowBlock<'a> {
     places: [&'a [Block]; 2],
 }
 
+/// Shares of the multipliers of a step in its balance of momentum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceShares {
+    /// Share of those whose forces act in later steps, too, as the time integrator says.
+    pub lagging: f64,
+    /// Share of those of contacts with friction, which act in their own step alone: 1 in a motion.
+    pub alone: f64,
+}
+
+impl ForceShares {
+    /// All forces as a whole.
+    pub const WHOLE: ForceShares = ForceShares { lagging: 1.0, alone: 1.0 };
+}
+
 /// A constraint row of a patch with its nodes.
 pub struct PatchRow<'a> {
     /// The patch.
@@ -222,6 +236,13 @@ impl ContactPair {
     /// A component of the mean velocity of the obstacle in this step.
     pub fn obstacle_velocity_along(&self, component: usize) -> f64 {
         self.obstacle_velocity[component]
+    }
+
+    /// Whether its forces act in their own step alone, whatever the time integrator: those of contacts with friction. A shear stress does
+    /// its work on the slip of its own step; on that of a later one it could drive it. What presses acts with it: divided among steps it
+    /// alternates from step to step, and friction that follows it excites vibrations.
+    pub fn acts_alone(&self) -> bool {
+        self.friction.is_some()
     }
 
     /// Whether multipliers hold it.
@@ -403,6 +424,11 @@ impl<'a> RowBlock<'a> {
         self.rows.start != self.pair.rows.start
     }
 
+    /// Share of its multipliers in the balance of momentum.
+    pub fn share(&self, shares: ForceShares) -> f64 {
+        if self.pair.acts_alone() { shares.alone } else { shares.lagging }
+    }
+
     /// Work of its multipliers on its slips `[energy]`.
     pub fn work(&self, lambda: &[f64]) -> f64 {
         lambda[self.rows.clone()].iter().zip(&self.evaluation.gap).map(|(tau, slip)| tau * slip).sum()
@@ -413,9 +439,9 @@ impl<'a> RowBlock<'a> {
         live_rows(self.rows.start, self.patches, self.evaluation)
     }
 
-    /// Subtracts `weight` times the derivative of the contact forces at fixed multipliers.
-    pub fn tangent_into<const D: usize>(&self, weight: f64, values: &mut [f64]) {
-        let RowBlock { patches, evaluation, .. } = self;
+    /// Subtracts the derivative of the contact forces at fixed multipliers.
+    pub fn tangent_into<const D: usize>(&self, shares: ForceShares, values: &mut [f64]) {
+        let (RowBlock { patches, evaluation, .. }, weight) = (self, self.share(shares));
         let mut block = 0;
         for p in 0..patches.len() {
             let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
@@ -447,9 +473,9 @@ impl<'a> RowBlock<'a> {
         }
     }
 
-    /// Adds rows `factor G_1` and columns `-weight columns^T` of those that press or slide.
-    pub fn constraints_into<const D: usize>(&self, equations: &[Equation], columns: &[f64], weight: f64, values: &mut [f64]) {
-        let RowBlock { patches, evaluation, .. } = self;
+    /// Adds rows `factor G_1` and columns `-share columns^T` of those that press or slide.
+    pub fn constraints_into<const D: usize>(&self, equations: &[Equation], columns: &[f64], shares: ForceShares, values: &mut [f64]) {
+        let (RowBlock { patches, evaluation, .. }, weight) = (self, self.share(shares));
         let [row_places, column_places] = self.places;
         let mut place = 0;
         for p in 0..patches.len() {

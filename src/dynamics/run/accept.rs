@@ -10,7 +10,7 @@ use super::state::State;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
-use crate::dynamics::parts::contact_pair::{PairKind, RowBlock};
+use crate::dynamics::parts::contact_pair::{ContactPair, ForceShares, PairKind, RowBlock};
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
@@ -79,9 +79,8 @@ where
         let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
-        let shear = self.shear(motion, &lambda);
-        let mut outside = self.outside(start, motion, &at, [&lambda, &shear], &v_1)?;
-        let remembered = self.remembered(motion, &at, &v_1, &outside.own);
+        let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
+        let remembered = self.remembered(start, motion, &at, &v_1, &outside.own);
         if let Some(jump) = &jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
             outside.obstacle_work += jump.work;
@@ -106,12 +105,12 @@ where
         [row.dissipation, row.damping, row.numerical] = heat(&dissipated, &row.parts, self.taken(start, &at, jump.as_ref()));
         row.potential = self.potential(&at, &penalty_gap, &memory) + row.reserve;
         row.load_work = outside.work(&at.moved);
-        row.contact_work = self.contact_work(start, scheme.weight, &lambda, conditions, jump.as_ref(), row.reserve);
-        let frictional = self.friction_work(&at, &shear, jump.as_ref());
+        row.contact_work = self.contact_work(start, &lambda, conditions, jump.as_ref(), row.reserve);
+        let frictional = self.friction_work(&at, &lambda, jump.as_ref());
         row.friction_work = frictional.iter().sum::<f64>() + 0.0; // no zero with a sign
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
-        let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&shear, &active));
+        let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&lambda, &active));
         jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.pressing..]));
         let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &active, slipped: &slipped };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
@@ -169,14 +168,23 @@ where
     }
 
     /// What the time integrator remembers of this step; nothing changes where it remembers nothing.
-    fn remembered(&self, motion: &Motion, at: &Linearization, v_1: &[f64], outside: &[Vec<f64>; 2]) -> Arc<SchemeMemory> {
+    fn remembered(
+        &self,
+        start: &StepStart,
+        motion: &Motion,
+        at: &Linearization,
+        v_1: &[f64],
+        outside: &[Vec<f64>; 2],
+    ) -> Arc<SchemeMemory> {
         let (scheme, before) = (motion.scheme, motion.remembered);
         if scheme.remembers.is_empty() {
             return self.state.remembered.clone();
         }
         let mut remembered = SchemeMemory { of: before.of.clone(), dt: motion.dt, ..SchemeMemory::default() };
         if scheme.remembers(History::Force) {
-            remembered.force = before.force.after(scheme, &self.own_forces(motion, &at.forces, v_1));
+            let mut own = self.own_forces(motion, &at.forces, v_1);
+            self.system.alone_into(start, at, &mut own);
+            remembered.force = before.force.after(scheme, &own);
         }
         if scheme.remembers(History::Acceleration) {
             remembered.acceleration = motion.accelerations_after(&at.moved);
@@ -186,7 +194,8 @@ where
         Arc::new(remembered)
     }
 
-    /// Share of the static forces that is this step's own: the residual is inertia, this share and what was remembered.
+    /// Share of the static forces that is this step's own, contact among them: the residual is inertia, this share and what was
+    /// remembered.
     fn own_forces(&self, motion: &Motion, forces: &Forces, v_1: &[f64]) -> Vec<f64> {
         let Motion { dt, v_0, .. } = *motion;
         let rate: Vec<f64> = v_1.iter().zip(v_0).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect();
@@ -195,23 +204,8 @@ where
         own.map(|(k, remembered)| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered).collect()
     }
 
-    /// The multipliers of the tangential rows in a step, by the shares that its time integrator gives to start and end; those of others are
-    /// not meant.
-    pub(super) fn shear(&self, motion: &Motion, lambda: &[f64]) -> Vec<f64> {
-        let (scheme, of_start) = (motion.scheme, &self.state.lambda);
-        let before = if scheme.remembers(History::Force) { 1.0 - scheme.weight } else { 0.0 };
-        lambda.iter().zip(of_start).map(|(lambda, of_start)| scheme.weight * lambda + before * of_start).collect()
-    }
-
     /// What pushed from outside in a step, by the shares that its time integrator gives to start and end.
-    fn outside(
-        &self,
-        start: &StepStart,
-        motion: &Motion,
-        at: &Linearization,
-        [lambda, shear]: [&[f64]; 2],
-        v_1: &[f64],
-    ) -> Result<Outside, StepError> {
+    fn outside(&self, start: &StepStart, motion: &Motion, at: &Linearization, lambda: &[f64], v_1: &[f64]) -> Result<Outside, StepError> {
         let (system, scheme, unknowns) = (&self.system, motion.scheme, at.q_1.len());
         let (before, is_long) = (1.0 - scheme.weight, self.options.integrator.is_long());
         let mut load = at.forces.load.clone();
@@ -222,10 +216,10 @@ where
         }
         let (mut obstacles, mut obstacle_work, mut drive_works) = (vec![0.0; unknowns], 0.0, Vec::new());
         self.ground_into(start, motion, at, &mut obstacles, &mut load)?;
-        for pair in &system.pairs {
+        for pair in system.pairs.iter().filter(|pair| !pair.acts_alone()) {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
-            let (lambda_n, lambda) = (shares(&self.state.lambda, if is_long { 0.0 } else { before }), shares(lambda, scheme.weight));
-            let work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &lambda, &mut obstacles);
+            let (lambda_n, own) = (shares(&self.state.lambda, if is_long { 0.0 } else { before }), shares(lambda, scheme.weight));
+            let work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &own, &mut obstacles);
             obstacle_work += work;
             drive_works.extend(pair.drive.as_ref().map(|_| if is_long { work / scheme.weight } else { work }));
         }
@@ -233,23 +227,26 @@ where
             // As if the forces of the end had acted all the time.
             obstacle_work /= scheme.weight;
         }
+        let own = if is_long { [load.clone(), obstacles.clone()] } else { [Vec::new(), Vec::new()] };
+        for pair in system.pairs.iter().filter(|pair| pair.acts_alone()) {
+            let lambda = &lambda[pair.rows.clone()];
+            let none = vec![0.0; lambda.len()];
+            obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, lambda, &mut obstacles);
+        }
         for block in system.blocks(&at.pairs, &at.slips).filter(|block| block.is_slip() && block.pair.kind == PairKind::Obstacle) {
             for row in block.live_rows() {
-                let shear = if is_long { scheme.weight * lambda[row.row] } else { shear[row.row] };
                 for (k, entry) in row.unknowns::<D>() {
-                    let force = shear * block.evaluation.gradient_bar[entry];
+                    let force = lambda[row.row] * block.evaluation.gradient_bar[entry];
                     obstacles[k] += force;
                     obstacle_work += force * at.moved[k];
                 }
             }
             // Of that the slip is friction's, the rest that of the obstacle's motion.
-            obstacle_work -= block.work(shear);
+            obstacle_work -= block.work(lambda);
         }
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
-        let mut own = [Vec::new(), Vec::new()];
         if is_long {
-            own = [load.clone(), obstacles.clone()];
             for (force, lagging) in [&mut load, &mut obstacles].into_iter().zip(&motion.remembered.outside) {
                 force.iter_mut().zip(&lagging.left).for_each(|(force, left)| *force += scheme.lag.used * left);
             }
@@ -295,16 +292,21 @@ where
     fn contact_work(
         &self,
         start: &StepStart,
-        weight: f64,
         lambda: &[f64],
         conditions: &Conditions,
         jump: Option<&VelocityCorrection>,
         reserve: f64,
     ) -> f64 {
         let (system, old) = (&self.system, &self.state.row);
-        let held = system.pairs.iter().filter(|pair| pair.has_multipliers());
-        let closing: f64 =
-            held.flat_map(|pair| pair.rows.clone()).map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row])).sum();
+        let ForceShares { lagging, alone } = start.shares();
+        let closing = |of: &dyn Fn(&ContactPair) -> bool| -> f64 {
+            let held = system.pairs.iter().filter(|pair| pair.has_multipliers() && of(pair));
+            held.flat_map(|pair| pair.rows.clone()).map(|row| lambda[row] * (conditions.targets[row] - conditions.gap_n[row])).sum()
+        };
+        let closed = match lagging == alone {
+            true => lagging * closing(&|_| true),
+            false => lagging * closing(&|pair| !pair.acts_alone()) + alone * closing(&ContactPair::acts_alone),
+        };
         // A potential that is felt through other pairs than at the end of the step before is another one.
         let found = if system.pairs.iter().any(|pair| !pair.has_multipliers()) && !conditions.end_point {
             system.nodes.potential_energy(start.q_0)
@@ -316,7 +318,7 @@ where
             0.0
         };
         let kept = reserve - old.reserve;
-        found + weight * closing + jump.map_or(0.0, |jump| jump.energy) + kept
+        found + closed + jump.map_or(0.0, |jump| jump.energy) + kept
     }
 
     /// Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.

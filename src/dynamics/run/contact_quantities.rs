@@ -11,13 +11,12 @@
 //! beside the pressure. On the axis of bodies of revolution no node
 //! has a force: its pressure is continued from its neighbours'.
 //!
-//! Friction is evaluated in the same way: its stress at a node follows from tangential multipliers as the pressure does from those that
-//! press, so where all of a contact slides the one is the coefficient times the other. In space stress and slip have two components, and
-//! their sizes are told.
+//! What friction does is in `contact_friction.rs`.
 
+use super::contact_friction::{add_friction, corner_node, mark_between, shears, slipped, states};
 use super::fields::{ContactFields, NodeState};
 use super::ledger::ContactTotals;
-use super::slip_memory::{SlipMemory, Tangential, size};
+use super::slip_memory::{Tangential, size};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow, RowBlock};
 use crate::dynamics::parts::laws::RowState;
@@ -27,16 +26,15 @@ use crate::math::tolerances;
 #[derive(Default)]
 pub struct ContactForces {
     /// What presses on the secondary nodes, from the rows that each of them owns and from corners `[force]`.
-    own: Vec<[f64; 3]>,
+    pub(super) own: Vec<[f64; 3]>,
     /// What friction adds to that `[force]`; nothing without friction.
-    friction: Vec<[f64; 3]>,
-    /// Mean shear stress on the same part `[stress]`, and what corners pull along the tangent `[force]`; nothing without friction.
-    mean_shear: Vec<f64>,
-    pulled: Vec<f64>,
+    pub(super) friction: Vec<[f64; 3]>,
+    /// What corners pull along the tangent `[force]`; nothing without friction.
+    pub(super) pulled: Vec<f64>,
     /// Mean pressure of the rows on the part of each secondary node that is covered `[stress]`.
     mean: Vec<f64>,
     /// Sizes of what corners press on each secondary node `[force]`.
-    pressed: Vec<f64>,
+    pub(super) pressed: Vec<f64>,
     /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`: what presses, then friction.
     pub all: Vec<(u32, [f64; 3])>,
     /// How many of them press.
@@ -62,7 +60,7 @@ impl Loaded<'_> {
     }
 
     /// The same of friction.
-    fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+    pub(super) fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         let Some(Tangential { evaluation, .. }) = self.tangential else { return };
         for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
             self.visit::<D>(lambda, block.rows.start, block.live_rows(), &evaluation.gradient_bar, &mut visit);
@@ -122,52 +120,9 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     }
     forces.pressing = forces.all.len();
     if contact.tangential.is_some() || corners.iter().any(|corners| corners.tangential.is_some()) {
-        add_friction::<D>(contact, corners, q, &mut forces);
+        add_friction::<D>(contact, corners, &mut forces);
     }
     forces
-}
-
-/// Adds what friction does.
-fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64], forces: &mut ContactForces) {
-    let secondary = contact.pair.kernel.secondary();
-    let (with_itself, count) = (secondary == contact.pair.kernel.primary(), secondary.nodes().len());
-    (forces.friction, forces.mean_shear, forces.pulled) = (vec![[0.0; 3]; count], vec![0.0; count], vec![0.0; count]);
-    let ContactForces { friction, all, pulled, mean_shear, .. } = forces;
-    if let Some(Tangential { lambda, .. }) = contact.tangential {
-        contact.for_each_pull::<D>(lambda, |node, own, _, force| {
-            all.push((node, force));
-            if own && let Some(index) = secondary.index(node) {
-                (0..D).for_each(|i| friction[index][i] += force[i]);
-            }
-        });
-        *mean_shear = if D == 2 {
-            means::<D>(contact, lambda, friction, q, |lambda, visit| contact.for_each_pull::<D>(lambda, visit))
-        } else {
-            // A stress along any direction has the force of a pressure of its size.
-            let unit = unit_forces::<D>(contact, lambda, q, |lambda, visit| contact.for_each_force::<D>(lambda, visit));
-            let over = |(force, unit): (&[f64; 3], &[f64; 3])| if *unit == [0.0; 3] { 0.0 } else { size(force) / size(unit) };
-            friction.iter().zip(&unit).map(over).collect()
-        };
-    }
-    let mut of_corners = vec![[0.0; 3]; count];
-    for corners in corners {
-        let Some(Tangential { lambda, .. }) = corners.tangential else { continue };
-        corners.for_each_pull::<D>(lambda, |node, own, multiplier, force| {
-            all.push((node, force));
-            if (!with_itself || own)
-                && let Some(index) = secondary.index(node)
-            {
-                (0..D).for_each(|i| friction[index][i] += force[i]);
-                match D {
-                    2 => pulled[index] += multiplier.signum() * size(&force),
-                    _ => (0..D).for_each(|i| of_corners[index][i] += force[i]),
-                }
-            }
-        });
-    }
-    if D == 3 {
-        pulled.iter_mut().zip(&of_corners).for_each(|(pulled, force)| *pulled = size(force));
-    }
 }
 
 /// Nodal forces of a contact with these multipliers over those of unit ones, along these; `for_each` tells of the forces. Corners of faces
@@ -301,6 +256,12 @@ fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f
     lambda.chunks_exact(stride).enumerate().map(of).collect()
 }
 
+/// Pressure at each secondary node, that of corners left out.
+pub(super) fn own_pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
+    let Loaded { evaluation, lambda, .. } = contact;
+    at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &vec![0.0; forces.own.len()]], q)
+}
+
 /// Pressure at each secondary node, that of corners on it included.
 fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let Loaded { pair, evaluation, lambda, .. } = contact;
@@ -309,60 +270,6 @@ fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
         pressures[index] = pressure_on_axis(contact, index, &pressures, q);
     }
     pressures
-}
-
-/// Shear stress of friction at each secondary node, that of corners on it included.
-fn shears(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
-    let Some(tangential) = contact.tangential else { return vec![0.0; forces.own.len()] };
-    at_nodes(contact, [&tangential.multipliers(), &tangential.coverage()], [&forces.mean_shear, &forces.pulled], q)
-}
-
-/// What friction makes of the secondary nodes, and how many corners of the other side slide.
-fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeState>, usize) {
-    let is_held = contact.tangential.is_some() || contact.pair.kind == PairKind::Tie;
-    let pressed = if is_held { NodeState::Stick } else { NodeState::Slip };
-    let mut states: Vec<NodeState> = active.iter().map(|&active| if active { pressed } else { NodeState::Open }).collect();
-    let slides = |state: &RowState| state.slides();
-    if let Some(Tangential { active, count, .. }) = contact.tangential {
-        let sliding = states.iter_mut().zip(active.iter().step_by(count)).filter(|(_, state)| slides(state));
-        sliding.for_each(|(state, _)| *state = NodeState::Slip);
-    }
-    let mut others = 0;
-    for corners in corners {
-        let rows = corners.tangential.iter().flat_map(|tangential| tangential.active.iter().step_by(tangential.count)).enumerate();
-        for (row, _) in rows.filter(|(_, state)| slides(state)) {
-            match corner_node(contact, corners, row / corners.pair.kernel.rows_per_node()) {
-                Some(node) => states[node] = NodeState::Slip,
-                None => others += 1,
-            }
-        }
-    }
-    (states, others)
-}
-
-/// The secondary node on which a corner's rows lie, if they lie on one.
-fn corner_node(contact: Loaded, corners: &Loaded, index: usize) -> Option<usize> {
-    corners.pair.kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node))
-}
-
-/// What the secondary nodes have done so far: of a node with several rows the longest slips, and the heat of all.
-fn slipped(contact: Loaded, corners: &[Loaded]) -> Vec<SlipMemory> {
-    let mut nodes = vec![SlipMemory::default(); contact.pair.kernel.secondary().nodes().len()];
-    if let Some(tangential) = contact.tangential {
-        nodes.iter_mut().zip(tangential.memories()).for_each(|(node, own)| *node = own);
-    }
-    for corners in corners {
-        for (row, more) in corners.tangential.iter().flat_map(Tangential::memories).enumerate() {
-            let Some(node) = corner_node(contact, corners, row / corners.pair.kernel.rows_per_node()) else { continue };
-            let SlipMemory { slip, path, heat } = &mut nodes[node];
-            if more.slip.abs() > slip.abs() {
-                *slip = more.slip;
-            }
-            *path = path.max(more.path);
-            *heat += more.heat;
-        }
-    }
-    nodes
 }
 
 /// The same as means over what is covered of each node: the multipliers of a consistent mortar method waver beside the edge of a contact,
@@ -464,8 +371,9 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
         x[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
         x
     };
-    let (active, _) = active_nodes(contact, corners, q);
-    let (state, _) = states(contact, corners, &active);
+    let (mut active, _) = active_nodes(contact, corners, q);
+    let (mut state, _) = states(contact, corners, &active);
+    mark_between(contact, corners, &mut active, &mut state);
     let slipped = slipped(contact, corners);
     let mut all = forces.own.clone();
     all.iter_mut().zip(&forces.friction).for_each(|(own, more)| (0..3).for_each(|i| own[i] += more[i]));
@@ -482,7 +390,7 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
             .collect(),
         active,
         state,
-        shear: shears(contact, &forces, q),
+        shear: shears(contact, &forces, q, &areas(pair, q)),
         slip: slipped.iter().map(|memory| memory.slip).collect(),
         slip_path: slipped.iter().map(|memory| memory.path).collect(),
         heat: slipped.iter().zip(areas(pair, q)).map(|(memory, area)| if memory.heat == 0.0 { 0.0 } else { memory.heat / area }).collect(),

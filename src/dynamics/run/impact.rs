@@ -65,7 +65,7 @@ where
                 self.close(&mut end, &mut jump)?;
             }
             self.give_back(&mut end, &mut jump)?;
-            if !self.drop_gaining(motion, solution, &jump, &mut ratios) {
+            if !self.drop_gaining(solution, &jump, &mut ratios) {
                 return Ok(Some(jump));
             }
         }
@@ -87,9 +87,8 @@ where
     }
 
     /// Takes the friction of a jump away from contacts in which it would give energy, step and jump together; whether there were any.
-    fn drop_gaining(&self, motion: &Motion, solution: &Solution, jump: &VelocityCorrection, ratios: &mut [f64]) -> bool {
-        let shear = self.shear(motion, &solution.multipliers());
-        let work = self.friction_work(&solution.at, &shear, Some(jump));
+    fn drop_gaining(&self, solution: &Solution, jump: &VelocityCorrection, ratios: &mut [f64]) -> bool {
+        let work = self.friction_work(&solution.at, &solution.multipliers(), Some(jump));
         let mut is_any = false;
         let pairs = self.system.pairs.iter().enumerate();
         for (_, pair) in pairs.filter(|(index, pair)| pair.friction.is_some() && work[self.system.contact_of(*index)] > 0.0) {

@@ -4,6 +4,7 @@ pub mod accept;
 pub mod balance;
 pub mod buckling;
 pub mod closing;
+mod contact_friction;
 pub mod contact_quantities;
 pub mod coupled;
 pub mod diagnosis;

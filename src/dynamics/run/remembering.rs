@@ -48,7 +48,10 @@ where
     fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeMemory, Failure> {
         let scheme = self.options.integrator;
         let (forces, mut remembered) = (&at.forces, SchemeMemory { of: scheme.describe(), ..SchemeMemory::default() });
-        let residual = |factor: f64| (0..at.q_1.len()).map(|k| factor * forces.residual(k)).collect();
+        // Contacts with friction act in their own step alone.
+        let mut lagging: Vec<f64> = (0..at.q_1.len()).map(|k| forces.residual(k)).collect();
+        self.system.alone_into(start, at, &mut lagging);
+        let residual = |factor: f64| lagging.iter().map(|force| factor * force).collect();
         if scheme.remembers(History::Force) {
             remembered.force.left = residual(forces.whole(scheme.left()));
         }
@@ -76,7 +79,7 @@ where
     /// A time function failed.
     fn outside_at(&self, start: &StepStart, at: &Linearization) -> Result<[Vec<f64>; 2], StepError> {
         let (none, mut obstacles) = (vec![0.0; self.system.multipliers], vec![0.0; at.q_1.len()]);
-        for pair in &self.system.pairs {
+        for pair in self.system.pairs.iter().filter(|pair| !pair.acts_alone()) {
             let rows = pair.rows.clone();
             pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, &none[rows.clone()], &at.lambda[rows], &mut obstacles);
         }

@@ -78,11 +78,6 @@ impl Tangential<'_> {
         self.lambda.chunks_exact(self.count).map(size).collect()
     }
 
-    /// What each row that presses has opposite.
-    pub fn coverage(&self) -> Vec<f64> {
-        self.evaluation.coverage.iter().step_by(self.count).copied().collect()
-    }
-
     /// What is kept of the slips beside each row that presses.
     pub fn memories(&self) -> impl Iterator<Item = SlipMemory> {
         let of = |group: &[SlipMemory]| {

@@ -7,6 +7,7 @@ use super::failure::Failure;
 use super::iterate::Linearization;
 use super::system::System;
 use crate::bodies::{Elements, Space};
+use crate::dynamics::parts::contact_pair::ForceShares;
 use crate::math::norms::largest_size;
 
 /// What the forces of a state do to its nodes while ties hold.
@@ -47,7 +48,7 @@ where
         self.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| needed[row] -= gradient * given[k]);
         right.extend(hold.iter().zip(needed).map(|(hold, needed)| if *hold { needed } else { 0.0 }));
         let rows = ConstraintRows::held(&hold);
-        self.write_constraints([&at.pairs, &at.slips], &rows, 1.0, |pair| &pair.gradient_end, &mut values);
+        self.write_constraints([&at.pairs, &at.slips], &rows, ForceShares::WHOLE, |pair| &pair.gradient_end, &mut values);
         self.matrix.finish(&rows, scale * self.nodes.largest_nodal_mass, &mut values);
         self.counters.times.assembly += clock.elapsed();
         self.solve_with(&values, &mut right, Instant::now())?;

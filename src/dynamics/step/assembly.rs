@@ -121,7 +121,7 @@ where
     /// Contact functions of all pairs and their forces.
     fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
         let clock = Instant::now();
-        let (derivative, weight) = (start.derivative(), start.weight());
+        let (derivative, shares) = (start.derivative(), start.shares());
         let Linearization { q_1, moved, lambda, forces, pairs, slips, held, rests, .. } = at;
         pairs.resize_with(self.pairs.len(), Evaluation::default);
         slips.resize_with(self.pairs.len(), Evaluation::default);
@@ -130,13 +130,14 @@ where
         for ((pair, evaluation), slip) in self.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
             pair.kernel.evaluate(derivative, q_1, &lambda[pair.rows.clone()], evaluation);
             if let Some(friction) = &pair.friction {
-                let step = SlipStep { q_0: start.q_0, q_1, moved, test: derivative.placement().test, live: &evaluation.live };
+                let step = SlipStep { q_0: start.q_0, q_1, moved, test: start.friction_at(), live: &evaluation.live };
                 pair.kernel.evaluate_slips(step, &lambda[friction.rows.clone()], slip);
             }
         }
         for block in self.blocks(pairs, slips) {
+            let share = block.share(shares);
             for row in block.live_rows() {
-                let pressure = weight * lambda[row.row];
+                let pressure = share * lambda[row.row];
                 let gradient = &block.evaluation.gradient_bar[row.gradient];
                 for (&node, gradient) in row.nodes.iter().zip(gradient.chunks_exact(D)) {
                     for i in 0..D {
@@ -157,7 +158,7 @@ where
         }
         let clock = Instant::now();
         for block in self.blocks(&at.pairs, &at.slips) {
-            block.tangent_into::<D>(start.weight(), &mut at.tangent);
+            block.tangent_into::<D>(start.shares(), &mut at.tangent);
         }
         self.counters.times.contact += clock.elapsed();
     }
@@ -167,6 +168,17 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
+    /// Adds the contact forces at an iterate that act in its step alone, by their share in the equations of the step.
+    pub fn alone_into(&self, start: &StepStart, at: &Linearization, forces: &mut [f64]) {
+        let share = start.shares().alone;
+        for block in self.blocks(&at.pairs, &at.slips).filter(|block| block.pair.acts_alone()) {
+            for row in block.live_rows() {
+                let pressure = share * at.lambda[row.row];
+                row.unknowns::<D>().for_each(|(k, entry)| forces[k] += pressure * block.evaluation.gradient_bar[entry]);
+            }
+        }
+    }
+
     /// Displacements of an iterate by its positions where something sees these, else both by its motion.
     pub(super) fn displace(&self, start: &StepStart, at: &mut Linearization) {
         let Linearization { q_1, u_1, moved, .. } = at;

@@ -10,7 +10,7 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
+use crate::dynamics::parts::contact_pair::{ContactPair, ForceShares, RowBlock};
 
 impl<const D: usize> System<D>
 where
@@ -35,7 +35,7 @@ where
         self.complete_tangent(start, at)?;
         let clock = Instant::now();
         let Linearization { forces, pairs, slips, tangent, .. } = at;
-        self.write_constraints([pairs, slips], rows, start.weight(), |pair| &pair.gradient_bar, tangent);
+        self.write_constraints([pairs, slips], rows, start.shares(), |pair| &pair.gradient_bar, tangent);
         let mut right: Vec<f64> = forces.without_contact.iter().map(|r| -r).collect();
         right.extend(rows.0.iter().map(|row| row.right));
         if !self.given.is_empty() {
@@ -66,19 +66,19 @@ impl<const D: usize> System<D> {
 }
 
 impl<const D: usize> Equations<D> {
-    /// Writes rows `gradient G_1` and columns `-weight columns^T` of the constraints that act, and how tangential ones depend on those that
+    /// Writes rows `gradient G_1` and columns `-share columns^T` of the constraints that act, and how tangential ones depend on those that
     /// press.
     pub fn write_constraints(
         &self,
         [pairs, slips]: [&[Evaluation]; 2],
         rows: &ConstraintRows,
-        weight: f64,
+        shares: ForceShares,
         columns: fn(&Evaluation) -> &Vec<f64>,
         values: &mut [f64],
     ) {
         for block in self.blocks(pairs, slips) {
             block.clear_constraints::<D>(values);
-            block.constraints_into::<D>(&rows.0, columns(block.evaluation), weight, values);
+            block.constraints_into::<D>(&rows.0, columns(block.evaluation), shares, values);
         }
         for friction in self.pairs.iter().filter_map(|pair| pair.friction.as_ref()) {
             friction.couple(&rows.0, values);

@@ -23,7 +23,7 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::RowBlock;
+use crate::dynamics::parts::contact_pair::{ForceShares, RowBlock};
 use crate::dynamics::parts::laws::Equation;
 
 /// Rows that may change before the matrix is factorised with another set: each costs a substitution.
@@ -93,7 +93,7 @@ where
         }
         for row in fresh {
             let mut right = vec![0.0; frozen.right.len()];
-            self.add_brought(frozen, start.weight(), at, &BTreeMap::from([(row, 1.0)]), &mut right);
+            self.add_brought(frozen, start.shares(), at, &BTreeMap::from([(row, 1.0)]), &mut right);
             self.substitute(&at.tangent, &mut right).ok()?;
             frozen.answers.insert(row, self.row_values([&at.pairs, &at.slips], &right));
         }
@@ -146,7 +146,7 @@ where
             solution = frozen.solution;
         } else {
             solution = frozen.right.clone();
-            self.add_brought(&frozen, start.weight(), at, &amounts, &mut solution);
+            self.add_brought(&frozen, start.shares(), at, &amounts, &mut solution);
             self.substitute(&at.tangent, &mut solution)?;
             let unknowns = solution.len() - self.multipliers;
             amounts.keys().filter(|&&row| !frozen.present.0[row].acts).for_each(|row| solution[unknowns + row] = 0.0);
@@ -174,7 +174,7 @@ where
     }
 
     /// Adds to a right-hand side what a changed row brings.
-    fn add_brought(&self, frozen: &Frozen, weight: f64, at: &Linearization, amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
+    fn add_brought(&self, frozen: &Frozen, shares: ForceShares, at: &Linearization, amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
         let unknowns = right.len() - self.multipliers;
         for (&row, amount) in amounts {
             right[unknowns + row] += amount;
@@ -185,7 +185,7 @@ where
                 let Some(amount) = amounts.get(&row.row).filter(|_| !frozen.rows.0[row.row].acts) else { continue };
                 for (unknown, entry) in row.unknowns::<D>() {
                     if !self.supports.fixed[unknown] {
-                        right[unknown] += amount * weight * block.evaluation.gradient_bar[entry];
+                        right[unknown] += amount * block.share(shares) * block.evaluation.gradient_bar[entry];
                     }
                 }
             }

@@ -9,7 +9,7 @@ use super::iterate::Linearization;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::parts::contact_pair::{ForceShares, PairKind};
 use crate::dynamics::parts::laws::Equation;
 use crate::math::norms::{largest_size, sum_of_sizes};
 use crate::math::tolerances;
@@ -87,7 +87,7 @@ where
     pub(super) fn end_matrix(&self, evaluated: [&[Evaluation]; 2], rows: &ConstraintRows, scale: f64, mut values: Vec<f64>) -> EndMatrix {
         let free = self.supports.fixed.contains(&true).then(|| values.clone());
         values.iter_mut().for_each(|value| *value *= scale);
-        self.write_constraints(evaluated, rows, 1.0, |pair| &pair.gradient_end, &mut values);
+        self.write_constraints(evaluated, rows, ForceShares::WHOLE, |pair| &pair.gradient_end, &mut values);
         self.matrix.finish(rows, self.nodes.modulus, &mut values);
         EndMatrix { values, free }
     }

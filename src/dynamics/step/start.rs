@@ -2,6 +2,7 @@
 
 use super::scheme_memory::SchemeMemory;
 use crate::dynamics::model::part::{Iterate, Pose};
+use crate::dynamics::parts::contact_pair::ForceShares;
 use crate::dynamics::parts::supports::PrescribedUnknown;
 use crate::integrators::{Affine, Configuration, Derivative, Dissipation, History, REST, Scheme};
 
@@ -118,6 +119,16 @@ impl StepStart<'_> {
     /// Share of the static forces of this step in its equations.
     pub fn weight(&self) -> f64 {
         self.scheme().weight
+    }
+
+    /// Shares of the multipliers of this step in its equations.
+    pub fn shares(&self) -> ForceShares {
+        ForceShares { lagging: self.weight(), alone: if self.is_at_rest() { REST.weight } else { 1.0 } }
+    }
+
+    /// Configuration along whose tangents friction acts: in a motion the middle of the step, whose tangents slips have.
+    pub fn friction_at(&self) -> Configuration {
+        if self.is_at_rest() { REST.derivative.placement().test } else { Configuration::Middle }
     }
 
     /// What the static forces of the steps before do in this one; nothing where none are remembered.

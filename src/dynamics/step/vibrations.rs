@@ -18,11 +18,14 @@ use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
-use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::contact_pair::{ContactPair, ForceShares};
 use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::linear::Operator;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
+
+/// Columns with the sign of their rows: the matrix is symmetric.
+const OPPOSED: ForceShares = ForceShares { lagging: -1.0, alone: -1.0 };
 
 /// A state about which a model vibrates.
 #[derive(Clone, Copy)]
@@ -103,7 +106,7 @@ where
     /// Writes rows with their gradients at an iterate to the values.
     fn constrain(&mut self, at: &Linearization, rows: &ConstraintRows, shift: f64) {
         self.held = rows.0.iter().filter(|row| row.acts).count();
-        self.system.write_constraints([&at.pairs, &at.slips], rows, -1.0, |pair| &pair.gradient_end, &mut self.values);
+        self.system.write_constraints([&at.pairs, &at.slips], rows, OPPOSED, |pair| &pair.gradient_end, &mut self.values);
         self.stiffest = self.stiffness_over_mass(shift);
         self.system.matrix.finish(rows, self.system.nodes.modulus, &mut self.values);
     }

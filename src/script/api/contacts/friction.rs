@@ -10,6 +10,7 @@ use crate::math::catalogue::Interval;
 use crate::script::api::time_functions::{amplitude_of, place_function, points_of};
 use crate::script::language::arguments::{Argument, Arguments, Options};
 use crate::script::language::callback::Callback;
+use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -20,6 +21,9 @@ use crate::script::language::values::{as_number, describe};
 /// Speeds at which a closure is asked for its coefficient: those in this range of powers of ten, so many for each, and 0.
 const DECADES: [i32; 2] = [-12, 12];
 const SPEEDS: i32 = 128;
+
+/// Largest coefficient of friction without a warning: clean metals in vacuum and soft rubber reach 2 to 3.
+const LARGEST: f64 = 3.0;
 
 /// A law of friction with its coefficient.
 #[derive(Clone)]
@@ -90,6 +94,11 @@ fn coulomb() -> Function {
                     .into());
             }
             let adhesion = options.number("adhesion")?;
+            if let Coefficient::Constant(sliding) = coefficient
+                && sliding <= LARGEST
+            {
+                warn_of_percent(&options.argument("at_rest"), sliding * static_ratio);
+            }
             if transition.is_none() && static_ratio != 1.0 {
                 let failure = options.argument("at_rest").fail("`at_rest` needs a `transition_speed`");
                 return Err(failure
@@ -154,11 +163,13 @@ fn friction_curve() -> Function {
                     (points, format!("friction_curve([… {count} pairs …])"))
                 }
             };
+            let least = points.iter().map(|(_, coefficient)| *coefficient).fold(f64::INFINITY, f64::min);
             let Some(curve) = FrictionCurve::new(points) else {
                 let failure =
                     argument.fail("speeds and coefficients of `friction_curve` must be 0 or more, and at least one pair is needed");
                 return Err(failure.hint("write `[[0.0, 0.45], [1.0, 0.3]]`").into());
             };
+            warn_of_percent(&argument, if least.is_finite() { least } else { 0.0 });
             let friction = Friction { law: Arc::new(curve), coefficient: Coefficient::Constant(1.0) };
             Ok(Dynamic::from(FrictionHandle { friction, written }))
         }),
@@ -234,12 +245,29 @@ fn plain(coefficient: Coefficient) -> Friction {
     Friction { law: Arc::new(Coulomb::default()), coefficient }
 }
 
+/// Warns of a coefficient that no surfaces have.
+fn warn_of_percent(argument: &Argument, coefficient: f64) {
+    if coefficient > LARGEST {
+        let title = format!("{} is a coefficient of friction that no surfaces have", number_text(coefficient));
+        let warning = Diagnostic::warning(title, argument.call().place(&argument.target())).code("C0426");
+        let (percent, ratio) = (number_text(coefficient), number_text(coefficient / 100.0));
+        let cause = format!("a coefficient is shear stress over pressure, and {percent} per cent are {ratio}");
+        argument
+            .call()
+            .host
+            .warn(warning.cause(cause).hint("write the ratio, such as `0.3`, and `rough()` for surfaces that do not slide"));
+    }
+}
+
 /// A coefficient of friction.
 fn coefficient_of(argument: &Argument) -> Result<Coefficient, Failure> {
     let value = argument.value();
     if let Some(number) = as_number(&value) {
         return match number.is_finite() && number >= 0.0 {
-            true => Ok(Coefficient::Constant(number)),
+            true => {
+                warn_of_percent(argument, number);
+                Ok(Coefficient::Constant(number))
+            }
             false => Err(argument.out_of_range(Interval::NonNegative, &number_text(number))),
         };
     }

@@ -1,0 +1,203 @@
+//! What friction does at the nodes of a contact: nodal forces, shear stress, states, slips.
+//!
+//! The shear stress at a node is that part of what friction bears at the node's pressure which the tangential multiplier is of what friction
+//! bears at the multiplier that presses: `shear = tau L(pressure)/L(lambda)` with the limit `L` of the law. So it lies within the cone at
+//! the pressure that stands beside it, whatever makes the pressure of multipliers, and where all of a contact slides the one is the
+//! coefficient times the other. In space stress and slip have two components, and their sizes are given.
+
+use super::contact_quantities::{ContactForces, Loaded, own_pressures};
+use super::fields::NodeState;
+use super::slip_memory::{SlipMemory, Tangential, size};
+use crate::contact::Sliding;
+use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::parts::laws::RowState;
+use crate::math::tolerances;
+
+/// Adds the forces of friction to those of a contact and of its corners.
+pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces: &mut ContactForces) {
+    let secondary = contact.pair.kernel.secondary();
+    let (with_itself, count) = (secondary == contact.pair.kernel.primary(), secondary.nodes().len());
+    (forces.friction, forces.pulled) = (vec![[0.0; 3]; count], vec![0.0; count]);
+    let ContactForces { friction, all, pulled, pressed, .. } = forces;
+    if let Some(Tangential { lambda, .. }) = contact.tangential {
+        contact.for_each_pull::<D>(lambda, |node, own, _, force| {
+            all.push((node, force));
+            if own && let Some(index) = secondary.index(node) {
+                (0..D).for_each(|i| friction[index][i] += force[i]);
+            }
+        });
+    }
+    let (mut of_corners, mut largest) = (vec![[0.0; 3]; count], vec![0.0f64; count]);
+    for corners in corners {
+        let Some(tangential) = corners.tangential else { continue };
+        corners.for_each_pull::<D>(tangential.lambda, |node, own, multiplier, force| {
+            all.push((node, force));
+            if (!with_itself || own)
+                && let Some(index) = secondary.index(node)
+            {
+                (0..D).for_each(|i| friction[index][i] += force[i]);
+                match D {
+                    2 => pulled[index] += multiplier.signum() * size(&force),
+                    _ => (0..D).for_each(|i| of_corners[index][i] += force[i]),
+                }
+            }
+        });
+        let shear = tangential.multipliers();
+        for row in corners.pair.live_rows(corners.evaluation) {
+            let local = row.row - corners.pair.rows.start;
+            if corners.lambda[local] > 0.0 {
+                let ratio = shear[local].abs() / corners.lambda[local];
+                row.nodes.iter().filter_map(|&node| secondary.index(node)).for_each(|index| largest[index] = largest[index].max(ratio));
+            }
+        }
+    }
+    if D == 3 {
+        pulled.iter_mut().zip(&of_corners).for_each(|(pulled, force)| *pulled = size(force));
+    }
+    // Pulls of several rows add up where what presses parts them, and act at mid-step.
+    for ((pulled, pressed), largest) in pulled.iter_mut().zip(pressed).zip(largest) {
+        let most = largest * *pressed;
+        *pulled = pulled.clamp(-most, most);
+    }
+}
+
+/// Shear stress of friction at each secondary node, that of corners on it included.
+pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], areas: &[f64]) -> Vec<f64> {
+    let Loaded { pair, lambda, tangential, .. } = contact;
+    let (Some(tangential), Some(friction)) = (tangential, &pair.friction) else { return vec![0.0; forces.own.len()] };
+    let (stride, nodes) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
+    let multipliers = tangential.multipliers();
+    let limit = |row: usize, pressure: f64| {
+        friction.law.limit(Sliding { coefficient: friction.coefficients[row], pressure: pressure.max(0.0), speed: 0.0 }).shear
+    };
+    let of = |(index, pressure): (usize, f64)| {
+        let rows = index * stride..(index + 1) * stride;
+        let around = pair.circumference(nodes[index], q);
+        let (shear, normal) = (size(&multipliers[rows.clone()]), size(&lambda[rows.clone()]));
+        let corners = forces.pulled.get(index).map_or(0.0, |pulled| pulled / areas[index]);
+        if shear == 0.0 || around <= 0.0 {
+            return corners;
+        }
+        let (borne, most) = (limit(rows.start, normal / around), limit(rows.start, pressure));
+        shear / around * if borne > 0.0 { most / borne } else { 0.0 } + corners
+    };
+    own_pressures(contact, forces, q).into_iter().enumerate().map(of).collect()
+}
+
+/// What friction makes of the secondary nodes, and how many corners of the other side slide.
+pub fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeState>, usize) {
+    let pressed = if is_held(contact) { NodeState::Stick } else { NodeState::Slip };
+    let mut states: Vec<NodeState> = active.iter().map(|&active| if active { pressed } else { NodeState::Open }).collect();
+    let slides = |state: &RowState| state.slides();
+    if let Some(Tangential { active, count, .. }) = contact.tangential {
+        let sliding = states.iter_mut().zip(active.iter().step_by(count)).filter(|(_, state)| slides(state));
+        sliding.for_each(|(state, _)| *state = NodeState::Slip);
+    }
+    let mut others = 0;
+    for corners in corners {
+        let rows = corners.tangential.iter().flat_map(|tangential| tangential.active.iter().step_by(tangential.count)).enumerate();
+        for (row, _) in rows.filter(|(_, state)| slides(state)) {
+            match corner_node(contact, corners, row / corners.pair.kernel.rows_per_node()) {
+                Some(node) => states[node] = NodeState::Slip,
+                None => others += 1,
+            }
+        }
+    }
+    (states, others)
+}
+
+/// Whether something keeps pressed nodes from sliding.
+fn is_held(contact: Loaded) -> bool {
+    contact.tangential.is_some() || contact.pair.kind == PairKind::Tie
+}
+
+/// Marks the secondary nodes that rows of facets and edges press on, which belong to no node.
+pub fn mark_between(contact: Loaded, corners: &[Loaded], active: &mut [bool], states: &mut [NodeState]) {
+    for corners in corners {
+        let slides: Vec<bool> =
+            corners.tangential.iter().flat_map(|of| of.active.iter().step_by(of.count)).map(|row| row.slides()).collect();
+        for (row, nodes) in rows_between(contact, corners).into_iter().enumerate() {
+            if !corners.active[row].is_closed() {
+                continue;
+            }
+            let is_slip = !is_held(contact) || slides.get(row).is_some_and(|slides| *slides);
+            for node in pressed_nodes(&nodes) {
+                active[node] = true;
+                if is_slip || states[node] == NodeState::Open {
+                    states[node] = if is_slip { NodeState::Slip } else { NodeState::Stick };
+                }
+            }
+        }
+    }
+}
+
+/// The secondary node on which a corner's rows lie, if they lie on one.
+pub fn corner_node(contact: Loaded, corners: &Loaded, index: usize) -> Option<usize> {
+    corners.pair.kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node))
+}
+
+/// For each row of corners that belongs to no secondary node the nodes that it presses on, with their shares of its force; the nodes of its
+/// first patch alike where it does not press.
+fn rows_between(contact: Loaded, corners: &Loaded) -> Vec<Vec<(usize, f64)>> {
+    let (pair, secondary) = (corners.pair, contact.pair.kernel.secondary());
+    let (patches, stride) = (pair.kernel.patches(), pair.kernel.rows_per_node());
+    let mut nodes = vec![Vec::new(); corners.active.len()];
+    let belongs = |row: usize| corner_node(contact, corners, row / stride).is_some();
+    for row in pair.live_rows(corners.evaluation) {
+        let local = row.row - pair.rows.start;
+        if belongs(local) {
+            continue;
+        }
+        let gradients = corners.evaluation.gradient_end[row.gradient.clone()].chunks_exact(patches.dimension());
+        let sizes = row.nodes.iter().zip(gradients).filter_map(|(&node, gradient)| Some((secondary.index(node)?, norm(gradient))));
+        nodes[local].extend(sizes.filter(|(_, size)| *size > 0.0));
+    }
+    for p in 0..patches.len() {
+        for &row in patches.rows(p) {
+            if nodes[row as usize].is_empty() && !belongs(row as usize) {
+                nodes[row as usize].extend(patches.nodes(p).iter().filter_map(|&node| Some((secondary.index(node)?, 1.0))));
+            }
+        }
+    }
+    for of_row in &mut nodes {
+        let sum: f64 = of_row.iter().map(|(_, share)| share).sum();
+        of_row.iter_mut().for_each(|(_, share)| *share /= sum);
+    }
+    nodes
+}
+
+fn norm(vector: &[f64]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Nodes that bear a part of a row's force.
+fn pressed_nodes(nodes: &[(usize, f64)]) -> impl Iterator<Item = usize> {
+    nodes.iter().filter(|(_, share)| *share > tolerances::ZERO_ROW).map(|(node, _)| *node)
+}
+
+/// What the secondary nodes have done so far: of a node with several rows the longest slips, and the heat of all.
+pub fn slipped(contact: Loaded, corners: &[Loaded]) -> Vec<SlipMemory> {
+    let mut nodes = vec![SlipMemory::default(); contact.pair.kernel.secondary().nodes().len()];
+    if let Some(tangential) = contact.tangential {
+        nodes.iter_mut().zip(tangential.memories()).for_each(|(node, own)| *node = own);
+    }
+    let lengthen = |node: &mut SlipMemory, more: &SlipMemory| {
+        if more.slip.abs() > node.slip.abs() {
+            node.slip = more.slip;
+        }
+        node.path = node.path.max(more.path);
+    };
+    for corners in corners.iter().filter(|corners| corners.tangential.is_some()) {
+        let between = rows_between(contact, corners);
+        for (row, more) in corners.tangential.iter().flat_map(Tangential::memories).enumerate() {
+            if let Some(node) = corner_node(contact, corners, row / corners.pair.kernel.rows_per_node()) {
+                lengthen(&mut nodes[node], &more);
+                nodes[node].heat += more.heat;
+                continue;
+            }
+            pressed_nodes(&between[row]).for_each(|node| lengthen(&mut nodes[node], &more));
+            between[row].iter().for_each(|(node, share)| nodes[*node].heat += share * more.heat);
+        }
+    }
+    nodes
+}
