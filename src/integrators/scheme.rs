@@ -294,6 +294,11 @@ impl Scheme {
         self.lag.is_long() || self.stages().iter().any(|(_, stage)| stage.lag.is_long())
     }
 
+    /// Whether velocities at the end of a step may be changed by an impact: nothing that is remembered contradicts them.
+    pub fn solves_impacts(&self) -> bool {
+        self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
+    }
+
     /// What is remembered of forces that have been the same for long, over the force.
     pub fn left(&self) -> f64 {
         self.lag.force + self.lag.inertia

@@ -508,6 +508,16 @@ pub const LOOSE_JOINT: f64 = 1e-6;
 /// sweeps end: what is left is seen by the next step.
 pub const PUSHED: f64 = 1e-12;
 
+/// Change of a rate in a sweep over the contacts of an impact, relative to the largest change by one impulse, below which the sweeps end:
+/// energy is promised to 1e-11.
+pub const IMPULSE: f64 = 1e-15;
+
+/// Slip of an impact that counts as none, relative to the largest rate; friction beyond its cone by as much of it.
+pub const SLIP_ROUND_OFF: f64 = 1e-12;
+
+/// Energy that an impact may seem to give, relative to what its compression takes: round-off.
+pub const IMPACT_ENERGY: f64 = 1e-12;
+
 /// How far `omega^2` of the fastest vibration may be missed, relative to it: half of that is the error of the stable step.
 pub const FASTEST: f64 = 0.005;
 

@@ -37,6 +37,7 @@ impl ModelError {
             ModelError::MixedSymmetry { .. } => "C0127",
             ModelError::BreaksSymmetry { .. } => "C0128",
             ModelError::InvertedCell { .. } => "C0129",
+            ModelError::NoRestitution { .. } => "C0136",
         }
     }
 }

@@ -127,6 +127,37 @@ pub struct Model {
 }
 
 impl Model {
+    /// Whether there are contacts between rigid sides.
+    pub fn has_rigid_contacts(&self) -> bool {
+        self.interactions.iter().any(|interaction| self.is_rigid_contact(interaction))
+    }
+
+    /// Restitution is that of impacts between rigid sides which multipliers hold.
+    fn check_restitution(&self, interaction: &Interaction) -> Result<(), ModelError> {
+        let Some(restitution) = interaction.restitution else { return Ok(()) };
+        let refused = |reason: String, remedy: &'static str| Err(ModelError::NoRestitution { contact: interaction.name.clone(), reason, remedy });
+        if !(0.0..=1.0).contains(&restitution) {
+            return refused(format!("its coefficient is {restitution}"), "give a coefficient of 0 to 1");
+        }
+        let sides = std::iter::once(&interaction.secondary).chain(interaction.primary());
+        if let Some(soft) = sides.filter_map(|side| self.bodies.get(side.body)).find(|body| body.rigid.is_none()) {
+            return refused(
+                format!("body \"{}\" deforms, and rebounds by its own elasticity", soft.name),
+                "leave it out, or make the body rigid; what an elastic body loses in an impact is the work of a viscous material",
+            );
+        }
+        if interaction.equality || matches!(interaction.enforcement, Enforcement::Penalty { .. }) {
+            return refused("its impacts are not solved by multipliers that press".into(), "hold the contact by multipliers");
+        }
+        Ok(())
+    }
+
+    /// Whether both sides of an interaction are rigid: rigid bodies, or one and an obstacle.
+    pub fn is_rigid_contact(&self, interaction: &Interaction) -> bool {
+        let is_rigid = |on: &BodyBoundary| self.bodies.get(on.body).is_some_and(|body| body.rigid.is_some());
+        !interaction.is_tie() && is_rigid(&interaction.secondary) && interaction.primary().iter().all(is_rigid)
+    }
+
     /// What contacts of bodies in space do not have.
     fn check_in_space(&self, interaction: &Interaction) -> Result<(), ModelError> {
         let kind = self.bodies.get(interaction.secondary.body).map(|body| body.mesh.kind);
@@ -363,6 +394,7 @@ impl Model {
                 return Err(ModelError::SelfContact { contact: name.clone(), boundary: self.boundary_name(secondary) });
             }
         }
+        self.interactions.iter().try_for_each(|interaction| self.check_restitution(interaction))?;
         self.check_joints()?;
         self.check_couplings()?;
         self.check_repeated()

@@ -246,6 +246,16 @@ pub enum ModelError {
         /// What does.
         what: String,
     },
+    /// A coefficient of restitution of a contact that does not solve impacts as those of rigid bodies.
+    #[error("contact \"{contact}\" has no restitution: {reason}")]
+    NoRestitution {
+        /// Name of the contact.
+        contact: String,
+        /// Why.
+        reason: String,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// A cell that is inside out or degenerate.
     #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
     InvertedCell {
@@ -325,6 +335,7 @@ impl ModelError {
             ModelError::BreaksSymmetry { .. } => {
                 "keep to motions along the axis, the second direction, and to loads that are even around it".into()
             }
+            ModelError::NoRestitution { remedy, .. } => (*remedy).into(),
             ModelError::InvertedCell { .. } => {
                 "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into()
             }

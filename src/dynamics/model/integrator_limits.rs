@@ -10,6 +10,14 @@ use crate::integrators::Scheme;
 /// # Errors
 /// The first such thing of the model.
 pub fn check_integrator(model: &Model, integrator: &Scheme, chooses_size: bool) -> Result<(), ModelError> {
+    if let Some(interaction) = model.interactions.iter().find(|one| one.restitution.is_some() && !integrator.solves_impacts()) {
+        return Err(ModelError::NotTaken {
+            steps: if integrator.is_static() { "steps without inertia" } else { "steps of this integrator" },
+            what: format!("the restitution of contact \"{}\"", interaction.name),
+            reason: "velocities do not jump between its steps",
+            instead: "take `energy_momentum`, `energy_decaying`, `midpoint` or `backward_euler`",
+        });
+    }
     if integrator.lumping().is_some() {
         return check_explicit(model, chooses_size);
     }

@@ -89,6 +89,9 @@ pub struct Interaction {
     pub equality: bool,
     /// Friction; `None`: surfaces slide freely.
     pub friction: Option<Friction>,
+    /// Coefficient of restitution of impacts between rigid sides, 0 to 1; `None`: that of the update rule
+    /// ([`UpdateRule::restitution`]).
+    pub restitution: Option<f64>,
 }
 
 /// What the secondary side of an interaction meets.
@@ -120,8 +123,8 @@ pub enum Partner {
 impl Interaction {
     /// An interaction by mortar contact with multipliers and the rule of the time integrator; change the fields for anything else.
     pub fn new(name: &str, secondary: BodyBoundary, partner: Partner) -> Self {
-        let (enforcement, equality) = (Enforcement::Multiplier, false);
-        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: None, enforcement, equality, friction: None }
+        let (enforcement, equality, friction, restitution) = (Enforcement::Multiplier, false, None, None);
+        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: None, enforcement, equality, friction, restitution }
     }
 
     /// Contact with another boundary.

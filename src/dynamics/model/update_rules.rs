@@ -18,6 +18,13 @@ pub struct UpdateRule {
     pub keeps_energy: bool,
 }
 
+impl UpdateRule {
+    /// Coefficient of restitution of impacts between rigid bodies whose contact names none.
+    pub fn restitution(&self) -> f64 {
+        if self.keeps_energy { 1.0 } else { 0.0 }
+    }
+}
+
 /// Which nodes a step holds, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holds {

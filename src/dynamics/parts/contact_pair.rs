@@ -93,6 +93,8 @@ pub struct ContactPair {
     pub law: &'static dyn RowLaw,
     /// Its condition over a step.
     pub update: &'static UpdateRule,
+    /// Coefficient of restitution where impacts are solved as those of rigid bodies; `None`: a side deforms, or a potential holds it.
+    pub restitution: Option<f64>,
     /// Augmentation of its multipliers over the stiffness of a node, if they have a proximal term.
     pub augmentation: Option<f64>,
     /// Whether its bodies are bodies of revolution, and multipliers pressures times circumferences.
@@ -189,6 +191,7 @@ impl ContactPair {
             geared: None,
             obstacle_velocity: [0.0; 3],
             update: &GAP,
+            restitution: None,
             augmentation: None,
             is_axisymmetric: false,
             rows: 0..kernel.rows(),

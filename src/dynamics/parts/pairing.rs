@@ -166,8 +166,15 @@ impl Pairing<'_> {
             // A rigid side has fewer motions than nodes: their rows depend on one another.
             pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
         }
+        pair.restitution = self.restitution(interaction, &pair);
         pair.add_friction(interaction);
         pair
+    }
+
+    /// Coefficient of restitution of a contact between rigid sides; `None` where a side deforms, or the contact is no inequality.
+    fn restitution(&self, interaction: &Interaction, pair: &ContactPair) -> Option<f64> {
+        let is_rigid = pair.is_unilateral() && self.model.is_rigid_contact(interaction);
+        is_rigid.then(|| interaction.restitution.unwrap_or(pair.update.restitution()))
     }
 
     /// The pairs of the corners that the weighted gaps of other pairs do not see.
@@ -182,6 +189,7 @@ impl Pairing<'_> {
             let mut pair = self.pair(&owner.name, kind, body, kernel);
             (pair.corners, pair.augmentation) = (Some(belongs), Some(factor));
             (pair.update, pair.motion, pair.turn) = (owner.update, owner.motion.clone(), owner.turn.clone());
+            pair.restitution = owner.restitution;
             pair.add_friction(&self.model.interactions[of]);
             corners.push(pair);
         };

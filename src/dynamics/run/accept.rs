@@ -11,6 +11,7 @@ use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, ForceShares, PairKind, RowBlock};
+use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
@@ -88,13 +89,16 @@ where
         system.lead(&mut v_1);
         let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
+        // What has pressed in an impact has touched.
+        let mut touched = active.clone();
+        jump.iter().flat_map(|jump| &jump.closed).for_each(|&row| touched[row] = RowState::Closed);
         let mut row = LedgerRow {
             step: old.step + 1,
             dt,
             kinetic: half_product(&v_1, &momenta),
             strain: system.strain_energy(&at.u_1),
             reserve: reserve.iter().sum(),
-            active: system.touching(&active),
+            active: system.touching(&touched),
             momentum: system.nodes.resultant(&momenta),
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             ..LedgerRow::default()
@@ -103,6 +107,8 @@ where
             if system.others.is_empty() { (self.state.memory.clone(), Vec::new()) } else { system.memory_after(start, &at) };
         row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
         [row.dissipation, row.damping, row.numerical] = heat(&dissipated, &row.parts, self.taken(start, &at, jump.as_ref()));
+        row.impact = jump.as_ref().map_or(0.0, |jump| jump.impact);
+        row.dissipation += row.impact;
         row.potential = self.potential(&at, &penalty_gap, &memory) + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, &lambda, conditions, jump.as_ref(), row.reserve);
@@ -112,7 +118,7 @@ where
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&lambda, &active));
         jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.pressing..]));
-        let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &active, slipped: &slipped };
+        let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &touched, slipped: &slipped };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
@@ -318,7 +324,7 @@ where
             0.0
         };
         let kept = reserve - old.reserve;
-        found + closed + jump.map_or(0.0, |jump| jump.energy) + kept
+        found + closed + jump.map_or(0.0, |jump| jump.energy + jump.impact) + kept
     }
 
     /// Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.

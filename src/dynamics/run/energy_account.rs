@@ -25,6 +25,8 @@ pub struct EnergyAccount {
     pub damping: f64,
     /// What the time integrator took from vibrations on purpose, negative.
     pub numerical: f64,
+    /// What impacts of rigid bodies lost to restitution, negative.
+    pub impacts: f64,
     /// What the time integrator added: the sum of the energy defects.
     pub integrator: f64,
     /// What came otherwise: by `settle`, or by going back to another state.
@@ -40,12 +42,13 @@ impl EnergyAccount {
         let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
         let friction = sum(|row| row.friction_work);
         let (loads, contact) = (sum(|row| row.load_work), sum(|row| row.contact_work));
-        let (damping, numerical) = (-sum(|row| row.damping), -sum(|row| row.numerical));
-        let (viscosity, integrator) = (-sum(|row| row.dissipation - row.damping - row.numerical), sum(|row| row.energy_defect));
+        let (damping, numerical, impacts) = (-sum(|row| row.damping), -sum(|row| row.numerical), -sum(|row| row.impact));
+        let viscosity = -sum(|row| row.dissipation - row.damping - row.numerical - row.impact);
+        let integrator = sum(|row| row.energy_defect);
         let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max);
-        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - damping - numerical - integrator;
+        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - damping - numerical - impacts - integrator;
         let (start, end) = (first.total(), last.total());
-        EnergyAccount { start, end, loads, contact, friction, viscosity, damping, numerical, integrator, otherwise, scale }
+        EnergyAccount { start, end, loads, contact, friction, viscosity, damping, numerical, impacts, integrator, otherwise, scale }
     }
 
     /// What changed the energy beyond round-off, each with its amount.
@@ -57,6 +60,7 @@ impl EnergyAccount {
             ("viscosity", self.viscosity),
             ("dampers", self.damping),
             ("numerical damping", self.numerical),
+            ("impacts", self.impacts),
             ("the integrator", self.integrator),
             ("settling", self.otherwise),
         ];

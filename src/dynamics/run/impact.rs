@@ -108,6 +108,9 @@ where
         for pair in &self.system.pairs {
             if !pair.has_multipliers() {
                 rows.hold[pair.rows.clone()].fill(false);
+            } else if pair.restitution.is_some() {
+                // Their impacts have an end of their own (`rigid_impacts.rs`), and their rows may depend on one another.
+                rows.hold[pair.rows.clone()].fill(false);
             } else if pair.update.gives_back && pair.is_unilateral() {
                 for row in pair.rows.clone() {
                     rows.ours[row] = true;

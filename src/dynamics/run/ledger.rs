@@ -31,13 +31,15 @@ pub struct LedgerRow {
     pub contact_work: f64,
     /// Work of friction in this step `[energy]`, never positive: what it turns into heat.
     pub friction_work: f64,
-    /// What viscous materials, dampers and drag turned into heat in this step, and what a time integrator that dissipates took from
-    /// vibrations `[energy]`, never negative.
+    /// What viscous materials, dampers and drag turned into heat in this step, what a time integrator that dissipates took from
+    /// vibrations, and what impacts of rigid bodies lost to restitution `[energy]`, never negative.
     pub dissipation: f64,
     /// The part of it that is of dampers and drag `[energy]`.
     pub damping: f64,
     /// The part of it that the time integrator took `[energy]`.
     pub numerical: f64,
+    /// The part of it that impacts of rigid bodies lost to restitution `[energy]`, never negative.
+    pub impact: f64,
     /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
     /// conserves.
     pub energy_defect: f64,
@@ -254,6 +256,7 @@ impl LedgerRow {
         }
         let sums = |row: &LedgerRow| [row.load_work, row.contact_work, row.friction_work, row.dissipation, row.damping, row.energy_defect];
         self.numerical += before.numerical;
+        self.impact += before.impact;
         let [load, contact, friction, dissipation, damping, defect] = sums(before);
         self.load_work += load;
         self.contact_work += contact;

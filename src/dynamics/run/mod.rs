@@ -34,6 +34,7 @@ pub mod quantities;
 pub mod remembering;
 pub mod report;
 pub mod reserve;
+pub mod rigid_impacts;
 pub mod run_findings;
 pub mod settle;
 pub mod simulation;

@@ -137,6 +137,7 @@ where
             return Err(failure);
         }
         let jump = self.velocity_jump(&motion, &solution, &conditions)?;
+        let jump = self.rigid_impacts(&motion, &solution, &conditions, jump)?;
         let jump = self.filter(&motion, &solution, jump)?;
         self.accept(&start, &motion, solution, &conditions, jump).map_err(Failure::Fatal)
     }

@@ -28,6 +28,10 @@ pub struct VelocityCorrection {
     pub reserve: Vec<f64>,
     /// What the time integrator has taken from it `[energy]`.
     pub dissipated: f64,
+    /// What impacts of rigid bodies have lost to restitution `[energy]`, never negative.
+    pub impact: f64,
+    /// Rows of rigid contacts that pressed in impacts.
+    pub closed: Vec<usize>,
 }
 
 impl VelocityCorrection {
@@ -43,6 +47,8 @@ impl VelocityCorrection {
             friction: none,
             reserve,
             dissipated: 0.0,
+            impact: 0.0,
+            closed: Vec::new(),
         }
     }
 }

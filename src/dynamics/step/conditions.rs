@@ -168,6 +168,10 @@ impl<const D: usize> Equations<D> {
         }
         self.copy_to_slips(&mut members);
         let stiffness = self.row_stiffness(start);
+        for pair in self.pairs.iter().filter(|pair| pair.restitution.is_some()) {
+            // Friction of a closing between rigid sides is that of its impact.
+            pair.tangential().for_each(|(row, pressing)| members[row] &= gap_n[pressing] <= held[pressing] + pair.closed);
+        }
         Conditions {
             gap_n,
             targets,

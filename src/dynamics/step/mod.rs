@@ -16,6 +16,8 @@ pub mod explicit;
 pub mod failure;
 pub mod foresight;
 pub mod frozen;
+pub mod impact_law;
+pub mod impact_rows;
 pub mod impulse_response;
 pub mod iterate;
 pub mod large_motion;

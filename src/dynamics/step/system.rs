@@ -96,6 +96,9 @@ where
         let mut points = point_pairs(model, &bodies, &reference);
         points.extend(coupling_pairs(model, &bodies, &reference));
         let mut pairs = contact_pairs(model, first, &middles, &reference, default_rule(integrator), points);
+        if !integrator.solves_impacts() {
+            pairs.iter_mut().for_each(|pair| pair.restitution = None);
+        }
         let pressing = pairs.last().map_or(0, |pair| pair.rows.end);
         let multipliers =
             pairs.iter().filter_map(|pair| pair.friction.as_ref()).map(|friction| friction.rows.end).fold(pressing, usize::max);

@@ -54,6 +54,7 @@ fn add_contact() -> Function {
                     penalty,
                     augmented,
                     friction_parameter(),
+                    restitution_parameter(),
                     Parameter::new(
                         "equality",
                         Kind::Flag,
@@ -83,8 +84,8 @@ fn add_contact() -> Function {
                 let failure = failure.cause("an obstacle has no facets to integrate over: the gap of a node is its distance");
                 return Err(failure.hint("leave the option out").into());
             }
-            let friction = friction_of(&options)?;
-            add(call, &model, Interaction { name, secondary, partner, method, update, enforcement, equality, friction })?;
+            let (friction, restitution) = (friction_of(&options)?, options.optional_number("restitution")?);
+            add(call, &model, Interaction { name, secondary, partner, method, update, enforcement, equality, friction, restitution })?;
             Ok(Dynamic::UNIT)
         }),
     }
@@ -162,6 +163,13 @@ fn tie() -> Function {
             Ok(Dynamic::UNIT)
         }),
     }
+}
+
+/// Restitution of the impacts of rigid bodies.
+fn restitution_parameter() -> Parameter {
+    Parameter::number("restitution", "1", Interval::Closed(0.0, 1.0), "share of the impulse of an impact between rigid sides that parts them again").or(
+        Absent::Means("1 with the update rules that keep the energy, `persistency` and `velocity`; 0 with `gap`"),
+    )
 }
 
 fn name_parameter() -> Parameter {

@@ -83,7 +83,7 @@ fn describe_coupling(model: &Model, Coupling { name, kind }: &Coupling) -> Strin
 fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
     let named = |on: &BodyBoundary| format!("\"{}\"", model.boundary_name(on));
     model.interactions.iter().map(move |interaction| {
-        let Interaction { name, secondary, partner, equality, friction, .. } = interaction;
+        let Interaction { name, secondary, partner, equality, friction, restitution, .. } = interaction;
         let secondary = named(secondary);
         let line = match partner {
             Partner::Surfaces(primary) => {
@@ -97,7 +97,9 @@ fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
             }
             Partner::Tied { to, .. } => format!("  tie \"{name}\": secondary {secondary}, primary {}", named(to)),
         };
-        if friction.is_some() { format!("{line}, with friction") } else { line }
+        let friction = if friction.is_some() { ", with friction" } else { "" };
+        let restitution = restitution.map_or_else(String::new, |restitution| format!(", restitution {}", number_text(restitution)));
+        format!("{line}{friction}{restitution}")
     })
 }
 

@@ -1,5 +1,5 @@
 //! The columns of a simulation's history behind those of the ledger: totals of contact pairs, reactions of supports, readings of springs
-//! and other parts, what joints exert, values of probes.
+//! and other parts, what joints exert, impacts of rigid bodies, values of probes.
 
 use crate::dynamics::{ContactTotals, JointTotals, LedgerRow, Model, PartTotals, ProbeValues, Reaction};
 
@@ -14,8 +14,11 @@ pub struct Probe {
     pub node: usize,
 }
 
+/// Column of models with contacts between rigid sides: energy that impacts lost to restitution in a step.
+const IMPACT_LOSS: &str = "impact_loss";
+
 /// Names of the history's columns of all contact pairs, then of the boundaries that supports hold, of parts such as springs, of
-/// joints.
+/// joints, and of impacts of rigid bodies.
 pub fn model_columns(model: &Model) -> Vec<String> {
     let contacts = ContactTotals::columns(model.dimension());
     let mut names: Vec<String> =
@@ -26,6 +29,7 @@ pub fn model_columns(model: &Model) -> Vec<String> {
     for joint in &model.joints {
         names.extend(JointTotals::columns(joint, model.dimension()).iter().map(|column| format!("{}.{column}", joint.name)));
     }
+    names.extend(model.has_rigid_contacts().then(|| IMPACT_LOSS.to_string()));
     names
 }
 
@@ -48,6 +52,7 @@ pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     let (joints, known) = (&model.joints, values.len());
     values.extend(joints.iter().zip(&row.joints).flat_map(|(joint, totals)| totals.values(joint, dimension)));
     values.resize(known + joints.iter().map(|joint| JointTotals::columns(joint, dimension).len()).sum::<usize>(), f64::NAN);
+    values.extend(model.has_rigid_contacts().then_some(row.impact));
     values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
     values
 }

@@ -1,0 +1,250 @@
+//! Impacts between rigid bodies, and with rigid obstacles, at the end of a step (`step/impact_law.rs`): the outcome does not depend on
+//! where in the step the bodies touch.
+//!
+//! A step of `persistency` ends with the velocities before the impact. A step of `gap` or `velocity` has closed gaps by multipliers, whose
+//! impulses depend on the moment of the touch: they are taken out first, and contacts that were closed before get back what keeps them
+//! closed. What restitution gives back is measured by the energy that has disappeared till the end of compression, work of the closing
+//! in the step included: with a coefficient of 1 and without friction the energy is exact, whatever else acts in the step.
+
+use super::engine::Engine;
+use super::velocity_correction::VelocityCorrection;
+use crate::bodies::{Elements, Space};
+use crate::contact::{Evaluation, Sliding};
+use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::step::conditions::Conditions;
+use crate::dynamics::step::failure::Failure;
+use crate::dynamics::step::impact_law::{Course, ImpactContact, ImpactLaw};
+use crate::dynamics::step::impact_rows::Responses;
+use crate::dynamics::step::newton::Solution;
+use crate::dynamics::step::start::Motion;
+use crate::linear::LinearError;
+use crate::math::tolerances;
+
+/// Attempts to meet the energy that restitution gives back.
+const ATTEMPTS: usize = 20;
+
+/// A row that presses of a contact between rigid sides which are closed at the end of the step.
+struct Touch {
+    /// Index of its pair.
+    pair: usize,
+    /// The row among all rows.
+    row: usize,
+    /// Whether it was closed at the start of the step, and did not open.
+    was_closed: bool,
+}
+
+/// Impulses of the rows in the impacts of a step, and what these took.
+struct Outcome {
+    /// Impulses beyond those of the step, in the order of the rows.
+    impulses: Vec<f64>,
+    /// Energy that was lost to restitution.
+    lost: f64,
+    /// Work of friction contact by contact, that of the step in the same contacts taken away.
+    friction: Vec<f64>,
+    /// Work of all impulses, as seen from obstacles.
+    work: f64,
+}
+
+impl<const D: usize> Engine<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Adds the impacts of rigid bodies to the velocity jump of a converged step; the jump itself where there is none.
+    ///
+    /// # Errors
+    /// The run was interrupted.
+    pub fn rigid_impacts(
+        &mut self,
+        motion: &Motion,
+        solution: &Solution,
+        conditions: &Conditions,
+        jump: Option<VelocityCorrection>,
+    ) -> Result<Option<VelocityCorrection>, Failure> {
+        if self.system.pairs.iter().all(|pair| pair.restitution.is_none()) {
+            return Ok(jump);
+        }
+        let mut v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
+        jump.iter().for_each(|jump| v.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w));
+        let slips = self.system.slips_at_rest(&solution.at.q_1, &solution.at.pairs);
+        let evaluated = [&solution.at.pairs[..], &slips[..]];
+        let rates = self.system.rates(evaluated, &v);
+        let Some(touches) = self.touches(motion, solution, conditions, &rates) else { return Ok(jump) };
+        let contacts = self.impact_contacts(motion, solution, &touches, &rates);
+        let rows: Vec<usize> = touches.iter().flat_map(|touch| self.rows_of(touch)).collect();
+        let (responses, [response, powers]) = match self.solved(solution, evaluated, &rows, &rates) {
+            Ok(solved) => solved,
+            Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
+                return Err(failure.or_end(self.state.row.time));
+            }
+            Err(_) => return Ok(jump),
+        };
+        let law = ImpactLaw { contacts, response };
+        let before: Vec<f64> = rows.iter().zip(&powers).map(|(&row, power)| rates[row] + power).collect();
+        let outcome = self.outcome(motion, solution, conditions, &law, &touches, &rows, before);
+        let mut push = match self.system.response_to(&solution.at, evaluated, &responses, &rows, &outcome.impulses, &rates) {
+            Ok(push) => push,
+            Err(failure) => return Err(failure.or_end(self.state.row.time)),
+        };
+        let moving = self.system.supports.prescribed.iter().zip(motion.prescribed_v_1);
+        push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
+        if !self.system.is_balanced(&push, &solution.at.q_1, 0.0) {
+            return Ok(jump);
+        }
+        let mut jump = jump.unwrap_or_else(|| VelocityCorrection::none(v.len(), self.state.reserve.clone()));
+        let add = |sum: &mut [f64], s: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += s * part);
+        add(&mut jump.velocity, 1.0, &push.velocity);
+        add(&mut jump.impulse, 1.0, &push.impulse);
+        add(&mut jump.lambda, 1.0 / motion.dt, &push.lambda);
+        jump.work += push.work;
+        jump.impact += outcome.lost;
+        jump.closed.extend(touches.iter().map(|touch| touch.row).filter(|&row| jump.lambda[row] > 0.0));
+        jump.energy += outcome.work - outcome.friction.iter().sum::<f64>();
+        for (contact, work) in law.contacts.iter().zip(&outcome.friction).filter(|(contact, _)| contact.tangents > 0) {
+            jump.friction[rows[contact.first + 1]] += work;
+        }
+        Ok(Some(jump))
+    }
+
+    /// Rows of rigid contacts that are closed at the end of the step; `None` where no impact is among them.
+    fn touches(&self, motion: &Motion, solution: &Solution, conditions: &Conditions, rates: &[f64]) -> Option<Vec<Touch>> {
+        let (mut touches, mut is_impact, held) = (Vec::new(), false, self.system.closed_gaps());
+        let mut before = None;
+        for (index, pair) in self.system.pairs.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
+            let at = &solution.at.pairs[index];
+            for (local, row) in pair.rows.clone().enumerate() {
+                let closed = held[row] + pair.closed;
+                let acts = solution.active[row].is_closed() && solution.at.lambda[row] > 0.0;
+                if at.coverage[local] <= tolerances::SLIVER || !(acts || at.gap[local] <= closed) {
+                    continue;
+                }
+                // Speeds below that are what the tolerance of the gap leaves.
+                let slow = 2.0 * pair.closed / motion.dt;
+                let mut was_closed = conditions.gap_n[row] <= closed;
+                let approaches = rates[row] < -slow;
+                if was_closed && acts && approaches {
+                    let evaluated = [&solution.at.pairs[..], &solution.at.slips[..]];
+                    let before = before.get_or_insert_with(|| self.system.rates(evaluated, motion.v_0));
+                    was_closed = before[row] <= slow;
+                }
+                is_impact |= approaches || (acts && !was_closed);
+                touches.push(Touch { pair: index, row, was_closed });
+            }
+        }
+        is_impact.then_some(touches)
+    }
+
+    /// The row that presses and its tangential rows.
+    fn rows_of(&self, touch: &Touch) -> Vec<usize> {
+        let pair = &self.system.pairs[touch.pair];
+        let slips = self.slips_of(pair, touch.row);
+        std::iter::once(touch.row).chain(slips).collect()
+    }
+
+    fn slips_of(&self, pair: &ContactPair, row: usize) -> std::ops::Range<usize> {
+        let friction = pair.friction.as_ref().filter(|_| pair.turn.is_none());
+        friction.map_or(0..0, |friction| friction.group(row - pair.rows.start))
+    }
+
+    /// Contacts of an impact, with the friction that they have at their speed.
+    fn impact_contacts(&self, motion: &Motion, solution: &Solution, touches: &[Touch], rates: &[f64]) -> Vec<ImpactContact> {
+        let mut first = 0;
+        let made = touches.iter().map(|touch| {
+            let pair = &self.system.pairs[touch.pair];
+            let (local, slips) = (touch.row - pair.rows.start, self.slips_of(pair, touch.row));
+            let (weight, tangents) = (pair.kernel.weights()[local], slips.len());
+            let mut contact = ImpactContact { first, tangents, friction: 0.0, restitution: pair.restitution.unwrap_or(0.0), weight };
+            first += 1 + tangents;
+            if let Some(friction) = pair.friction.as_ref().filter(|_| tangents > 0) {
+                let around = pair.node_of(touch.row).map_or(1.0, |node| pair.circumference(node, &solution.at.q_1));
+                let covered = (weight * solution.at.pairs[touch.pair].coverage[local]).max(f64::MIN_POSITIVE);
+                let slip = slips.map(|row| rates[row].powi(2)).sum::<f64>().sqrt() / covered;
+                // Pressure of an impact that lasts a step.
+                let pressure = rates[touch.row].abs().max(f64::MIN_POSITIVE) * self.system.nodes.largest_nodal_mass
+                    / (motion.dt * covered.powi(2) * around);
+                let at = Sliding { coefficient: friction.coefficients[local], pressure, speed: slip };
+                contact.friction = friction.law.limit(at).shear / pressure;
+            }
+            contact
+        });
+        made.collect()
+    }
+
+    /// Factorized masses, the response of the rows, and the power of what holds at these rates.
+    fn solved(
+        &mut self,
+        solution: &Solution,
+        evaluated: [&[Evaluation]; 2],
+        rows: &[usize],
+        rates: &[f64],
+    ) -> Result<(Responses, [Vec<f64>; 2]), Failure> {
+        let mut hold = vec![false; self.system.multipliers];
+        for pair in self.system.pairs.iter().filter(|pair| pair.law.is_bilateral()) {
+            pair.rows.clone().for_each(|row| hold[row] = !self.system.redundant[row]);
+        }
+        let responses = self.system.responses(&solution.at, evaluated, &hold, rows)?;
+        let mut held: Vec<f64> = rates.iter().zip(&hold).map(|(rate, hold)| if *hold { *rate } else { 0.0 }).collect();
+        // What is driven goes as it is driven.
+        self.system.pairs.iter().filter(|pair| pair.drive.is_some()).for_each(|pair| held[pair.rows.clone()].fill(0.0));
+        let response = self.system.response_matrix(&responses, &held)?;
+        Ok((responses, response))
+    }
+
+    /// Solves the impacts of a step that ends with the rates `ending`.
+    #[allow(clippy::too_many_arguments)]
+    fn outcome(
+        &self,
+        motion: &Motion,
+        solution: &Solution,
+        conditions: &Conditions,
+        law: &ImpactLaw,
+        touches: &[Touch],
+        rows: &[usize],
+        ending: Vec<f64>,
+    ) -> Outcome {
+        let weight = motion.scheme.weight;
+        // What multipliers have done in the step, where they have closed something.
+        let multipliers = solution.multipliers();
+        let is_closing = touches.iter().any(|touch| !touch.was_closed && multipliers[touch.row] > 0.0);
+        let taken: Vec<f64> = rows.iter().map(|&row| if is_closing { -weight * motion.dt * multipliers[row] } else { 0.0 }).collect();
+        let (mut closing, mut slipped) = (0.0, vec![0.0; touches.len()]);
+        for (touch, slipped) in touches.iter().zip(&mut slipped).filter(|_| is_closing) {
+            let pair = &self.system.pairs[touch.pair];
+            closing += weight * multipliers[touch.row] * (conditions.targets[touch.row] - conditions.gap_n[touch.row]);
+            if let Some(friction) = &pair.friction {
+                let of = |row: usize| weight * multipliers[row] * solution.at.slips[touch.pair].gap[row - friction.rows.start];
+                *slipped = self.slips_of(pair, touch.row).map(of).sum();
+            }
+        }
+        let mut rates = ending.clone();
+        law.answer(&taken, &mut rates);
+        let mut course = law.before(rates);
+        if is_closing {
+            law.compress(&mut course, |contact| touches[contact].was_closed);
+        }
+        let kept = std::mem::replace(&mut course.impulses, vec![0.0; rows.len()]);
+        course.pressing = 0.0;
+        law.compress(&mut course, |_| true);
+        let compressed = course;
+        let total = |course: &Course| -> Vec<f64> { (0..rows.len()).map(|i| taken[i] + kept[i] + course.impulses[i]).collect() };
+        let work = |course: &Course| -> f64 {
+            total(course).iter().zip(ending.iter().zip(&course.rates)).map(|(p, (before, after))| 0.5 * p * (before + after)).sum()
+        };
+        // Friction of the step in these contacts is replaced by that of the impact.
+        let lost =
+            |course: &Course| -> f64 { course.friction.iter().sum::<f64>() - slipped.iter().sum::<f64>() - closing - work(course) };
+        let (available, nominal) = (lost(&compressed), -compressed.pressing);
+        let mut share = if nominal > 0.0 { (available.max(0.0) / nominal).sqrt() } else { 0.0 };
+        let mut course = compressed.clone();
+        for _ in 0..ATTEMPTS {
+            course = compressed.clone();
+            law.restore(&mut course, share);
+            let (given, after) = (course.pressing - compressed.pressing, lost(&course));
+            if after >= -tolerances::IMPACT_ENERGY * nominal || given <= 0.0 {
+                break;
+            }
+            share *= (available.max(0.0) / given).sqrt();
+        }
+        let friction = course.friction.iter().zip(&slipped).map(|(work, slipped)| work - slipped).collect();
+        Outcome { impulses: total(&course), lost: lost(&course).max(0.0), friction, work: work(&course) }
+    }
+}

@@ -1,0 +1,313 @@
+//! Impact of rigid bodies: Poisson's restitution with Coulomb friction along the whole impact (Routh, *Dynamics of a System of Rigid
+//! Bodies*, 1905; Glocker and Pfeiffer, *Multiple impacts with friction in rigid multibody systems*, Nonlinear Dynamics 7, 1995).
+//!
+//! With the impulses `p` of all rows in contact and their rates `u = u_0 + W p`, `W = G M^-1 G^T`, positions do not change. An impact has two
+//! phases,
+//!
+//! ```text
+//! compression    u_n >= (1 - s) min(u_n0, 0),  dp_n >= 0, complementary,            s from 0 to 1
+//! restitution    u_n >= 0,  dp_n >= e p_c ds,  complementary,  p_c of compression,    s from 0 to 1
+//! friction       |dp_t| <= mu dp_n, against the slip u_t, in every part of a phase
+//! ```
+//!
+//! so that a slip may stop, stick and turn back within an impact. Parts are halved until no slip changes its direction in one, but for the
+//! shortest: in the plane the slip between two such changes is then exact. A part is solved by blocks of one contact each (Gauss and
+//! Seidel), which also finds a solution where contacts depend on one another.
+
+use crate::math::tolerances;
+
+/// Shortest part of a phase: impulses where a slip stops are off by as much of the whole.
+const SHORTEST: f64 = 1.0 / 16384.0;
+
+/// Angle by which the direction of a slip may turn within a part of a phase.
+const TURN: f64 = 0.01;
+
+/// Sweeps of a part: at most so many, and at most so many products in all of them, but for the fewest.
+const SWEEPS: [usize; 2] = [100, 20_000];
+const PRODUCTS: usize = 100_000_000;
+
+/// Steps of the direction of a slip in space at most.
+const DIRECTIONS: usize = 50;
+
+/// One row that presses with its tangential rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ImpactContact {
+    /// Index of the row that presses; its tangential rows follow.
+    pub first: usize,
+    /// Number of tangential rows: 0, 1 or 2.
+    pub tangents: usize,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f64,
+    /// Impulse per pressure, to begin with even pressures.
+    pub weight: f64,
+}
+
+/// The rows of an impact.
+pub struct ImpactLaw {
+    /// Contacts; each has a row that presses and its tangential rows.
+    pub contacts: Vec<ImpactContact>,
+    /// Change of the rate of a row by a unit impulse of another one, row by row, symmetric.
+    pub response: Vec<f64>,
+}
+
+/// Course of an impact.
+#[derive(Clone, Debug, Default)]
+pub struct Course {
+    /// Rates of the rows.
+    pub rates: Vec<f64>,
+    /// Impulses of the rows.
+    pub impulses: Vec<f64>,
+    /// Work of the impulses that press `[energy]`: negative in compression.
+    pub pressing: f64,
+    /// Work of friction of each contact `[energy]`, never positive.
+    pub friction: Vec<f64>,
+}
+
+/// Condition of a row that presses in a part of an impact.
+struct Part {
+    /// Rates that are reached at least.
+    targets: Vec<f64>,
+    /// Impulses at least.
+    least: Vec<f64>,
+}
+
+impl ImpactLaw {
+    fn rows(&self) -> usize {
+        self.contacts.iter().map(|contact| 1 + contact.tangents).sum()
+    }
+
+    /// Beginning of an impact with these rates.
+    pub fn before(&self, rates: Vec<f64>) -> Course {
+        Course { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
+    }
+
+    /// Changes rates by impulses.
+    pub fn answer(&self, impulses: &[f64], rates: &mut [f64]) {
+        let count = self.rows();
+        for (row, rate) in rates.iter_mut().enumerate() {
+            *rate += self.response[row * count..(row + 1) * count].iter().zip(impulses).map(|(w, p)| w * p).sum::<f64>();
+        }
+    }
+
+    /// Ends all approach of the contacts that take part.
+    pub fn compress(&self, course: &mut Course, takes_part: impl Fn(usize) -> bool) {
+        let approach: Vec<f64> = self.contacts.iter().map(|contact| course.rates[contact.first].min(0.0)).collect();
+        let targets = |s: f64| (0..approach.len()).map(|c| if takes_part(c) { (1.0 - s) * approach[c] } else { f64::NEG_INFINITY }).collect();
+        self.follow(course, |end, _| Part { targets: targets(end), least: vec![0.0; approach.len()] });
+    }
+
+    /// Gives back the impulses of a compression, `share` of the coefficient of each contact.
+    pub fn restore(&self, course: &mut Course, share: f64) {
+        let given: Vec<f64> =
+            self.contacts.iter().map(|contact| share * contact.restitution * course.impulses[contact.first].max(0.0)).collect();
+        if given.iter().any(|given| *given > 0.0) {
+            self.follow(course, |_, length| Part { targets: vec![0.0; given.len()], least: given.iter().map(|p| length * p).collect() });
+        }
+    }
+
+    /// Goes through a phase part by part; `part` makes the conditions of one that ends there and has that length.
+    fn follow(&self, course: &mut Course, part: impl Fn(f64, f64) -> Part) {
+        let (mut done, mut length) = (0.0, 1.0);
+        let mut guess = vec![0.0; course.rates.len()];
+        while done < 1.0 {
+            let end = if done + length > 1.0 - 0.5 * SHORTEST { 1.0 } else { done + length };
+            let conditions = part(end, end - done);
+            let mut rates = course.rates.clone();
+            let impulses = self.solve(&conditions, &mut rates, &guess);
+            if length > SHORTEST && self.turns(&course.rates, &rates) {
+                length *= 0.5;
+                guess.iter_mut().zip(&impulses).for_each(|(guess, p)| *guess = 0.5 * p);
+                continue;
+            }
+            for (contact, friction) in self.contacts.iter().zip(&mut course.friction) {
+                let work = |row: usize| 0.5 * impulses[row] * (course.rates[row] + rates[row]);
+                course.pressing += work(contact.first);
+                *friction += (contact.first + 1..=contact.first + contact.tangents).map(work).sum::<f64>();
+            }
+            course.impulses.iter_mut().zip(&impulses).for_each(|(sum, p)| *sum += p);
+            let wider = if length < 0.5 { 2.0 } else { 1.0 };
+            guess = impulses.iter().map(|p| wider * p).collect();
+            (course.rates, done, length) = (rates, end, length * wider);
+        }
+    }
+
+    /// Whether a slip stops or turns between these rates.
+    fn turns(&self, before: &[f64], after: &[f64]) -> bool {
+        let size = before.iter().fold(0.0f64, |size, rate| size.max(rate.abs()));
+        self.contacts.iter().filter(|contact| contact.tangents > 0 && contact.friction > 0.0).any(|contact| {
+            let rows = contact.first + 1..contact.first + 1 + contact.tangents;
+            let length = |rates: &[f64]| rates[rows.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
+            let (old, new) = (length(before), length(after));
+            let along: f64 = rows.clone().map(|row| before[row] * after[row]).sum();
+            let is_still = |length: f64| length <= tolerances::SLIP_ROUND_OFF * size;
+            !is_still(old) && (is_still(new) || along < TURN.cos() * old * new)
+        })
+    }
+
+    /// Impulses of a part of an impact, which begins with these rates and ends with others.
+    fn solve(&self, part: &Part, rates: &mut [f64], guess: &[f64]) -> Vec<f64> {
+        let count = self.rows();
+        let mut impulses = self.first_guess(part, rates, guess);
+        let before = rates.to_vec();
+        self.answer(&impulses, rates);
+        for _ in 0..(PRODUCTS / (count * count).max(1)).clamp(SWEEPS[0], SWEEPS[1]) {
+            let (mut largest, mut size) = (0.0f64, 0.0f64);
+            for (c, contact) in self.contacts.iter().enumerate() {
+                let rows = 1 + contact.tangents;
+                let own = |i: usize, j: usize| self.response[(contact.first + i) * count + contact.first + j];
+                if own(0, 0) <= 0.0 || part.targets[c] == f64::NEG_INFINITY {
+                    continue;
+                }
+                let mut block = Block { rows, friction: contact.friction, target: part.targets[c], least: part.least[c], ..Block::default() };
+                for i in 0..rows {
+                    (0..rows).for_each(|j| block.response[i][j] = own(i, j));
+                    let own_rate: f64 = (0..rows).map(|j| own(i, j) * impulses[contact.first + j]).sum();
+                    block.free[i] = rates[contact.first + i] - own_rate;
+                }
+                let found = block.solve();
+                for (i, p) in found.iter().take(rows).enumerate() {
+                    let change = p - impulses[contact.first + i];
+                    if change == 0.0 {
+                        continue;
+                    }
+                    impulses[contact.first + i] = *p;
+                    largest = largest.max(change.abs() * own(i, i));
+                    size = size.max(p.abs() * own(i, i));
+                    let column = &self.response[(contact.first + i) * count..(contact.first + i + 1) * count];
+                    rates.iter_mut().zip(column).for_each(|(rate, w)| *rate += w * change);
+                }
+            }
+            if largest <= 10.0 * tolerances::IMPULSE * size {
+                break;
+            }
+        }
+        rates.copy_from_slice(&before);
+        self.answer(&impulses, rates);
+        impulses
+    }
+
+    /// Even pressures that end the approach as well as they can, where there is no better guess; those that the part demands at least.
+    fn first_guess(&self, part: &Part, rates: &[f64], guess: &[f64]) -> Vec<f64> {
+        let mut impulses = guess.to_vec();
+        for (contact, least) in self.contacts.iter().zip(&part.least) {
+            impulses[contact.first] = impulses[contact.first].max(*least);
+        }
+        if impulses.iter().any(|p| *p != 0.0) {
+            return impulses;
+        }
+        let approaches = |c: usize| part.targets[c] > rates[self.contacts[c].first];
+        let pressed: Vec<usize> = (0..self.contacts.len()).filter(|&c| approaches(c)).collect();
+        pressed.iter().for_each(|&c| impulses[self.contacts[c].first] = self.contacts[c].weight);
+        let mut answer = vec![0.0; rates.len()];
+        self.answer(&impulses, &mut answer);
+        let (mut up, mut down) = (0.0, 0.0);
+        for &c in &pressed {
+            let row = self.contacts[c].first;
+            up += answer[row] * (part.targets[c] - rates[row]);
+            down += answer[row] * answer[row];
+        }
+        let share = if down > 0.0 { (up / down).max(0.0) } else { 0.0 };
+        impulses.iter_mut().for_each(|p| *p *= share);
+        impulses
+    }
+}
+
+/// One contact among others that keep their impulses: `u = free + response p`.
+#[derive(Default)]
+struct Block {
+    rows: usize,
+    response: [[f64; 3]; 3],
+    free: [f64; 3],
+    friction: f64,
+    target: f64,
+    least: f64,
+}
+
+impl Block {
+    fn rate(&self, i: usize, p: &[f64; 3]) -> f64 {
+        self.free[i] + (0..self.rows).map(|j| self.response[i][j] * p[j]).sum::<f64>()
+    }
+
+    /// Impulse that presses if those along the surface are `along` for each unit of it.
+    fn pressing(&self, along: [f64; 2]) -> f64 {
+        let slope = self.response[0][0] + (1..self.rows).map(|j| self.response[0][j] * along[j - 1]).sum::<f64>();
+        if slope > 0.0 { ((self.target - self.free[0]) / slope).max(self.least) } else { self.least }
+    }
+
+    fn solve(&self) -> [f64; 3] {
+        if self.rows == 1 || self.friction == 0.0 {
+            return [self.pressing([0.0; 2]), 0.0, 0.0];
+        }
+        let stuck = self.stuck();
+        let most = self.friction * stuck[0];
+        let along = stuck[1].hypot(stuck[2]);
+        if along <= most * (1.0 + tolerances::SLIP_ROUND_OFF) {
+            return stuck;
+        }
+        let slid = self.slid(&stuck);
+        if self.rate(0, &slid) >= self.target - tolerances::SLIP_ROUND_OFF * (self.free[0].abs() + self.target.abs()) {
+            return slid;
+        }
+        // Sliding presses the bodies together faster than it parts them, whatever the impulse: a jam, which ends the slip at once.
+        let share = most / along;
+        [stuck[0], share * stuck[1], share * stuck[2]]
+    }
+
+    /// Impulses without a slip.
+    fn stuck(&self) -> [f64; 3] {
+        let t = &self.response;
+        // Those along the surface are `a + b p_n`.
+        let solve = |right: [f64; 2]| -> [f64; 2] {
+            if self.rows == 2 {
+                return [if t[1][1] > 0.0 { right[0] / t[1][1] } else { 0.0 }, 0.0];
+            }
+            let determinant = t[1][1] * t[2][2] - t[1][2] * t[2][1];
+            if determinant <= tolerances::SLIP_ROUND_OFF * (t[1][1] + t[2][2]).powi(2) {
+                let one = |i: usize| if t[i + 1][i + 1] > 0.0 { right[i] / (t[1][1] + t[2][2]) } else { 0.0 };
+                return [one(0), one(1)];
+            }
+            [(right[0] * t[2][2] - right[1] * t[1][2]) / determinant, (right[1] * t[1][1] - right[0] * t[2][1]) / determinant]
+        };
+        let (a, b) = (solve([-self.free[1], -self.free[2]]), solve([-t[1][0], -t[2][0]]));
+        let of = |along: [f64; 2]| t[0][1] * along[0] + t[0][2] * along[1];
+        let (slope, free) = (t[0][0] + of(b), self.free[0] + of(a));
+        let pressing = if slope > 0.0 { ((self.target - free) / slope).max(self.least) } else { self.least };
+        [pressing, a[0] + b[0] * pressing, a[1] + b[1] * pressing]
+    }
+
+    /// Impulses of a slip.
+    fn slid(&self, stuck: &[f64; 3]) -> [f64; 3] {
+        if self.rows == 2 {
+            let against = |sense: f64| {
+                let pressing = self.pressing([sense * self.friction, 0.0]);
+                [pressing, sense * self.friction * pressing, 0.0]
+            };
+            let (first, second) = (against(stuck[1].signum()), against(-stuck[1].signum()));
+            let loses = |p: &[f64; 3]| p[1] * self.rate(1, p) <= 0.0;
+            return if loses(&first) || !loses(&second) { first } else { second };
+        }
+        let unit = |x: [f64; 2]| {
+            let length = x[0].hypot(x[1]);
+            if length > 0.0 { x.map(|x| x / length) } else { [0.0; 2] }
+        };
+        // Against the impulses that would end it.
+        let mut along = unit([stuck[1], stuck[2]]);
+        let mut p = [0.0; 3];
+        for _ in 0..DIRECTIONS {
+            p[0] = self.pressing(along.map(|x| self.friction * x));
+            (1..3).for_each(|i| p[i] = self.friction * p[0] * along[i - 1]);
+            // The slip of which the isotropic part of the response to friction is taken away has its direction.
+            let isotropic = 0.5 * (self.response[1][1] + self.response[2][2]);
+            let slip = [1, 2].map(|i| self.rate(i, &p) - isotropic * p[i]);
+            let next = unit(slip.map(|x| -x));
+            let turned = (next[0] - along[0]).hypot(next[1] - along[1]);
+            if turned <= tolerances::SLIP_ROUND_OFF {
+                break;
+            }
+            along = next;
+        }
+        p
+    }
+}

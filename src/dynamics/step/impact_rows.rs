@@ -1,0 +1,115 @@
+//! Responses of velocities to impulses of single rows at the end of a step, for impacts of rigid bodies.
+
+use std::time::Instant;
+
+use super::constraint_rows::ConstraintRows;
+use super::failure::Failure;
+use super::impulse_response::{EndMatrix, ImpulseResponse};
+use super::iterate::Linearization;
+use super::system::System;
+use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
+
+/// Velocities that answer impulses while ties, joints and rigid bodies hold.
+pub struct Responses {
+    matrix: EndMatrix,
+    scale: f64,
+    unknowns: usize,
+    /// Gradients of the rows by unknowns.
+    gradients: Vec<Vec<(usize, f64)>>,
+}
+
+impl<const D: usize> System<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// Factorizes the mass matrix with the rows that `hold`; `rows` are those that impulses act on.
+    ///
+    /// # Errors
+    /// The system is singular, or the run was interrupted.
+    pub fn responses(
+        &mut self,
+        at: &Linearization,
+        evaluated: [&[Evaluation]; 2],
+        hold: &[bool],
+        rows: &[usize],
+    ) -> Result<Responses, Failure> {
+        let clock = Instant::now();
+        let mut values = vec![0.0; self.matrix.pattern.values()];
+        self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
+        let scale = self.end_scale(evaluated);
+        let matrix = self.end_matrix(evaluated, &ConstraintRows::held(hold), scale, values);
+        let mut place = vec![usize::MAX; self.multipliers];
+        rows.iter().enumerate().for_each(|(index, &row)| place[row] = index);
+        let mut gradients = vec![Vec::new(); rows.len()];
+        self.for_each_end_gradient(evaluated, |_, row, k, gradient| {
+            if let Some(gradients) = gradients.get_mut(place[row]) {
+                gradients.push((k, gradient));
+            }
+        });
+        let mut still = vec![0.0; at.q_1.len() + self.multipliers];
+        self.solve_with(&matrix.values, &mut still, clock)?;
+        Ok(Responses { matrix, scale, unknowns: at.q_1.len(), gradients })
+    }
+
+    /// Rates of all rows that impulses act on, by a unit impulse of each, row by row; and the power of the rows that hold, which a unit
+    /// impulse calls for, at their rates `held`: velocities at the end of a step are rigid to the order of the step alone.
+    ///
+    /// # Errors
+    /// The system is singular, or the run was interrupted.
+    pub fn response_matrix(&mut self, responses: &Responses, held: &[f64]) -> Result<[Vec<f64>; 2], Failure> {
+        let count = responses.gradients.len();
+        let (mut of_rates, mut powers) = (vec![0.0; count * count], vec![0.0; count]);
+        for row in 0..count {
+            let mut impulses = vec![0.0; count];
+            impulses[row] = 1.0;
+            let velocity = self.velocity_by(responses, &impulses)?;
+            for (other, gradient) in responses.gradients.iter().enumerate() {
+                of_rates[other * count + row] = gradient.iter().map(|&(k, g)| g * velocity[k]).sum();
+            }
+            powers[row] = velocity[responses.unknowns..].iter().zip(held).map(|(mu, rate)| mu / responses.scale * rate).sum();
+        }
+        // Symmetric but for round-off.
+        for row in 0..count {
+            for other in 0..row {
+                let mean = 0.5 * (of_rates[row * count + other] + of_rates[other * count + row]);
+                (of_rates[row * count + other], of_rates[other * count + row]) = (mean, mean);
+            }
+        }
+        Ok([of_rates, powers])
+    }
+
+    /// Change of the velocities, followed by the multipliers of the rows that hold, by impulses of the rows.
+    fn velocity_by(&mut self, responses: &Responses, impulses: &[f64]) -> Result<Vec<f64>, Failure> {
+        let mut right = vec![0.0; responses.unknowns + self.multipliers];
+        for (gradient, impulse) in responses.gradients.iter().zip(impulses).filter(|(_, impulse)| **impulse != 0.0) {
+            gradient.iter().for_each(|&(k, g)| right[k] += responses.scale * impulse * g);
+        }
+        right.iter_mut().zip(&self.supports.fixed).filter(|(_, fixed)| **fixed).for_each(|(f, _)| *f = 0.0);
+        let clock = Instant::now();
+        self.matrix.solver.solve(&responses.matrix.values, &mut right).map_err(Failure::Linear)?;
+        self.counters.times.solve += clock.elapsed();
+        Ok(right)
+    }
+
+    /// Change of the velocities by impulses of the `rows` at the `rates` of all rows, with what supports, obstacles and joints on the ground exert.
+    ///
+    /// # Errors
+    /// The system is singular, or the run was interrupted.
+    pub fn response_to(
+        &mut self,
+        at: &Linearization,
+        evaluated: [&[Evaluation]; 2],
+        responses: &Responses,
+        rows: &[usize],
+        impulses: &[f64],
+        rates: &[f64],
+    ) -> Result<ImpulseResponse, Failure> {
+        let mut velocity = self.velocity_by(responses, impulses)?;
+        let mut lambda: Vec<f64> = velocity.split_off(at.q_1.len()).iter().map(|mu| mu / responses.scale).collect();
+        rows.iter().zip(impulses).for_each(|(&row, impulse)| lambda[row] = *impulse);
+        let mut response = self.response(evaluated, &responses.matrix, velocity, lambda, &[]);
+        self.add_driven(at, rates, &mut response);
+        Ok(response)
+    }
+}
