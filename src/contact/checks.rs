@@ -5,6 +5,7 @@
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use super::clearance::Clearance;
 use super::polygon_fit::PolygonFit;
 use super::space::PressFit;
 use super::surface::Surface;
@@ -13,6 +14,10 @@ use crate::math::norms::length;
 
 /// Ratio of mean facet lengths, secondary over primary, above which the secondary surface is called too coarse.
 const COARSE: f64 = 3.0;
+
+/// Cosine of the angle between the normals of a facet and of an obstacle, with its sign turned, up to which the facet does not look at the
+/// obstacle: 84 degrees. A side of a block that stands a little tilted on a plane does not.
+const FACES: f64 = 0.1;
 
 /// A surface with the name that messages give it.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +64,13 @@ pub enum Finding {
         cosine: f64,
         /// Mean distance to the nearest primary facet along the secondary normal, negative behind `[length]`.
         distance: f64,
+    },
+    /// No secondary facet looks at the rigid obstacle.
+    LooksAway {
+        /// Name of the secondary surface.
+        secondary: String,
+        /// Least cosine of the angle between the outward normals of a facet and of the obstacle: -1 face to face, 1 looking the same way.
+        cosine: f64,
     },
     /// The secondary surface is much coarser than the primary one.
     CoarseSecondary {
@@ -136,6 +148,14 @@ impl std::fmt::Display for Finding {
                 "no facet of \"{secondary}\" faces \"{primary}\", which lies {} behind it, on the side of its own body",
                 three_digits(distance.abs())
             ),
+            Finding::LooksAway { secondary, cosine } => {
+                let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+                write!(
+                    out,
+                    "no facet of \"{secondary}\" faces the rigid obstacle: their outward normals are {angle:.0} degrees apart at most, and \
+                     180 is face to face"
+                )
+            }
             Finding::CoarseSecondary { secondary, primary, secondary_size, primary_size } => write!(
                 out,
                 "facets of the secondary surface \"{secondary}\" are {:.1} times as long as those of \"{primary}\" ({} \
@@ -186,6 +206,7 @@ impl Finding {
             Finding::ReversedNormals { .. } => "C0401",
             Finding::DuplicateFacets { .. } => "C0402",
             Finding::FacingAway { .. } => "C0403",
+            Finding::LooksAway { .. } => "C0438",
             Finding::CoarseSecondary { .. } => "C0404",
             Finding::Interlocking { .. } => "C0405",
             Finding::DistortedFit { .. } => "C0406",
@@ -212,6 +233,11 @@ impl Finding {
             }
             Finding::DuplicateFacets { .. } => "name each facet once, also where boundaries are joined".into(),
             Finding::FacingAway { .. } => "name the boundaries that can touch: each on the side of the other body".into(),
+            Finding::LooksAway { .. } => {
+                "name all of the body that can touch the obstacle, or turn the obstacle round if it is the wrong way: \
+                                          other sides pass through it"
+                    .into()
+            }
             Finding::CoarseSecondary { secondary, primary, .. } => {
                 format!("make \"{primary}\" the secondary surface, or refine \"{secondary}\": the finer side carries the multipliers")
             }
@@ -317,6 +343,20 @@ pub fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) ->
         cosine: cosines / count,
         distance: distances / count,
     })
+}
+
+/// [`Finding::LooksAway`] of a surface with nodes at `q` and an obstacle that is displaced by `shift`, if that is so.
+pub fn looks_away(secondary: NamedSurface, obstacle: &Clearance, shift: [f64; 3], q: &[f64]) -> Option<Finding> {
+    let mut least = f64::INFINITY;
+    for (middle, normal, size) in frames(secondary.surface, q) {
+        // An overlap by less than a facet is a press fit.
+        let x = std::array::from_fn(|i| middle[i] - shift[i]);
+        least = least.min(obstacle.least_cosine(x, normal, size));
+        if least < -FACES {
+            return None;
+        }
+    }
+    least.is_finite().then(|| Finding::LooksAway { secondary: secondary.name.into(), cosine: least })
 }
 
 fn coarse_secondary(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Option<Finding> {

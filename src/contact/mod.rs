@@ -13,6 +13,7 @@ mod averaged;
 mod averaged_overlap;
 mod chain;
 mod checks;
+mod clearance;
 mod combinations;
 #[cfg(test)]
 mod contract;
@@ -52,7 +53,8 @@ mod tips;
 mod window;
 
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
-pub use checks::{Finding, NamedSurface, check_surfaces, facing_away};
+pub use checks::{Finding, NamedSurface, check_surfaces, facing_away, looks_away};
+pub use clearance::{Clearance, Nearest};
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
 pub use geared::Geared;
 pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};

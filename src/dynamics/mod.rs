@@ -9,6 +9,7 @@ pub use model::amplitude::{Amplitude, Constant, Hat, Ramp, Rescaled, Sine, Table
 pub use model::couplings::{Coupling, CouplingKind, Sector};
 pub use model::definitions::{BodyDefinition, Growth, InitialDisplacement, InitialVelocity, Load, LoadKind, Model, Support};
 pub use model::error::ModelError;
+pub use model::held::Held;
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
 pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
 pub use model::locking::Locking;

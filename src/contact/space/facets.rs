@@ -377,6 +377,11 @@ impl Facets {
         &self.triangles
     }
 
+    /// Whether the surface has edges with one triangle only.
+    pub(in crate::contact) fn is_open(&self) -> bool {
+        self.whole.iter().any(|face| face.ends[0].contains(&true))
+    }
+
     /// Distance from the whole surface.
     pub(super) fn distance(&self, x: Vector3<f64>) -> Distance {
         from(&self.whole, x)
@@ -425,7 +430,7 @@ impl Facets {
     }
 
     /// Whether the straight way between two points leads through a face.
-    pub(super) fn is_crossed(&self, x_0: Vector3<f64>, x_1: Vector3<f64>) -> bool {
+    pub(in crate::contact) fn is_crossed(&self, x_0: Vector3<f64>, x_1: Vector3<f64>) -> bool {
         let way = x_1 - x_0;
         let area = AABB::from_points(&[x_0, x_1].map(<[f64; 3]>::from));
         self.whole.locate_in_envelope_intersecting(area).any(|face| {

@@ -26,6 +26,7 @@ pub use corners::CornersInSpace;
 pub use facets::{Facets, FacetsError};
 pub use mortar::MortarInSpace;
 pub use obstacle::ObstacleInSpace;
+pub(super) use obstacle::Shape as ShapeInSpace;
 pub use press_fit::{PressFit, press_fit};
 pub use rigid::RigidInSpace;
 pub use round::RoundInSpace;

@@ -139,7 +139,7 @@ pub(super) struct StepGradient {
 
 /// An obstacle made ready for evaluation. `sign` is +1 where bodies are outside, -1 inside.
 #[derive(Clone, Debug)]
-pub(super) enum Shape {
+pub(in crate::contact) enum Shape {
     Plane {
         point: Vector3<f64>,
         normal: Vector3<f64>,
@@ -169,7 +169,7 @@ pub(super) struct Symmetries {
 
 /// What is revolved, as a function of the distance from the axis and the height along it.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Profile {
+pub(in crate::contact) enum Profile {
     Cylinder {
         radius: f64,
         sign: f64,
@@ -310,7 +310,7 @@ impl Shape {
     }
 
     /// The motions that leave something round as it is.
-    pub fn symmetries(&self) -> Symmetries {
+    pub(super) fn symmetries(&self) -> Symmetries {
         match self {
             Shape::Sphere { center, .. } => {
                 Symmetries { center: *center, rotations: vec![Vector3::x(), Vector3::y(), Vector3::z()], translations: Vec::new() }
@@ -324,7 +324,7 @@ impl Shape {
     }
 
     /// Distance of a point in the obstacle's frame.
-    pub fn distance(&self, x: Vector3<f64>) -> Distance {
+    pub(super) fn distance(&self, x: Vector3<f64>) -> Distance {
         match self {
             Shape::Plane { point, normal } => {
                 Distance { gap: normal.dot(&(x - point)), normal: *normal, curvature: Matrix3::zeros(), covered: true }
@@ -355,8 +355,14 @@ impl Shape {
         }
     }
 
+    /// Signed distance of a point in the obstacle's frame, its gradient, and whether the point is opposite the obstacle.
+    pub(in crate::contact) fn signed_distance(&self, x: [f64; 3]) -> (f64, [f64; 3], bool) {
+        let Distance { gap, normal, covered, .. } = self.distance(Vector3::from(x));
+        (gap, normal.into(), covered)
+    }
+
     /// Discrete gradient between two points in the obstacle's frame; `size` is that of the facets beside them.
-    pub fn step_gradient(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, size: f64) -> StepGradient {
+    pub(super) fn step_gradient(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, size: f64) -> StepGradient {
         match self {
             Shape::Plane { normal, .. } => StepGradient { bar: *normal, tangent: Matrix3::zeros() },
             Shape::Sphere { center, sign, .. } => mean_direction(x_0 - center, x_1 - center, *sign),

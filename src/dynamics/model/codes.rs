@@ -33,6 +33,7 @@ impl ModelError {
             ModelError::TooLarge { .. } => "C0124",
             ModelError::HeldAndMoved { .. } => "C0125",
             ModelError::RepeatedContact { .. } => "C0126",
+            ModelError::TiedContact { .. } => "C0142",
             ModelError::Formulation { source, .. } => source.code(),
             ModelError::MixedSymmetry { .. } => "C0127",
             ModelError::BreaksSymmetry { .. } => "C0128",

@@ -120,7 +120,11 @@ impl Model {
                         return Err(format!("it follows body \"{}\", and cannot turn or move over time besides", body.name));
                     }
                 }
-                self.opposite_nodes(from, to, turn.as_ref())?;
+                let pairs = self.opposite_nodes(from, to, turn.as_ref())?;
+                if from.body == to.body && pairs.iter().all(|[a, b]| a == b) {
+                    let names = [from, to].map(|on| self.boundary_name(on));
+                    return Err(format!("\"{}\" and \"{}\" have the same nodes, each opposite itself", names[0], names[1]));
+                }
                 for offset in offset.iter().flatten() {
                     let start = offset.value(0.0).unwrap_or(f64::NAN);
                     // What is no number is told when a step asks for it.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::amplitude::Amplitude;
 use super::couplings::{Coupling, CouplingKind};
 use super::error::ModelError;
-use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
+use super::interactions::{BodyBoundary, Interaction, Partner};
 use super::joints::JointDefinition;
 use super::part::PartDefinition;
 use super::prescription::Prescription;
@@ -398,25 +398,5 @@ impl Model {
         self.check_joints()?;
         self.check_couplings()?;
         self.check_repeated()
-    }
-
-    /// No two contacts with multipliers have facets of both sides in common.
-    fn check_repeated(&self) -> Result<(), ModelError> {
-        let shares = |a: &BodyBoundary, b: &BodyBoundary| {
-            a.body == b.body && a.boundary.facets.iter().any(|facet| b.boundary.facets.contains(facet))
-        };
-        let is_exact = |one: &&Interaction| matches!((&one.partner, one.enforcement), (Partner::Surfaces(_), Enforcement::Multiplier));
-        let exact: Vec<&Interaction> = self.interactions.iter().filter(is_exact).collect();
-        for (index, second) in exact.iter().enumerate() {
-            let repeats = |first: &&&Interaction| {
-                let is_opposite = |on: &BodyBoundary| second.primary().iter().any(|other| shares(on, other));
-                shares(&first.secondary, &second.secondary) && first.primary().iter().any(is_opposite)
-            };
-            if let Some(first) = exact[..index].iter().find(repeats) {
-                let (first, boundary) = (first.name.clone(), self.boundary_name(&second.secondary));
-                return Err(ModelError::RepeatedContact { first, second: second.name.clone(), boundary });
-            }
-        }
-        Ok(())
     }
 }

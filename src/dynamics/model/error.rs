@@ -224,6 +224,16 @@ pub enum ModelError {
         /// Secondary `body.boundary` of the second.
         boundary: String,
     },
+    /// A contact between surfaces that are tied.
+    #[error("contact \"{contact}\" is between surfaces that \"{tie}\" ties: \"{boundary}\" has the same facets opposite in both")]
+    TiedContact {
+        /// Name of the contact.
+        contact: String,
+        /// Name of the tie.
+        tie: String,
+        /// Secondary `body.boundary` of the contact.
+        boundary: String,
+    },
     /// A formulation that does not go with a body.
     #[error("body \"{body}\": {source}")]
     Formulation {
@@ -330,6 +340,10 @@ impl ModelError {
             ModelError::TooLarge { .. } => "use fewer cells, or a machine with more memory".into(),
             ModelError::Formulation { source, .. } => source.hint(),
             ModelError::RepeatedContact { .. } => "define one contact for each pair of surfaces".into(),
+            ModelError::TiedContact { .. } => {
+                "leave the contact out where the tie holds, or give each its own facets: the constraints of one follow from those of the other"
+                    .into()
+            }
             ModelError::HeldAndMoved { .. } => "hold the other directions only, or leave this one out of the motion".into(),
             ModelError::MixedSymmetry { .. } => "make all bodies of the model axisymmetric, or none".into(),
             ModelError::BreaksSymmetry { .. } => {

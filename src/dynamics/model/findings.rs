@@ -10,7 +10,7 @@ use crate::contact::{Finding, NamedSurface, PatchFunctions, PressFit, Surface, T
 
 impl Model {
     /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; of bodies in
-    /// space that sides look away, and about ties and press fits.
+    /// space that sides look away from each other and from obstacles, and about ties and press fits.
     pub fn findings(&self) -> Vec<(String, Finding)> {
         let dimension = self.dimension();
         let mut first = Vec::with_capacity(self.bodies.len());
@@ -63,6 +63,7 @@ impl Model {
             if let Partner::Surfaces(primary) = partner {
                 add(name, press_fits(secondary, primary));
             }
+            add(name, self.away_from_obstacle(&self.interactions[index]).into_iter().collect());
             let Partner::Tied { to, reach } = partner else { continue };
             let secondary = facets(secondary);
             let reach = reach.unwrap_or_else(|| tie_reach(&Surface::new(&secondary), &reference));
@@ -80,7 +81,7 @@ impl Model {
     }
 
     /// Whether joints guide a side, which then may turn towards the other one later.
-    fn is_guided(&self, secondary: &BodyBoundary, primary: &[BodyBoundary]) -> bool {
+    pub(super) fn is_guided(&self, secondary: &BodyBoundary, primary: &[BodyBoundary]) -> bool {
         let is_joined = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
         std::iter::once(secondary).chain(primary).any(is_joined)
     }
@@ -104,7 +105,8 @@ impl Model {
             let side = |k: usize| NamedSurface { name: &names[k], surface: &surfaces[k] };
             if self.is_guided(secondary, primary) { None } else { facing_away(side(0), side(1), reference) }
         };
-        let of = |Interaction { name, secondary, partner, .. }: &Interaction| {
+        let of = |interaction: &Interaction| {
+            let Interaction { name, secondary, partner, .. } = interaction;
             let found: Vec<Finding> = match partner {
                 Partner::Tied { to, reach } => {
                     let (_, tied, reach) = tied_in_space(self, [secondary, to], *reach, |body| first[body], reference);
@@ -114,7 +116,8 @@ impl Model {
                     let is_coarse = |on: &BodyBoundary| if is_flat(secondary) && is_flat(on) { coarse(secondary, on) } else { None };
                     away(secondary, primary).into_iter().chain(primary.iter().filter_map(is_coarse)).collect()
                 }
-                _ => Vec::new(),
+                Partner::Obstacle { .. } => self.away_from_obstacle(interaction).into_iter().collect(),
+                Partner::Itself => Vec::new(),
             };
             found.into_iter().map(|finding| (name.clone(), finding)).collect::<Vec<_>>()
         };

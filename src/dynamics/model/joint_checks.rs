@@ -12,6 +12,9 @@ use crate::math::tolerances;
 const GEAR_REMEDY: &str =
     "couple the angles or travels of two joints of rigid bodies: hinges (in the plane of the kind \"point\"), sliders, slots";
 
+const NODE_REMEDY: &str = "tie a boundary of the body that deforms to the other body, which holds all directions, or join nodes by points, \
+                           links and cables";
+
 const DRIVE_REMEDY: &str = "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain \
                             that; hinges have an angle, sliders and slots a travel, links and cables a distance";
 
@@ -138,8 +141,9 @@ impl Model {
         for (k, end) in joint.ends.iter().enumerate() {
             let Some(body) = end.body.map(|body| &self.bodies[body]) else { continue };
             if body.rigid.is_none() && joint.kind.turns(k) {
-                let kind = joint.kind.name();
-                return unsound(format!("a {kind} needs directions, and a node of body \"{}\", which deforms, has none", body.name));
+                let (kind, name) = (joint.kind.name(), joint.name.clone());
+                let reason = format!("a {kind} needs directions, and a node of body \"{}\", which deforms, has none", body.name);
+                return Err(ModelError::Unsound { what: "joint", name, reason, remedy: NODE_REMEDY });
             }
         }
         let apart = self.apart(joint);

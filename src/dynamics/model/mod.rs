@@ -2,6 +2,7 @@
 
 pub mod amplitude;
 pub mod boundaries;
+pub mod bounds;
 pub mod builder;
 mod codes;
 pub mod coupling_checks;
@@ -11,6 +12,7 @@ pub mod depths;
 pub mod error;
 pub mod findings;
 pub mod growth;
+pub mod held;
 pub mod hulls;
 pub mod integrator_limits;
 pub mod interactions;
@@ -21,6 +23,7 @@ pub mod overlaps;
 pub mod part;
 pub mod prescription;
 pub mod remedy;
+pub mod repeated;
 pub mod step_error;
 pub mod unpaired;
 pub mod update_rules;

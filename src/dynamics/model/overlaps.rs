@@ -134,11 +134,18 @@ impl Model {
         kernel.begin_step(&reference);
         let size = kernel.facet_size();
         let (least, index) = covered_gaps(&*kernel, &reference).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let node = kernel.secondary().nodes()[index] as usize;
-        let whole = || self.is_behind(body, shape, translation, size) && looks_away(&*kernel, &reference, -least);
+        if least > ALLOWED * size {
+            return None;
+        }
+        // A surface that touches an obstacle which is the wrong way is in front of the rest of its body.
+        let behind = self.behind(body, shape, translation, size).filter(|_| looks_away(&*kernel, &reference, -least));
+        let (least, node) = match behind {
+            Some(deepest) if least >= -ALLOWED * size => deepest,
+            _ => (least, kernel.secondary().nodes()[index] as usize),
+        };
         let at = reference[dimension * node..dimension * (node + 1)].to_vec();
         (-least > ALLOWED * size).then(|| {
-            let kind = OverlapKind::Obstacle { boundary: self.boundary_name(&interaction.secondary), whole: whole() };
+            let kind = OverlapKind::Obstacle { boundary: self.boundary_name(&interaction.secondary), whole: behind.is_some() };
             Overlap { kind, contact: Some(interaction.name.clone()), depth: -least, facets: -least / size, at }
         })
     }
@@ -149,8 +156,9 @@ impl Model {
         Surface::in_space(faces.iter().map(|face| &face[..]))
     }
 
-    /// Whether no node of a body's hull is in front of an obstacle, some are behind it, by more than a part of a facet of that size.
-    fn is_behind(&self, body: usize, shape: &Obstacle, translation: [f64; 3], size: f64) -> bool {
+    /// The distance and the node of a body's hull that is deepest behind an obstacle, where no node is in front of the obstacle by more
+    /// than a part of a facet of that size, and one at least behind it by as much.
+    fn behind(&self, body: usize, shape: &Obstacle, translation: [f64; 3], size: f64) -> Option<(f64, usize)> {
         let (mesh, dimension) = (&self.bodies[body].mesh, self.dimension());
         let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
         let mut hull: Box<dyn ContactKernel> = match shape {
@@ -158,8 +166,14 @@ impl Model {
             _ => Box::new(RigidContact::new(&mesh.outline(), shape, &reference)),
         };
         hull.move_obstacle(&[translation; 3]);
-        let mut covered = covered_gaps(&*hull, &reference).peekable();
-        covered.peek().is_some() && covered.all(|(gap, _)| gap < -ALLOWED * size)
+        let (mut deepest, mut highest) = ((0.0, 0), f64::NEG_INFINITY);
+        for (gap, index) in covered_gaps(&*hull, &reference) {
+            highest = highest.max(gap);
+            if gap < deepest.0 {
+                deepest = (gap, hull.secondary().nodes()[index] as usize);
+            }
+        }
+        (highest <= ALLOWED * size && deepest.0 < -ALLOWED * size).then_some(deepest)
     }
 }
 

@@ -26,6 +26,8 @@ pub enum Remedy {
 pub enum Ease {
     /// By steps below this size `[time]`, or by more halvings of them.
     SmallerStep(f64),
+    /// By other means than steps below this size `[time]`, as the residuals grew from halving to halving.
+    LargerStep(f64),
     /// Rest has no steps in time; what was defined is looked at again.
     SupportsAndLoads,
 }
@@ -55,6 +57,11 @@ impl fmt::Display for Ease {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Ease::SmallerStep(dt) => write!(out, "use a smaller step than dt = {dt}, or allow more halvings"),
+            Ease::LargerStep(dt) => write!(
+                out,
+                "halving the step down to {dt} came no nearer to a solution: try a larger step, or penalties in place of multipliers in \
+                 contacts"
+            ),
             Ease::SupportsAndLoads => write!(out, "check supports and loads"),
         }
     }

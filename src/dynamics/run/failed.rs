@@ -39,7 +39,11 @@ where
     /// The error of a step with the report on it, which is kept.
     pub fn given_up(&mut self, report: FailureReport) -> StepError {
         let FailureReport { time, step, dt, halvings, .. } = report;
-        let ease = if dt > 0.0 { Ease::SmallerStep(self.options.dt) } else { Ease::SupportsAndLoads };
+        let ease = match dt > 0.0 {
+            true if report.is_worse_when_smaller() => Ease::LargerStep(dt),
+            true => Ease::SmallerStep(self.options.dt),
+            false => Ease::SupportsAndLoads,
+        };
         let (cause, remedy) = (report.explanation(), report.remedy(ease));
         self.failure = Some((report, self.trace.u_1.clone()));
         StepError::NotConverged { time, step, dt, halvings, cause, remedy }

@@ -173,6 +173,13 @@ impl FailureReport {
         }
     }
 
+    /// Whether the residuals, over their targets, grew from the nominal step to the last halving.
+    pub(super) fn is_worse_when_smaller(&self) -> bool {
+        let ratio = |attempt: &TryReport| attempt.residual / attempt.target;
+        let [first, .., last] = &self.tries[..] else { return false };
+        self.tries.len() > HALVINGS_TO_JUDGE && ratio(last) > WORSE * ratio(first)
+    }
+
     fn cause_text(&self) -> String {
         let residual = self.iterations.last().map_or(String::new(), |last| last.shortfall(self.iterations.len() - 1));
         match &self.cause {
@@ -240,6 +247,12 @@ impl FailureReport {
         }
     }
 }
+
+/// Halvings from which on the residuals of the tries say whether smaller steps help.
+const HALVINGS_TO_JUDGE: usize = 3;
+
+/// Growth of the residual over its target, from the nominal step to the last halving, from which on smaller steps are no remedy.
+const WORSE: f64 = 10.0;
 
 /// What helps friction besides.
 const FRICTION: &str = ", or, where the coefficient falls with the speed, a larger transition speed";

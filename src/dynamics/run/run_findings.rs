@@ -28,6 +28,8 @@ pub enum RunFindingKind {
     Leap,
     /// Bodies between which nothing is defined are inside each other; the value is the depth in facets.
     PassedThrough,
+    /// A body was inside a rigid obstacle with a part that its contact does not know; the value is the depth in facets.
+    PassedObstacle,
     /// The sides of a contact overlap by more than a tenth of a facet; the value is the largest depth in facets.
     Depth,
     /// Contact took energy; the value is its share.
@@ -59,6 +61,7 @@ impl RunFindingKind {
             RunFindingKind::NotConserved => "C0603",
             RunFindingKind::Leap => "C0604",
             RunFindingKind::PassedThrough => "C0605",
+            RunFindingKind::PassedObstacle => "C0631",
             RunFindingKind::Depth => "C0606",
             RunFindingKind::EnergyTaken => "C0607",
             RunFindingKind::ReserveHeld => "C0608",
@@ -93,6 +96,7 @@ impl RunFindingKind {
             "steps were taken in spite of fast motion, no more halvings being allowed: how far in the first one, in facets",
         ),
         ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
+        ("passed_obstacle", "a side of a body that its contact does not name was inside a rigid obstacle: the largest depth in facets"),
         ("turned", "a cell of linear elasticity has turned at the end, for which the law is not made: the angle"),
         ("crushed", "a cell of Saint Venant-Kirchhoff material is crushed at the end, where the law softens: its least stretch"),
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
@@ -108,6 +112,7 @@ impl RunFindingKind {
             RunFindingKind::NotConserved => "not_conserved",
             RunFindingKind::Leap => "leap",
             RunFindingKind::PassedThrough => "passed_through",
+            RunFindingKind::PassedObstacle => "passed_obstacle",
             RunFindingKind::Depth => "depth",
             RunFindingKind::EnergyTaken => "energy_taken",
             RunFindingKind::ReserveHeld => "reserve_held",
@@ -150,6 +155,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::NotConserved => write!(out, "energy is not conserved"),
             RunFindingKind::Leap => write!(out, "the way from equilibrium to equilibrium is not followed"),
             RunFindingKind::PassedThrough => write!(out, "bodies have passed into each other"),
+            RunFindingKind::PassedObstacle => write!(out, "a body has passed into the rigid obstacle of {contact}"),
             RunFindingKind::Depth => write!(out, "the sides of {contact} overlap"),
             RunFindingKind::EnergyTaken => write!(out, "{contact} took energy"),
             RunFindingKind::ReserveHeld => write!(out, "{contact} keeps energy at the end"),
@@ -179,6 +185,9 @@ impl RunFinding {
             RunFindingKind::NotConserved => "take an integrator that conserves energy, or a smaller dt, which changes less",
             RunFindingKind::Leap => "with a smaller dt a leap at a limit point stays, and an error of the step goes",
             RunFindingKind::PassedThrough => "define contacts between what touches, or move the bodies apart",
+            RunFindingKind::PassedObstacle => {
+                "name all of the body that can touch the obstacle as its secondary surface, and turn round an obstacle that is the wrong way"
+            }
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin at rest; one that came later is less with a \
                  smaller dt, or a larger penalty"
@@ -516,13 +525,14 @@ mod tests {
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
-            CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved, PassedThrough,
-            PositiveContactWork, ReserveHeld, TooFast, Turned,
+            CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved, PassedObstacle,
+            PassedThrough, PositiveContactWork, ReserveHeld, TooFast, Turned,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Leap, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
             TooFast(Sliding),
             PassedThrough,
+            PassedObstacle,
             Turned,
             Crushed,
             CoarseCells,

@@ -21,18 +21,21 @@ use super::state::State;
 use super::steps::Steps;
 use super::tally::Tally;
 use super::validity::{Excess, ExcessKind};
+use crate::dynamics::model::bounds::{ObstacleBounds, Passed};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::hulls::{ALLOWED, Inside};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::unpaired::{Names, UnpairedBodies};
 use crate::math::digits::percent;
-use crate::math::tolerances::{AT_REST, COARSE, CRUSHED, TURNED};
+use crate::math::tolerances::{AT_REST, COARSE, CRUSHED, DEPTH, TURNED};
 
 /// A running simulation.
 pub struct Simulation {
     steps: Box<dyn Steps>,
     unpaired: UnpairedBodies,
+    bounds: ObstacleBounds,
+    passed: Option<Passed>,
 }
 
 impl Simulation {
@@ -45,7 +48,7 @@ impl Simulation {
             3 => Box::new(Engine::<3>::new(model, options)?),
             _ => Box::new(Engine::<2>::new(model, options)?),
         };
-        Ok(Simulation { steps, unpaired: UnpairedBodies::of(model) })
+        Ok(Simulation { steps, unpaired: UnpairedBodies::of(model), bounds: ObstacleBounds::of(model), passed: None })
     }
 
     /// Space dimension.
@@ -101,7 +104,9 @@ impl Simulation {
     /// # Errors
     /// The step that failed; the simulation then stands at its last accepted piece, and goes on from there as a restored state does.
     pub fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        self.steps.step(end, accepted)
+        let taken = self.steps.step(end, accepted);
+        self.watch_obstacles();
+        taken
     }
 
     /// Brings the model to static equilibrium by damped steps, without letting time pass; velocities stay as they are.
@@ -109,7 +114,7 @@ impl Simulation {
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle(&mut self) -> Result<SettleReport, StepError> {
-        self.steps.settle(self.time(), true)
+        self.settled(self.time(), true)
     }
 
     /// Goes to a time without inertia: equilibrium under what loads, supports and obstacles are then.
@@ -117,7 +122,7 @@ impl Simulation {
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
-        self.steps.settle(time, true)
+        self.settled(time, true)
     }
 
     /// The same where friction counts for nothing: surfaces slide freely.
@@ -125,7 +130,25 @@ impl Simulation {
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
     pub fn settle_without_friction(&mut self, time: f64) -> Result<SettleReport, StepError> {
-        self.steps.settle(time, false)
+        self.settled(time, false)
+    }
+
+    fn settled(&mut self, time: f64, with_friction: bool) -> Result<SettleReport, StepError> {
+        let report = self.steps.settle(time, with_friction);
+        self.watch_obstacles();
+        report
+    }
+
+    /// Keeps the deepest place of a body in a rigid obstacle.
+    fn watch_obstacles(&mut self) {
+        if self.bounds.is_empty() {
+            return;
+        }
+        let (step, time) = (self.row().step, self.row().time);
+        let now = self.bounds.deepest(&self.steps.state().positions, time, step);
+        if let Some(now) = now.filter(|now| self.passed.as_ref().is_none_or(|known| now.facets > known.facets)) {
+            self.passed = Some(now);
+        }
     }
 
     /// The slowest natural vibrations about the present state, which stays as it is: closed constraints are ties there, viscosity has
@@ -231,12 +254,13 @@ impl Simulation {
 
     /// What it has counted so far.
     pub fn tally(&self) -> Tally {
-        self.steps.tally()
+        Tally { passed: self.passed.clone(), ..self.steps.tally() }
     }
 
     /// Goes on counting from what a simulation of the same model had counted.
     pub fn count_from(&mut self, tally: &Tally) {
         self.steps.count_from(tally);
+        self.passed.clone_from(&tally.passed);
     }
 
     /// Whether a state is of this model, and what it refers to exists: one that comes from a file may hold anything.
@@ -331,6 +355,7 @@ impl Simulation {
     pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
         let mut found = run_findings(rows, &self.steps.measures());
         found.extend(self.passed_through());
+        found.extend(self.passed_obstacle());
         found.extend(self.excessive());
         found.extend(self.coarse());
         found
@@ -383,6 +408,15 @@ impl Simulation {
         Some(RunFinding { kind, contact: None, value: facets, limit: ALLOWED, step, time, explanation })
     }
 
+    /// A body that was inside a rigid obstacle with a part that its contact does not know.
+    fn passed_obstacle(&self) -> Option<RunFinding> {
+        let Passed { contact, body, facets, at, step, time } = self.passed.as_ref()?;
+        let at: Vec<String> = at.iter().map(|x| format!("{x:.3}")).collect();
+        let explanation = format!("\"{body}\" was {facets:.2} facets deep in it at ({}), where it has no secondary surface", at.join(", "));
+        let (kind, contact) = (RunFindingKind::PassedObstacle, Some(contact.clone()));
+        Some(RunFinding { kind, contact, value: *facets, limit: DEPTH, step: *step, time: *time, explanation })
+    }
+
     /// Whether a run with these rows kept what it should keep of its energy: no energy but by loads, and none lost but by contact.
     pub fn is_conserving(&self, rows: &[LedgerRow]) -> bool {
         let is_broken =
@@ -391,11 +425,12 @@ impl Simulation {
     }
 
     /// Whether a run with these rows should not be trusted: contact gave energy, energy appeared or vanished although the integrator
-    /// keeps it, or bodies have passed into each other.
+    /// keeps it, or bodies have passed into each other or into obstacles.
     pub fn is_doubtful(&self, rows: &[LedgerRow]) -> bool {
         let is_doubt =
             |kind| matches!(kind, RunFindingKind::PositiveContactWork | RunFindingKind::EnergyDefect | RunFindingKind::PassedThrough);
-        run_findings(rows, &self.steps.measures()).into_iter().chain(self.passed_through()).any(|finding| is_doubt(finding.kind))
+        self.passed.is_some()
+            || run_findings(rows, &self.steps.measures()).into_iter().chain(self.passed_through()).any(|finding| is_doubt(finding.kind))
     }
 
     /// What the velocities say of the steps to come: contacts whose sides slide so fast that steps would be halved.

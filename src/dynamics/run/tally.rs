@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::halvings::{Halving, Halvings};
+use crate::dynamics::model::bounds::Passed;
 
 /// Counters of a simulation, to go on counting from. No step depends on them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -14,6 +15,8 @@ pub struct Tally {
     pub(super) discarded: usize,
     pub(super) assemblies: usize,
     pub(super) causes: Halvings,
+    /// The deepest place of a body in a rigid obstacle that its contact does not know.
+    pub(super) passed: Option<Passed>,
 }
 
 impl Tally {

@@ -84,11 +84,11 @@ where
 
     fn tally(&self) -> Tally {
         let Statistics { steps, newton_iterations, halvings, factorizations, discarded, assemblies, .. } = self.statistics();
-        Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes: self.halvings.clone() }
+        Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes: self.halvings.clone(), passed: None }
     }
 
     fn count_from(&mut self, tally: &Tally) {
-        let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes } = tally;
+        let Tally { steps, newton_iterations, halvings, factorizations, discarded, assemblies, causes, .. } = tally;
         let counted = Statistics { steps: *steps, newton_iterations: *newton_iterations, halvings: *halvings, ..self.statistics };
         (self.statistics, self.halvings) = (counted, causes.clone());
         let counters = &mut self.system.counters;

@@ -1,10 +1,11 @@
 //! Rigid bodies and exact joints.
 
-use rhai::{Array, Dynamic};
+use rhai::{Array, Dynamic, ImmutableString};
 
 use super::arguments::body_of;
 use super::building::refuse_or_warn_of_surface;
 use super::change::change;
+use super::ends::GROUND;
 use super::handle::{BodyHandle, ModelHandle};
 use crate::bodies::{Formulation, Inertia};
 use crate::dynamics::{Anchor, BodyDefinition, JointDefinition, JointKind, Model};
@@ -13,11 +14,12 @@ use crate::math::catalogue::Interval;
 use crate::math::tolerances;
 use crate::mesh::Mesh;
 use crate::script::api::examples::plate_example;
+use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::digits::{brief, vector_text};
+use crate::script::language::digits::{brief, number_text, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -72,6 +74,12 @@ pub fn add_rigid_body() -> Function {
                 return Err(failure.hint(error.remedy()).into());
             }
             refuse_or_warn_of_surface(call, &mesh)?;
+            let argument = call.argument("options");
+            if let Ok(material) = argument.handle::<MaterialHandle>() {
+                let failure = argument.fail("a rigid body takes its density or its mass, not a material: it does not deform");
+                let density = number_text(material.0.density());
+                return Err(failure.label("this is a Material").hint(format!("write `#{{ density: {density} }}`")).into());
+            }
             let options = call.options("options")?;
             let (material, inertia) = mass_of(&options, &mesh)?;
             let definition = BodyDefinition { name, mesh, material, formulation: Formulation::default(), rigid: Some(inertia) };
@@ -165,7 +173,7 @@ fn joint_options() -> Vec<Parameter> {
              not farther apart than `length` (`cable`)",
         ),
         Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the body that it holds"),
-        Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the body that it holds it to").or(Absent::Means("the ground")),
+        Parameter::new("to", Kind::Either("a Body or \"ground\""), "the body that it holds it to, or the ground").or(Absent::Text(GROUND)),
         Parameter::new("point", Kind::Vector, "where it is at rest: any point of a rigid body, a node of one that deforms").of("length"),
         Parameter::new("to_point", Kind::Vector, "the point of `to`, where that is another one: the other end of a link")
             .of("length")
@@ -216,7 +224,8 @@ pub fn add_joint() -> Function {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let from = body_of(&options.argument("from"), &model)?.index;
             let to = options.argument("to");
-            let to = if to.is_given() { Some(body_of(&to, &model)?.index) } else { None };
+            let is_ground = !to.is_given() || to.value().read_lock::<ImmutableString>().is_some_and(|word| *word == GROUND);
+            let to = if is_ground { None } else { Some(body_of(&to, &model)?.index) };
             let (kind, dimension) = (kind_of(&options, &model.0.borrow().model)?, model.0.borrow().model.dimension());
             let point = options.argument("point").vector(dimension)?;
             let other = options.argument("to_point");
@@ -243,12 +252,15 @@ fn kind_of(options: &Options, model: &Model) -> Result<JointKind, Failure> {
         let failure = axis.fail(format!("{} has no meaning for a joint of the kind \"{word}\"", axis.title()));
         return Err(failure.hint("leave it out, or take the kind \"hinge\", \"slider\" or \"slot\""));
     }
+    if word == "hinge" && model.dimension() == 2 {
+        let failure = options.argument("kind").fail("a hinge about an axis is one in space, and the bodies are plane");
+        return Err(failure.hint("in the plane take `kind: \"point\"` without `axis`: it leaves turning about the point free"));
+    }
     if needs && !axis.is_given() {
         let what = if word == "hinge" { "the axis about which it turns" } else { "the direction of its line" };
         let failure = options.argument("kind").fail(format!("a {word} needs `axis`: {what}"));
         let example = if model.dimension() == 3 { "[0.0, 0.0, 1.0]" } else { "[1.0, 0.0]" };
-        let besides = if word == "hinge" && model.dimension() == 2 { "; in the plane take the kind \"point\"" } else { "" };
-        return Err(failure.hint(format!("give it, such as `axis: {example}`{besides}")));
+        return Err(failure.hint(format!("give it, such as `axis: {example}`")));
     }
     let direction = if needs { axis.vector(model.dimension())? } else { [0.0; 3] };
     Ok(match word.as_str() {

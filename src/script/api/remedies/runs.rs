@@ -51,6 +51,9 @@ impl ScriptWords for Ease {
     fn remedy(&self) -> String {
         match self {
             Ease::SmallerStep(dt) => format!("use a smaller step than dt = {dt}, or allow more `max_halvings`"),
+            Ease::LargerStep(dt) => format!(
+                "halving the step down to dt = {dt} came no nearer to a solution: try a larger dt, or `penalty` in the options of contacts"
+            ),
             Ease::SupportsAndLoads => self.to_string(),
         }
     }
@@ -65,6 +68,9 @@ impl ScriptWords for RunFinding {
                  where loads do not begin at 0 call `sim.settle()` first"
             }
             RunFindingKind::PassedThrough => "define what touches with `model.add_contact(…)`, or move the bodies apart",
+            RunFindingKind::PassedObstacle => {
+                "name all of the body that can touch the obstacle as `secondary`, and turn round an obstacle that is the wrong way"
+            }
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin with `settle`; one that came later is less with a \
                  smaller dt, or a larger `penalty`"

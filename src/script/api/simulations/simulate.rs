@@ -167,6 +167,10 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0171");
         call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
     }
+    for held in model.model.held() {
+        let warning = Diagnostic::warning(held.to_string(), call.place(&Target::Call)).code(held.code());
+        call.host.warn(warning.cause(held.cause()).hint(held.hint()));
+    }
     for [moving, other] in model.model.meetings() {
         let title = format!("body \"{moving}\" moves towards \"{other}\", and no contact is defined between them");
         let warning = Diagnostic::warning(title, call.place(&Target::Call));

@@ -1,7 +1,8 @@
 //! A step that failed, in the words of the script: where, why, and how to mend it.
 
 use super::handle::SimulationHandle;
-use crate::dynamics::{BodyBoundary, FailureCause, Interaction, Missing, PERSISTENCY, StepError, default_rule};
+use crate::dynamics::{BodyBoundary, FailureCause, Interaction, LoadKind, Missing, PERSISTENCY, StepError, default_rule};
+use crate::math::norms::largest_extent;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::ClosureError;
 use crate::script::language::digits::{brief, vector_text};
@@ -12,6 +13,9 @@ use crate::script::language::function::Call;
 pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
     format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(at))
 }
+
+/// Stress over Young's modulus from which on a load crushes a body, whatever its law.
+const CRUSHES: f64 = 0.5;
 
 impl SimulationHandle {
     /// The failure of a call that took the step.
@@ -66,6 +70,10 @@ impl SimulationHandle {
     fn no_equilibrium(&self, cause: String, hint: String) -> Failure {
         let failure = self.not_converged("no static equilibrium was found".into(), cause, hint);
         // The gaps of this method jump where a node passes the end of the other surface or settles in one of its corners.
+        let failure = match self.crushed() {
+            Some(hint) => failure.hint(hint),
+            None => failure,
+        };
         let by_nodes = |contact: &&Interaction| self.is_lost() && contact.method.is_nodal;
         match self.0.model.model.interactions.iter().find(by_nodes) {
             Some(contact) => {
@@ -74,6 +82,39 @@ impl SimulationHandle {
             }
             None => failure,
         }
+    }
+
+    /// Units to check where the weight of a body, or a load per area, is of the order of Young's modulus: no shape of the body bears that.
+    fn crushed(&self) -> Option<String> {
+        let model = &self.0.model.model;
+        let time = self.0.simulation.try_borrow().ok()?.time();
+        let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let units = "use one set of units for all: N, m, kg and s with stresses in N/m^2, or N, mm, t and s with stresses in N/mm^2";
+        for (index, body) in model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none()) {
+            let modulus = body.material.youngs_modulus();
+            let height = largest_extent(body.mesh.points.iter());
+            let weight = body.material.density() * size(model.gravity) * height / modulus;
+            if weight > CRUSHES {
+                return Some(format!(
+                    "the weight of body \"{}\" alone presses it by {weight:.0e} times Young's modulus: {units}",
+                    body.name
+                ));
+            }
+            for load in model.loads.iter().filter(|load| load.on.body == index) {
+                let stress = match load.kind {
+                    LoadKind::Traction(vector) => size(vector),
+                    LoadKind::Pressure(pressure) => pressure.abs(),
+                    LoadKind::Force(vector) => size(vector) / height.powi(body.mesh.dimension() as i32 - 1),
+                    LoadKind::Torque => 0.0,
+                };
+                let part = stress * load.amplitude.value(time).map_or(0.0, f64::abs) / modulus;
+                if part > CRUSHES {
+                    let name = model.boundary_name(&load.on);
+                    return Some(format!("the load on \"{name}\" presses by {part:.0e} times Young's modulus of its body: {units}"));
+                }
+            }
+        }
+        None
     }
 
     /// A failure of the numerics; how it is mended is kept for `sim.why()`.

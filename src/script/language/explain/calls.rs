@@ -14,6 +14,32 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sources::Place;
 use crate::script::language::wording::{did_you_mean, joined, listed, with_article};
 
+/// The call of a variable as it is to be written, if a name that is called at a place is a variable of the script.
+fn call_of_variable(name: &str, place: &Place) -> Option<String> {
+    let text: &str = &place.text;
+    let is_word = |letter: char| letter.is_alphanumeric() || letter == '_';
+    let is_bound = |(at, _): (usize, &str)| {
+        let (before, after) = (&text[..at], &text[at + name.len()..]);
+        let is_whole = !before.ends_with(is_word) && !after.starts_with(is_word);
+        let (before, after) = (before.trim_end(), after.trim_start());
+        let is_declared = ["let", "const", "for"].iter().any(|word| before.ends_with(word));
+        let is_parameter = before.ends_with(['|', ',', '(']) && after.starts_with([',', '|', ')']);
+        is_whole && (is_declared || is_parameter)
+    };
+    let called = text.get(place.range.start..)?.strip_prefix(name)?.trim_start().strip_prefix('(')?;
+    let mut open = 1;
+    let end = called.find(|letter| {
+        open += i32::from(letter == '(') - i32::from(letter == ')');
+        open == 0
+    });
+    let arguments = end.map_or("…", |end| &called[..end]);
+    let arguments = if arguments.len() > LONG || arguments.contains('\n') { "…" } else { arguments };
+    text.match_indices(name).any(is_bound).then(|| format!("{name}.call({arguments})"))
+}
+
+/// Bytes of arguments from which on a hint does not repeat them.
+const LONG: usize = 40;
+
 impl Explainer<'_> {
     /// A call of a name and values that no function takes.
     pub(super) fn unknown_function(&self, signature: &str, source: &str, place: Option<&Place>) -> Diagnostic {
@@ -42,6 +68,10 @@ impl Explainer<'_> {
         let same: Vec<&Signature> = builtin.iter().filter(|(function, _)| function == name).collect();
         if !same.is_empty() {
             return self.wrong_builtin_call(name, &given, &same);
+        }
+        if let Some(call) = place.filter(|_| !after_dot).and_then(|place| call_of_variable(name, place)) {
+            let title = format!("`{name}` is a variable, and no function of that name is defined");
+            return Diagnostic::error(Class::Script, title).hint(format!("a function in a variable is called by `call`: `{call}`"));
         }
         let others: Vec<&str> = defined.iter().chain(&builtin).map(|(name, _)| name.as_str()).collect();
         self.nothing_of_that_name(name, &given, &others, after_dot)
