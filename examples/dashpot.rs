@@ -5,7 +5,9 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use conserva::dynamics::{Change, Iterate, Numbering, Options, Part, PartDefinition, Pose, Refusal, Remembered, Simulation, Sums};
+use conserva::dynamics::{
+    Change, Iterate, Numbering, Options, Part, PartDefinition, Pose, Refusal, Remembered, Simulation, StepError, Sums,
+};
 use conserva::integrators::{CATALOGUE, Scheme};
 use conserva::linear::{Block, Pattern};
 
@@ -67,10 +69,10 @@ impl Part for Dashpot {
     fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
         0.0
     }
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Remembered {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
         let [a, b] = self.placed.0.map(|node| 2 * node as usize);
         let power = (0..2).map(|i| self.viscosity * (at.velocity[b + i] - at.velocity[a + i]).powi(2)).sum::<f64>();
-        Remembered { memory: Vec::new(), dissipated: at.dt * power }
+        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * power })
     }
 }
 

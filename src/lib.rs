@@ -34,7 +34,9 @@
 //! ```
 //! use std::sync::Arc;
 //!
-//! use conserva::dynamics::{Change, Iterate, Model, Numbering, Options, Part, PartDefinition, Pose, Refusal, Remembered, Simulation, Sums};
+//! use conserva::dynamics::{
+//!     Change, Iterate, Model, Numbering, Options, Part, PartDefinition, Pose, Refusal, Remembered, Simulation, StepError, Sums,
+//! };
 //! use conserva::integrators::ENERGY_MOMENTUM;
 //! use conserva::linear::{Block, Pattern};
 //! use conserva::materials::NeoHookean;
@@ -96,9 +98,9 @@
 //!     fn energy(&self, _: Pose, _: &[f64]) -> f64 {
 //!         0.0
 //!     }
-//!     fn remembered(&self, at: &Iterate, _: &[f64]) -> Remembered {
+//!     fn remembered(&self, at: &Iterate, _: &[f64]) -> Result<Remembered, StepError> {
 //!         let power: f64 = (0..2).map(|i| self.viscosity * self.rate(at, i).powi(2)).sum();
-//!         Remembered { memory: Vec::new(), dissipated: at.dt * power }
+//!         Ok(Remembered { memory: Vec::new(), dissipated: at.dt * power })
 //!     }
 //! }
 //!

@@ -144,8 +144,11 @@ pub trait Part: Send {
     }
 
     /// What it remembers after a step that has converged.
-    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Remembered {
-        Remembered { memory: memory.to_vec(), dissipated: 0.0 }
+    ///
+    /// # Errors
+    /// A time function failed, or was interrupted: the step is not taken.
+    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
+        Ok(Remembered { memory: memory.to_vec(), dissipated: 0.0 })
     }
 }
 

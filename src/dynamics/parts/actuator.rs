@@ -7,6 +7,7 @@ use super::line::{Line, LineDefinition, LineElement};
 use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
 use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
 /// An actuator between two ends.
@@ -81,10 +82,10 @@ impl Part for Actuator {
         vec![0.0; 2]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Remembered {
-        let force = value_of(&self.name, &self.force, at.time).unwrap_or(f64::NAN);
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+        let force = value_of(&self.name, &self.force, at.time)?;
         let ((r, length), (r_0, _), (r_1, _)) = (self.line.vector(at.q_test), self.line.vector(at.q_0), self.line.vector(at.q_1));
         let moved: f64 = if length > 0.0 { (0..3).map(|i| r[i] / length * (r_1[i] - r_0[i])).sum() } else { 0.0 };
-        Remembered { memory: vec![force, force * moved], dissipated: 0.0 }
+        Ok(Remembered { memory: vec![force, force * moved], dissipated: 0.0 })
     }
 }

@@ -20,6 +20,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::contact::{CandidateSearch, Evaluation, Outlook, PatchFunctions, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::integrators::Derivative;
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances::EQUAL;
@@ -331,8 +332,8 @@ impl Part for Bushing {
         vec![displacement, angle, force, moment, self.energy(at, memory)]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Remembered {
-        Remembered { memory: Vec::new(), dissipated: at.dt * self.response(at, false).power }
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * self.response(at, false).power })
     }
 }
 

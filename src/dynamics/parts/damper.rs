@@ -12,6 +12,7 @@
 use super::force_laws::Viscous;
 use super::line::{Line, LineDefinition, LineElement};
 use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
 /// A damper between two ends.
@@ -100,9 +101,9 @@ impl Part for Damper {
         vec![speed, self.law.force(speed).0]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Remembered {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
         let power = self.stroke(at.q_test, at.velocity).map_or(0.0, |stroke| stroke.speed * self.law.force(stroke.speed).0);
-        Remembered { memory: Vec::new(), dissipated: at.dt * power }
+        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * power })
     }
 }
 

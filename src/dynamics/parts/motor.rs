@@ -14,6 +14,7 @@ use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
 /// A motor.
@@ -209,13 +210,13 @@ impl Part for Motor {
         vec![0.0; 2]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Remembered {
-        let torque = value_of(&self.name, &self.torque, at.time).unwrap_or(f64::NAN);
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+        let torque = value_of(&self.name, &self.torque, at.time)?;
         let d = self.dimension;
         let moved = |node: u32, i: usize| at.q_1[node as usize * d + i] - at.q_0[node as usize * d + i];
         let forces = self.forces(at.q_test);
         let work: f64 = self.nodes().iter().zip(&forces).map(|(&node, force)| (0..d).map(|i| force[i] * moved(node, i)).sum::<f64>()).sum();
-        Remembered { memory: vec![torque, torque * work], dissipated: 0.0 }
+        Ok(Remembered { memory: vec![torque, torque * work], dissipated: 0.0 })
     }
 }
 

@@ -46,7 +46,7 @@ impl StepDamping {
 
     /// What that stress has dissipated at the end of a step `[energy]`.
     pub fn dissipated(&self, at: &Iterate, chi: f64) -> f64 {
-        0.5 * chi * self.body.remembered(&Iterate { dt: 1.0, ..*at }, &[]).dissipated
+        0.5 * chi * self.body.after(&Iterate { dt: 1.0, ..*at }, &[]).dissipated
     }
 
     /// Adds `beta` times the stiffness `B^T C B` at displacements to values of the matrix: its null space are the rigid velocities there.

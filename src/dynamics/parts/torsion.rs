@@ -12,6 +12,7 @@ use std::sync::Arc;
 use super::force_laws::SpringLaw;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::integrators::{Derivative, PatchFunction, Projection};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances::PROJECTED_INCREMENT;
@@ -249,10 +250,10 @@ impl Part for Torsion {
         vec![0.0]
     }
 
-    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Remembered {
+    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
         let (x_0, x_1) = (self.own(at.q_0), self.own(at.q_1));
         let end = self.angle(&x_0, memory[0]) + self.turned(&x_0, &x_1);
-        Remembered { memory: vec![self.angle(&x_1, end)], dissipated: 0.0 }
+        Ok(Remembered { memory: vec![self.angle(&x_1, end)], dissipated: 0.0 })
     }
 }
 
@@ -288,7 +289,7 @@ mod tests {
             q_1[0] += 0.01;
             let forces = |q_1: &[f64]| {
                 let at = Iterate::between(Derivative::DiscreteGradient, q_0, q_1);
-                (torsion.forces(&at, 6.2), torsion.remembered(&at, &[6.2]).memory)
+                (torsion.forces(&at, 6.2), torsion.remembered(&at, &[6.2]).unwrap().memory)
             };
             let ((force, slope), memory) = forces(&q_1);
             let work: f64 = force.iter().zip(q_1.iter().zip(q_0)).map(|(f, (b, a))| f * (b - a)).sum();

@@ -13,6 +13,7 @@ use super::viscous_points::{Contribution, Deformation, Frame, Matrix, Point, Str
 use crate::bodies::{Plane, PlaneGradients, Resistance, Thickness};
 use crate::dynamics::model::definitions::BodyDefinition;
 use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::integrators::Configuration;
 use crate::linear::{Block, Pattern};
 use crate::materials::{Kinematics, Viscosity};
@@ -368,7 +369,14 @@ impl Part for ViscousBody {
         vec![0.0; self.point_count() * self.remembered_by_point()]
     }
 
-    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Remembered {
+    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
+        Ok(self.after(at, memory))
+    }
+}
+
+impl ViscousBody {
+    /// Internal variables after a converged step, and its dissipation.
+    pub(super) fn after(&self, at: &Iterate, memory: &[f64]) -> Remembered {
         match (at.dt > 0.0, self.dimension) {
             (false, _) => Remembered { memory: self.memory(), dissipated: 0.0 },
             (true, 2) => self.outcome::<2>(at, memory),
@@ -441,7 +449,7 @@ mod tests {
         for (plane, kind, law) in cases() {
             let (body, pattern, [q_0, q_1]) = body(plane, kind, &law);
             // What a step before has left.
-            let memory = body.remembered(&iterate(Derivative::DiscreteGradient, &q_1, &q_0), &body.memory()).memory;
+            let memory = body.after(&iterate(Derivative::DiscreteGradient, &q_1, &q_0), &body.memory()).memory;
             for derivative in Derivative::ALL {
                 let mut values = vec![0.0; pattern.values()];
                 forces(&body, &iterate(derivative, &q_0, &q_1), &memory, Some(&mut values));
@@ -477,7 +485,7 @@ mod tests {
             for _ in 0..3 {
                 let at = iterate(Derivative::DiscreteGradient, &from, &q);
                 let work: f64 = forces(&body, &at, &memory, None).iter().zip(q.iter().zip(&from)).map(|(f, (a, b))| f * (a - b)).sum();
-                let Remembered { memory: after, dissipated } = body.remembered(&at, &memory);
+                let Remembered { memory: after, dissipated } = body.after(&at, &memory);
                 let energy = body.energy(Pose { q: &q, u: &q }, &after);
                 let scale = work.abs() + energy + dissipated;
                 assert!(dissipated > 0.0 && energy > 0.0, "{plane:?} {kind:?} {law:?}");

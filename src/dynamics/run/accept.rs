@@ -104,7 +104,7 @@ where
             ..LedgerRow::default()
         };
         let (memory, dissipated) =
-            if system.others.is_empty() { (self.state.memory.clone(), Vec::new()) } else { system.memory_after(start, &at) };
+            if system.others.is_empty() { (self.state.memory.clone(), Vec::new()) } else { system.memory_after(start, &at)? };
         row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
         [row.dissipation, row.damping, row.numerical] = heat(&dissipated, &row.parts, self.taken(start, &at, jump.as_ref()));
         row.impact = jump.as_ref().map_or(0.0, |jump| jump.impact);

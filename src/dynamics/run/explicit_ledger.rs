@@ -55,8 +55,11 @@ where
             v_1[one.unknown] = *rate;
         }
         let ends = self.ends(motion, &leap, &at, &forces, [&f_1, &v_1]);
-        let (memory, dissipated) =
-            if system.others.is_empty() { (old.memory.clone(), Vec::new()) } else { system.memory_after(start, &at) };
+        let (memory, dissipated) = if system.others.is_empty() {
+            (old.memory.clone(), Vec::new())
+        } else {
+            system.memory_after(start, &at).map_err(Failure::Fatal)?
+        };
         let active: Vec<RowState> = leap.lambda[1].iter().map(|lambda| RowState::closed_if(*lambda > 0.0)).collect();
         let mut penalty_gap: Vec<f64> = at.pairs.iter().flat_map(|pair| pair.gap.iter().copied()).collect();
         penalty_gap.resize(system.multipliers, 0.0);

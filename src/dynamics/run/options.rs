@@ -59,13 +59,18 @@ impl Options {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// An error, or the end of the run at `time` where the error is that of a time function: an interrupt also ends a script's closure
-    /// that is just running.
+    /// An error, or the end of the run at `time` where an interrupt came before it: an interrupt also ends a script's closure that is
+    /// just running, and what fails after that may not fail without it.
     pub(super) fn or_interrupted(&self, error: StepError, time: f64) -> StepError {
-        match error {
-            StepError::Amplitude { .. } if self.interrupted() => StepError::Interrupted { time },
-            error => error,
-        }
+        if self.interrupted() { StepError::Interrupted { time } } else { error }
+    }
+
+    /// Refuses a result that was found while an interrupt came: a time function that it ended may have been taken for one without a value.
+    ///
+    /// # Errors
+    /// The user wants the run to end.
+    pub(super) fn undisturbed(&self, time: f64) -> Result<(), StepError> {
+        if self.interrupted() { Err(StepError::Interrupted { time }) } else { Ok(()) }
     }
 }
 

@@ -96,7 +96,7 @@ where
     }
 
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
-        let outcome = self.nominal_step(end, accepted);
+        let outcome = self.nominal_step(end, accepted).and_then(|()| self.options.undisturbed(self.state.row.time));
         if outcome.is_err() {
             // Nothing of the pieces that failed stays: the state alone decides how it goes on.
             self.restore_search();
@@ -146,7 +146,7 @@ where
             lambda[pressing..].fill(0.0);
             active[pressing..].fill(RowState::Open);
         }
-        let mut outcome = self.settle_at(time);
+        let mut outcome = self.settle_at(time).and_then(|report| self.options.undisturbed(time).map(|()| report));
         self.rest_friction = true;
         if self.options.control.is_some() {
             Arc::make_mut(&mut self.state).pace.restart();
@@ -161,10 +161,7 @@ where
         }
         // Equilibria on the way are not kept.
         let time = self.state.row.time;
-        outcome.map_err(|error| match self.options.or_interrupted(error, time) {
-            StepError::Interrupted { .. } => StepError::Interrupted { time },
-            error => error,
-        })
+        outcome.map_err(|error| self.options.or_interrupted(error, time))
     }
 
     fn watch(&mut self, node: usize) {

@@ -215,17 +215,21 @@ where
     }
 
     /// What the parts remember after a step that ends at an iterate, and what each has dissipated in it `[energy]`.
-    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> (Arc<Vec<Vec<f64>>>, Vec<f64>) {
+    ///
+    /// # Errors
+    /// A time function failed.
+    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(Arc<Vec<Vec<f64>>>, Vec<f64>), StepError> {
         let mut told = Told::default();
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         let mut dissipated = Vec::with_capacity(start.memory.len());
         let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
-            let Remembered { memory, dissipated: more } = part.remembered(&iterate, memory);
+            let Remembered { memory, dissipated: more } = part.remembered(&iterate, memory)?;
             dissipated.push(more);
-            memory
+            Ok(memory)
         });
-        (Arc::new(remembered.collect()), dissipated)
+        let remembered = remembered.collect::<Result<_, StepError>>()?;
+        Ok((Arc::new(remembered), dissipated))
     }
 
     /// What the stress of the time integrator has dissipated in a step that ends at an iterate `[energy]`.

@@ -220,6 +220,8 @@ impl SimulationHandle {
         call.host.observer.began(&format!("{what} of \"{}\"", self.0.name));
         let found = self.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut simulation| search(&mut simulation));
         call.host.observer.ended();
+        // A closure of time that an interrupt ended may have been taken for one without a value.
+        call.host.go_on()?;
         found
     }
 

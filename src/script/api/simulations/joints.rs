@@ -154,7 +154,7 @@ fn joint() -> Function {
             if !known.contains(&name.as_str()) {
                 return Err(call.argument("name").unknown_name(format!("there is no joint \"{name}\""), &name, &known).into());
             }
-            let found = handle.with_row(call, |simulation| (simulation.joint(&name), simulation.time(), simulation.dimension()))?;
+            let found = handle.with(call, |simulation| (simulation.joint(&name), simulation.time(), simulation.dimension()))?;
             let (Some(load), time, dimension) = found else {
                 return Err(call.fail(format!("nothing is known of joint \"{name}\"")).hint("take a step").into());
             };
