@@ -161,7 +161,10 @@ fn keep(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &Verdi
     let folder = arguments_folder(bench).join("found").join(fault.kind);
     std::fs::create_dir_all(&folder)?;
     let first = Named { catalogue, product };
-    std::fs::write(folder.join(format!("{words}.rhai")), format!("{}// {}: {}\n// first: {first}\n", text(named, Variant::Plain), fault.kind, fault.found))?;
+    std::fs::write(
+        folder.join(format!("{words}.rhai")),
+        format!("{}// {}: {}\n// first: {first}\n", text(named, Variant::Plain), fault.kind, fault.found),
+    )?;
     println!("shrunk: {named}: {}: {}", fault.kind, fault.found);
     Ok(())
 }

@@ -106,13 +106,17 @@ impl Catalogue {
         };
         let cells = CellKind::ALL.iter().map(|kind| kind.name().to_string()).collect();
         let materials = materials::CATALOGUE.iter().chain(materials::LINEAR).map(|row| row.title()).collect();
-        let enforcement = keys(&registry, "add_contact").into_iter().filter(|key| {
-            matches!(key.kind, Kind::Number | Kind::Flag) && key.absent != conserva::script::Absent::Refused
-        });
+        let enforcement = keys(&registry, "add_contact")
+            .into_iter()
+            .filter(|key| matches!(key.kind, Kind::Number | Kind::Flag) && key.absent != conserva::script::Absent::Refused);
         let enforcement = enforcement.map(|key| key.name.to_string()).collect();
         let obstacles = functions_that_give(&registry, "Obstacle");
         let adders = methods(&registry, "Model", |name| {
-            name.starts_with("add_") && !OTHER_METHODS.contains(&name) && !script::SUPPORTS.contains(&name) && name != "add_rigid_body" && name != "add_gear"
+            name.starts_with("add_")
+                && !OTHER_METHODS.contains(&name)
+                && !script::SUPPORTS.contains(&name)
+                && name != "add_rigid_body"
+                && name != "add_gear"
         });
         let joints = with(&["none"], choices(&registry, "add_joint", "kind"));
         let loads = methods(&registry, "Model", |name| {
@@ -122,7 +126,8 @@ impl Catalogue {
         let integrators = functions_that_give(&registry, "Integrator");
         let amplitudes = functions_that_give(&registry, "TimeFunction");
         let laws = functions_that_give(&registry, "FrictionLaw");
-        let makers = [("material", functions_that_give(&registry, "Material")), ("method", functions_that_give(&registry, "ContactMethod"))];
+        let makers =
+            [("material", functions_that_give(&registry, "Material")), ("method", functions_that_give(&registry, "ContactMethod"))];
         let makers = makers.into_iter().flat_map(|(factor, names)| names.into_iter().map(move |name| (factor, name))).collect();
         let factor = |name: &'static str, rows: Vec<String>| Factor { name, rows };
         let words = |rows: &[&str]| with(rows, Vec::new());
@@ -189,8 +194,11 @@ impl Catalogue {
             let rows = &self.factors[self.index(factor)].rows;
             rows.iter().filter(|row| !known(row)).map(|row| format!("{factor}: {row}")).collect::<Vec<String>>()
         };
-        let mut found: Vec<String> = self.methods.iter().filter(|name| !matches!(&name[..], "add_rigid_body" | "add_gear")).cloned().collect();
-        found.extend(unknown("partner", &|row| ["none", "held_body", "free_body", "rigid_body", "tie", "self"].contains(&row) || script::obstacle(row).is_some()));
+        let mut found: Vec<String> =
+            self.methods.iter().filter(|name| !matches!(&name[..], "add_rigid_body" | "add_gear")).cloned().collect();
+        found.extend(unknown("partner", &|row| {
+            ["none", "held_body", "free_body", "rigid_body", "tie", "self"].contains(&row) || script::obstacle(row).is_some()
+        }));
         found.extend(unknown("friction", &|row| ["none", "number"].contains(&row) || script::friction_law(row).is_some()));
         found.extend(unknown("part", &|row| row == "none" || script::PARTS.contains(&row)));
         found.extend(unknown("load", &|row| row == "none" || script::LOADS.contains(&row)));
@@ -203,7 +211,9 @@ impl Catalogue {
         }
         let schemes = integrators::CATALOGUE.iter().chain(integrators::EXPLICIT).chain(integrators::STATIC);
         let rows = &self.factors[self.index("integrator")].rows;
-        found.extend(schemes.filter(|scheme| !rows.iter().any(|row| row == scheme.name)).map(|scheme| format!("integrator: {}", scheme.name)));
+        found.extend(
+            schemes.filter(|scheme| !rows.iter().any(|row| row == scheme.name)).map(|scheme| format!("integrator: {}", scheme.name)),
+        );
         found
     }
 

@@ -57,7 +57,8 @@ impl Open {
     fn new(catalogue: &Catalogue) -> Self {
         let counts = catalogue.factors.iter().map(|factor| factor.rows.len());
         let starts = counts.scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count))).collect();
-        let rows: Vec<Row> = catalogue.factors.iter().enumerate().flat_map(|(factor, known)| (0..known.rows.len()).map(move |row| (factor, row))).collect();
+        let rows: Vec<Row> =
+            catalogue.factors.iter().enumerate().flat_map(|(factor, known)| (0..known.rows.len()).map(move |row| (factor, row))).collect();
         Open { starts, table: vec![false; rows.len() * rows.len()], rows, count: 0 }
     }
 
@@ -131,8 +132,17 @@ impl<'a> Cover<'a> {
         let fits = |product: &Product| Some(self.catalogue.normalized(product)).filter(|normal| has(normal));
         fits(&product).or_else(|| {
             // What one row needs is a row of another factor or two.
-            let needs = ["cell=hex8", "partner=held_body", "partner=rigid_plane", "shape=round", "joint=point", "joint=point drive=drive", "load=force"];
-            let needs = needs.iter().chain(&["cell=hex8 partner=held_body", "cell=hex8 partner=rigid_plane", "shape=round partner=held_body"]);
+            let needs = [
+                "cell=hex8",
+                "partner=held_body",
+                "partner=rigid_plane",
+                "shape=round",
+                "joint=point",
+                "joint=point drive=drive",
+                "load=force",
+            ];
+            let needs =
+                needs.iter().chain(&["cell=hex8 partner=held_body", "cell=hex8 partner=rigid_plane", "shape=round partner=held_body"]);
             let needs = needs.chain(&["cell=hex8 load=force", "partner=held_body load=force", "partner=rigid_plane moving=moving"]);
             let candidates = needs.map(|words| {
                 let mut product = self.catalogue.product(words);
@@ -221,7 +231,9 @@ impl<'a> Cover<'a> {
     }
 
     fn exclude(&mut self, pair: (Row, Row), product: &Product) {
-        let why = self.refusal(product).map_or_else(|| "in all company that was tried".to_string(), |refusal| format!("{} {}", refusal.code, refusal.title));
+        let why = self
+            .refusal(product)
+            .map_or_else(|| "in all company that was tried".to_string(), |refusal| format!("{} {}", refusal.code, refusal.title));
         self.open.set(pair, false);
         self.excluded.insert(pair, why);
     }
@@ -274,7 +286,8 @@ impl<'a> Cover<'a> {
 
     /// The table of refusals as a file has it: code, rows, title.
     pub fn table(&self) -> String {
-        let mut lines: Vec<String> = self.refusals.iter().map(|refusal| format!("{} | {} | {}", refusal.code, self.words(&refusal.rows), refusal.title)).collect();
+        let mut lines: Vec<String> =
+            self.refusals.iter().map(|refusal| format!("{} | {} | {}", refusal.code, self.words(&refusal.rows), refusal.title)).collect();
         lines.sort();
         lines.iter().map(|line| format!("{line}\n")).collect()
     }
@@ -311,8 +324,9 @@ impl<'a> Cover<'a> {
 
     /// A row in words.
     pub fn words(&self, rows: &[Row]) -> String {
-        let words = |&(factor, row): &Row| format!("{}={}", self.catalogue.factors[factor].name, self.catalogue.factors[factor].rows[row].replace(' ', "_"));
+        let words = |&(factor, row): &Row| {
+            format!("{}={}", self.catalogue.factors[factor].name, self.catalogue.factors[factor].rows[row].replace(' ', "_"))
+        };
         rows.iter().map(words).collect::<Vec<_>>().join(" ")
     }
-
 }

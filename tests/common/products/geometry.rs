@@ -40,7 +40,8 @@ impl Frame {
             let of = body.numbers.at(cell) as usize;
             let is_plane = points.iter().all(|point| point[2] == 0.0);
             let dimension = if is_plane { 2 } else { 3 };
-            let kind = CellKind::ALL.iter().find(|kind| kind.nodes() == nodes.len() && kind.dimension() == dimension).ok_or("a strange cell")?;
+            let kind =
+                CellKind::ALL.iter().find(|kind| kind.nodes() == nodes.len() && kind.dimension() == dimension).ok_or("a strange cell")?;
             let corners = kind.shape().corners();
             for facet in kind.facets() {
                 let facet: Vec<usize> = facet.iter().filter(|&&local| local < corners).map(|&local| nodes[local] as usize).collect();
@@ -78,9 +79,13 @@ impl Frame {
     }
 
     fn facet_size(&self, hull: &[Vec<usize>], is_plane: bool) -> f64 {
-        let skin = |facets: &[Vec<usize>]| Skin { first: 0, facets: facets.iter().map(|facet| facet.iter().map(|&node| node as u32).collect()).collect() };
+        let skin = |facets: &[Vec<usize>]| Skin {
+            first: 0,
+            facets: facets.iter().map(|facet| facet.iter().map(|&node| node as u32).collect()).collect(),
+        };
         if is_plane {
-            return Outline::new(self.segments(hull)).segments.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum::<f64>() / hull.len() as f64;
+            return Outline::new(self.segments(hull)).segments.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum::<f64>()
+                / hull.len() as f64;
         }
         let flat: Vec<f64> = (0..self.points.len()).flat_map(|node| self.place(node)).collect();
         skin(hull).size(&flat)
@@ -100,7 +105,10 @@ impl Frame {
             let outlines = [first, second].map(|hull| Outline::new(self.segments(hull)));
             let inside = |own: usize| {
                 let other = &outlines[1 - own];
-                let samples = outlines[own].segments.iter().flat_map(|[a, b]| [0.0, 0.5].map(|s| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])]));
+                let samples = outlines[own]
+                    .segments
+                    .iter()
+                    .flat_map(|[a, b]| [0.0, 0.5].map(|s| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])]));
                 samples.filter(|x| other.holds(*x)).map(|x| other.nearest(x).1).fold(0.0, f64::max)
             };
             return inside(0).max(inside(1));

@@ -8,6 +8,7 @@
 // Each program uses its part of it.
 #![allow(dead_code)]
 
+pub mod agreement;
 pub mod catalogue;
 pub mod cover;
 pub mod geometry;

@@ -236,7 +236,10 @@ impl Bench {
                 same("resume", &again)
             }
             "rotate" => moved("rotated", format!("rotate: {:?}", numbers.angle)),
-            "translate" => moved("translated", format!("translate: {}", if script::dimension(product) == 2 { "[0.0, 0.7]" } else { "[0.4, 0.7, -0.3]" })),
+            "translate" => moved(
+                "translated",
+                format!("translate: {}", if script::dimension(product) == 2 { "[0.0, 0.7]" } else { "[0.4, 0.7, -0.3]" }),
+            ),
             "units" => moved("units", "units: #{ mass: 1e3, length: 1e-2, time: 10.0 }".into()),
             "renumber" => {
                 let place = self.home.join("renumbered.rhai");

@@ -1,7 +1,7 @@
 //! A product made smaller, as long as it keeps failing in the same way.
 
-use super::run::{Bench, Verdict};
 use super::cover::Row;
+use super::run::{Bench, Verdict};
 use super::{Catalogue, Named, Product};
 
 /// Whether two verdicts have a fault of one kind, or one code of refusal.
@@ -57,7 +57,8 @@ fn shrink_by(catalogue: &Catalogue, judge: &dyn Fn(&Product) -> Verdict, product
 fn simpler_cell(catalogue: &Catalogue, index: usize, product: &Product) -> usize {
     let solid = |row: usize| !super::catalogue::is_plane(&catalogue.factors[index].rows[row]);
     let plainest = catalogue.factors[index].rows.iter().position(|row| row == "hex8").unwrap_or(0);
-    let is_obstacle_of_space = catalogue.factors[catalogue.index("partner")].rows[product.rows[catalogue.index("partner")]].starts_with("rigid_");
+    let is_obstacle_of_space =
+        catalogue.factors[catalogue.index("partner")].rows[product.rows[catalogue.index("partner")]].starts_with("rigid_");
     if solid(product.rows[index]) && product.rows[index] != plainest && is_obstacle_of_space { plainest } else { 0 }
 }
 

@@ -97,7 +97,14 @@ impl Study {
     }
 
     /// Every pair of rows that is allowed together; `refusals` is the table of what was refused when it was made.
-    pub fn cover<'a>(catalogue: &'a Catalogue, home: &Path, program: &Path, threads: usize, refusals: &str, known: &[Known]) -> (Study, Cover<'a>) {
+    pub fn cover<'a>(
+        catalogue: &'a Catalogue,
+        home: &Path,
+        program: &Path,
+        threads: usize,
+        refusals: &str,
+        known: &[Known],
+    ) -> (Study, Cover<'a>) {
         let (mut study, mut cover) = (Study::default(), Cover::new(catalogue));
         cover.learn(refusals);
         study.changed = stale(catalogue, &mut cover, &home.join("0"));
@@ -124,7 +131,14 @@ impl Study {
     }
 
     /// Products at random, by consecutive seeds.
-    pub fn random(catalogue: &Catalogue, home: &Path, program: &Path, threads: usize, refusals: &str, seeds: std::ops::Range<u64>) -> Study {
+    pub fn random(
+        catalogue: &Catalogue,
+        home: &Path,
+        program: &Path,
+        threads: usize,
+        refusals: &str,
+        seeds: std::ops::Range<u64>,
+    ) -> Study {
         let mut study = Study::default();
         let mut cover = Cover::new(catalogue);
         cover.learn(refusals);
