@@ -157,9 +157,11 @@ pub fn model_of(scene: Scene) -> (Model, f64, usize) {
 }
 
 /// The hull of a body as triangles of points, four about the middle of each facet of four nodes.
-struct Skin {
-    first: usize,
-    facets: Vec<Vec<u32>>,
+pub struct Skin {
+    /// Number of the body's first node.
+    pub first: usize,
+    /// Nodes of every facet in the numbers of the body, counter-clockwise from outside.
+    pub facets: Vec<Vec<u32>>,
 }
 
 impl Skin {
@@ -194,7 +196,7 @@ impl Skin {
     }
 
     /// Size of its facets.
-    fn size(&self, q: &[f64]) -> f64 {
+    pub fn size(&self, q: &[f64]) -> f64 {
         let area: f64 = self.triangles(q).iter().map(|[a, b, c]| 0.5 * length(cross(minus(*b, *a), minus(*c, *a)))).sum();
         (area / self.facets.len() as f64).sqrt()
     }
@@ -225,7 +227,7 @@ fn distance(x: Point, [a, b, c]: &[Point; 3]) -> f64 {
 }
 
 /// The largest depth of a point of one skin inside the other.
-fn deepest(skins: &[Skin; 2], q: &[f64]) -> f64 {
+pub fn deepest(skins: &[Skin; 2], q: &[f64]) -> f64 {
     let mut deepest = 0.0f64;
     for own in 0..2 {
         let triangles = skins[1 - own].triangles(q);

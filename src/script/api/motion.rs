@@ -109,7 +109,7 @@ impl Motion {
         [self.cosine * x + self.sine * y, self.cosine * y - self.sine * x, z]
     }
 
-    /// Factor of an energy (per thickness in the plane).
+    /// Factor of an energy: per thickness in the plane, of bodies of revolution that of the whole circumference, as in space (`dimension` 3).
     pub fn energy(&self, dimension: usize) -> f64 {
         self.units.stress() * self.units.length.powi(dimension as i32)
     }
@@ -164,14 +164,16 @@ impl Motion {
         }
         moved.supports.iter_mut().try_for_each(|support| self.support(model, support))?;
         moved.prescriptions = model.prescriptions.iter().map(|given| self.prescription(model, given)).collect::<Result<_, _>>()?;
-        let force = units.stress() * units.length.powi(dimension as i32 - 1);
+        // Forces and masses of bodies of revolution are those of the whole circumference.
+        let of_energy = if model.is_axisymmetric() { 3 } else { dimension };
+        let force = units.stress() * units.length.powi(of_energy as i32 - 1);
         for load in &mut moved.loads {
             let mut size = 1.0;
             match &mut load.kind {
                 LoadKind::Traction(vector) => *vector = self.vector(*vector, units.stress()),
                 LoadKind::Force(vector) => *vector = self.vector(*vector, force),
                 LoadKind::Pressure(pressure) => *pressure *= units.stress(),
-                LoadKind::Torque => size = self.energy(dimension),
+                LoadKind::Torque => size = self.energy(of_energy),
             }
             load.amplitude = self.amplitude(&load.amplitude, size);
         }
@@ -194,7 +196,7 @@ impl Motion {
             point: &|point| self.point(point),
             direction: &|vector| self.vector(vector, 1.0),
             units: [units.mass, units.length, units.time],
-            is_plane: dimension == 2,
+            is_plane: of_energy == 2,
         };
         moved.parts = model.parts.iter().map(|part| part.changed(&change)).collect();
         Ok(moved)

@@ -1,0 +1,65 @@
+//! Random products of the catalogues: small models that take one row of every catalogue at once, and what must hold for all of them.
+//!
+//! A [`Product`] is a row of each factor and a seed for its numbers. It is a script ([`script`]), so that it can be kept, read and made
+//! smaller ([`shrink`]). [`run`] takes it through the program, [`oracle`] judges the outcome from what was printed and from the files, and
+//! [`cover`] chooses products so that every pair of rows that is allowed together is in one of them. Factors come from the registry of the
+//! language and from the catalogues of the kernels ([`catalogue`]).
+
+// Each program uses its part of it.
+#![allow(dead_code)]
+
+pub mod agreement;
+pub mod catalogue;
+pub mod cover;
+pub mod geometry;
+pub mod numbers;
+pub mod oracle;
+pub mod run;
+pub mod script;
+pub mod shrink;
+pub mod study;
+pub mod told;
+
+use std::fmt;
+
+pub use catalogue::Catalogue;
+
+/// A row of each factor, in the order of the catalogue, and a seed for the numbers.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Product {
+    /// Index of the row of every factor.
+    pub rows: Vec<usize>,
+    /// Seed of the numbers; 0 has plain ones.
+    pub seed: u64,
+}
+
+/// A product with the words of its catalogue.
+#[derive(Clone, Copy)]
+pub struct Named<'a> {
+    /// The catalogue.
+    pub catalogue: &'a Catalogue,
+    /// The product.
+    pub product: &'a Product,
+}
+
+impl<'a> Named<'a> {
+    /// The row of a factor.
+    pub fn row(&self, factor: &str) -> &'a str {
+        let index = self.catalogue.index(factor);
+        &self.catalogue.factors[index].rows[self.product.rows[index]]
+    }
+
+    /// Whether a factor has one of some rows.
+    pub fn is(&self, factor: &str, rows: &[&str]) -> bool {
+        rows.contains(&self.row(factor))
+    }
+}
+
+impl fmt::Display for Named<'_> {
+    /// All rows that are not the first of their factor.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let all = self.catalogue.factors.iter().zip(&self.product.rows).filter(|(_, row)| **row > 0);
+        let all: Vec<String> = all.map(|(factor, row)| format!("{}={}", factor.name, factor.rows[*row].replace(' ', "_"))).collect();
+        write!(out, "{} seed={}", if all.is_empty() { "plain".into() } else { all.join(" ") }, self.product.seed)
+    }
+}

@@ -1,0 +1,494 @@
+//! A product as a script of the language.
+
+mod pieces;
+
+use conserva::elements::CellKind;
+use conserva::materials;
+
+use super::Named;
+use super::catalogue::{is_plane, is_quadratic};
+use super::numbers::Numbers;
+
+/// Methods of a model that support it.
+pub const SUPPORTS: [&str; 4] = ["fix", "prescribe", "add_symmetry", "add_periodic"];
+
+/// Force elements for which a script is known.
+pub const PARTS: [&str; 10] = [
+    "add_spring",
+    "add_torsion_spring",
+    "add_damper",
+    "add_bushing",
+    "add_drag",
+    "add_damping",
+    "add_chamber",
+    "add_mass",
+    "add_actuator",
+    "add_motor",
+];
+
+/// Loads for which a script is known.
+pub const LOADS: [&str; 9] =
+    ["gravity", "rotating_frame", "initial_displacement", "traction", "force", "pressure", "torque", "body_force", "grow"];
+
+/// Time functions for which a script is known.
+pub const AMPLITUDES: [&str; 6] = ["number", "closure", "hat", "ramp", "sine", "table"];
+
+/// A stranger to the model: what is written in place of a row for which no script is known.
+const UNKNOWN: &str = "/* no script is known for this row */";
+
+/// How a script differs from that of its product.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variant {
+    /// Not at all.
+    Plain,
+    /// Bodies in another order, nodes of boxes numbered from the other end.
+    Renumbered,
+}
+
+/// Height, length along x, depth and lowest corner of the body.
+pub const SIZE: [f64; 3] = [1.0, 0.6, 0.8];
+/// Least x of the body.
+pub const LEFT: f64 = 0.5;
+/// Radii of a round body.
+pub const RADII: [f64; 2] = [0.2, 0.4];
+/// Middle of the body along x.
+pub const MIDDLE: f64 = 1.0;
+/// Height of the ground point of links above the body's left end.
+const ABOVE: f64 = 1.0;
+
+/// The constants of an obstacle at rest.
+pub fn obstacle(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "rigid_plane" => "point: [1.0, 0.0@], normal: [0.0, 1.0@]",
+        "rigid_disk" => "center: [1.0, -0.5], radius: 0.5",
+        "rigid_ring" => "center: [1.0, HIGH], radius: 1.5",
+        "rigid_polyline" => "points: [[3.0, -0.2], [1.0, 0.0], [-1.0, -0.2]]",
+        "rigid_sphere" => "center: [1.0, -0.5, 0.5], radius: 0.5",
+        "rigid_cylinder" => "point: [1.0, -0.5, 0.5], axis: [0.0, 0.0, 1.0], radius: 0.5",
+        "rigid_cone" => "tip: [1.0, 0.0, 0.5], axis: [0.0, -1.0, 0.0], half_angle: deg(70)",
+        "rigid_torus" => "center: [1.0, -0.2, 0.5], axis: [0.0, 1.0, 0.0], radius: 0.3, tube_radius: 0.2",
+        "rigid_box" => "size: [3.0, 0.5, 3.0], origin: [-0.5, -0.5, -1.0]",
+        "rigid_surface" => "mesh: block(#{ size: [3.0, 0.5, 3.0], cells: [2, 1, 2], origin: [-0.5, -0.5, -1.0] })",
+        _ => return None,
+    })
+}
+
+/// A friction law with a coefficient.
+pub fn friction_law(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "coulomb" => "coulomb(#{ coefficient: MU, at_rest: 1.2, transition_speed: 0.01, viscosity: 0.1, most: 50.0 })",
+        "friction_curve" => "friction_curve([[0.0, 1.5 * MU], [0.05, MU], [1.0, 0.9 * MU]])",
+        "rough" => "rough()",
+        _ => return None,
+    })
+}
+
+struct Writer<'a> {
+    product: Named<'a>,
+    numbers: Numbers,
+    variant: Variant,
+    is_plane: bool,
+    gap: f64,
+    text: String,
+}
+
+/// The script of a product.
+pub fn text(product: Named, variant: Variant) -> String {
+    let mut writer = Writer::new(product, variant);
+    writer.line(&format!("// {product}"));
+    writer.model();
+    writer.simulation();
+    writer.told();
+    writer.text
+}
+
+/// A script that runs a product as it is and moved.
+pub fn moved(product: Named, how: &str) -> String {
+    let mut writer = Writer::new(product, Variant::Plain);
+    writer.line(&format!("// {product}"));
+    writer.line("expect_invariant(|| {");
+    writer.model();
+    writer.simulation();
+    writer.line("sim");
+    writer.line(&format!("}}, #{{ {how} }});"));
+    writer.text
+}
+
+/// Whether a product rests: an equilibrium is asked for.
+pub fn rests(product: Named) -> bool {
+    product.is("integrator", &["statics"]) || settles(product) || product.is("task", &["follow_load"])
+}
+
+fn settles(product: Named) -> bool {
+    product.is("task", &["settle", "settle_without_friction", "buckling"])
+}
+
+/// Distance of the body from its partner at the start.
+pub fn gap(product: Named, numbers: &Numbers) -> f64 {
+    if product.is("partner", &["tie"]) || product.is("enforcement", &["equality"]) {
+        0.0
+    } else if settles(product) {
+        -0.3 * numbers.gap
+    } else {
+        numbers.gap
+    }
+}
+
+impl<'a> Writer<'a> {
+    fn new(product: Named<'a>, variant: Variant) -> Self {
+        let numbers = Numbers::new(product.product.seed);
+        let gap = gap(product, &numbers);
+        Writer { product, numbers, variant, is_plane: is_plane(product.row("cell")), gap, text: String::new() }
+    }
+
+    fn line(&mut self, line: &str) {
+        self.text += line;
+        self.text.push('\n');
+    }
+
+    fn is(&self, factor: &str, rows: &[&str]) -> bool {
+        self.product.is(factor, rows)
+    }
+
+    fn is_round(&self) -> bool {
+        self.is("shape", &["round"])
+    }
+
+    fn is_axial(&self) -> bool {
+        self.is("plane", &["axisymmetric"])
+    }
+
+    /// A vector; of bodies of revolution the part along the axis.
+    fn vector(&self, x: f64, y: f64) -> String {
+        let x = if self.is_axial() { 0.0 } else { x };
+        if self.is_plane { format!("[{x:?}, {y:?}]") } else { format!("[{x:?}, {y:?}, 0.0]") }
+    }
+
+    /// A point of the body, in space on its front.
+    fn point(&self, x: f64, y: f64) -> String {
+        if self.is_plane { format!("[{x:?}, {y:?}]") } else { format!("[{x:?}, {y:?}, 0.1]") }
+    }
+
+    fn duration(&self) -> f64 {
+        self.numbers.dt * self.numbers.steps as f64
+    }
+
+    /// A time function with a peak; a number is the peak from the beginning.
+    fn amplitude(&self, peak: f64) -> String {
+        let end = self.duration();
+        let peak = peak * self.numbers.load;
+        match self.product.row("amplitude") {
+            "number" => format!("{peak:?}"),
+            "closure" => format!("|t| {peak:?} * t / {end:?}"),
+            "hat" => format!("hat(0.0, {end:?}, {peak:?})"),
+            "ramp" => format!("ramp(0.0, {:?}, {peak:?})", 0.5 * end),
+            "sine" => format!("sine({peak:?}, {:?})", 0.25 / end),
+            "table" => format!("table([[0.0, 0.0], [{:?}, {peak:?}], [{end:?}, {:?}]])", 0.6 * end, 0.5 * peak),
+            _ => UNKNOWN.into(),
+        }
+    }
+
+    /// A motion with a peak, which is zero at the start: of numbers none.
+    fn motion(&self, peak: f64) -> String {
+        if self.is("amplitude", &["number"]) { "0.0".into() } else { self.amplitude(peak) }
+    }
+
+    fn material(&self, title: &str) -> String {
+        if title == "hyperelastic" {
+            let energy = "mu/2*(I1bar - 3) + k/2*(J - 1)^2";
+            return format!("hyperelastic(#{{ energy: \"{energy}\", mu: 40.0, k: 100.0, density: 1.0 }})");
+        }
+        let row = materials::CATALOGUE.iter().chain(materials::LINEAR).find(|row| row.title() == title).expect("it is of the catalogue");
+        let values = row.example(100.0, 1.0);
+        let mut keys: Vec<String> = row.parameters.iter().zip(values).map(|(key, value)| format!("{}: {value:?}", key.name)).collect();
+        keys.extend(row.volumetric.filter(|form| !form.is_usual()).map(|form| format!("volumetric: \"{}\"", form.name)));
+        format!("{}(#{{ {} }})", row.name, keys.join(", "))
+    }
+
+    /// Mesh of the body.
+    fn mesh(&self) -> String {
+        let cell = self.product.row("cell");
+        let [width, height, depth] = SIZE;
+        let (gap, middle) = (self.gap, self.gap + RADII[1]);
+        let is_quadratic = is_quadratic(cell);
+        let turned = self.turns_mesh();
+        match (self.is_plane, self.is_round()) {
+            (true, false) => {
+                let cells = if is_quadratic { "[2, 1]" } else { "[4, 2]" };
+                let turn = if turned { format!(".rotate(PI(), [{MIDDLE:?}, {:?}])", gap + 0.5 * height) } else { String::new() };
+                format!(
+                    "rectangle(#{{ size: [{width:?}, {height:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}], element: \"{cell}\" }}){turn}"
+                )
+            }
+            (true, true) => {
+                let around = if is_quadratic { 8 } else { 12 };
+                let [inner, outer] = RADII;
+                format!(
+                    "ring(#{{ inner_radius: {inner:?}, outer_radius: {outer:?}, cells: [1, {around}], center: [{MIDDLE:?}, {middle:?}], element: \"{cell}\" }})"
+                )
+            }
+            (false, false) => {
+                let cells = if is_quadratic { "[2, 1, 1]" } else { "[2, 2, 1]" };
+                let turn = if turned {
+                    format!(".rotate(PI(), [{MIDDLE:?}, {:?}, 0.5], [0.0, 0.0, 1.0])", gap + 0.5 * height)
+                } else {
+                    String::new()
+                };
+                format!(
+                    "block(#{{ size: [{width:?}, {height:?}, {depth:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}, 0.1], element: \"{cell}\" }}){turn}"
+                )
+            }
+            (false, true) => {
+                let around = if is_quadratic { 4 } else { 8 };
+                format!(
+                    "sphere(#{{ radius: {:?}, cells: [1, {around}], center: [{MIDDLE:?}, {middle:?}, 0.5], element: \"{cell}\" }})",
+                    RADII[1]
+                )
+            }
+        }
+    }
+
+    /// Whether the mesh is numbered from the other end: a box turned by half a turn is the same box, unless it is cut into tetrahedra.
+    fn turns_mesh(&self) -> bool {
+        self.variant == Variant::Renumbered && !self.is_round() && !self.product.row("cell").starts_with("tet")
+    }
+
+    fn body(&mut self) {
+        let material = if self.is("body", &["rigid", "rigid_numbers"]) {
+            "neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 })".to_string()
+        } else {
+            self.material(self.product.row("material"))
+        };
+        self.line(&format!("let stuff = {material};"));
+        match self.product.row("body") {
+            "viscous" => self.line("let stuff = stuff.viscous(#{ shear_viscosity: 0.2, bulk_viscosity: 0.1 });"),
+            "relaxing" => self.line("let stuff = stuff.relaxing(#{ shear_modulus: 20.0, relaxation_time: 0.02 });"),
+            _ => {}
+        }
+        let mesh = self.mesh();
+        let mut options: Vec<String> = Vec::new();
+        if self.is_plane && !self.is("plane", &["strain"]) {
+            options.push(format!("plane: \"{}\"", self.product.row("plane")));
+        }
+        if !self.is("dilatation", &["default"]) {
+            options.push(format!("dilatation: \"{}\"", self.product.row("dilatation")));
+        }
+        if self.is("body", &["rigid"]) {
+            options.push("rigid: true".into());
+        }
+        let options = if options.is_empty() { String::new() } else { format!(", #{{ {} }}", options.join(", ")) };
+        if self.is("body", &["rigid_numbers"]) {
+            self.line(&format!("let a = m.add_rigid_body(\"a\", {mesh}, #{{ mass: 0.6 }});"));
+        } else {
+            self.line(&format!("let a = m.add_body(\"a\", {mesh}, stuff{options});"));
+        }
+    }
+
+    /// Boundaries of the body: what may touch, and its three other sides.
+    fn boundaries(&mut self) {
+        if self.is_round() {
+            let arguments = if self.is_plane { "|x, y|" } else { "|x, y, z|" };
+            let high = self.gap + 1.5 * RADII[1];
+            self.line("let foot = a.boundary(\"outer\");");
+            self.line(&format!("let cap = a.boundary_where(\"cap\", {arguments} y > {high:?});"));
+            self.line(&format!("let flank = a.boundary_where(\"flank\", {arguments} x < {:?});", MIDDLE - 0.5 * RADII[1] + 1e-6));
+            self.line(&format!("let far = a.boundary_where(\"far\", {arguments} x > {:?});", MIDDLE + 0.5 * RADII[1] - 1e-6));
+            return;
+        }
+        let names = if self.turns_mesh() { ["top", "bottom", "right", "left"] } else { ["bottom", "top", "left", "right"] };
+        for (variable, name) in ["foot", "cap", "flank", "far"].iter().zip(names) {
+            self.line(&format!("let {variable} = a.boundary(\"{name}\");"));
+        }
+    }
+
+    fn partner(&mut self) {
+        let is_body = self.is("partner", &["held_body", "free_body", "rigid_body", "tie"]);
+        if !is_body {
+            return;
+        }
+        let cell = self.product.row("cell");
+        let is_quadratic = is_quadratic(cell);
+        let mesh = if self.is_plane {
+            let cells = if is_quadratic { "[3, 1]" } else { "[5, 2]" };
+            format!("rectangle(#{{ size: [1.8, 0.5], cells: {cells}, origin: [0.1, -0.5], element: \"{cell}\" }})")
+        } else {
+            let cells = if is_quadratic { "[2, 1, 1]" } else { "[3, 1, 2]" };
+            format!("block(#{{ size: [1.8, 0.5, 1.0], cells: {cells}, origin: [0.1, -0.5, 0.0], element: \"{cell}\" }})")
+        };
+        let mut options: Vec<String> = Vec::new();
+        if self.is_plane && !self.is("plane", &["strain"]) {
+            options.push(format!("plane: \"{}\"", self.product.row("plane")));
+        }
+        if self.is("partner", &["rigid_body"]) {
+            options.push("rigid: true".into());
+        }
+        let options = if options.is_empty() { String::new() } else { format!(", #{{ {} }}", options.join(", ")) };
+        self.line(&format!(
+            "let b = m.add_body(\"b\", {mesh}, neo_hookean(#{{ youngs_modulus: 200.0, poisson_ratio: 0.3, density: 1.0 }}){options});"
+        ));
+        if self.is("partner", &["held_body", "tie"]) || rests(self.product) {
+            self.line("m.fix(b.boundary(\"bottom\"));");
+        }
+    }
+
+    fn contact(&mut self) {
+        let mut options: Vec<String> = Vec::new();
+        if !self.is("method", &["default"]) {
+            options.push(format!("method: {}()", self.product.row("method")));
+        }
+        if !self.is("update", &["default"]) {
+            options.push(format!("update: \"{}\"", self.product.row("update")));
+        }
+        match self.product.row("enforcement") {
+            "multipliers" => {}
+            "penalty" => options.push("penalty: 20.0".into()),
+            "augmented_lagrange" => options.push("augmented_lagrange: 100.0".into()),
+            "equality" => options.push("equality: true".into()),
+            other => options.push(format!("{other}: 0.5")),
+        }
+        let coefficient = format!("{:?}", self.numbers.friction);
+        match self.product.row("friction") {
+            "none" => {}
+            "number" => options.push(format!("friction: {coefficient}")),
+            law => options.push(format!("friction: {}", friction_law(law).unwrap_or(UNKNOWN).replace("MU", &coefficient))),
+        }
+        let options: String = options.iter().map(|option| format!(", {option}")).collect();
+        match self.product.row("partner") {
+            "none" => {}
+            "tie" => self.line("m.tie(\"pair\", #{ secondary: foot, primary: b.boundary(\"top\") });"),
+            "self" => {
+                let arguments = if self.is_plane { "|x, y|" } else { "|x, y, z|" };
+                self.line(&format!("m.add_self_contact(\"pair\", #{{ surface: a.boundary_where(\"hull\", {arguments} true){options} }});"));
+            }
+            "held_body" | "free_body" | "rigid_body" => {
+                self.line(&format!("m.add_contact(\"pair\", #{{ secondary: foot, primary: b.boundary(\"top\"){options} }});"));
+            }
+            name => {
+                let high = if self.is_round() { 1.5 } else { (1.5f64.powi(2) - 0.25).sqrt() };
+                let shape = obstacle(name).unwrap_or(UNKNOWN).replace('@', if self.is_plane { "" } else { ", 0.0" });
+                let shape = shape.replace("HIGH", &format!("{high:?}"));
+                let motion = if self.is("moving", &["moving"]) {
+                    let turns = ["rigid_disk", "rigid_ring", "rigid_cylinder", "rigid_cone", "rigid_torus"].contains(&name);
+                    let turn = if turns { format!(", angle: {}", self.motion(0.05)) } else { String::new() };
+                    format!(", motion: #{{ y: {}{turn} }}", self.motion(0.01))
+                } else {
+                    String::new()
+                };
+                self.line(&format!("m.add_contact(\"pair\", #{{ secondary: foot, primary: {name}(#{{ {shape}{motion} }}){options} }});"));
+            }
+        }
+    }
+
+    fn model(&mut self) {
+        self.line("let m = model(\"product\");");
+        if self.variant == Variant::Renumbered {
+            self.partner();
+            self.body();
+        } else {
+            self.body();
+            self.partner();
+        }
+        self.boundaries();
+        let (linear, spin) = (self.vector(self.numbers.slide, -self.numbers.speed), self.numbers.spin);
+        let spin = if self.is_axial() { String::new() } else { format!(", angular: {spin:?}") };
+        self.line(&format!("m.initial_velocity(a, #{{ linear: {linear}{spin} }});"));
+        self.contact();
+        self.part();
+        self.joint();
+        self.load();
+        self.support();
+    }
+
+    fn simulation(&mut self) {
+        let integrator = self.product.row("integrator");
+        let dt = self.numbers.dt;
+        if integrator == "central_differences" {
+            self.line(&format!("let dt = [{dt:?}, 0.5 * stable_step(m)].reduce(|a, b| if b < a {{ b }} else {{ a }}, 1.0);"));
+        } else {
+            self.line(&format!("let dt = {dt:?};"));
+        }
+        let size = if self.is("steps", &["auto"]) { "auto(#{ first: dt })" } else { "dt" };
+        self.line(&format!("let sim = simulate(m, #{{ integrator: {integrator}(), dt: {size}, stills: 2 }});"));
+        let (end, half) = (self.duration(), 0.5 * self.duration());
+        let run = format!("sim.run_to({end:?});");
+        let force = self.vector(0.0, 1.0);
+        let (point, damped) = (self.point(MIDDLE, self.gap + SIZE[1]), "loss_factor: 0.05");
+        let task = match self.product.row("task") {
+            "run" => run,
+            "settle" => format!("sim.settle();\n{run}"),
+            "settle_without_friction" => format!("sim.settle(#{{ friction: false }});\n{run}"),
+            "modes" => format!("{run}\nlet modes = sim.modes(#{{ count: 3 }});\nprint(`@modes ${{modes.frequencies}}`);"),
+            "harmonic_response" => format!(
+                "{run}\nlet answer = sim.harmonic_response(#{{ frequencies: [1.0, 3.0], boundary: cap, force: {force}, {damped} }});\n\
+                 print(`@response ${{answer.at(a, {point}).amplitude}}`);"
+            ),
+            "harmonic_base" => format!(
+                "{run}\nlet answer = sim.harmonic_response(#{{ frequencies: [1.0, 3.0], base: {force}, {damped} }});\n\
+                 print(`@response ${{answer.at(a, {point}).amplitude}}`);"
+            ),
+            "buckling" => {
+                format!("sim.settle();\nlet buckling = sim.buckling(#{{ count: 1 }});\nprint(`@buckling ${{buckling.factors}}`);\n{run}")
+            }
+            "follow_load" => format!("let path = sim.follow_load(#{{ load: {end:?}, points: 6 }});\nsim.restore(path.state(-1));"),
+            "restore" => format!("let start = sim.save();\nsim.step(3);\nsim.restore(start);\n{run}"),
+            "back" => format!("sim.step(3);\nsim.back(2);\n{run}"),
+            "branch" => format!("sim.step(2);\nlet other = sim.branch();\nother.step(2);\n{run}"),
+            "set" => format!("sim.run_to({half:?});\nsim.set(#{{ dt: 0.5 * dt }});\n{run}"),
+            _ => UNKNOWN.into(),
+        };
+        self.line(&task);
+    }
+
+    /// What the script says of the end, to be compared with the files.
+    fn told(&mut self) {
+        self.line("print(`@time ${sim.time}`);");
+        self.line("print(`@steps ${sim.steps}`);");
+        self.line("for name in sim.history.columns { print(`@column ${name}: ${sim.history[name][-1]}`); }");
+        self.line("print(`@energy ${[sim.energy.kinetic, sim.energy.strain, sim.energy.potential, sim.energy.total]}`);");
+        self.line("print(`@momentum ${sim.momentum}`);");
+        self.line("for body in sim.bodies { print(`@displacement ${sim.field(\"displacement\", body)}`); }");
+        if !self.is("partner", &["none", "tie"]) {
+            self.line("let pair = sim.contact(\"pair\");");
+            self.line("print(`@pressure ${pair.pressure}`);\nprint(`@shear ${pair.shear}`);\nprint(`@slip ${pair.slip}`);");
+            self.line("print(`@gap ${pair.gap}`);\nprint(`@active ${pair.active}`);\nprint(`@state ${pair.state}`);");
+        }
+        if !self.is("joint", &["none"]) {
+            self.line("print(`@joint ${sim.joint(\"joint\").position}`);");
+        }
+        self.line("sim.write_fields(\"end.vtu\");");
+    }
+}
+
+/// The point at which the joint of a product stands at rest, in the plane.
+pub fn joint_point(product: Named) -> [f64; 2] {
+    Writer::new(product, Variant::Plain).joint_point()
+}
+
+/// Dimension of the space of a product.
+pub fn dimension(product: Named) -> usize {
+    CellKind::ALL.iter().find(|kind| kind.name() == product.row("cell")).map_or(2, |kind| kind.dimension())
+}
+
+/// A motion with a peak at a time.
+pub fn motion_at(product: Named, peak: f64, time: f64) -> f64 {
+    let writer = Writer::new(product, Variant::Plain);
+    let (end, peak) = (writer.duration(), peak * writer.numbers.load);
+    let linear = |points: &[[f64; 2]]| {
+        let piece = points.windows(2).find(|piece| time <= piece[1][0]);
+        let last = points[points.len() - 1][1];
+        piece.map_or(last, |piece| piece[0][1] + (piece[1][1] - piece[0][1]) * (time - piece[0][0]) / (piece[1][0] - piece[0][0]))
+    };
+    match product.row("amplitude") {
+        "closure" => peak * time / end,
+        "hat" => linear(&[[0.0, 0.0], [0.5 * end, peak], [end, 0.0]]),
+        "ramp" => linear(&[[0.0, 0.0], [0.5 * end, peak]]),
+        "sine" => peak * (2.0 * std::f64::consts::PI * 0.25 / end * time).sin(),
+        "table" => linear(&[[0.0, 0.0], [0.6 * end, peak], [end, 0.5 * peak]]),
+        _ => 0.0,
+    }
+}
+
+/// Displacement of the obstacle along y at a time.
+pub fn obstacle_offset(product: Named, time: f64) -> f64 {
+    if product.is("moving", &["moving"]) { motion_at(product, 0.01, time) } else { 0.0 }
+}

@@ -1,0 +1,120 @@
+//! Products of the catalogues: every pair of rows that is allowed together in one of some hundred small models, each judged from its files.
+//!
+//! `cargo test --release --test products -- --nocapture` lists what is refused, with its codes. Any number of products at random, and what
+//! fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals that are known stand in `products.txt`, so
+//! that the rows to blame need not be looked for; `--cover` writes that table anew.
+
+#[path = "common/mod.rs"]
+mod common;
+#[path = "common/scenes/geometry.rs"]
+#[allow(dead_code)]
+mod plane;
+#[path = "common/products/mod.rs"]
+mod products;
+#[path = "common/run_files.rs"]
+mod run_files;
+#[path = "common/solids.rs"]
+#[allow(dead_code)]
+mod solids;
+#[path = "common/splitmix.rs"]
+mod splitmix;
+
+use std::path::{Path, PathBuf};
+
+use products::oracle;
+use products::run::{Bench, Manner, Verdict, run};
+use products::script::{Variant, text};
+use products::study::{Known, Study};
+use products::{Catalogue, Named};
+
+/// Refusals that are known: code, rows, title.
+const REFUSED: &str = include_str!("products.txt");
+
+/// Violations that are known: kinds of faults, rows of the product, name of the fault. A row that nothing meets any more fails the test.
+const KNOWN: &[Known] = &[];
+
+/// Least part of the pairs with a meaning that are drawn; the rest is refused.
+const DRAWN: f64 = 0.8;
+
+fn home(name: &str) -> PathBuf {
+    let home = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("products-{name}"));
+    let _ = std::fs::remove_dir_all(&home);
+    std::fs::create_dir_all(&home).expect("the folder can be made");
+    home.canonicalize().expect("it is there")
+}
+
+fn program() -> &'static Path {
+    Path::new(env!("CARGO_BIN_EXE_conserva"))
+}
+
+#[test]
+fn every_row_of_the_catalogues_is_drawn() {
+    let strangers = Catalogue::new().strangers();
+    assert!(strangers.is_empty(), "tests/common/products/script.rs has no script for {strangers:?}");
+}
+
+#[test]
+fn every_pair_of_rows_that_is_allowed_together_keeps_what_holds_for_all() {
+    let catalogue = Catalogue::new();
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let (study, cover) = Study::cover(&catalogue, &home("cover"), program(), threads, REFUSED, KNOWN);
+    for ((first, second), why) in &cover.excluded {
+        println!("refused: {} | {why}", cover.words(&[*first, *second]));
+    }
+    study.changed.iter().for_each(|change| println!("{change}"));
+    let drawn = cover.meant - cover.excluded.len();
+    println!(
+        "{drawn} of {} pairs in {} products: {} sound, {} refused, {} with a known fault",
+        cover.meant,
+        study.times.len(),
+        study.sound,
+        study.refused,
+        study.known
+    );
+    let wrong = study.wrong.iter().map(|(product, verdict)| format!("{}: {verdict:?}", Named { catalogue: &catalogue, product }));
+    let wrong: Vec<String> = wrong.collect();
+    assert!(wrong.is_empty(), "{} violations:\n{}", wrong.len(), wrong.join("\n"));
+    let gone = KNOWN.iter().enumerate().filter(|(place, _)| !study.met.contains_key(place)).map(|(_, known)| known);
+    let gone: Vec<&Known> = gone.collect();
+    assert!(gone.is_empty(), "known violations that are met no more: take them out of the table: {gone:?}");
+    assert!(drawn as f64 >= DRAWN * cover.meant as f64, "{drawn} of {} pairs are drawn", cover.meant);
+}
+
+/// A run of a body that slides, with its history changed by hand, is found out.
+#[test]
+fn the_oracle_finds_what_is_wrong_in_the_files() {
+    let catalogue = Catalogue::new();
+    let product = catalogue.product("partner=rigid_plane friction=number");
+    let named = Named { catalogue: &catalogue, product: &product };
+    let home = home("oracle");
+    assert_eq!(Bench { home: home.join("bench"), program: program().into() }.judge(named), Verdict::Sound);
+    let (script, out) = (home.join("main.rhai"), home.join("out"));
+    std::fs::write(&script, text(named, Variant::Plain)).expect("the script can be written");
+    let ended = run(&script, &out, Manner::default());
+    assert_eq!(oracle::judge(named, &ended, &out), []);
+    let place = out.join("history.csv");
+    let history = std::fs::read_to_string(&place).expect("it was written");
+    let header: Vec<&str> = history.lines().next().expect("a header").split(',').collect();
+    for (column, kind) in [
+        ("friction_work", "friction_gives"),
+        ("energy_defect", "energy_defect"),
+        ("total", "sum_of_energies"),
+        ("contact_work", "ledger_formula"),
+    ] {
+        let index = header.iter().position(|name| *name == column).expect("the history has the column");
+        let mut lines: Vec<String> = history.lines().map(String::from).collect();
+        let last = lines.len() - 1;
+        let mut fields: Vec<String> = lines[last].split(',').map(String::from).collect();
+        fields[index] = "0.001".into();
+        lines[last] = fields.join(",");
+        std::fs::write(&place, lines.join("\n") + "\n").expect("it can be written");
+        let faults = oracle::judge(named, &ended, &out);
+        assert!(faults.iter().any(|fault| fault.kind == kind), "{column}: {faults:?}");
+    }
+    std::fs::write(&place, &history).expect("it can be written");
+    let mut told = ended.clone();
+    told.printed.iter_mut().filter(|line| line.starts_with("@shear")).for_each(|line| *line = line.replacen("0.0", "1e9", 1));
+    told.printed.iter_mut().filter(|line| line.starts_with("@displacement")).for_each(|line| *line = line.replacen('1', "2", 1));
+    let kinds: Vec<&str> = oracle::judge(named, &told, &out).iter().map(|fault| fault.kind).collect();
+    assert!(kinds.contains(&"frame"), "{kinds:?}");
+}
