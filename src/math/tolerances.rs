@@ -528,7 +528,7 @@ pub const PUSHED: f64 = 1e-12;
 pub const IMPULSE: f64 = 1e-15;
 
 /// Slip of an impact that counts as none, relative to the largest rate; friction beyond its cone by as much of it.
-pub const SLIP_ROUND_OFF: f64 = 1e-12;
+pub const IMPACT_SLIP: f64 = 1e-12;
 
 /// Energy that an impact may seem to give, relative to what its compression takes: round-off.
 pub const IMPACT_ENERGY: f64 = 1e-12;

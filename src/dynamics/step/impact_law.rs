@@ -141,7 +141,7 @@ impl ImpactLaw {
             let length = |rates: &[f64]| rates[rows.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
             let (old, new) = (length(before), length(after));
             let along: f64 = rows.clone().map(|row| before[row] * after[row]).sum();
-            let is_still = |length: f64| length <= tolerances::SLIP_ROUND_OFF * size;
+            let is_still = |length: f64| length <= tolerances::IMPACT_SLIP * size;
             !is_still(old) && (is_still(new) || along < TURN.cos() * old * new)
         })
     }
@@ -243,11 +243,11 @@ impl Block {
         let stuck = self.stuck();
         let most = self.friction * stuck[0];
         let along = stuck[1].hypot(stuck[2]);
-        if along <= most * (1.0 + tolerances::SLIP_ROUND_OFF) {
+        if along <= most * (1.0 + tolerances::IMPACT_SLIP) {
             return stuck;
         }
         let slid = self.slid(&stuck);
-        if self.rate(0, &slid) >= self.target - tolerances::SLIP_ROUND_OFF * (self.free[0].abs() + self.target.abs()) {
+        if self.rate(0, &slid) >= self.target - tolerances::IMPACT_SLIP * (self.free[0].abs() + self.target.abs()) {
             return slid;
         }
         // Sliding presses the bodies together faster than it parts them, whatever the impulse: a jam, which ends the slip at once.
@@ -264,7 +264,7 @@ impl Block {
                 return [if t[1][1] > 0.0 { right[0] / t[1][1] } else { 0.0 }, 0.0];
             }
             let determinant = t[1][1] * t[2][2] - t[1][2] * t[2][1];
-            if determinant <= tolerances::SLIP_ROUND_OFF * (t[1][1] + t[2][2]).powi(2) {
+            if determinant <= tolerances::IMPACT_SLIP * (t[1][1] + t[2][2]).powi(2) {
                 let one = |i: usize| if t[i + 1][i + 1] > 0.0 { right[i] / (t[1][1] + t[2][2]) } else { 0.0 };
                 return [one(0), one(1)];
             }
@@ -303,7 +303,7 @@ impl Block {
             let slip = [1, 2].map(|i| self.rate(i, &p) - isotropic * p[i]);
             let next = unit(slip.map(|x| -x));
             let turned = (next[0] - along[0]).hypot(next[1] - along[1]);
-            if turned <= tolerances::SLIP_ROUND_OFF {
+            if turned <= tolerances::IMPACT_SLIP {
                 break;
             }
             along = next;
