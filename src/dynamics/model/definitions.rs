@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::amplitude::Amplitude;
 use super::couplings::{Coupling, CouplingKind};
 use super::error::ModelError;
-use super::interactions::{BodyBoundary, Interaction, Partner};
+use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use super::joints::JointDefinition;
 use super::part::PartDefinition;
 use super::prescription::Prescription;

@@ -77,7 +77,7 @@ where
         let Solution { mut at, active, preferred } = solution;
         self.system.lead_end(&mut at);
         let search = self.system.search();
-        let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
+        let (system, Motion { dt, .. }) = (&self.system, *motion);
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
