@@ -40,7 +40,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Whether it is known where the rows would slide. In the plane it always is: one way or the other.
+    /// True if the direction of sliding is defined: in the plane always, in space if the trial is above round-off.
     pub fn is_directed(&self) -> bool {
         match self {
             SlipGroup::Row(_) => true,
@@ -56,7 +56,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Lets rows that stick give way by so much per change of a multiplier.
+    /// Sets the slip per change of a multiplier of rows that stick.
     pub fn set_compliance(&mut self, compliance: f64) {
         match self {
             SlipGroup::Row(row) => row.pressed.compliance = compliance,

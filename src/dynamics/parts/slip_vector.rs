@@ -133,7 +133,7 @@ impl SlipVector<'_> {
         if limit > 0.0 || is_idle { self.nearest(self.pace(), limit) } else { RowState::Forward }
     }
 
-    /// Whether the trial has a direction above round-off of the limit. Without one, the equations of sliding rows have an arbitrary
+    /// True if the trial has a direction above round-off of the limit. Without one, the equations of sliding rows have an arbitrary
     /// direction.
     pub fn is_directed(&self) -> bool {
         let trial = size(self.trial(self.pace()));

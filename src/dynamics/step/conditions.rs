@@ -107,7 +107,7 @@ impl<const D: usize> Equations<D> {
         compliance
     }
 
-    /// Whether the rows of a contact belong to nodes of a rigid body: more than its motions, so that pressures are undetermined.
+    /// True if the rows of a contact belong to nodes of a rigid body: more than its motions, so that pressures are undetermined.
     ///
     /// From iteration to iteration, compliances `C_A` select those with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face
     /// has even pressures; by stiffness they would follow nodal masses.
