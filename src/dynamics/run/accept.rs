@@ -10,7 +10,8 @@ use super::state::State;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
-use crate::dynamics::parts::contact_pair::{ContactPair, ForceShares, PairKind, RowBlock};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowBlock};
+use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
@@ -76,7 +77,7 @@ where
         let Solution { mut at, active, preferred } = solution;
         self.system.lead_end(&mut at);
         let search = self.system.search();
-        let (system, Motion { scheme, dt, .. }) = (&self.system, *motion);
+        let (system, Motion { dt, .. }) = (&self.system, *motion);
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
