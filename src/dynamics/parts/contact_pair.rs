@@ -7,6 +7,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::force_shares::ForceShares;
 use super::friction_rows::FrictionRows;
 use super::laws::{Bilateral, Equation, Penalty, RowLaw, Unilateral};
 use super::time_values::value_of;
@@ -138,20 +139,6 @@ pub struct RowBlock<'a> {
     pub evaluation: &'a Evaluation,
     /// Blocks of rows and columns in the matrix.
     places: [&'a [Block]; 2],
-}
-
-/// Shares of the multipliers of a step in its balance of momentum.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceShares {
-    /// Share of those whose forces act in later steps, too, as the time integrator says.
-    pub lagging: f64,
-    /// Share of those of contacts with friction, which act in their own step alone: 1 in a motion.
-    pub alone: f64,
-}
-
-impl ForceShares {
-    /// All forces as a whole.
-    pub const WHOLE: ForceShares = ForceShares { lagging: 1.0, alone: 1.0 };
 }
 
 /// A constraint row of a patch with its nodes.

@@ -14,6 +14,7 @@ pub mod couplings;
 pub mod damper;
 pub mod drag;
 pub mod force_laws;
+pub mod force_shares;
 pub mod free_motion;
 pub mod friction_rows;
 #[cfg(test)]

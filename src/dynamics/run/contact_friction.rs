@@ -1,12 +1,12 @@
 //! What friction does at the nodes of a contact: nodal forces, shear stress, states, slips.
 //!
-//! The shear stress at a node is that part of what friction bears at the node's pressure which the tangential multiplier is of what friction
-//! bears at the multiplier that presses: `shear = tau L(pressure)/L(lambda)` with the limit `L` of the law. So it lies within the cone at
-//! the pressure that stands beside it, whatever makes the pressure of multipliers, and where all of a contact slides the one is the
-//! coefficient times the other. In space stress and slip have two components, and their sizes are given.
+//! The shear stress at a node is `tau L(pressure)/L(lambda)` with the tangential multiplier `tau`, the multiplier `lambda` that presses,
+//! the node's pressure in the output and the limit `L` of the law. So it lies within the cone at that pressure, however the pressure
+//! follows from multipliers, and where all of a contact slides the one is the coefficient times the other. In space stress and slip have
+//! two components, and their sizes are given.
 
-use super::contact_quantities::{ContactForces, Loaded, own_pressures};
 use super::fields::NodeState;
+use super::loaded::{ContactForces, Loaded};
 use super::slip_memory::{SlipMemory, Tangential, size};
 use crate::contact::Sliding;
 use crate::dynamics::parts::contact_pair::PairKind;
@@ -61,8 +61,9 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
     }
 }
 
-/// Shear stress of friction at each secondary node, that of corners on it included.
-pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], areas: &[f64]) -> Vec<f64> {
+/// Shear stress of friction at each secondary node, that of corners on it included, where the rows of the nodes make these pressures on
+/// these areas.
+pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, areas]: [&[f64]; 2]) -> Vec<f64> {
     let Loaded { pair, lambda, tangential, .. } = contact;
     let (Some(tangential), Some(friction)) = (tangential, &pair.friction) else { return vec![0.0; forces.own.len()] };
     let (stride, nodes) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
@@ -70,7 +71,7 @@ pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], areas: &[f64])
     let limit = |row: usize, pressure: f64| {
         friction.law.limit(Sliding { coefficient: friction.coefficients[row], pressure: pressure.max(0.0), speed: 0.0 }).shear
     };
-    let of = |(index, pressure): (usize, f64)| {
+    let of = |(index, &pressure): (usize, &f64)| {
         let rows = index * stride..(index + 1) * stride;
         let around = pair.circumference(nodes[index], q);
         let (shear, normal) = (size(&multipliers[rows.clone()]), size(&lambda[rows.clone()]));
@@ -81,7 +82,7 @@ pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], areas: &[f64])
         let (borne, most) = (limit(rows.start, normal / around), limit(rows.start, pressure));
         shear / around * if borne > 0.0 { most / borne } else { 0.0 } + corners
     };
-    own_pressures(contact, forces, q).into_iter().enumerate().map(of).collect()
+    pressures.iter().enumerate().map(of).collect()
 }
 
 /// What friction makes of the secondary nodes, and how many corners of the other side slide.

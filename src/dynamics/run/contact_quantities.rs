@@ -16,78 +16,12 @@
 use super::contact_friction::{add_friction, corner_node, mark_between, shears, slipped, states};
 use super::fields::{ContactFields, NodeState};
 use super::ledger::ContactTotals;
-use super::slip_memory::{Tangential, size};
+use super::loaded::{ContactForces, Loaded};
+use super::slip_memory::size;
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow, RowBlock};
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
-
-/// Forces of a contact, evaluated at one configuration.
-#[derive(Default)]
-pub struct ContactForces {
-    /// What presses on the secondary nodes, from the rows that each of them owns and from corners `[force]`.
-    pub(super) own: Vec<[f64; 3]>,
-    /// What friction adds to that `[force]`; nothing without friction.
-    pub(super) friction: Vec<[f64; 3]>,
-    /// What corners pull along the tangent `[force]`; nothing without friction.
-    pub(super) pulled: Vec<f64>,
-    /// Mean pressure of the rows on the part of each secondary node that is covered `[stress]`.
-    mean: Vec<f64>,
-    /// Sizes of what corners press on each secondary node `[force]`.
-    pub(super) pressed: Vec<f64>,
-    /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`: what presses, then friction.
-    pub all: Vec<(u32, [f64; 3])>,
-    /// How many of them press.
-    pub pressing: usize,
-}
-
-/// A pair with its evaluation at a configuration and its multipliers.
-#[derive(Clone, Copy)]
-pub struct Loaded<'a> {
-    pub pair: &'a ContactPair,
-    pub evaluation: &'a Evaluation,
-    pub lambda: &'a [f64],
-    pub active: &'a [RowState],
-    /// Its tangential rows, if it has friction.
-    pub tangential: Option<Tangential<'a>>,
-}
-
-impl Loaded<'_> {
-    /// Tells the force of every row that presses with its multiplier on every node of its patches: the node, whether it owns a row of the
-    /// patch, the multiplier, the force.
-    fn for_each_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        self.visit::<D>(lambda, self.pair.rows.start, self.pair.live_rows(self.evaluation), &self.evaluation.gradient_end, visit);
-    }
-
-    /// The same of friction.
-    pub(super) fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        let Some(Tangential { evaluation, .. }) = self.tangential else { return };
-        for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
-            self.visit::<D>(lambda, block.rows.start, block.live_rows(), &evaluation.gradient_bar, &mut visit);
-        }
-    }
-
-    fn visit<'a, const D: usize>(
-        &self,
-        lambda: &[f64],
-        first: usize,
-        rows: impl Iterator<Item = PatchRow<'a>>,
-        gradients: &[f64],
-        mut visit: impl FnMut(u32, bool, f64, [f64; 3]),
-    ) {
-        for row in rows {
-            let factor = lambda[row.row - first];
-            if factor == 0.0 {
-                continue;
-            }
-            for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
-                let mut force = [0.0; 3];
-                (0..D).for_each(|i| force[i] = factor * gradient[i]);
-                visit(node, self.pair.owns_row(row.patch, node), factor, force);
-            }
-        }
-    }
-}
 
 /// Forces of a contact and of its corners at the positions `q`.
 pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactForces {
@@ -257,7 +191,7 @@ fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f
 }
 
 /// Pressure at each secondary node, that of corners left out.
-pub(super) fn own_pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
+fn own_pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let Loaded { evaluation, lambda, .. } = contact;
     at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &vec![0.0; forces.own.len()]], q)
 }
@@ -390,7 +324,7 @@ pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
             .collect(),
         active,
         state,
-        shear: shears(contact, &forces, q, &areas(pair, q)),
+        shear: shears(contact, &forces, q, [&own_pressures(contact, &forces, q), &areas(pair, q)]),
         slip: slipped.iter().map(|memory| memory.slip).collect(),
         slip_path: slipped.iter().map(|memory| memory.path).collect(),
         heat: slipped.iter().zip(areas(pair, q)).map(|(memory, area)| if memory.heat == 0.0 { 0.0 } else { memory.heat / area }).collect(),

@@ -1,9 +1,10 @@
 //! Fields of the bodies and quantities of the contacts at the present state.
 
-use super::contact_quantities::{Loaded, contact_fields, contact_forces, totals};
+use super::contact_quantities::{contact_fields, contact_forces, totals};
 use super::engine::Engine;
 use super::fields::{BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, PlacedObstacle, RedundantConstraints};
 use super::ledger::{ContactTotals, ProbeValues, Reaction};
+use super::loaded::Loaded;
 use super::slip_memory::{SlipMemory, Tangential};
 use super::state::State;
 use crate::bodies::{Elements, Recovery, Space, StressError, Stresses};

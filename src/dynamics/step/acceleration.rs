@@ -7,7 +7,7 @@ use super::failure::Failure;
 use super::iterate::Linearization;
 use super::system::System;
 use crate::bodies::{Elements, Space};
-use crate::dynamics::parts::contact_pair::ForceShares;
+use crate::dynamics::parts::force_shares::ForceShares;
 use crate::math::norms::largest_size;
 
 /// What the forces of a state do to its nodes while ties hold.

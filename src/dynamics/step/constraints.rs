@@ -10,7 +10,8 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ContactPair, ForceShares, RowBlock};
+use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
+use crate::dynamics::parts::force_shares::ForceShares;
 
 impl<const D: usize> System<D>
 where

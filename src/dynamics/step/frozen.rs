@@ -23,7 +23,8 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{ForceShares, PairKind, RowBlock};
+use crate::dynamics::parts::contact_pair::{PairKind, RowBlock};
+use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::laws::Equation;
 
 /// Rows that may change before the matrix is factorised with another set: each costs a substitution.

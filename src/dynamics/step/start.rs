@@ -2,7 +2,7 @@
 
 use super::scheme_memory::SchemeMemory;
 use crate::dynamics::model::part::{Iterate, Pose};
-use crate::dynamics::parts::contact_pair::ForceShares;
+use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::supports::PrescribedUnknown;
 use crate::integrators::{Affine, Configuration, Derivative, Dissipation, History, REST, Scheme};
 

@@ -1,0 +1,73 @@
+//! A contact with its multipliers at a configuration, and the forces that these exert.
+
+use super::slip_memory::Tangential;
+use crate::contact::Evaluation;
+use crate::dynamics::parts::contact_pair::{ContactPair, PatchRow, RowBlock};
+use crate::dynamics::parts::laws::RowState;
+
+/// Forces of a contact, evaluated at one configuration.
+#[derive(Default)]
+pub struct ContactForces {
+    /// What presses on the secondary nodes, from the rows that each of them owns and from corners `[force]`.
+    pub(super) own: Vec<[f64; 3]>,
+    /// What friction adds to that `[force]`; nothing without friction.
+    pub(super) friction: Vec<[f64; 3]>,
+    /// What corners pull along the tangent `[force]`; nothing without friction.
+    pub(super) pulled: Vec<f64>,
+    /// Mean pressure of the rows on the part of each secondary node that is covered `[stress]`.
+    pub(super) mean: Vec<f64>,
+    /// Sizes of what corners press on each secondary node `[force]`.
+    pub(super) pressed: Vec<f64>,
+    /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`: what presses, then friction.
+    pub all: Vec<(u32, [f64; 3])>,
+    /// How many of them press.
+    pub pressing: usize,
+}
+
+/// A pair with its evaluation at a configuration and its multipliers.
+#[derive(Clone, Copy)]
+pub struct Loaded<'a> {
+    pub pair: &'a ContactPair,
+    pub evaluation: &'a Evaluation,
+    pub lambda: &'a [f64],
+    pub active: &'a [RowState],
+    /// Its tangential rows, if it has friction.
+    pub tangential: Option<Tangential<'a>>,
+}
+
+impl Loaded<'_> {
+    /// Tells the force of every row that presses with its multiplier on every node of its patches: the node, whether it owns a row of the
+    /// patch, the multiplier, the force.
+    pub(super) fn for_each_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.visit::<D>(lambda, self.pair.rows.start, self.pair.live_rows(self.evaluation), &self.evaluation.gradient_end, visit);
+    }
+
+    /// The same of friction.
+    pub(super) fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        let Some(Tangential { evaluation, .. }) = self.tangential else { return };
+        for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
+            self.visit::<D>(lambda, block.rows.start, block.live_rows(), &evaluation.gradient_bar, &mut visit);
+        }
+    }
+
+    fn visit<'a, const D: usize>(
+        &self,
+        lambda: &[f64],
+        first: usize,
+        rows: impl Iterator<Item = PatchRow<'a>>,
+        gradients: &[f64],
+        mut visit: impl FnMut(u32, bool, f64, [f64; 3]),
+    ) {
+        for row in rows {
+            let factor = lambda[row.row - first];
+            if factor == 0.0 {
+                continue;
+            }
+            for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
+                let mut force = [0.0; 3];
+                (0..D).for_each(|i| force[i] = factor * gradient[i]);
+                visit(node, self.pair.owns_row(row.patch, node), factor, force);
+            }
+        }
+    }
+}
