@@ -135,7 +135,8 @@ impl Model {
     /// Restitution is that of impacts between rigid sides which multipliers hold.
     fn check_restitution(&self, interaction: &Interaction) -> Result<(), ModelError> {
         let Some(restitution) = interaction.restitution else { return Ok(()) };
-        let refused = |reason: String, remedy: &'static str| Err(ModelError::NoRestitution { contact: interaction.name.clone(), reason, remedy });
+        let refused =
+            |reason: String, remedy: &'static str| Err(ModelError::NoRestitution { contact: interaction.name.clone(), reason, remedy });
         if !(0.0..=1.0).contains(&restitution) {
             return refused(format!("its coefficient is {restitution}"), "give a coefficient of 0 to 1");
         }

@@ -20,6 +20,10 @@ use crate::dynamics::step::start::Motion;
 use crate::linear::LinearError;
 use crate::math::tolerances;
 
+/// Change of the gap in a step, over the tolerance of a gap, up to which bodies do not approach: the midpoint rule doubles what is left of a
+/// gap in its velocities.
+const NOISE: f64 = 4.0;
+
 /// Attempts to meet the energy that restitution gives back.
 const ATTEMPTS: usize = 20;
 
@@ -41,7 +45,7 @@ struct Outcome {
     lost: f64,
     /// Work of friction contact by contact, that of the step in the same contacts taken away.
     friction: Vec<f64>,
-    /// Work of all impulses, as seen from obstacles.
+    /// Work of all impulses, as seen from obstacles, with what closings in the step have done beyond their targets.
     work: f64,
 }
 
@@ -118,7 +122,7 @@ where
                     continue;
                 }
                 // Speeds below that are what the tolerance of the gap leaves.
-                let slow = 2.0 * pair.closed / motion.dt;
+                let slow = NOISE * pair.gap_tolerance / motion.dt;
                 let mut was_closed = conditions.gap_n[row] <= closed;
                 let approaches = rates[row] < -slow;
                 if was_closed && acts && approaches {
@@ -206,10 +210,13 @@ where
         let multipliers = solution.multipliers();
         let is_closing = touches.iter().any(|touch| !touch.was_closed && multipliers[touch.row] > 0.0);
         let taken: Vec<f64> = rows.iter().map(|&row| if is_closing { -weight * motion.dt * multipliers[row] } else { 0.0 }).collect();
-        let (mut closing, mut slipped) = (0.0, vec![0.0; touches.len()]);
+        // A gap is closed to a tolerance, and its multiplier is large in a short step.
+        let (mut closing, mut unbooked, mut slipped) = (0.0, 0.0, vec![0.0; touches.len()]);
         for (touch, slipped) in touches.iter().zip(&mut slipped).filter(|_| is_closing) {
             let pair = &self.system.pairs[touch.pair];
-            closing += weight * multipliers[touch.row] * (conditions.targets[touch.row] - conditions.gap_n[touch.row]);
+            let (lambda, gap) = (weight * multipliers[touch.row], solution.at.pairs[touch.pair].gap[touch.row - pair.rows.start]);
+            closing += lambda * (gap - conditions.gap_n[touch.row]);
+            unbooked += lambda * (gap - conditions.targets[touch.row]);
             if let Some(friction) = &pair.friction {
                 let of = |row: usize| weight * multipliers[row] * solution.at.slips[touch.pair].gap[row - friction.rows.start];
                 *slipped = self.slips_of(pair, touch.row).map(of).sum();
@@ -230,21 +237,25 @@ where
             total(course).iter().zip(ending.iter().zip(&course.rates)).map(|(p, (before, after))| 0.5 * p * (before + after)).sum()
         };
         // Friction of the step in these contacts is replaced by that of the impact.
-        let lost =
-            |course: &Course| -> f64 { course.friction.iter().sum::<f64>() - slipped.iter().sum::<f64>() - closing - work(course) };
+        let lost = |course: &Course| -> f64 { course.friction.iter().sum::<f64>() - slipped.iter().sum::<f64>() - closing - work(course) };
         let (available, nominal) = (lost(&compressed), -compressed.pressing);
         let mut share = if nominal > 0.0 { (available.max(0.0) / nominal).sqrt() } else { 0.0 };
         let mut course = compressed.clone();
         for _ in 0..ATTEMPTS {
             course = compressed.clone();
             law.restore(&mut course, share);
-            let (given, after) = (course.pressing - compressed.pressing, lost(&course));
-            if after >= -tolerances::IMPACT_ENERGY * nominal || given <= 0.0 {
+            let given = course.pressing - compressed.pressing;
+            let all = lost(&course) - course.friction.iter().sum::<f64>();
+            if all >= -tolerances::IMPACT_ENERGY * nominal || given <= 0.0 {
                 break;
             }
             share *= (available.max(0.0) / given).sqrt();
         }
+        // Where a slip turns round, restitution may give more than compression has taken: friction has taken it.
+        let (rest, dissipated) = (lost(&course).min(0.0), course.friction.iter().sum::<f64>());
+        let kept = if dissipated < 0.0 { ((dissipated - rest) / dissipated).clamp(0.0, 1.0) } else { 1.0 };
+        course.friction.iter_mut().for_each(|work| *work *= kept);
         let friction = course.friction.iter().zip(&slipped).map(|(work, slipped)| work - slipped).collect();
-        Outcome { impulses: total(&course), lost: lost(&course).max(0.0), friction, work: work(&course) }
+        Outcome { impulses: total(&course), lost: lost(&course).max(0.0), friction, work: work(&course) + unbooked }
     }
 }

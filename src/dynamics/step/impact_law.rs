@@ -94,7 +94,8 @@ impl ImpactLaw {
     /// Ends all approach of the contacts that take part.
     pub fn compress(&self, course: &mut Course, takes_part: impl Fn(usize) -> bool) {
         let approach: Vec<f64> = self.contacts.iter().map(|contact| course.rates[contact.first].min(0.0)).collect();
-        let targets = |s: f64| (0..approach.len()).map(|c| if takes_part(c) { (1.0 - s) * approach[c] } else { f64::NEG_INFINITY }).collect();
+        let targets =
+            |s: f64| (0..approach.len()).map(|c| if takes_part(c) { (1.0 - s) * approach[c] } else { f64::NEG_INFINITY }).collect();
         self.follow(course, |end, _| Part { targets: targets(end), least: vec![0.0; approach.len()] });
     }
 
@@ -123,14 +124,32 @@ impl ImpactLaw {
             }
             for (contact, friction) in self.contacts.iter().zip(&mut course.friction) {
                 let work = |row: usize| 0.5 * impulses[row] * (course.rates[row] + rates[row]);
-                course.pressing += work(contact.first);
-                *friction += (contact.first + 1..=contact.first + contact.tangents).map(work).sum::<f64>();
+                let straight = (contact.first + 1..=contact.first + contact.tangents).map(work).sum::<f64>();
+                let slipped = self.work_to_a_stop(contact, &course.rates, &rates, &impulses).unwrap_or(straight);
+                course.pressing += work(contact.first) + straight - slipped;
+                *friction += slipped;
             }
             course.impulses.iter_mut().zip(&impulses).for_each(|(sum, p)| *sum += p);
             let wider = if length < 0.5 { 2.0 } else { 1.0 };
             guess = impulses.iter().map(|p| wider * p).collect();
             (course.rates, done, length) = (rates, end, length * wider);
         }
+    }
+
+    /// Work of friction in a part in which a slip stops and stays: it slides first, against friction, and then sticks. A jam is one part.
+    fn work_to_a_stop(&self, contact: &ImpactContact, before: &[f64], after: &[f64], impulses: &[f64]) -> Option<f64> {
+        let rows = contact.first + 1..contact.first + 1 + contact.tangents;
+        let length = |rates: &[f64]| rates[rows.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
+        let slip = length(before);
+        if slip == 0.0 || length(after) > tolerances::SLIP_ROUND_OFF * slip {
+            return None;
+        }
+        let (count, mu) = (self.rows(), contact.friction);
+        // Loss of slip per impulse that presses.
+        let by = |row: usize, other: usize| before[row] / slip * self.response[row * count + other];
+        let along: f64 = rows.clone().map(|row| rows.clone().map(|other| by(row, other) * before[other] / slip).sum::<f64>()).sum();
+        let loss = mu * along - rows.clone().map(|row| by(row, contact.first)).sum::<f64>();
+        (loss * impulses[contact.first] >= slip).then(|| -0.5 * mu * slip * slip / loss)
     }
 
     /// Whether a slip stops or turns between these rates.
@@ -160,7 +179,8 @@ impl ImpactLaw {
                 if own(0, 0) <= 0.0 || part.targets[c] == f64::NEG_INFINITY {
                     continue;
                 }
-                let mut block = Block { rows, friction: contact.friction, target: part.targets[c], least: part.least[c], ..Block::default() };
+                let mut block =
+                    Block { rows, friction: contact.friction, target: part.targets[c], least: part.least[c], ..Block::default() };
                 for i in 0..rows {
                     (0..rows).for_each(|j| block.response[i][j] = own(i, j));
                     let own_rate: f64 = (0..rows).map(|j| own(i, j) * impulses[contact.first + j]).sum();

@@ -27,7 +27,10 @@ const COLUMNS: &[(&str, &str)] = &[
     ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
     ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),
     ("friction_work", "the work of friction in this step, what it turns into heat; never positive [energy]"),
-    ("dissipation", "the heat of viscous materials, dampers and drag and the loss of impacts of rigid bodies in this step, never negative [energy]"),
+    (
+        "dissipation",
+        "the heat of viscous materials, dampers and drag and the loss of impacts of rigid bodies in this step, never negative [energy]",
+    ),
     (
         "energy_defect",
         "change of `total` - `load_work` - `contact_work` - `friction_work` + `dissipation` in this step: round-off when the scheme \

@@ -167,9 +167,13 @@ fn tie() -> Function {
 
 /// Restitution of the impacts of rigid bodies.
 fn restitution_parameter() -> Parameter {
-    Parameter::number("restitution", "1", Interval::Closed(0.0, 1.0), "share of the impulse of an impact between rigid sides that parts them again").or(
-        Absent::Means("1 with the update rules that keep the energy, `persistency` and `velocity`; 0 with `gap`"),
+    Parameter::number(
+        "restitution",
+        "1",
+        Interval::Closed(0.0, 1.0),
+        "share of the impulse of an impact between rigid sides that parts them again",
     )
+    .or(Absent::Means("1 with the update rules that keep the energy, `persistency` and `velocity`; 0 with `gap`"))
 }
 
 fn name_parameter() -> Parameter {
