@@ -102,6 +102,9 @@ pub trait PatchFunctions {
     /// Chooses among discrete gradients that all conserve. Kernels without patch sums ignore it.
     fn set_correction(&mut self, _correction: Correction) {}
 
+    /// Lets multipliers be pressures times circumferences, of bodies of revolution about the second axis.
+    fn turn_about_axis(&mut self) {}
+
     /// Gives it threads among which it may share its patches: results do not depend on them.
     fn share_among(&mut self, _workers: &Workers) {}
 

@@ -281,6 +281,10 @@ impl PatchFunctions for OnCurves {
         self.inner.set_correction(correction);
     }
 
+    fn turn_about_axis(&mut self) {
+        self.inner.turn_about_axis();
+    }
+
     fn share_among(&mut self, workers: &Workers) {
         self.inner.share_among(workers);
     }

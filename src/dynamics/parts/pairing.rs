@@ -67,8 +67,11 @@ struct Pairing<'a> {
 }
 
 impl Pairing<'_> {
-    fn pair(&self, name: &str, kind: PairKind, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
+    fn pair(&self, name: &str, kind: PairKind, body: usize, mut kernel: Box<dyn ContactKernel>) -> ContactPair {
         let modulus = self.model.modulus(body);
+        if self.model.is_axisymmetric() {
+            kernel.turn_about_axis();
+        }
         let mut pair = ContactPair::new(name, kind, kernel, modulus, self.reach);
         pair.is_axisymmetric = self.model.is_axisymmetric();
         pair
