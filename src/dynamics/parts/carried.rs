@@ -40,6 +40,17 @@ impl Carried {
         self.followers.iter().map(|&index| self.carried[index].0 as usize)
     }
 
+    /// Hands the forces on its followers to the masters: forces that do the same work in every motion of the body.
+    pub fn hand_over<const D: usize>(&self, forces: &mut [f64]) {
+        for &index in &self.followers {
+            let (node, shares) = &self.carried[index];
+            for i in 0..D {
+                let force = std::mem::take(&mut forces[*node as usize * D + i]);
+                self.masters.iter().zip(shares).for_each(|(&master, share)| forces[master as usize * D + i] += share * force);
+            }
+        }
+    }
+
     /// Puts what its followers have of a vector (displacements, velocities) where the masters say.
     pub fn lead<const D: usize>(&self, values: &mut [f64]) {
         for &index in &self.followers {

@@ -22,6 +22,14 @@ use crate::math::tolerances;
 /// How far a component is moved to see whether what yields resists, in extents of the model: not to where a spring has its length again.
 const GLANCE: f64 = 0.01;
 
+/// Load that a rigid body counts with at least, over the largest one: links without loads of their own made the equations of a slider-crank
+/// singular.
+const MOVED_ALONG: f64 = 0.01;
+
+/// Motion of a rigid body that joints hold in a step, over its extent: half a radian. With a whole one a chain of six links is not found at
+/// rest.
+const SWING: f64 = 0.5;
+
 /// Rigid motions in space; the plane has three of them.
 const MOTIONS: usize = 6;
 
@@ -43,6 +51,8 @@ pub struct Component {
     /// force acts on the longest.
     stiffness: f64,
     extent: f64,
+    /// Motion of a rigid body that joints hold in a step; infinite for others.
+    pub swing: f64,
     /// Largest distance from the axis of a body of revolution.
     radius: f64,
 }
@@ -93,12 +103,17 @@ impl Component {
         if self.rigid_mass.is_some() { Box::new(equations.bodies[self.body].nodes.clone()) } else { Box::new(self.nodes.iter().copied()) }
     }
 
-    /// Damping that keeps its rigid motions regular: a trifle of its own stiffness. A rigid body has none, and its constraints as many
-    /// digits as the damping has of their forces.
-    pub fn least_damping<const D: usize>(&self, forces: &Forces) -> f64 {
-        let Some(mass) = self.rigid_mass else { return tolerances::LEAST_DAMPING * self.frequency_squared };
+    /// Sum of the forces on its nodes.
+    fn load<const D: usize>(&self, forces: &Forces) -> f64 {
         let on_node = |&node: &usize| (node * D..(node + 1) * D).map(|k| forces.without_contact[k].abs().max(forces.contact[k].abs()));
-        let load: f64 = self.nodes.iter().flat_map(on_node).sum();
+        self.nodes.iter().flat_map(on_node).sum()
+    }
+
+    /// Damping that keeps its rigid motions regular: a trifle of its own stiffness. A rigid body has none, and its constraints as many
+    /// digits as the damping has of their forces: of its own, or of a share of the `largest` load where it is only moved along.
+    pub fn least_damping<const D: usize>(&self, forces: &Forces, largest: f64) -> f64 {
+        let Some(mass) = self.rigid_mass else { return tolerances::LEAST_DAMPING * self.frequency_squared };
+        let load = self.load::<D>(forces).max(MOVED_ALONG * largest);
         (tolerances::RIGID_DAMPING * load / (mass * self.extent)).max(tolerances::LEAST_DAMPING * self.frequency_squared)
     }
 }
@@ -120,7 +135,7 @@ impl Balance {
                     let own = if definition.rigid.is_some() { modulus } else { definition.material.stiffness() };
                     let stiffness = aspect * own;
                     let rigid_mass = definition.rigid.map(|inertia| inertia.mass);
-                    let (frequency_squared, extent, radius) = (0.0, 0.0, 0.0);
+                    let (frequency_squared, extent, swing, radius) = (0.0, 0.0, f64::INFINITY, 0.0);
                     components.push(Component {
                         body,
                         nodes: Vec::new(),
@@ -129,19 +144,27 @@ impl Balance {
                         modulus,
                         stiffness,
                         extent,
+                        swing,
                         radius,
                     });
                     numbers.len() - 1
                 });
                 components[first + place].nodes.push(node);
             }
+            let is_jointed = definition.rigid.is_some() && model.joints.iter().any(|joint| joint.bodies().any(|joined| joined == body));
             for component in &mut components[first..] {
                 component.extent = (0..D).map(|i| extent_along::<D>(&equations.nodes.reference, &component.nodes, i)).fold(0.0, f64::max);
+                component.swing = if is_jointed { SWING * component.extent } else { f64::INFINITY };
                 component.radius = component.nodes.iter().map(|&node| equations.nodes.reference[node * D].abs()).fold(0.0, f64::max);
                 component.frequency_squared = component.modulus / definition.material.density() / component.extent.powi(2);
             }
         }
         Balance { components }
+    }
+
+    /// Largest load of a rigid body.
+    pub fn largest_load<const D: usize>(&self, forces: &Forces) -> f64 {
+        self.components.iter().filter(|component| component.rigid_mass.is_some()).map(|one| one.load::<D>(forces)).fold(0.0, f64::max)
     }
 
     /// Judges the forces of an iterate at rest without damping.
@@ -150,8 +173,10 @@ impl Balance {
         Space<D>: Elements<D>,
     {
         let mut imbalance = Imbalance { of_sums: 0.0, of_nodes: 0.0, is_round_off: true, components: Vec::new() };
-        for component in &self.components {
-            let rigid = RigidMotions::new(equations, &component.nodes, q);
+        let mut motions: Vec<RigidMotions<D>> =
+            self.components.iter().map(|component| RigidMotions::new(equations, &component.nodes, q)).collect();
+        self.weigh(equations, q, &mut motions);
+        for (component, rigid) in self.components.iter().zip(&motions) {
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
             let (mut largest, mut reach) = (0.0f64, if equations.sees_positions() { component.extent } else { 0.0 });
             let mut along = SVector::zeros();
@@ -189,6 +214,31 @@ impl Balance {
             imbalance.components.push(Pull { relative, shift, turn: motion.rows(D, motion.len() - D).norm() });
         }
         imbalance
+    }
+
+    /// Gives rigid motions the mass matrix `R^T M R` with the consistent mass: row sums at the masters of a rigid body have other moments
+    /// of inertia, which may be zero or negative.
+    fn weigh<const D: usize>(&self, equations: &Equations<D>, q: &[f64], motions: &mut [RigidMotions<D>]) {
+        let count = D * (D + 1) / 2;
+        let mut masses = vec![DMatrix::zeros(count, count); motions.len()];
+        let mut moved = vec![0.0; q.len()];
+        for m in 0..count {
+            for (component, rigid) in self.components.iter().zip(&*motions) {
+                for (node, i) in component.nodes.iter().flat_map(|&node| (0..D).map(move |i| (node, i))) {
+                    moved[node * D + i] = rigid.row(q, node, i)[m];
+                }
+            }
+            let momenta = equations.nodes.momenta_of(&moved);
+            for ((component, rigid), mass) in self.components.iter().zip(&*motions).zip(&mut masses) {
+                for (node, i) in component.nodes.iter().flat_map(|&node| (0..D).map(move |i| (node, i))) {
+                    let row = rigid.row(q, node, i);
+                    (0..count).for_each(|k| mass[(k, m)] += row[k] * momenta[node * D + i]);
+                }
+            }
+        }
+        for (rigid, mass) in motions.iter_mut().zip(masses) {
+            rigid.mass = rigid.free.transpose() * mass * &rigid.free;
+        }
     }
 
     /// Whether something that stores energy resists or helps a component that moves as it is pulled, such as a spring: it follows its
@@ -311,15 +361,13 @@ impl<const D: usize> RigidMotions<D> {
         }
         let far = |node: &usize| (0..D).map(|i| (q[node * D + i] - rigid.center[i]).powi(2)).sum::<f64>();
         rigid.radius = nodes.iter().map(far).fold(0.0, f64::max).sqrt();
-        let (mut held, mut mass) = (SMatrix::<f64, MOTIONS, MOTIONS>::zeros(), SMatrix::<f64, MOTIONS, MOTIONS>::zeros());
+        let mut held = SMatrix::<f64, MOTIONS, MOTIONS>::zeros();
         for &node in nodes {
             for i in 0..D {
-                let row = rigid.row(q, node, i);
-                let square = row * row.transpose();
                 if equations.supports.fixed[node * D + i] {
-                    held += square;
+                    let row = rigid.row(q, node, i);
+                    held += row * row.transpose();
                 }
-                mass += square * equations.nodes.nodal_mass[node];
             }
         }
         if equations.nodes.is_axisymmetric {
@@ -333,7 +381,6 @@ impl<const D: usize> RigidMotions<D> {
         let eigen = DMatrix::from(held.view((0, 0), (count, count))).symmetric_eigen();
         let loose: Vec<_> = (0..count).filter(|&m| eigen.eigenvalues[m] <= tolerances::HELD * largest).collect();
         rigid.free = eigen.eigenvectors.select_columns(&loose);
-        rigid.mass = rigid.free.transpose() * mass.view((0, 0), (count, count)) * &rigid.free;
         rigid
     }
 

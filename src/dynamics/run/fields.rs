@@ -126,6 +126,9 @@ pub struct JointLoad {
     pub force: [f64; 3],
     /// The moment about the joint's point on that body `[force * length]`; in the plane the third component.
     pub moment: [f64; 3],
+    /// Time to which force and moment belong, means over the last step: its middle with schemes whose forces act there, else its end
+    /// `[time]`.
+    pub time: f64,
     /// Where that point is `[length]`.
     pub place: [f64; 3],
     /// What it leaves free, if that is one number, with its value.

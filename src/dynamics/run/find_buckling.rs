@@ -10,7 +10,6 @@
 
 use super::buckling::{Buckling, BucklingError};
 use super::engine::Engine;
-use super::find_modes::shape_of;
 use super::modes::ModesError;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::LoadKind;
@@ -82,7 +81,7 @@ where
         Ok(Buckling {
             time: self.state.row.time,
             factors: found.iter().map(|(factor, _)| *factor).collect(),
-            shapes: found.into_iter().map(|(_, x)| self.by_body(&shape_of::<D>(x))).collect(),
+            shapes: found.into_iter().map(|(_, x)| self.by_body(&self.shape_of(x))).collect(),
             is_complete,
             nonlinearity: (strain / linear - 1.0).abs(),
         })

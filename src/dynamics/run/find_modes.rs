@@ -96,7 +96,7 @@ where
 
     /// A vibration as it is told.
     fn mode(&self, ritz: &Ritz, lanczos: &Lanczos, shift: f64, floor: f64) -> Mode {
-        let x = shape_of::<D>(lanczos.vector(&ritz.coefficients));
+        let x = self.shape_of(lanczos.vector(&ritz.coefficients));
         let momenta = self.system.nodes.momenta_of(&x);
         let modal_mass = product(&x, &momenta);
         let along: Vec<f64> = self.directions().into_iter().map(|i| momenta.iter().skip(i).step_by(D).sum()).collect();
@@ -109,6 +109,12 @@ where
             effective_mass: along.iter().map(|momentum| momentum * momentum / modal_mass).collect(),
             residual: ritz.residual / ritz.theta,
         }
+    }
+
+    /// Shape of a motion of the unknowns: followers of rigid bodies move with these, and the longest displacement has the length 1.
+    pub(super) fn shape_of(&self, mut x: Vec<f64>) -> Vec<f64> {
+        self.system.lead(&mut x);
+        scaled_to_one::<D>(x)
     }
 
     /// A nodal vector body by body, in space.
@@ -128,7 +134,7 @@ where
 
 /// A motion of the nodes made so large that the longest displacement has the length 1; the first of the components that are as good as the
 /// largest is positive.
-pub(super) fn shape_of<const D: usize>(mut x: Vec<f64>) -> Vec<f64> {
+fn scaled_to_one<const D: usize>(mut x: Vec<f64>) -> Vec<f64> {
     let size = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
     let largest = x.chunks_exact(D).map(size).fold(0.0, f64::max);
     let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));

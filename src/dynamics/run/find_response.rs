@@ -50,7 +50,8 @@ where
             (outcome, vibrations.told_asymmetry())
         });
         let (outcome, asymmetry) = found.map_err(|error| HarmonicError::Matrix(error.into()))?;
-        let (basis, combinations, residual) = outcome.map_err(|error| HarmonicError::Matrix(self.modes_error(error)))??;
+        let (mut basis, combinations, residual) = outcome.map_err(|error| HarmonicError::Matrix(self.modes_error(error)))??;
+        basis.iter_mut().for_each(|vector| self.system.lead(vector));
         let base = if let Excitation::Base(vector) = options.excitation { vector } else { [0.0; 3] };
         Ok(HarmonicResponse {
             time: self.state.row.time,

@@ -47,6 +47,8 @@ struct Guess {
 struct Rates {
     force: Vec<f64>,
     motion: Vec<f64>,
+    /// Rates of the gaps of all constraint rows where the nodes stay: driven joints.
+    gap: Vec<f64>,
 }
 
 /// Newton's system there, solved for what is left and for a unit of load.
@@ -251,13 +253,16 @@ where
         let (memory, undamped, zeros) = (self.state.memory.clone(), vec![0.0; self.system.bodies.len()], vec![0.0; u.len()]);
         let h = tolerances::LOAD_DIFFERENCE * increment.abs();
         let all = u.len() + self.system.multipliers;
-        let mut rates = Rates { force: vec![0.0; all], motion: vec![0.0; all] };
+        let mut rates = Rates { force: vec![0.0; all], motion: vec![0.0; all], gap: vec![0.0; self.system.multipliers] };
         for (sign, time) in [(1.0, load + h), (-1.0, load - h)] {
             let kind = StepKind::Rest { damping: &undamped, velocities: None };
             let at = self.system.linearize(&StepStart { time, q_0: &q, u_0: u, memory: &memory, kind }, &q, &zeros, lambda)?;
             let forces = rates.force.iter_mut().zip(&at.forces.without_contact);
             forces.for_each(|(rate, force)| *rate -= sign * force / (2.0 * h));
             self.system.recycle(at);
+            self.system.equations.move_obstacles(time, 0.0).map_err(Failure::Fatal)?;
+            let gaps = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(&q));
+            rates.gap.iter_mut().zip(gaps).for_each(|(rate, gap)| *rate += sign * gap / (2.0 * h));
             let (place, _) = self.system.supports.prescribed_motion(time).map_err(Failure::Fatal)?;
             for (one, place) in self.system.supports.prescribed.iter().zip(place) {
                 rates.motion[one.unknown] += sign * place / (2.0 * h);
@@ -276,6 +281,7 @@ where
         let start = StepStart { time: *load, q_0: &q, u_0: u, memory: &memory, kind };
         let mut at = self.system.linearize(&start, &q, &zeros, lambda)?;
         self.system.complete_tangent(&start, &mut at)?;
+        let pull = self.system.stiffen_constraints(&at.pairs, &mut at.tangent);
         let mut rate = rates.force.clone();
         let mut image = vec![0.0; rate.len()];
         self.system.matrix.pattern.multiply_into(&at.tangent, &rates.motion, &mut image);
@@ -290,13 +296,17 @@ where
         let outcome = self.system.write_system(&start, &mut at, &rows);
         self.system.given.clear();
         let mut right = outcome?;
+        (0..unknowns).filter(|&k| !self.system.supports.fixed[k]).for_each(|k| right[k] -= pull[k]);
         let free = |k: &usize| !self.system.supports.fixed[*k];
         let left = |k: usize| at.forces.residual(k).abs();
         let residual = (0..unknowns).filter(free).map(left).fold(0.0, f64::max) / at.forces.scale.max(f64::MIN_POSITIVE);
         for k in (0..unknowns).filter(|&k| self.system.supports.fixed[k]) {
             rate[k] = modulus * rates.motion[k];
         }
-        rate[unknowns..].fill(0.0);
+        // Free nodes make up for what prescribed motions and drives do to the gaps.
+        rate[unknowns..].iter_mut().zip(&rates.gap).for_each(|(rate, gap)| *rate = -gap);
+        self.system.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| rate[unknowns + row] -= gradient * rates.motion[k]);
+        (0..self.system.multipliers).filter(|&row| !rows.0[row].acts).for_each(|row| rate[unknowns + row] = 0.0);
         self.system.solve_with(&at.tangent, &mut right, std::time::Instant::now())?;
         self.system.matrix.solver.solve(&at.tangent, &mut rate).map_err(Failure::Linear)?;
         self.system.recycle(at);

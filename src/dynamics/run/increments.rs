@@ -153,6 +153,11 @@ where
         }
     }
 
+    /// Shortest facet of all contacts, or size of what is rigid or joined; infinite without one.
+    pub(super) fn shortest_facet(&self) -> f64 {
+        self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
+    }
+
     pub(super) fn take_back(&mut self, state: &Arc<State>) {
         self.state = state.clone();
         self.restore_search();

@@ -9,6 +9,8 @@ use crate::dynamics::model::joints::{Anchor, Coordinate, JointDefinition};
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow};
 use crate::dynamics::parts::free_motion::FreeMotion;
 use crate::dynamics::parts::nodal::{add_force, add_moment};
+use crate::dynamics::step::iterate::Linearization;
+use crate::dynamics::step::start::StepStart;
 use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
@@ -22,37 +24,54 @@ where
     pub fn joint_load(&self, name: &str) -> Option<JointLoad> {
         let index = self.model.joints.iter().position(|joint| joint.name == name)?;
         let joint = &self.model.joints[index];
-        let (q, lambda, known) = (&self.state.positions, &self.state.lambda, self.state.row.joints.get(index));
-        let JointTotals { force, moment, value, .. } = self.joint_total(joint, q, lambda, known.map_or(0.0, |known| known.value));
+        let (q, row) = (&self.state.positions, &self.state.row);
+        let known = row.joints.get(index);
+        let JointTotals { force, moment, value, .. } =
+            known.copied().unwrap_or_else(|| JointTotals { value: self.joint_value(joint, q, 0.0), ..JointTotals::default() });
+        // After damped steps to an equilibrium the clock begins anew.
+        let share = if self.state.clock.count == 0 { 1.0 } else { self.options.integrator.derivative.placement().share };
         let coordinate = joint.kind.coordinate(D).map(|coordinate| (coordinate, value));
         let work = joint.drive.as_ref().map(|_| known.map_or(0.0, |known| known.work));
-        Some(JointLoad { force, moment, place: self.anchor_place(&joint.ends[1], q)?, coordinate, work })
+        let time = row.time - (1.0 - share) * row.dt;
+        Some(JointLoad { force, moment, time, place: self.anchor_place(&joint.ends[1], q)?, coordinate, work })
     }
 
-    /// What all joints exert at an iterate, and where they are; `works` are those of the drives in this step.
-    pub(super) fn joint_totals(&self, q: &[f64], lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
+    /// Forces of all joints in a step with an iterate at its end, where they act in it.
+    pub(super) fn joints_after(&self, start: &StepStart, at: &Linearization, lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
+        let share = start.derivative().placement().share;
+        let acting: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(q_0, q_1)| q_0 + share * (q_1 - q_0)).collect();
+        self.joint_totals(&at.q_1, (&acting, &at.pairs), lambda, works)
+    }
+
+    /// Forces of all joints with the multipliers of a step, `acting` where and with the gradients with which they act, and the coordinates
+    /// at its end `q`; `works` are those of the drives in this step.
+    pub(super) fn joint_totals(&self, q: &[f64], acting: (&[f64], &[Evaluation]), lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
         let mut works = works.iter();
         let known = &self.state.row.joints;
         let of = |(index, joint): (usize, &JointDefinition)| {
-            let mut total = self.joint_total(joint, q, lambda, known.get(index).map_or(0.0, |known| known.value));
+            let mut total = self.joint_total(joint, acting, lambda);
+            total.value = self.joint_value(joint, q, known.get(index).map_or(0.0, |known| known.value));
             total.work = if joint.drive.is_some() { works.next().copied().unwrap_or(0.0) } else { 0.0 };
             total
         };
         self.model.joints.iter().enumerate().map(of).collect()
     }
 
-    /// Those of a joint whose coordinate was `before`.
-    fn joint_total(&self, joint: &JointDefinition, q: &[f64], lambda: &[f64], before: f64) -> JointTotals {
+    /// Coordinate of a joint at the positions `q`, counted on from `before`.
+    fn joint_value(&self, joint: &JointDefinition, q: &[f64], before: f64) -> f64 {
+        FreeMotion::new(&self.model, &self.system.bodies, joint, 1.0).map_or(f64::NAN, |free| free.value(q, before))
+    }
+
+    /// Force and moment of a joint in a step: with the gradients of the step they are those that the momenta of its bodies change by.
+    fn joint_total(&self, joint: &JointDefinition, (q, pairs): (&[f64], &[Evaluation]), lambda: &[f64]) -> JointTotals {
         let held = joint.ends[1].body.map_or(0..0, |body| self.system.bodies[body].nodes.clone());
         let place = self.anchor_place(&joint.ends[1], q).unwrap_or_default();
         let mut total = JointTotals::default();
-        for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Joint && pair.name == joint.name) {
-            let lambda = &lambda[pair.rows.clone()];
-            let mut evaluation = Evaluation::default();
-            pair.kernel.evaluate(Derivative::AT_END, q, lambda, &mut evaluation);
-            for row in pair.live_rows(&evaluation) {
-                let pressure = lambda[row.row - pair.rows.start];
-                let gradients = evaluation.gradient_end[row.gradient.clone()].chunks_exact(D);
+        let is_own = |pair: &ContactPair| pair.kind == PairKind::Joint && pair.name == joint.name;
+        for (pair, evaluation) in self.system.pairs.iter().zip(pairs).filter(|(pair, _)| is_own(pair)) {
+            for row in pair.live_rows(evaluation) {
+                let pressure = lambda[row.row];
+                let gradients = evaluation.gradient_bar[row.gradient.clone()].chunks_exact(D);
                 for (&node, gradient) in row.nodes.iter().zip(gradients).filter(|(node, _)| held.contains(&(**node as usize))) {
                     let force: [f64; D] = std::array::from_fn(|i| pressure * gradient[i]);
                     let arm: [f64; D] = std::array::from_fn(|i| q[node as usize * D + i] - place[i]);
@@ -61,8 +80,6 @@ where
                 }
             }
         }
-        let free = FreeMotion::new(&self.model, &self.system.bodies, joint, 1.0);
-        total.value = free.map_or(f64::NAN, |free| free.value(q, before));
         total
     }
 

@@ -161,7 +161,7 @@ impl Reaction {
     }
 }
 
-/// What a joint exerts on the body that it holds, and where it is at the end of the step.
+/// Force and moment of a joint on the body that it holds, means over the step, and its coordinate at the end of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointTotals {
     /// The force `[force]`.

@@ -51,6 +51,7 @@ const GONE: f64 = 95.0;
 
 /// Growth of the damping after a step that was refused, and its decay after one that was not.
 const MORE_DAMPING: f64 = 100.0;
+const DAMPING_WITHOUT_CONTACT: f64 = 10.0;
 const LESS_DAMPING: f64 = 0.1;
 
 /// Change of the share of a prescribed motion after a step that failed, and after one that did not.
@@ -185,8 +186,8 @@ where
         let reaction = |k: usize| at.forces.whole(at.forces.residual(k));
         let mut reactions = self.reactions(|k| q[k], reaction);
         reactions.extend(self.coupling_reactions(|k| q[k], &at, lambda, self.state.row.time)?);
+        let joints = self.joint_totals(q, (q, &at.pairs), lambda, &[]);
         self.system.recycle(at);
-        let joints = self.joint_totals(q, lambda, &[]);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
         let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
             Arc::make_mut(&mut self.state);
@@ -331,7 +332,7 @@ where
                     progress.share *= SHORTER;
                 }
                 if !closes_in_part || progress.tries > EARLY_TRIES {
-                    progress.excess *= MORE_DAMPING;
+                    progress.excess *= if self.system.smallest_facet().is_finite() { MORE_DAMPING } else { DAMPING_WITHOUT_CONTACT };
                 }
             }
         }
@@ -346,8 +347,10 @@ where
         let fall = |clearance: f64| if clearance.is_finite() { clearance.max(turn) } else { FLIGHT * self.system.nodes.extent };
         let falls: Vec<f64> = balance.clearances(&self.system, q, &imbalance.components).into_iter().map(fall).collect();
         let mut damping = vec![0.0f64; self.system.bodies.len()];
+        let load = balance.largest_load::<D>(&at.forces);
         for ((component, pull), &fall) in balance.components.iter().zip(&imbalance.components).zip(&falls) {
-            let needed = (pull.shift_size() / fall).max(pull.turn / turn).max(component.least_damping::<D>(&at.forces));
+            let loose = (pull.shift_size() / fall.min(component.swing)).max(pull.turn / turn.min(component.swing));
+            let needed = loose.max(component.least_damping::<D>(&at.forces, load));
             damping[component.body] = damping[component.body].max(progress.excess * needed);
         }
         let mut plan = Plan { damping, shift: Vec::new(), travel: Vec::new() };
@@ -365,11 +368,6 @@ where
             plan.travel.push(if expected < tolerances::STANDS * facet { 0.0 } else { expected });
         }
         plan
-    }
-
-    /// Shortest facet of all contacts; infinite without one.
-    pub(super) fn shortest_facet(&self) -> f64 {
-        self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
     /// Starts a step at rest.
@@ -417,7 +415,8 @@ where
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             is_exact: false,
             at_least: 1,
-            is_patient: care == Care::Patient,
+            // Without contact a shorter step is the better remedy.
+            is_patient: care == Care::Patient && self.system.smallest_facet().is_finite(),
             preferred: Preferred::default(),
             interrupted: &|| options.interrupted(),
         };
@@ -488,13 +487,13 @@ impl Progress {
 
 impl Present {
     /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
-    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way, there is
-    /// no such way.
+    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way (gaps are
+    /// met to 1e-12 of a facet), there is no such way.
     fn is_pushed_by<const D: usize>(&self, moved: &[f64], system: &Equations<D>) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
         let free = (0..moved.len()).filter(|&k| !system.supports.fixed[k]);
         let (work, size) = free.fold((0.0, 0.0), |(work, size), k| (work + push(k) * moved[k], size + push(k).abs()));
-        let climbs = work < -tolerances::FORCE_FLOOR * system.nodes.extent * size;
+        let climbs = work < -tolerances::GAP * system.nodes.extent * size;
         !self.is_closed || self.imbalance.is_round_off || self.imbalance.excess() <= TRIFLE || !climbs
     }
 }

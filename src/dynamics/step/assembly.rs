@@ -97,10 +97,11 @@ where
         residual.clear();
         residual.resize(unknowns, 0.0);
         self.nodes.mass.multiply_into::<D>(&motion, residual);
-        let (mut scale, mut internal_work) = (0.0f64, 0.0);
+        let (mut scale, mut opposing, mut internal_work) = (0.0f64, 0.0f64, 0.0);
         for (body, inertia) in self.bodies.iter().zip(&told.inertia) {
             for k in body.nodes.start * D..body.nodes.end * D {
                 let inertial = inertia * residual[k];
+                opposing = opposing.max(inertial.abs());
                 forces.load[k] *= weight;
                 internal_work += internal[k] * moved[k];
                 let external = forces.load[k] + weight * self.nodes.weight[k];
@@ -109,7 +110,7 @@ where
             }
         }
         residual.iter_mut().zip(start.remembered_force()).for_each(|(residual, force)| *residual += force);
-        (forces.weight, forces.scale, forces.internal_work) = (weight, scale, internal_work);
+        (forces.weight, forces.scale, forces.opposing, forces.internal_work) = (weight, scale, opposing, internal_work);
         (self.spare.internal, self.spare.motion, self.spare.told) = (internal, motion, told);
         self.counters.times.assembly += clock.elapsed();
         if forces.without_contact.iter().any(|r| !r.is_finite()) {

@@ -29,6 +29,8 @@ pub struct Iteration {
     pub target: f64,
     /// Round-off of the forces: a residual below it cannot be trusted to fall.
     pub floor: f64,
+    /// Residual that ends a step at rest, whatever its energy; 0 in motion.
+    pub enough: f64,
     /// Energy that the residual can still move, over what is tolerated.
     pub energy: f64,
     /// Largest violation of the contact conditions over what is tolerated.
@@ -82,7 +84,8 @@ impl Convergence {
         let is_round_off = !falls && (record.energy <= STALLED || record.residual <= record.floor);
         let is_met = record.residual <= record.target && record.violation <= 1.0;
         let is_exact = !self.is_exact || !falls || record.energy <= EXACT;
-        if iteration >= at_least && is_met && (record.energy <= 1.0 && is_exact || is_round_off) {
+        let is_enough = record.enough > 0.0 && record.residual <= record.enough;
+        if iteration >= at_least && is_met && (record.energy <= 1.0 && is_exact || is_round_off || is_enough) {
             return Judgement::Done;
         }
         let distance = (record.residual / record.target).max(record.violation);

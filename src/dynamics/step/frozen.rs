@@ -23,7 +23,7 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::RowBlock;
+use crate::dynamics::parts::contact_pair::{PairKind, RowBlock};
 use crate::dynamics::parts::laws::Equation;
 
 /// Rows that may change before the matrix is factorised with another set: each costs a substitution.
@@ -73,8 +73,23 @@ where
         let right = self.write_system(start, at, rows)?;
         let mut solution = right.clone();
         self.solve_with(&at.tangent, &mut solution, Instant::now())?;
+        self.refine(start, &at.tangent, &right, &mut solution)?;
         let base = self.row_values([&at.pairs, &at.slips], &solution);
         Ok(Frozen { rows: rows.clone(), present: rows.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
+    }
+
+    /// Refines a solution at rest, where the masters of rigid bodies have hardly any stiffness: the backward error of a solve, relative to
+    /// the multipliers, leaves gaps of joints several times their tolerance.
+    fn refine(&mut self, start: &StepStart, values: &[f64], right: &[f64], solution: &mut [f64]) -> Result<(), Failure> {
+        if !start.is_at_rest() || self.pairs.iter().all(|pair| pair.kind != PairKind::Rigidity) {
+            return Ok(());
+        }
+        let mut residual = vec![0.0; right.len()];
+        self.matrix.pattern.multiply_into(values, solution, &mut residual);
+        residual.iter_mut().zip(right).for_each(|(image, right)| *image = right - *image);
+        self.substitute(values, &mut residual)?;
+        solution.iter_mut().zip(&residual).for_each(|(x, d)| *x += d);
+        Ok(())
     }
 
     fn substitute(&mut self, values: &[f64], right: &mut [f64]) -> Result<(), Failure> {
@@ -147,7 +162,9 @@ where
         } else {
             solution = frozen.right.clone();
             self.add_brought(&frozen, start.weight(), at, &amounts, &mut solution);
+            let right = solution.clone();
             self.substitute(&at.tangent, &mut solution)?;
+            self.refine(start, &at.tangent, &right, &mut solution)?;
             let unknowns = solution.len() - self.multipliers;
             amounts.keys().filter(|&&row| !frozen.present.0[row].acts).for_each(|row| solution[unknowns + row] = 0.0);
         }

@@ -57,6 +57,8 @@ pub struct Forces {
     pub internal_work: f64,
     /// Size of the largest internal, inertial or external force component, to measure residuals with.
     pub scale: f64,
+    /// Size of the largest component of the forces of inertia, or of the damping at rest.
+    pub opposing: f64,
 }
 
 impl Forces {

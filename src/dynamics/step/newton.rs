@@ -98,7 +98,10 @@ where
 {
     trace.earlier.clear();
     let mut outcome = Err(Failure::Iterations);
-    for (number, index) in task.preferred.order().enumerate() {
+    // Discrete gradients of facet pairs alone depend on the correction.
+    let has_facets = system.pairs.iter().any(|pair| !pair.kind.is_of_points());
+    let attempts = task.preferred.order().filter(|&index| has_facets || ATTEMPTS[index].1 == Correction::default());
+    for (number, index) in attempts.enumerate() {
         let ((strategy, correction), before) = (ATTEMPTS[index], system.counters.factorizations);
         if number > 0 {
             trace.earlier.push(std::mem::take(&mut trace.iterations));
@@ -386,6 +389,11 @@ where
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
         record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
+        record.enough = if task.start.is_at_rest() {
+            (tolerances::REST_STEP * forces.opposing).max(tolerances::REST_STEP * tolerances::BALANCE * forces.scale)
+        } else {
+            0.0
+        };
         record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
         let contact_work;
         (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);

@@ -16,9 +16,10 @@ use super::making::loads_of;
 use super::start::{StepKind, StepStart};
 use super::system::System;
 use crate::bodies::{Elements, Space};
+use crate::contact::Evaluation;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
-use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::linear::Operator;
 use crate::math::norms::largest_size;
@@ -105,6 +106,9 @@ where
         self.held = rows.0.iter().filter(|row| row.acts).count();
         self.system.write_constraints([&at.pairs, &at.slips], rows, -1.0, |pair| &pair.gradient_end, &mut self.values);
         self.stiffest = self.stiffness_over_mass(shift);
+        if shift == 0.0 {
+            self.system.stiffen_constraints(&at.pairs, &mut self.values);
+        }
         self.system.matrix.finish(rows, self.system.nodes.modulus, &mut self.values);
     }
 
@@ -234,13 +238,44 @@ where
     }
 }
 
+impl<const D: usize> System<D> {
+    /// Adds `gamma G^T G` of the constraints of rigid bodies and joints to a stiffness, with its largest diagonal as `gamma`. Motions
+    /// that satisfy the constraints are not stiffened, so solutions and inertia stay, and masters without any stiffness get pivots.
+    /// Returns `gamma G^T g` with the gaps `g`, which goes to the right-hand side with it.
+    pub fn stiffen_constraints(&self, pairs: &[Evaluation], values: &mut [f64]) -> Vec<f64> {
+        let mut pull = vec![0.0; self.nodes.reference.len()];
+        let held = |pair: &ContactPair| pair.kind.is_of_points() && pair.law.is_bilateral() && pair.drive.is_none();
+        if self.pairs.iter().all(|pair| pair.kind != PairKind::Rigidity) {
+            return pull;
+        }
+        let pattern = &self.matrix.pattern;
+        let nodes = (0..self.nodes.count() as u32).map(|node| pattern.block(node, node));
+        let largest = nodes.flat_map(|block| (0..D).map(move |i| block.at(i, i))).map(|place| values[place].abs()).fold(0.0, f64::max);
+        let gamma = if largest > 0.0 { largest } else { self.nodes.stiffness() };
+        for (pair, evaluation) in self.pairs.iter().zip(pairs).filter(|(pair, _)| held(pair)) {
+            for row in pair.live_rows(evaluation).filter(|row| !self.redundant[row.row]) {
+                let gap = evaluation.gap[row.row - pair.rows.start];
+                row.unknowns::<D>().for_each(|(unknown, entry)| pull[unknown] += gamma * gap * evaluation.gradient_end[entry]);
+                let gradients = || row.nodes.iter().zip(evaluation.gradient_end[row.gradient.clone()].chunks_exact(D));
+                for ((&a, of_a), (&b, of_b)) in gradients().flat_map(|one| gradients().map(move |other| (one, other))) {
+                    let block = pattern.block(a, b);
+                    (0..D).for_each(|i| (0..D).for_each(|k| values[block.at(i, k)] += gamma * of_a[i] * of_b[k]));
+                }
+            }
+        }
+        pull
+    }
+}
+
 impl<const D: usize> Equations<D> {
-    /// Forces of the loads of a model with the same bodies, at time 0 `[force]`; those whose time function fails are left out.
+    /// Forces of the loads of a model with the same bodies, at time 0 `[force]`; those whose time function fails are left out. Forces on
+    /// followers of rigid bodies act on the masters.
     pub fn forces_of_loads(&self, model: &Model, q: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; q.len()];
         for load in loads_of(model, &self.bodies) {
             load.force_into(load.amplitude(0.0).unwrap_or_default(), q, &mut force);
         }
+        self.bodies.iter().filter_map(|body| body.rigid.as_ref()).for_each(|rigid| rigid.hand_over::<D>(&mut force));
         force
     }
 }

@@ -16,6 +16,8 @@ use crate::script::language::parameter::{Kind, Parameter};
 pub struct JointHandle {
     name: String,
     time: f64,
+    /// Time to which force and moment belong.
+    acting: f64,
     dimension: usize,
     load: JointLoad,
 }
@@ -41,6 +43,10 @@ impl Handle for JointHandle {
     }
 }
 
+/// Summary of `time`.
+const TIME: &str = "the time to which force and moment belong, which are means over the last step: its middle with integrators whose \
+                    forces act there, such as `energy_momentum()`, else its end";
+
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
     vec![
@@ -52,6 +58,7 @@ pub fn functions() -> Vec<Function> {
             "its moment about the joint's point on `from`: a number in the plane, an array in space",
             JointHandle::moment,
         ),
+        property("time", "float", TIME, |joint| joint.acting.into()),
         property("position", "Array", "where the joint's point on `from` is", |joint| joint.array(joint.load.place)),
         coordinate("angle", "the angle by which `from` has turned in a hinge, in the plane in a point joint, over whole turns `[rad]`"),
         coordinate("travel", "how far `from` has moved in a slider or a slot `[length]`"),
@@ -151,7 +158,8 @@ fn joint() -> Function {
             let (Some(load), time, dimension) = found else {
                 return Err(call.fail(format!("nothing is known of joint \"{name}\"")).hint("take a step").into());
             };
-            Ok(Dynamic::from(JointHandle { name, time, dimension, load }))
+            let acting = handle.0.script_time(load.time);
+            Ok(Dynamic::from(JointHandle { name, time, acting, dimension, load }))
         }),
     }
 }
