@@ -420,8 +420,9 @@ pub const HELD_ROW: f64 = 1e-8;
 /// Part of the gap tolerance by which an inactive constraint must be violated on the frozen linearisation to become active.
 pub const CLEARLY: f64 = 1e-3;
 
-/// Residual of a damped step of `settle` over its largest damping force, or over the imbalance that `settle` accepts: the damping leaves more
-/// than that, and the energy of a model of rigid bodies is no measure of a residual (8 000 factorizations for five equilibria of a truss).
+/// Residual of a damped step of `settle` over its largest damping force, or over the imbalance that `settle` accepts: the damping leaves
+/// more than that, and the energy of a model of rigid bodies is no measure of a residual (8 000 factorizations for five equilibria of a
+/// truss).
 pub const REST_STEP: f64 = 1e-2;
 
 /// Least damping of a body in `settle` over the stiffness of its slowest elastic motion.

@@ -125,10 +125,7 @@ where
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
         row.reactions.extend(self.coupling_reactions(middle, &at, &lambda, start.time + dt)?);
-        let share = start.derivative().placement().share;
-        let acting: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(q_0, q_1)| q_0 + share * (q_1 - q_0)).collect();
-        row.joints = self.joint_totals(&at.q_1, (&acting, &at.pairs), &lambda, &outside.drive_works);
-        row.probes = self.probe_values(&at.u_1, &v_1);
+        (row.joints, row.probes) = (self.joints_after(start, &at, &lambda, &outside.drive_works), self.probe_values(&at.u_1, &v_1));
         let state = State {
             drift: self.state.drift + row.energy_defect,
             row,

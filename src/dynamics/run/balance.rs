@@ -26,6 +26,10 @@ const GLANCE: f64 = 0.01;
 /// singular.
 const MOVED_ALONG: f64 = 0.01;
 
+/// Motion of a rigid body that joints hold in a step, over its extent: half a radian. With a whole one a chain of six links is not found at
+/// rest.
+const SWING: f64 = 0.5;
+
 /// Rigid motions in space; the plane has three of them.
 const MOTIONS: usize = 6;
 
@@ -47,7 +51,7 @@ pub struct Component {
     /// force acts on the longest.
     stiffness: f64,
     extent: f64,
-    /// Extent of a rigid body that joints hold: Newton's method follows a radian of its motion in a step. Infinite for others.
+    /// Motion of a rigid body that joints hold in a step; infinite for others.
     pub swing: f64,
     /// Largest distance from the axis of a body of revolution.
     radius: f64,
@@ -150,7 +154,7 @@ impl Balance {
             let is_jointed = definition.rigid.is_some() && model.joints.iter().any(|joint| joint.bodies().any(|joined| joined == body));
             for component in &mut components[first..] {
                 component.extent = (0..D).map(|i| extent_along::<D>(&equations.nodes.reference, &component.nodes, i)).fold(0.0, f64::max);
-                component.swing = if is_jointed { component.extent } else { f64::INFINITY };
+                component.swing = if is_jointed { SWING * component.extent } else { f64::INFINITY };
                 component.radius = component.nodes.iter().map(|&node| equations.nodes.reference[node * D].abs()).fold(0.0, f64::max);
                 component.frequency_squared = component.modulus / definition.material.density() / component.extent.powi(2);
             }
@@ -212,7 +216,7 @@ impl Balance {
         imbalance
     }
 
-    /// Gives rigid motions the mass matrix `R^T M R` with the consistent mass: masses of the masters of a rigid body alone have other moments
+    /// Gives rigid motions the mass matrix `R^T M R` with the consistent mass: row sums at the masters of a rigid body have other moments
     /// of inertia, which may be zero or negative.
     fn weigh<const D: usize>(&self, equations: &Equations<D>, q: &[f64], motions: &mut [RigidMotions<D>]) {
         let count = D * (D + 1) / 2;

@@ -9,6 +9,8 @@ use crate::dynamics::model::joints::{Anchor, Coordinate, JointDefinition};
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, PatchRow};
 use crate::dynamics::parts::free_motion::FreeMotion;
 use crate::dynamics::parts::nodal::{add_force, add_moment};
+use crate::dynamics::step::iterate::Linearization;
+use crate::dynamics::step::start::StepStart;
 use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
@@ -32,6 +34,13 @@ where
         let work = joint.drive.as_ref().map(|_| known.map_or(0.0, |known| known.work));
         let time = row.time - (1.0 - share) * row.dt;
         Some(JointLoad { force, moment, time, place: self.anchor_place(&joint.ends[1], q)?, coordinate, work })
+    }
+
+    /// Forces of all joints in a step with an iterate at its end, where they act in it.
+    pub(super) fn joints_after(&self, start: &StepStart, at: &Linearization, lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
+        let share = start.derivative().placement().share;
+        let acting: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(q_0, q_1)| q_0 + share * (q_1 - q_0)).collect();
+        self.joint_totals(&at.q_1, (&acting, &at.pairs), lambda, works)
     }
 
     /// Forces of all joints with the multipliers of a step, `acting` where and with the gradients with which they act, and the coordinates

@@ -487,8 +487,8 @@ impl Progress {
 
 impl Present {
     /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
-    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way (gaps are met
-    /// to 1e-12 of a facet), there is no such way.
+    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way (gaps are
+    /// met to 1e-12 of a facet), there is no such way.
     fn is_pushed_by<const D: usize>(&self, moved: &[f64], system: &Equations<D>) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
         let free = (0..moved.len()).filter(|&k| !system.supports.fixed[k]);

@@ -44,8 +44,8 @@ impl Handle for JointHandle {
 }
 
 /// Summary of `time`.
-const TIME: &str = "the time to which force and moment belong, which are means over the last step: its middle with integrators whose forces \
-                    act there, such as `energy_momentum()`, else its end";
+const TIME: &str = "the time to which force and moment belong, which are means over the last step: its middle with integrators whose \
+                    forces act there, such as `energy_momentum()`, else its end";
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
