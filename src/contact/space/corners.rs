@@ -66,7 +66,7 @@ pub struct CornersInSpace {
     pub(super) rows: Vec<Option<(usize, Measure)>>,
     start: Vec<Vec<f64>>,
     /// Whether vertices of the secondary side have rows of their own elsewhere.
-    has_nodal_rows: bool,
+    pub(super) has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
     radius: f64,
     pub(super) slots: usize,
