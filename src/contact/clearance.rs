@@ -1,7 +1,7 @@
 //! Signed distance of single points from a rigid obstacle, apart from contact surfaces and their constraints.
 //!
-//! Contact keeps the nodes of secondary surfaces out of an obstacle. Checks of whole bodies, in the plane and in space, need the distance of
-//! any point, the parts of the obstacle that a facet looks at, and points that are inside the obstacle.
+//! Contact keeps the nodes of secondary surfaces out of an obstacle. Checks of whole bodies, in the plane and in space, need the distance
+//! of any point, the parts of the obstacle that a facet looks at, and points that are inside the obstacle.
 
 use std::sync::Arc;
 

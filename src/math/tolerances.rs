@@ -204,17 +204,6 @@ pub const CORNER_SLACK: f64 = 0.02;
 /// Depth of an overlap in shortest secondary facets from which on a run is said to have it: the promise of a tenth of a facet.
 pub const DEPTH: f64 = 0.1;
 
-/// Part of the velocity of a body at the start above which what a support takes from it is no round-off, nor that of a center of mass that
-/// was rounded by hand.
-pub const AGAINST_SUPPORT: f64 = 1e-3;
-
-/// Height of the nodes of a facet above its plane, in smallest facets, from which on a vertex has its distance from a triangle of the facet.
-pub const WARPED: f64 = 1e-9;
-
-/// Depth of the middle of a facet in a rigid obstacle, in shortest edges of the facet, from which on the obstacle has passed between nodes:
-/// more than the sagitta over a facet whose nodes lie on an obstacle as large as the facet.
-pub const PASSED: f64 = 0.25;
-
 /// Share of a facet by which a node is moved out of its own body to ask whether it is inside another one, or inside another part of its
 /// own: far more than round-off of positions, far less than any depth that matters.
 pub const BESIDE: f64 = 1e-6;

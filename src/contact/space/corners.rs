@@ -277,7 +277,7 @@ impl CornersInSpace {
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
                 let height = normal.dot(&(v - faces::middle(on, q)));
                 let laps = &self.features[1 - side].laps[facet];
-                let (measure, height) = self.measure(nodes, height, q);
+                let (measure, height) = self.measure(nodes, q).unwrap_or((Measure::Facet(on.len()), height));
                 let gap = height + self.clearances[patch] - self.radius;
                 if !is_near(gap) || !self.faces(vertex, normal, q) || !features::is_inside(v, on, normal, laps, q) {
                     return None;

@@ -16,7 +16,6 @@ use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::ContactKernel;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::Outlook;
-use crate::math::tolerances::WARPED;
 
 /// How far a facet may be left across a border behind which its surface does not go on smoothly, over its size: nodes exactly above it, as
 /// those of meshes that match, are held.
@@ -45,19 +44,11 @@ impl CornersInSpace {
         settled
     }
 
-    /// What measures the gap of a vertex, the first of these nodes, against the facet of the others, and the gap. Rows of all nodes have the
-    /// triangle below the node alone, so that a node on another one has its whole force. The plane of a facet that is warped passes beside
-    /// its nodes: a vertex that lies on one of them, as where like meshes touch, would seem to be in front of the facet or behind it.
-    /// `height` is that above the plane.
-    pub(super) fn measure(&self, nodes: &[u32], height: f64, q: &[f64]) -> (Measure, f64) {
-        let on = &nodes[1..];
-        let warp = || faces::normal(on, q).dot(&(faces::at(on[0], q) - faces::middle(on, q))).abs();
-        if !self.of_nodes && (on.len() < 4 || warp() <= WARPED * self.sides.facet_size) {
-            return (Measure::Facet(on.len()), height);
-        }
-        let z: Vec<Vec3<f64>> = nodes.iter().map(|&node| faces::at(node, q).into()).collect();
-        let measure = Measure::above(&z);
-        (measure, measure.gap(&z))
+    /// What measures the gap of a node, and the gap: the triangle below it alone, so that a node on another one has its whole force.
+    pub(super) fn measure(&self, nodes: &[u32], q: &[f64]) -> Option<(Measure, f64)> {
+        let z: Vec<Vec3<f64>> = nodes.iter().filter(|_| self.of_nodes).map(|&node| faces::at(node, q).into()).collect();
+        let measure = z.first().map(|_| Measure::above(&z))?;
+        Some((measure, measure.gap(&z)))
     }
 
     /// Whether the surface at a vertex and a facet with this normal look at each other, where that is asked for.

@@ -1,8 +1,8 @@
 //! Rigid obstacles as bounds of whole bodies: sides of a body that contact does not know pass through an obstacle unhindered.
 //!
-//! Before the first step the secondary surface must look at its obstacle. During a run every point of the hull counts that is on no secondary
-//! surface of the obstacle. An obstacle into which the hull reaches at the start bounds no more than its secondary surface, as a plane that
-//! stops a flange and lets the shaft through.
+//! Before the first step the secondary surface must look at its obstacle. During a run every point of the hull counts that is on no
+//! secondary surface of the obstacle. An obstacle into which the hull reaches at the start bounds its secondary surface alone, as a plane
+//! that stops a flange and lets the shaft through.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,8 +11,12 @@ use super::definitions::Model;
 use super::hulls::ALLOWED;
 use super::interactions::{Interaction, Partner};
 use crate::contact::{Clearance, Finding, NamedSurface, Nearest, Obstacle, Surface, looks_away};
-use crate::math::tolerances::{DEPTH, PASSED};
+use crate::math::tolerances::DEPTH;
 use crate::mesh::{Mesh, is_inside};
+
+/// Depth of the middle of a facet in an obstacle, in shortest edges of the facet, from which on the obstacle has passed between nodes: more
+/// than the sagitta over a facet whose nodes lie on an obstacle as large as the facet.
+const PASSED: f64 = 0.25;
 
 /// Rigid obstacles with the hulls that they bound.
 pub struct ObstacleBounds {
@@ -150,10 +154,13 @@ impl Bound {
         for piece in self.pieces.iter().filter(|piece| piece.iter().any(|&node| !self.is_named[node as usize])) {
             let corners: Vec<[f64; 3]> = piece.iter().map(|&node| at(node)).collect();
             let middle = mean(&corners);
+            let Nearest { gap, covered, .. } = self.obstacle.at(middle);
+            if !covered || gap >= 0.0 {
+                continue;
+            }
             let size = (0..corners.len()).map(|k| distance(corners[k], corners[(k + 1) % corners.len()])).fold(f64::INFINITY, f64::min);
-            let gap = self.obstacle.at(middle);
-            if gap.covered && gap.gap < -PASSED * size {
-                add(-gap.gap / size, middle);
+            if gap < -PASSED * size {
+                add(-gap / size, middle);
             }
         }
         let center = mean(&self.free.iter().map(|&(node, _)| at(node)).collect::<Vec<_>>());
@@ -208,8 +215,8 @@ impl Bound {
 }
 
 impl Model {
-    /// A secondary surface that does not look at its rigid obstacle. Nothing is said of what may turn, or come to look at the obstacle on its
-    /// way.
+    /// A secondary surface that does not look at its rigid obstacle. Nothing is said of what may turn, or come to look at the obstacle
+    /// on its way.
     pub(super) fn away_from_obstacle(&self, interaction: &Interaction) -> Option<Finding> {
         let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
         let (on, dimension) = (&interaction.secondary, self.dimension());

@@ -341,7 +341,7 @@ impl ModelError {
             ModelError::Formulation { source, .. } => source.hint(),
             ModelError::RepeatedContact { .. } => "define one contact for each pair of surfaces".into(),
             ModelError::TiedContact { .. } => {
-                "leave the contact out where the tie holds, or give each its own facets: the constraints of one follow from those of the other"
+                "leave the contact out where the tie holds, or give each its own facets: constraints of one follow from those of the other"
                     .into()
             }
             ModelError::HeldAndMoved { .. } => "hold the other directions only, or leave this one out of the motion".into(),

@@ -8,7 +8,10 @@ use super::interactions::BodyBoundary;
 use crate::bodies::Inertia;
 use crate::math::digits::three_digits;
 use crate::math::norms::length;
-use crate::math::tolerances::AGAINST_SUPPORT;
+
+/// Part of the velocity of a body at the start above which what a support takes from it is neither round-off nor that of a center of mass
+/// that was rounded by hand.
+const AGAINST_SUPPORT: f64 = 0.001;
 
 /// A definition without effect on nodes that are held or moved.
 #[derive(Clone, Debug, PartialEq)]

@@ -186,7 +186,7 @@ impl RunFinding {
             RunFindingKind::Leap => "with a smaller dt a leap at a limit point stays, and an error of the step goes",
             RunFindingKind::PassedThrough => "define contacts between what touches, or move the bodies apart",
             RunFindingKind::PassedObstacle => {
-                "name all of the body that can touch the obstacle as its secondary surface, and turn round an obstacle that is the wrong way"
+                "name all of the body that can touch the obstacle as secondary surface, and turn round an obstacle that is the wrong way"
             }
             RunFindingKind::Depth => {
                 "an overlap at the start is never driven apart: start without, or begin at rest; one that came later is less with a \

@@ -209,7 +209,16 @@ impl Argument<'_> {
             Kind::Number | Kind::Integer if self.value.as_ref().is_some_and(Dynamic::is_string) => failure.hint("leave out the quotes"),
             Kind::Handle(name) => failure.hint(self.call.host.slots.get::<Types>().maker(name)),
             Kind::Vector => failure.hint("write the components as an array, `[x, y]`"),
-            Kind::Options(_) | Kind::OpenOptions(_) => failure.hint(format!("write `{}(#{{ name: value, … }})`", self.call.function.name)),
+            Kind::Options(_) | Kind::OpenOptions(_) => {
+                let function = self.call.function;
+                let key = self.parameter.kind.keys().and_then(|keys| keys.first()).map_or("name", |key| key.name);
+                let place = function.parameters.iter().position(|parameter| parameter.name == self.parameter.name);
+                failure.hint(match place {
+                    Some(0) => format!("write `{}(#{{ {key}: … }})`", function.name),
+                    Some(_) => format!("write `{}(…, #{{ {key}: … }})`", function.name),
+                    None => format!("write `{}: #{{ {key}: … }}`", self.parameter.name),
+                })
+            }
             kind => failure.hint(format!("give {}", kind.phrase())),
         }
     }

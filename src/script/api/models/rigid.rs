@@ -14,12 +14,11 @@ use crate::math::catalogue::Interval;
 use crate::math::tolerances;
 use crate::mesh::Mesh;
 use crate::script::api::examples::plate_example;
-use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
-use crate::script::language::digits::{brief, number_text, vector_text};
+use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -74,12 +73,6 @@ pub fn add_rigid_body() -> Function {
                 return Err(failure.hint(error.remedy()).into());
             }
             refuse_or_warn_of_surface(call, &mesh)?;
-            let argument = call.argument("options");
-            if let Ok(material) = argument.handle::<MaterialHandle>() {
-                let failure = argument.fail("a rigid body takes its density or its mass, not a material: it does not deform");
-                let density = number_text(material.0.density());
-                return Err(failure.label("this is a Material").hint(format!("write `#{{ density: {density} }}`")).into());
-            }
             let options = call.options("options")?;
             let (material, inertia) = mass_of(&options, &mesh)?;
             let definition = BodyDefinition { name, mesh, material, formulation: Formulation::default(), rigid: Some(inertia) };

@@ -167,10 +167,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0171");
         call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
     }
-    for held in model.model.held() {
-        let warning = Diagnostic::warning(held.to_string(), call.place(&Target::Call)).code(held.code());
-        call.host.warn(warning.cause(held.cause()).hint(held.hint()));
-    }
+    warn_of_held(call, &model.model);
     for [moving, other] in model.model.meetings() {
         let title = format!("body \"{moving}\" moves towards \"{other}\", and no contact is defined between them");
         let warning = Diagnostic::warning(title, call.place(&Target::Call));
@@ -262,6 +259,14 @@ fn warn_of_units(call: &Call, model: &Model, dt: f64) {
             let hint = "use one set of units for all: N, m, kg and s with stresses in N/m^2, or N, mm, t and s with stresses in N/mm^2";
             call.host.warn(warning.hint(hint));
         }
+    }
+}
+
+/// Warns of velocities, loads and supports on nodes that something else holds or moves.
+fn warn_of_held(call: &Call, model: &Model) {
+    for held in model.held() {
+        let warning = Diagnostic::warning(held.to_string(), call.place(&Target::Call)).code(held.code());
+        call.host.warn(warning.cause(held.cause()).hint(held.hint()));
     }
 }
 
