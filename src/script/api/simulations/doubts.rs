@@ -1,7 +1,7 @@
-//! Warnings of what a model means by its numbers: units, degrees, gauge pressures; and of results that are not all of what they seem.
+//! Warnings of what a model means by its numbers, units and degrees, and of stresses that leave something out.
 
 use super::handle::SimulationHandle;
-use crate::dynamics::{JointKind, LedgerRow, Model};
+use crate::dynamics::{JointKind, Model};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::function::Call;
@@ -19,12 +19,6 @@ const LARGE: f64 = 4.0;
 
 /// Angles in degrees that are hardly meant as radians when a prescribed turn ends exactly there.
 const DEGREES: [f64; 8] = [45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0];
-
-/// Steps from which on a momentum that is reversed in each of them is told, and the part of all pairs of steps in which it must be.
-const REVERSED: (usize, f64) = (10, 0.8);
-
-/// Momentum, relative to the largest one, from which on its sign counts.
-const MOVING: f64 = 0.1;
 
 /// Warns of densities in kg/m^3 beside lengths in mm and stresses in N/mm^2, of a model whose inertia counts.
 pub(super) fn warn_of_mixed_units(call: &Call, model: &Model) {
@@ -49,24 +43,13 @@ pub(super) fn warn_of_mixed_units(call: &Call, model: &Model) {
 }
 
 impl SimulationHandle {
-    /// Warns of stresses without their viscous part, of turns that end at a number of degrees, and of steps that do not resolve the motion.
+    /// Warns of stresses without their viscous part, and of turns that end at a number of degrees.
     pub(super) fn warn_of_doubts(&self, host: &Host) {
-        let history = self.0.history.borrow();
-        if history.len() < 2 {
-            return;
-        }
         let is_static = self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.options().integrator.is_static());
         if !is_static {
             self.warn_of_elastic_stress(host);
         }
         self.warn_of_degrees(host);
-        if reverses(&history) {
-            let title = format!("dt is too large for the motion of simulation \"{}\"", self.0.name);
-            let cause =
-                "its momentum is reversed in nearly every step: a motion that vibrates faster than the steps is not computed by them";
-            let warning = Diagnostic::warning(title, self.0.place.clone()).code("C0655").cause(cause);
-            host.warn(warning.hint("take about twenty steps for a period, or `statics()` where vibrations do not matter"));
-        }
     }
 
     /// Warns that stresses of bodies that are viscous or relax are those of the stored energy alone.
@@ -95,15 +78,4 @@ impl SimulationHandle {
             }
         }
     }
-}
-
-/// Whether the momentum is reversed in nearly every step.
-fn reverses(rows: &[LedgerRow]) -> bool {
-    let product = |a: &LedgerRow, b: &LedgerRow| (0..3).map(|i| a.momentum[i] * b.momentum[i]).sum::<f64>();
-    let largest = rows.iter().map(|row| product(row, row).sqrt()).fold(0.0, f64::max);
-    let most = rows.iter().map(|row| row.kinetic + row.strain).fold(0.0, f64::max);
-    let counts = |row: &LedgerRow| product(row, row).sqrt() > MOVING * largest && row.kinetic > MOVING * MOVING * most;
-    let pairs = rows.windows(2).filter(|pair| pair.iter().all(counts));
-    let (all, reversed) = pairs.fold((0, 0), |(all, reversed), pair| (all + 1, reversed + usize::from(product(&pair[0], &pair[1]) < 0.0)));
-    all >= REVERSED.0 && reversed as f64 >= REVERSED.1 * all as f64 && 2 * all >= rows.len()
 }
