@@ -54,13 +54,21 @@ pub(super) struct Batch<const D: usize, const A: usize> {
     pub(super) last: Lanes<false>,
     /// Stress-free length over that at rest at each point; empty where cells are without stress at rest.
     pub(super) growth: Vec<Lanes<false>>,
+    /// Integrals of the products of two shape functions, lower triangle row by row; empty where those at the points sum to them.
+    pub(super) mass: Vec<Lanes<false>>,
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
     /// The batch of up to eight cells with such points, whose nodes are numbered from `first_node`.
     pub(super) fn new(cells: &[&[u32]], points: &[[f64; 3]], first_node: usize) -> Self {
-        let mut batch =
-            Batch { nodes: [[0; WIDTH]; A], count: cells.len(), edges: [[Lanes::ZERO; D]; A], last: Lanes::ZERO, growth: Vec::new() };
+        let mut batch = Batch {
+            nodes: [[0; WIDTH]; A],
+            count: cells.len(),
+            edges: [[Lanes::ZERO; D]; A],
+            last: Lanes::ZERO,
+            growth: Vec::new(),
+            mass: Vec::new(),
+        };
         for lane in 0..WIDTH {
             let cell = cells.get(lane).unwrap_or(&cells[0]);
             batch.last.0[lane] = points[cell[A - 1] as usize][0];

@@ -16,6 +16,7 @@ use std::ops::Range;
 
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
+use super::consistent_mass::MassRule;
 use super::element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
@@ -72,7 +73,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let cells: Vec<&[u32]> = mesh.cells().collect();
         let cliques: Vec<Vec<u32>> = cells.iter().map(|cell| cell.iter().map(|&node| node + first_node as u32).collect()).collect();
         let unplaced = |run| PlacedRun { run, values: 0..0, fresh_values: Vec::new() };
-        let elements = Cells {
+        let mut elements = Cells {
             physics,
             rounds: rounds(&cliques, WIDTH).into_iter().map(|round| round.into_iter().map(unplaced).collect()).collect(),
             cliques,
@@ -89,6 +90,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                     return Err(Inverted { cell: index * WIDTH + lane, determinant: smallest });
                 }
             }
+        }
+        let (rule, is_section) = (MassRule::new::<C, Q>(mesh.kind.shape()), elements.physics.is_axisymmetric());
+        for index in 0..elements.batches.len() {
+            let volumes = elements.deform(&elements.batches[index], None).weighed;
+            elements.batches[index].keep_mass(&rule, &elements.table, &volumes, is_section);
         }
         Ok(elements)
     }
@@ -167,7 +173,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
         if let Some(geometric) = geometric {
             work.integrate(step.derivative, step.weight, geometric);
-            work.add_mass(table, step.inertia * physics.density);
+            work.add_mass(batch, table, step.inertia * physics.density);
         } else {
             work.integrate_force(step.derivative, step.weight);
         }
@@ -346,15 +352,14 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn add_mass(&self, mass: &mut NodeMatrix) {
-        let products = &self.table.products;
         for (index, batch) in self.batches.iter().enumerate() {
             let volumes = self.deform(batch, None).weighed;
             for lane in 0..batch.count {
                 let nodes = self.nodes(index, lane);
                 for a in 0..many::<A>() {
                     for b in 0..many::<A>() {
-                        let sum: f64 = (0..Q).map(|q| volumes[q].0[lane] * products[q][a][b]).sum();
-                        mass.add(nodes[a], nodes[b], self.physics.density * sum);
+                        let product = self.mass_product(batch, &volumes, lane, [a, b]);
+                        mass.add(nodes[a], nodes[b], self.physics.density * product);
                     }
                 }
             }

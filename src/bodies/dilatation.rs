@@ -19,6 +19,7 @@
 //! Engineering 53, 2002.)
 
 use super::batch::{MOST_POINTS, cast};
+use crate::elements::GAUSS;
 use crate::integrators::{Configuration, Derivative};
 use crate::materials::{Components, VolumetricLaw};
 use crate::math::lanes::{Lanes, Real, WIDTH};
@@ -99,15 +100,6 @@ pub(super) struct Pressure {
     pub(super) value: Lanes<false>,
     pub(super) slope: Lanes<false>,
 }
-
-/// Five Gauss points of the unit interval and their weights.
-const GAUSS: [(f64, f64); 5] = [
-    (0.046_910_077_030_668_004, 0.118_463_442_528_094_54),
-    (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
-    (0.5, 0.284_444_444_444_444_44),
-    (0.769_234_655_052_841_5, 0.239_314_335_249_683_23),
-    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
-];
 
 impl Pressure {
     pub(super) const ZERO: Self = Pressure { value: Lanes::ZERO, slope: Lanes::ZERO };

@@ -6,6 +6,7 @@
 mod batch;
 mod cells;
 mod completion;
+mod consistent_mass;
 mod dilatation;
 mod element_loop;
 mod formulation;

@@ -278,12 +278,16 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
 
     /// Adds `factor` times the consistent mass to the tangent.
     #[inline(always)]
-    pub(super) fn add_mass(&mut self, table: &Table<D, A, Q>, factor: f64) {
+    pub(super) fn add_mass(&mut self, batch: &Batch<D, A>, table: &Table<D, A, Q>, factor: f64) {
         for a in 0..many::<A>() {
             for b in 0..=a {
-                let mut mass = Lanes::ZERO;
-                for q in 0..many::<Q>() {
-                    mass = self.points[q].weighed.mul_add(Lanes::splat(factor * table.products[q][a][b]), mass);
+                let mut mass = Lanes::<FMA>::ZERO;
+                if let Some(product) = batch.kept_mass(a, b) {
+                    mass = cast::<FMA>(product) * factor;
+                } else {
+                    for q in 0..many::<Q>() {
+                        mass = self.points[q].weighed.mul_add(Lanes::splat(factor * table.products[q][a][b]), mass);
+                    }
                 }
                 for i in 0..D {
                     self.tangent[b][i][a][i] = self.tangent[b][i][a][i] + mass;

@@ -7,10 +7,15 @@
 
 use crate::math::lanes::Real;
 
+/// Square of an increment below which a discrete gradient has no correction, 28 decades above the smallest normal number. Smaller squares
+/// lose digits, and their reciprocals overflow: far from the load of a long bar strains are 1e-160, and the first step failed. At an
+/// increment of 1e-140 the correction is 1e-140 of the gradient of any smooth function. Tested in `tests/scripts/first_steps.rhai`.
+pub const LEAST_SQUARE: f64 = 1e28 * f64::MIN_POSITIVE;
+
 /// Algorithmic gradient `g` and its derivative `T = dg/dpi_1` (not symmetric).
 ///
 /// `d`: increment of the invariants; `gradient` and `hessian`: of `f` at the mean invariants; `gradient_end`: at `pi_1`;
-/// `remainder`: `R` above. Where `d.d <= threshold` the correction and its derivative are dropped.
+/// `remainder`: `R` above. The correction and its derivative are dropped where `d.d <= threshold`, and where `d.d` underflows.
 #[inline(always)]
 pub fn discrete_gradient<R: Real, const K: usize>(
     d: &[R; K],
@@ -21,7 +26,7 @@ pub fn discrete_gradient<R: Real, const K: usize>(
     threshold: R,
 ) -> ([R; K], [[R; K]; K]) {
     let square = dot(d, d);
-    let inverse = (square - threshold).if_above(0.0, R::splat(1.0) / square);
+    let inverse = (square - threshold).if_above(LEAST_SQUARE, R::splat(1.0) / square);
     let a = remainder * inverse;
     let mut g = *gradient;
     let mut tangent = *hessian;

@@ -27,7 +27,7 @@ pub use backward_euler::BACKWARD_EULER;
 pub use bdf2::{BDF2, TR_BDF2};
 pub use central_differences::{CENTRAL_DIFFERENCES, central_differences};
 pub use derivative::{Configuration, Derivative, Placement};
-pub use discrete_gradient::discrete_gradient;
+pub use discrete_gradient::{LEAST_SQUARE, discrete_gradient};
 pub use energy_decaying::{ENERGY_DECAYING, energy_decaying};
 pub use energy_momentum::ENERGY_MOMENTUM;
 pub use family::Family;

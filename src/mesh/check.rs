@@ -63,10 +63,21 @@ impl Samples {
     fn new(kind: CellKind) -> Samples {
         let row = kind.row();
         Samples {
-            quadrature: (row.quadrature)().into_iter().map(|(xi, weight)| (weight, (row.gradients)(xi))).collect(),
+            quadrature: at_points(kind, &(row.quadrature)()),
             corners: row.node_places[..row.cell_shape.corners()].iter().map(|&place| (row.gradients)(place)).collect(),
         }
     }
+}
+
+/// Weights of points, and gradients of the shape functions there.
+fn at_points(kind: CellKind, points: &[([f64; 3], f64)]) -> Vec<(f64, Gradients)> {
+    points.iter().map(|&(xi, weight)| (weight, (kind.row().gradients)(xi))).collect()
+}
+
+/// Points of a quadrature that is exact for the volume of curved cells, also around an axis: those of the stiffness, which suffice but in
+/// simplices of second order.
+fn exact_points(kind: CellKind) -> Vec<([f64; 3], f64)> {
+    if kind.is_quadratic() && kind.shape().is_simplex() { kind.shape().mass_points() } else { (kind.row().quadrature)() }
 }
 
 /// Derivatives of the position in the reference directions; the third is the unit vector `e_z` in the plane.
@@ -130,9 +141,9 @@ fn scaled_simplex(corners: &[[f64; 3]]) -> f64 {
 }
 
 impl Mesh {
-    /// Area or volume by quadrature `[length^D]`.
+    /// Area or volume by quadrature, exact for curved cells `[length^D]`.
     pub fn measure(&self) -> f64 {
-        let samples = Samples::new(self.kind);
+        let samples = Samples { quadrature: at_points(self.kind, &exact_points(self.kind)), corners: Vec::new() };
         let mut points = Vec::with_capacity(self.kind.nodes());
         (0..self.cell_count())
             .map(|cell| {
@@ -142,10 +153,12 @@ impl Mesh {
             .sum()
     }
 
-    /// Volume of the body of revolution whose section the mesh is, turned about the second axis, by quadrature `[length^3]`.
+    /// Volume of the body of revolution whose section the mesh is, turned about the second axis, by quadrature, exact for curved cells
+    /// `[length^3]`.
     pub fn volume_of_revolution(&self) -> f64 {
-        let (samples, row) = (Samples::new(self.kind), self.kind.row());
-        let shapes: Vec<Vec<f64>> = (row.quadrature)().into_iter().map(|(xi, _)| (row.shape)(xi)).collect();
+        let (points, row) = (exact_points(self.kind), self.kind.row());
+        let samples = Samples { quadrature: at_points(self.kind, &points), corners: Vec::new() };
+        let shapes: Vec<Vec<f64>> = points.into_iter().map(|(xi, _)| (row.shape)(xi)).collect();
         let mut points = Vec::with_capacity(self.kind.nodes());
         let of_cell = |cell| {
             self.cell_points_into(cell, &mut points);

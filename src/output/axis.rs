@@ -34,6 +34,8 @@ impl Axis {
 
     fn new([low, high]: [f64; 2], count: usize) -> Self {
         let size = Some(low.abs().max(high.abs())).filter(|&size| size > NOTHING).unwrap_or(0.0);
+        // What is nothing in any units is drawn as nothing.
+        let [low, high] = if size == 0.0 { [0.0; 2] } else { [low, high] };
         let magnitude = size.log10().floor() as i32;
         let exponent = if size == 0.0 || (-3..5).contains(&magnitude) { 0 } else { magnitude };
         let factor = 10f64.powi(exponent);

@@ -90,7 +90,10 @@ where
         let displacements: Vec<f64> = displaced.flat_map(|u| u[..D].to_vec()).collect();
         let positions = system.nodes.positions(&displacements);
         inverted_at_start(&system, model, &displacements)?;
-        let velocities = initial_velocities(&system, model, &positions);
+        let mut velocities = initial_velocities(&system, model, &positions);
+        if options.integrator.is_static() {
+            velocities.fill(0.0);
+        }
         system
             .survey(&positions)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("whose contacts couple many nodes: {shortage}") })?;

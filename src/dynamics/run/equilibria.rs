@@ -50,8 +50,11 @@ where
             let ends = forces(&begun).iter().zip(forces(&ended));
             ends.zip(&moved).map(|((first, last), moved)| 0.5 * (first + last) * moved).sum()
         };
+        // In an equilibrium nothing moves, whatever the rates of what is prescribed.
+        state.velocities.fill(0.0);
         let row = &mut state.row;
         row.dt = dt;
+        row.kinetic = 0.0;
         row.contact_work = work(|forces| &forces.between) + 0.0;
         // What obstacles and drives do: what contacts do and neither pressing between bodies, friction nor penalties explain.
         let driven = work(|forces| &forces.contact) - row.contact_work - row.friction_work + (ended.kept - begun.kept);

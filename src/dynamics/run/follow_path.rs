@@ -35,6 +35,9 @@ const LONGEST: f64 = 4.0;
 /// How often a step is shortened in a row.
 const MOST_SHORTER: usize = 12;
 
+/// Halvings of the stretch of a path in which stability changes: a thousandth of an increment is left.
+const BISECTIONS: usize = 10;
+
 /// A point that is looked for.
 #[derive(Clone)]
 struct Guess {
@@ -148,18 +151,37 @@ where
         Ok(Path { points, critical, end })
     }
 
-    /// Finds the load of a bifurcation from the eigenvalues that change their sign between two points, if they are found.
+    /// Finds the load of a bifurcation: between two points by halving, by the number of negative eigenvalues, then from the eigenvalues that
+    /// change their sign, if they are found. Where several vanish at one load, their order at the two ends is not the same, so that only
+    /// ends near each other tell them apart.
     fn sharpen(&mut self, points: &[PathPoint], critical: &mut CriticalPoint) {
-        let ends = [critical.after, critical.after + 1];
-        let index = ends.iter().filter_map(|&k| points[k].unstable).min().unwrap_or(0);
-        let mut eigenvalue = |k: usize| {
-            self.take_back(&points[k].state);
+        let [mut from, mut to] = [0, 1].map(|k| points[critical.after + k].clone());
+        for _ in 0..BISECTIONS {
+            let mean = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect() };
+            let (a, b) = (&from.state, &to.state);
+            let load = 0.5 * (a.row.time + b.row.time);
+            let guess = Guess { load, u: mean(&a.displacements, &b.displacements), lambda: mean(&a.lambda, &b.lambda) };
+            self.take_back(&from.state);
+            if self.stand_at(&guess).is_err() {
+                break;
+            }
+            let middle = self.point(0.0);
+            match middle.unstable {
+                Some(_) if middle.unstable == from.unstable => from = middle,
+                Some(_) => to = middle,
+                None => break,
+            }
+        }
+        let index = [&from, &to].into_iter().filter_map(|point| point.unstable).min().unwrap_or(0);
+        let mut eigenvalue = |point: &PathPoint| {
+            self.take_back(&point.state);
             Some(self.find_modes(index + 1).ok()?.modes.get(index)?.eigenvalue)
         };
-        let Some((before, after)) = eigenvalue(ends[0]).zip(eigenvalue(ends[1])) else { return };
+        let [first, last] = [&from, &to].map(|point| point.state.row.time);
+        critical.load = 0.5 * (first + last);
+        let Some((before, after)) = eigenvalue(&from).zip(eigenvalue(&to)) else { return };
         if before * after < 0.0 {
-            let [from, to] = ends.map(|k| points[k].state.row.time);
-            critical.load = from + (to - from) * before / (before - after);
+            critical.load = first + (last - first) * before / (before - after);
         }
     }
 

@@ -27,6 +27,8 @@ const AIM: f64 = 0.5;
 /// How much longer or shorter a step may be than the one before: `bdf2` grows unstable beyond 2.4.
 const LONGER: f64 = 2.0;
 const SHORTER: f64 = 0.2;
+/// The most that a step which is tried again has of its size before.
+const LESS: f64 = 0.9;
 /// Weight of a shorter step in the size that steps usually have, for a step of that size.
 const FORGETTING: f64 = 0.3;
 /// Growth of the largest speed in a step, over the root of the tolerance, from which on a motion has only begun: it is slow so far, and
@@ -155,16 +157,18 @@ impl Pace {
         let growth = self.growth(step, &velocity).map(|growth| measure.size(&growth, true));
         let ratio = growth.map_or(0.0, |growth| growth * dt / allowed);
         let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());
-        if ratio > 1.0 && dt > smallest && has_begun {
-            return Err((dt * (AIM / ratio).powf(1.0 / order).max(SHORTER)).max(smallest));
+        // A size that is hardly shorter would leave a rest that is hardly a step.
+        let may_shrink = LESS * dt >= smallest;
+        if ratio > 1.0 && may_shrink && has_begun {
+            return Err((dt * (AIM / ratio).powf(1.0 / order).clamp(SHORTER, LESS)).max(smallest));
         }
         let missed = match touch {
             Some(Touch::Passed(depth)) => depth,
             Some(Touch::Kept) => 0.5 * dt * speed,
             None => 0.0,
         };
-        if missed > allowed && dt > smallest {
-            return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, 0.9 * dt).max(smallest));
+        if missed > allowed && may_shrink {
+            return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, LESS * dt).max(smallest));
         }
         // What has only begun asks for no shorter steps.
         let ratio = if has_begun { ratio } else { ratio.min(AIM) };

@@ -36,6 +36,13 @@ use crate::math::tolerances;
 /// Kinks of what acts, within a step, up to which it goes from one to the next.
 const MOST_CORNERS: usize = 2;
 
+/// Stretch of time, relative to the step, that is joined to the step before it where steps choose their size: a step of 1e-13 of the ones
+/// before has no matrix that could be solved.
+const SLIVER: f64 = 1000.0 * tolerances::SAME_MOMENT;
+
+/// Distance of two moments, relative to them, within which they are one.
+const SAME_TIME: f64 = 4.0 * f64::EPSILON;
+
 impl<const D: usize> Steps for Engine<D>
 where
     Space<D>: Elements<D>,
@@ -336,8 +343,10 @@ where
     fn paced_step(&mut self, control: &StepControl, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let from = self.state.row.time;
         let size = self.state.pace.size(control, self.options.dt);
-        let near = tolerances::SAME_MOMENT * size;
-        let corner = self.corners.iter().copied().find(|corner| *corner > from + near);
+        // A rest that is shorter would be hardly a step: kinks next to the end, and rounded sums of many steps.
+        let near = (SLIVER * size).max(SAME_TIME * from.abs());
+        let is_ahead = |corner: &f64| *corner > from + near && end.is_none_or(|end| *corner < end - near);
+        let corner = self.corners.iter().copied().find(is_ahead);
         let landing = end.into_iter().chain(corner).fold(f64::INFINITY, f64::min);
         let target = match landing - from {
             rest if rest < size + near => landing,

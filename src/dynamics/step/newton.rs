@@ -17,6 +17,7 @@ use crate::contact::Correction;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment};
+use crate::integrators::LEAST_SQUARE;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
@@ -397,7 +398,7 @@ where
         record.target = (tolerances::NEWTON_FORCE * forces.scale).max(record.floor);
         let contact_work;
         (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);
-        let small = task.tolerance * task.energy.max(forces.internal_work.abs());
+        let small = (task.tolerance * task.energy.max(forces.internal_work.abs())).max(LEAST_SQUARE);
         record.energy = momentum.max(work.abs() + contact_work.abs()) / small;
         record
     }

@@ -25,7 +25,11 @@ const COLUMNS: &[(&str, &str)] = &[
     ("potential", "the potential energy of gravity, springs, viscous materials and penalty potentials, and the `reserve` [energy]"),
     ("total", "the sum of the three energies [energy]"),
     ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
-    ("contact_work", "the work of contact in this step, which the update rule gap loses on purpose; never positive [energy]"),
+    (
+        "contact_work",
+        "the work of contact between bodies in this step, which the update rule gap loses on purpose; never positive in motion; in statics \
+         the trapezoidal rule, of either sign [energy]",
+    ),
     ("friction_work", "the work of friction in this step, what it turns into heat; never positive [energy]"),
     (
         "dissipation",

@@ -6,6 +6,7 @@ pub mod artifacts;
 pub mod buckling;
 pub mod columns;
 pub mod contact_state;
+pub mod doubts;
 pub mod ending;
 pub mod events;
 pub mod explicit;

@@ -8,6 +8,7 @@ use rhai::Dynamic;
 
 use super::artifacts::{Artifacts, Keeping, Start};
 use super::columns::{Probe, probe_columns};
+use super::doubts::warn_of_mixed_units;
 use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::integrators::{IntegratorHandle, title};
@@ -176,6 +177,9 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         );
     }
     warn_of_units(call, &model.model, kernel_dt);
+    if !integrator.is_static() {
+        warn_of_mixed_units(call, &model.model);
+    }
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = vec![simulation.row().clone()];
     let so_far = SoFar { history, probes: Vec::new(), spent: begun.elapsed() };

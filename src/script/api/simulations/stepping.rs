@@ -143,7 +143,8 @@ impl SimulationHandle {
             // A single step of a large model can take long.
             call.host.observer.began(&format!("stepping \"{}\"", self.0.name));
         }
-        let reached = || end.is_some_and(|end| self.0.simulation.borrow().time() >= end);
+        // A time within round-off of now, such as 0.1 + 0.2 after 0.3, is now.
+        let reached = || end.is_some_and(|end| self.0.simulation.borrow().time() >= end - 4.0 * f64::EPSILON * end.abs());
         let mut outcome = Ok(());
         let mut taken = 0;
         while outcome.is_ok() && taken < count && !reached() {
@@ -202,7 +203,9 @@ impl SimulationHandle {
         let every = data.keeping.fields_every.filter(|_| simulation.options().control.is_some());
         let frame = every.map(|every| {
             let every = data.kernel_time(every);
-            ((simulation.time() / every + SAME_MOMENT).floor() + 1.0) * every
+            let frame = ((simulation.time() / every + SAME_MOMENT).floor() + 1.0) * every;
+            // One at the end but for round-off is that of the end.
+            end.filter(|end| (frame - end).abs() <= SAME_MOMENT * every).unwrap_or(frame)
         });
         end.into_iter().chain(frame).reduce(f64::min)
     }
