@@ -161,21 +161,18 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
         }
     };
     note((row.time - moved_row.time / units.time).abs(), row.time.abs(), "the time reached".into());
+    // Energies of bodies of revolution are those of the whole circumference.
+    let energy = motion.energy(if original.0.model.model.is_axisymmetric() { 3 } else { dimension });
+    let total = row.kinetic.abs() + row.strain.abs();
+    note((row.kinetic - moved_row.kinetic / energy).abs(), total, "the kinetic energy".into());
+    note((row.strain - moved_row.strain / energy).abs(), total, "the strain energy".into());
     let scale_of = |pick: fn(&BodyFields) -> &Vec<[f64; 3]>| {
         fields.iter().flat_map(|body| pick(body).iter()).fold(0.0_f64, |scale, vector| scale.max(length(*vector)))
     };
     // What is held and does not move differs by the round-off of its place alone.
     let round_off = POSITION * original.0.model.model.extent() / INVARIANT;
-    let [far, fast] = [scale_of(|body| &body.displacement), scale_of(|body| &body.velocity)];
-    let slow = if row.dt > 0.0 { round_off / row.dt } else { 0.0 };
-    if far > round_off || fast > slow {
-        // Energies of bodies of revolution are those of the whole circumference.
-        let energy = motion.energy(if original.0.model.model.is_axisymmetric() { 3 } else { dimension });
-        let total = row.kinetic.abs() + row.strain.abs();
-        note((row.kinetic - moved_row.kinetic / energy).abs(), total, "the kinetic energy".into());
-        note((row.strain - moved_row.strain / energy).abs(), total, "the strain energy".into());
-    }
-    let (far, fast) = (far.max(round_off), fast.max(slow));
+    let far = scale_of(|body| &body.displacement).max(round_off);
+    let fast = scale_of(|body| &body.velocity).max(round_off / row.dt.max(f64::MIN_POSITIVE));
     for (body, other) in fields.iter().zip(&moved_fields) {
         for node in 0..body.displacement.len() {
             let u = motion.vector(body.displacement[node], units.length);
