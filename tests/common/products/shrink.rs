@@ -78,7 +78,9 @@ pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &
             let mut candidate = product.clone();
             candidate.rows[factor] = other;
             let candidate = catalogue.normalized(&candidate);
-            candidate.rows[factor] == other && !matches!(judge(&candidate), Verdict::Refused(..))
+            let is_alike =
+                (0..candidate.rows.len()).all(|place| candidate.rows[place] == if place == factor { other } else { product.rows[place] });
+            is_alike && !matches!(judge(&candidate), Verdict::Refused(..))
         };
         if row > 0 || [1, count / 2, count - 1].into_iter().filter(|&other| other < count && other > 0).any(is_cured) {
             rows.push((factor, row));

@@ -13,7 +13,8 @@ use super::shrink::blame;
 use super::{Catalogue, Named, Product};
 
 /// Products that are chosen before the verdicts of any of them are known.
-const BATCH: usize = 12;
+/// More would be refused together for a reason that the first of them tells.
+const BATCH: usize = 2;
 
 /// A violation that is known.
 #[derive(Debug)]
@@ -130,7 +131,8 @@ impl Study {
         study.changed = stale(catalogue, &mut cover, &home.join("0"));
         let learnt = cover.refusals.len();
         loop {
-            if study.times.len() % (20 * BATCH) == 0 {
+            if study.times.len() % (50 * BATCH) == 0 {
+                let _ = std::fs::write(home.join("refused.txt"), cover.table());
                 eprintln!("{} products, {} pairs to draw, {} refusals", study.times.len(), cover.open(), cover.refusals.len());
             }
             let products = cover.batch(BATCH);
