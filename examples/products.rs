@@ -33,7 +33,7 @@ use products::study::Study;
 use products::{Catalogue, Named, Product};
 
 /// What the program refused when the covering array was made last.
-const REFUSED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products.txt");
+const REFUSED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/refused.txt");
 
 /// Random products of the catalogues.
 #[derive(Parser)]

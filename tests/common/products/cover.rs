@@ -3,7 +3,7 @@
 //! Greedy and deterministic. A product that the program refuses covers nothing: it is made smaller to the rows that are to blame, and no
 //! later product has these together.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Catalogue, Product};
 
@@ -209,22 +209,21 @@ impl<'a> Cover<'a> {
 
     /// The product, or one that differs where it is refused, with a pair in it.
     pub fn allowed(&self, product: Product, pair: (Row, Row)) -> Option<Product> {
-        let mut tried = vec![product];
+        let mut seen = BTreeSet::from([product.clone()]);
+        let mut ways = vec![product];
         let mut place = 0;
-        while place < tried.len() && place < MOST_WAYS {
-            let Some(refusal) = self.refusal(&tried[place]) else { return Some(tried.swap_remove(place)) };
-            let mut further = Vec::new();
+        while place < ways.len() && place < MOST_WAYS {
+            let Some(refusal) = self.refusal(&ways[place]) else { return Some(ways.swap_remove(place)) };
             for &(factor, _) in refusal.rows.iter().filter(|row| row.0 != pair.0.0 && row.0 != pair.1.0) {
                 for row in 0..self.catalogue.factors[factor].rows.len() {
-                    let mut candidate = tried[place].clone();
+                    let mut candidate = ways[place].clone();
                     candidate.rows[factor] = row;
                     let candidate = self.catalogue.normalized(&candidate);
-                    if has(&candidate, pair) && !tried.contains(&candidate) && !further.contains(&candidate) {
-                        further.push(candidate);
+                    if has(&candidate, pair) && seen.insert(candidate.clone()) {
+                        ways.push(candidate);
                     }
                 }
             }
-            tried.extend(further);
             place += 1;
         }
         None
@@ -267,7 +266,7 @@ impl<'a> Cover<'a> {
 
     /// Rows that the program refuses together.
     pub fn refused(&mut self, rows: Vec<Row>, code: &str, title: &str) {
-        if !self.refusals.iter().any(|refusal| refusal.rows == rows) {
+        if !rows.is_empty() && !self.refusals.iter().any(|refusal| refusal.rows == rows) {
             self.refusals.push(Refusal { rows, code: code.into(), title: title.into() });
         }
     }

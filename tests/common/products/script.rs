@@ -391,7 +391,10 @@ impl<'a> Writer<'a> {
         self.boundaries();
         let (linear, spin) = (self.vector(self.numbers.slide, -self.numbers.speed), self.numbers.spin);
         let spin = if self.is_axial() { String::new() } else { format!(", angular: {spin:?}") };
-        self.line(&format!("m.initial_velocity(a, #{{ linear: {linear}{spin} }});"));
+        // Statics refuses velocities, with a code.
+        if !self.is("integrator", &["statics"]) {
+            self.line(&format!("m.initial_velocity(a, #{{ linear: {linear}{spin} }});"));
+        }
         self.contact();
         self.part();
         self.joint();
@@ -419,7 +422,7 @@ impl<'a> Writer<'a> {
             "settle_without_friction" => format!("sim.settle(#{{ friction: false }});\n{run}"),
             "modes" => format!("{run}\nlet modes = sim.modes(#{{ count: 3 }});\nprint(`@modes ${{modes.frequencies}}`);"),
             "harmonic_response" => format!(
-                "{run}\nlet answer = sim.harmonic_response(#{{ frequencies: [1.0, 3.0], boundary: cap, force: {force}, {damped} }});\n\
+                "{run}\nlet answer = sim.harmonic_response(#{{ frequencies: [1.0, 3.0], boundary: foot, force: {force}, {damped} }});\n\
                  print(`@response ${{answer.at(a, {point}).amplitude}}`);"
             ),
             "harmonic_base" => format!(

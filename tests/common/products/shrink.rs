@@ -64,12 +64,11 @@ fn simpler_cell(catalogue: &Catalogue, index: usize, product: &Product) -> usize
 
 /// Rows to which a refusal is due: those that are not the first of their factor, and first ones in place of which others are allowed.
 pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &Verdict) -> Vec<Row> {
-    let named = |product| Named { catalogue, product };
-    let is_early = bench.refusal(named(product)).is_some();
-    let judge = |product: &Product| match bench.refusal(named(product)) {
+    let is_early = bench.refusal(Named { catalogue, product }).is_some();
+    let judge = |product: &Product| match bench.refusal(Named { catalogue, product }) {
         Some((code, title)) => Verdict::Refused(code, title),
         None if is_early => Verdict::Sound,
-        None => bench.judge(named(product)),
+        None => bench.judge(Named { catalogue, product }),
     };
     let (product, _) = shrink_by(catalogue, &judge, product, verdict);
     let mut rows: Vec<Row> = Vec::new();
@@ -79,7 +78,9 @@ pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &
             let mut candidate = product.clone();
             candidate.rows[factor] = other;
             let candidate = catalogue.normalized(&candidate);
-            candidate.rows[factor] == other && !matches!(judge(&candidate), Verdict::Refused(..))
+            let is_alike =
+                (0..candidate.rows.len()).all(|place| candidate.rows[place] == if place == factor { other } else { product.rows[place] });
+            is_alike && !matches!(judge(&candidate), Verdict::Refused(..))
         };
         if row > 0 || [1, count / 2, count - 1].into_iter().filter(|&other| other < count && other > 0).any(is_cured) {
             rows.push((factor, row));

@@ -13,10 +13,31 @@ use super::shrink::blame;
 use super::{Catalogue, Named, Product};
 
 /// Products that are chosen before the verdicts of any of them are known.
-const BATCH: usize = 12;
+/// More would be refused together for a reason that the first of them tells.
+const BATCH: usize = 2;
 
-/// A violation that is known: kind of the fault, rows that a product must have, and what the fault is called.
-pub type Known = (&'static str, &'static str, &'static str);
+/// A violation that is known.
+#[derive(Debug)]
+pub struct Known {
+    /// Kinds of faults, parted by blanks.
+    pub kinds: String,
+    /// Rows that a product must have.
+    pub rows: String,
+    /// Name of the fault.
+    pub fault: String,
+}
+
+impl Known {
+    /// Those of a table, a line each: kinds, rows and name, parted by bars.
+    pub fn read(table: &str) -> Vec<Known> {
+        let line = |line: &str| {
+            let parts: Vec<String> = line.split('|').map(|part| part.trim().to_string()).collect();
+            let [kinds, rows, fault] = parts.try_into().ok()?;
+            Some(Known { kinds, rows, fault })
+        };
+        table.lines().filter_map(line).collect()
+    }
+}
 
 /// What became of many products.
 #[derive(Default)]
@@ -80,10 +101,10 @@ impl Study {
             Verdict::Sound => self.sound += 1,
             Verdict::Refused(..) => self.refused += 1,
             Verdict::Wrong(faults) => {
-                let is_met = |(kind, rows, _): &Known| {
+                let is_met = |Known { kinds, rows, .. }: &Known| {
                     let pattern = catalogue.product(rows);
                     let has = pattern.rows.iter().zip(&product.rows).all(|(wanted, row)| *wanted == 0 || wanted == row);
-                    has && faults.iter().all(|fault| kind.split(' ').any(|kind| kind == fault.kind))
+                    has && faults.iter().all(|fault| kinds.split(' ').any(|kind| kind == fault.kind))
                 };
                 let met: Vec<usize> = (0..known.len()).filter(|&place| is_met(&known[place])).collect();
                 if met.is_empty() {
@@ -110,7 +131,8 @@ impl Study {
         study.changed = stale(catalogue, &mut cover, &home.join("0"));
         let learnt = cover.refusals.len();
         loop {
-            if study.times.len() % (20 * BATCH) == 0 {
+            if study.times.len() % (50 * BATCH) == 0 {
+                let _ = std::fs::write(home.join("refused.txt"), cover.table());
                 eprintln!("{} products, {} pairs to draw, {} refusals", study.times.len(), cover.open(), cover.refusals.len());
             }
             let products = cover.batch(BATCH);

@@ -4,7 +4,7 @@ use rhai::{Dynamic, EvalAltResult};
 
 use crate::dynamics::BodyFields;
 use crate::math::catalogue::Interval;
-use crate::math::tolerances::{INVARIANT, POSITION};
+use crate::math::tolerances::INVARIANT;
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::motion::Motion;
 use crate::script::api::nested_runs::begin_study;
@@ -169,10 +169,7 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
     let scale_of = |pick: fn(&BodyFields) -> &Vec<[f64; 3]>| {
         fields.iter().flat_map(|body| pick(body).iter()).fold(0.0_f64, |scale, vector| scale.max(length(*vector)))
     };
-    // What is held and does not move differs by the round-off of its place alone.
-    let round_off = POSITION * original.0.model.model.extent() / INVARIANT;
-    let far = scale_of(|body| &body.displacement).max(round_off);
-    let fast = scale_of(|body| &body.velocity).max(round_off / row.dt.max(f64::MIN_POSITIVE));
+    let (far, fast) = (scale_of(|body| &body.displacement), scale_of(|body| &body.velocity));
     for (body, other) in fields.iter().zip(&moved_fields) {
         for node in 0..body.displacement.len() {
             let u = motion.vector(body.displacement[node], units.length);
