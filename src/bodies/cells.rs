@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
-use super::consistent_mass::MassRule;
+use super::consistent_mass::{MassRule, summed};
 use super::element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
@@ -92,11 +92,17 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             }
         }
         let (rule, is_section) = (MassRule::new::<C, Q>(mesh.kind.shape()), elements.physics.is_axisymmetric());
+        let mut room = Vec::new();
         for index in 0..elements.batches.len() {
             let volumes = elements.deform(&elements.batches[index], None).weighed;
-            elements.batches[index].keep_mass(&rule, &elements.table, &volumes, is_section);
+            elements.batches[index].keep_mass(&rule, &elements.table, &volumes, is_section, &mut room);
         }
         Ok(elements)
+    }
+
+    /// Mass between two nodes of a cell of a batch over the density, where its points have these volumes at rest.
+    pub(super) fn mass_product(&self, batch: &Batch<D, A>, volumes: &[Lanes<false>; Q], lane: usize, [a, b]: [usize; 2]) -> f64 {
+        batch.kept_mass(a, b).map_or_else(|| summed(&self.table, volumes, lane, [a, b]), |product| product.0[lane])
     }
 
     /// Volumes, displacement gradients and strains of a batch at its points; those of rest without displacements.

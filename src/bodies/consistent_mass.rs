@@ -5,7 +5,6 @@
 //! `int N_a N_b det J` of a quadrature that is exact, one number for each pair of nodes.
 
 use super::batch::{Batch, Point, Table, many};
-use super::cells::Cells;
 use crate::elements::{CellShape, ReferenceCell};
 use crate::math::lanes::{Lanes, Real, WIDTH};
 
@@ -42,8 +41,9 @@ impl<const D: usize, const A: usize> MassRule<D, A> {
     }
 
     /// Integrals of the products of two shape functions over the cells of a batch, of a section those over the circumference.
-    fn products(&self, batch: &Batch<D, A>, is_section: bool) -> Vec<Lanes<false>> {
-        let mut products = vec![Lanes::ZERO; place(A - 1, A - 1) + 1];
+    fn products(&self, batch: &Batch<D, A>, is_section: bool, products: &mut Vec<Lanes<false>>) {
+        products.clear();
+        products.resize(place(A - 1, A - 1) + 1, Lanes::ZERO);
         for MassPoint { shapes, gradients, weight } in &self.points {
             let mut point = Point::<false, D, A>::new(&batch.edges, gradients, *weight);
             if is_section {
@@ -57,27 +57,28 @@ impl<const D: usize, const A: usize> MassRule<D, A> {
                 }
             }
         }
-        products
     }
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
     /// Keeps the integrals of the products of the shape functions where the points of the stiffness, with these volumes, do not give them.
+    /// `exact` is the room for them, the same for all batches.
     pub(super) fn keep_mass<const Q: usize>(
         &mut self,
         rule: &MassRule<D, A>,
         table: &Table<D, A, Q>,
         volumes: &[Lanes<false>; Q],
         is_section: bool,
+        exact: &mut Vec<Lanes<false>>,
     ) {
-        let exact = rule.products(self, is_section);
+        rule.products(self, is_section, exact);
         let is_off = |lane: usize| {
             let largest = exact.iter().map(|product| product.0[lane].abs()).fold(0.0, f64::max);
             (0..A).any(|a| {
                 (0..=a).any(|b| (exact[place(a, b)].0[lane] - summed(table, volumes, lane, [a, b])).abs() > MASS_PRODUCT * largest)
             })
         };
-        self.mass = if (0..WIDTH).any(is_off) { exact } else { Vec::new() };
+        self.mass = if (0..WIDTH).any(is_off) { exact.clone() } else { Vec::new() };
     }
 
     /// Integral of the product of the shape functions of two nodes over the cells of the batch, where it is kept.
@@ -88,20 +89,13 @@ impl<const D: usize, const A: usize> Batch<D, A> {
 }
 
 /// Sum over the points of the stiffness of the product of the shape functions of two nodes.
-fn summed<const D: usize, const A: usize, const Q: usize>(
+pub(super) fn summed<const D: usize, const A: usize, const Q: usize>(
     table: &Table<D, A, Q>,
     volumes: &[Lanes<false>; Q],
     lane: usize,
     [a, b]: [usize; 2],
 ) -> f64 {
     (0..Q).map(|q| volumes[q].0[lane] * table.products[q][a][b]).sum()
-}
-
-impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    /// Mass between two nodes of a cell of a batch over the density, where its points have these volumes at rest.
-    pub(super) fn mass_product(&self, batch: &Batch<D, A>, volumes: &[Lanes<false>; Q], lane: usize, [a, b]: [usize; 2]) -> f64 {
-        batch.kept_mass(a, b).map_or_else(|| summed(&self.table, volumes, lane, [a, b]), |product| product.0[lane])
-    }
 }
 
 #[cfg(test)]

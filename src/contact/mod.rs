@@ -27,6 +27,7 @@ mod kernel;
 mod method;
 mod methods;
 mod mortar;
+mod multiplier_shapes;
 mod node_patch;
 mod node_to_segment;
 mod numbers;

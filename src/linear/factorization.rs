@@ -289,7 +289,7 @@ impl Factorization {
         self.solution.copy_from_slice(x);
         self.pattern.multiply_into(values, x, &mut self.residual);
         self.residual.iter_mut().zip(right).for_each(|(r, b)| *r = b - *r);
-        self.error_by_rows(values, right, self.scaled_size(right))
+        self.error_by_rows(values, right)
     }
 
     /// Factors the matrix with these values.
@@ -349,7 +349,7 @@ impl Factorization {
     /// Returns the backward error `|r| / (|A| |x| + |b|)` (Rigal and Gaches 1967) in largest components, all scaled, which makes `|A|` of
     /// order one: 1 is taken for it. Near an equilibrium `b` is hardly more than round-off itself, so the residual is not measured by it.
     /// A row with larger entries has more round-off. Where the backward error is large, the residual of every row is compared with its own
-    /// terms, `max_i |r_i| / max(sum_j |A_ij| |x_j| + |b_i|, |x| + |b|)` (Oettli and Prager 1964).
+    /// terms, `max_i |r_i| / max(sum_j |A_ij| |x_j| + |b_i|, |x|)` (Oettli and Prager 1964).
     ///
     /// # Errors
     /// [`LinearError::Singular`], [`LinearError::NotFinite`], or [`LinearError::Inaccurate`] when the backward error stays above
@@ -440,14 +440,14 @@ impl Factorization {
                 break;
             }
         }
-        if error > tolerances::LINEAR_FALLBACK { self.error_by_rows(values, right, size) } else { error }
+        if error > tolerances::LINEAR_FALLBACK { self.error_by_rows(values, right) } else { error }
     }
 
-    /// Backward error of `solution` with the residual of every row over the terms of that row, or over `|x| + |b|` if that is more.
-    fn error_by_rows(&self, values: &[f64], right: &[f64], size: f64) -> f64 {
+    /// Backward error of `solution` with the residual of every row over the terms of that row, or over `|x|` if that is more.
+    fn error_by_rows(&self, values: &[f64], right: &[f64]) -> f64 {
         let mut terms = vec![0.0; right.len()];
         self.pattern.multiply_sizes_into(values, &self.solution, &mut terms);
-        let least = size + largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
+        let least = largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
         let rows = self.residual.iter().zip(&terms).zip(right.iter().zip(&self.scale));
         largest(rows.map(|((r, terms), (b, scale))| r * scale / ((terms + b.abs()) * scale).max(least)))
     }

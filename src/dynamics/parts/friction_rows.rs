@@ -387,10 +387,10 @@ mod tests {
         };
         let (normal, lambda, slip, h) = (1.7, 0.9, -0.12, 1e-6);
         let Equation { gradient, diagonal, normal: by, right, .. } = row(&law, normal, lambda, slip).equation(RowState::Forward);
-        let slope = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h * 5.0);
+        let slope = |f: &dyn Fn(f64) -> f64| (f(h) - f(-h)) / (2.0 * h * 15.0);
         assert!((slope(&|x| missed(normal + x, lambda, slip)) - by).abs() < 1e-9);
         assert!((slope(&|x| missed(normal, lambda + x, slip)) - diagonal).abs() < 1e-9);
         assert!((slope(&|x| missed(normal, lambda, slip + x)) - gradient).abs() < 1e-9);
-        assert!((missed(normal, lambda, slip) / 5.0 - (diagonal * lambda + by * normal - right)).abs() < 1e-14);
+        assert!((missed(normal, lambda, slip) / 15.0 - (diagonal * lambda + by * normal - right)).abs() < 1e-14);
     }
 }

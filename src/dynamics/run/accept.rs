@@ -58,6 +58,13 @@ fn penalty_gaps(at: &Linearization, conditions: &Conditions) -> Vec<f64> {
     felt
 }
 
+/// States of the rows in a step: what has pressed in its impact has touched.
+fn touched(active: &[RowState], jump: Option<&VelocityCorrection>) -> Vec<RowState> {
+    let mut touched = active.to_vec();
+    jump.iter().flat_map(|jump| &jump.closed).for_each(|&row| touched[row] = RowState::Closed);
+    touched
+}
+
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
@@ -90,9 +97,7 @@ where
         system.lead(&mut v_1);
         let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
-        // What has pressed in an impact has touched.
-        let mut touched = active.clone();
-        jump.iter().flat_map(|jump| &jump.closed).for_each(|&row| touched[row] = RowState::Closed);
+        let touched = touched(&active, jump.as_ref());
         let mut row = LedgerRow {
             step: old.step + 1,
             dt,
@@ -104,8 +109,7 @@ where
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             ..LedgerRow::default()
         };
-        let (memory, dissipated) =
-            if system.others.is_empty() { (self.state.memory.clone(), Vec::new()) } else { system.memory_after(start, &at)? };
+        let (memory, dissipated) = self.memory_after(start, &at)?;
         row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
         [row.dissipation, row.damping, row.numerical] = heat(&dissipated, &row.parts, self.taken(start, &at, jump.as_ref()));
         row.impact = jump.as_ref().map_or(0.0, |jump| jump.impact);
@@ -172,6 +176,11 @@ where
         row.contacts = self.contact_totals(q, &touching);
         row.contacts.iter_mut().zip(frictional).for_each(|(contact, work)| contact.friction_work = *work);
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
+    }
+
+    /// History variables of the parts after a step, and the energy that each of them dissipated in it.
+    fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(Arc<Vec<Vec<f64>>>, Vec<f64>), StepError> {
+        if self.system.others.is_empty() { Ok((self.state.memory.clone(), Vec::new())) } else { self.system.memory_after(start, at) }
     }
 
     /// What the time integrator remembers of this step; nothing changes where it remembers nothing.

@@ -112,11 +112,22 @@ fn is_held(contact: Loaded) -> bool {
     contact.tangential.is_some() || contact.pair.kind == PairKind::Tie
 }
 
+/// For each row of corners true if it slides: its shear stress is at its limit, to round-off.
+fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
+    let Some(friction) = &corners.pair.friction else { return Vec::new() };
+    let groups = tangential.active.iter().step_by(tangential.count).zip(tangential.lambda.chunks_exact(tangential.count));
+    let slides = |(row, (state, shear)): (usize, (&RowState, &[f64]))| {
+        let sliding = Sliding { coefficient: friction.coefficients[row], pressure: corners.lambda[row].max(0.0), speed: 0.0 };
+        let limit = friction.law.limit(sliding).shear;
+        state.slides() || limit > 0.0 && size(shear) >= (1.0 - tolerances::ON_CONE) * limit
+    };
+    groups.enumerate().map(slides).collect()
+}
+
 /// Marks the secondary nodes that rows of facets and edges press on, which belong to no node.
 pub fn mark_between(contact: Loaded, corners: &[Loaded], active: &mut [bool], states: &mut [NodeState]) {
     for corners in corners {
-        let slides: Vec<bool> =
-            corners.tangential.iter().flat_map(|of| of.active.iter().step_by(of.count)).map(|row| row.slides()).collect();
+        let slides: Vec<bool> = corners.tangential.iter().flat_map(|of| sliding_rows(corners, of)).collect();
         for (row, nodes) in rows_between(contact, corners).into_iter().enumerate() {
             if !corners.active[row].is_closed() {
                 continue;

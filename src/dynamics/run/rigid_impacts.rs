@@ -20,8 +20,8 @@ use crate::dynamics::step::start::Motion;
 use crate::linear::LinearError;
 use crate::math::tolerances;
 
-/// Change of the gap in a step, over the tolerance of a gap, up to which bodies do not approach: the midpoint rule doubles what is left of a
-/// gap in its velocities.
+/// Change of the gap in a step, over the tolerance of a gap, up to which bodies do not approach: the midpoint rule doubles what is left
+/// of a gap in its velocities.
 const NOISE: f64 = 4.0;
 
 /// Attempts to meet the energy that restitution gives back.

@@ -51,7 +51,7 @@ const GONE: f64 = 95.0;
 
 /// Growth of the damping after a step that was refused, and its decay after one that was not.
 const MORE_DAMPING: f64 = 100.0;
-const DAMPING_WITHOUT_CONTACT: f64 = 10.0;
+const DAMPING_OF_MECHANISMS: f64 = 10.0;
 const LESS_DAMPING: f64 = 0.1;
 
 /// Change of the share of a prescribed motion after a step that failed, and after one that did not.
@@ -332,7 +332,7 @@ where
                     progress.share *= SHORTER;
                 }
                 if !closes_in_part || progress.tries > EARLY_TRIES {
-                    progress.excess *= if self.system.smallest_facet().is_finite() { MORE_DAMPING } else { DAMPING_WITHOUT_CONTACT };
+                    progress.excess *= if self.system.is_mechanism() { DAMPING_OF_MECHANISMS } else { MORE_DAMPING };
                 }
             }
         }
@@ -415,8 +415,8 @@ where
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             is_exact: false,
             at_least: 1,
-            // Without contact a shorter step is the better remedy.
-            is_patient: care == Care::Patient && self.system.smallest_facet().is_finite(),
+            // A mechanism takes fewer factorizations by shorter steps.
+            is_patient: care == Care::Patient && !self.system.is_mechanism(),
             preferred: Preferred::default(),
             interrupted: &|| options.interrupted(),
         };

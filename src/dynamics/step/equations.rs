@@ -119,6 +119,16 @@ impl<const D: usize> Equations<D> {
         self.lead_positions(&mut at.u_1, &mut at.q_1);
     }
 
+    /// True if some bodies are rigid.
+    pub fn has_rigid_bodies(&self) -> bool {
+        self.pairs.iter().any(|pair| pair.kind == PairKind::Rigidity)
+    }
+
+    /// True for rigid bodies and joints that touch nothing.
+    pub fn is_mechanism(&self) -> bool {
+        self.has_rigid_bodies() && self.smallest_facet().is_infinite()
+    }
+
     /// The smallest facet of all contacts `[length]`; infinite without one.
     pub fn smallest_facet(&self) -> f64 {
         let contacts = self.pairs.iter().filter(|pair| !pair.kind.is_of_points());

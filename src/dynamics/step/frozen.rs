@@ -23,7 +23,7 @@ use super::start::StepStart;
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::{PairKind, RowBlock};
+use crate::dynamics::parts::contact_pair::RowBlock;
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::laws::Equation;
 
@@ -82,7 +82,7 @@ where
     /// Refines a solution at rest, where the masters of rigid bodies have hardly any stiffness: the backward error of a solve, relative to
     /// the multipliers, leaves gaps of joints several times their tolerance.
     fn refine(&mut self, start: &StepStart, values: &[f64], right: &[f64], solution: &mut [f64]) -> Result<(), Failure> {
-        if !start.is_at_rest() || self.pairs.iter().all(|pair| pair.kind != PairKind::Rigidity) {
+        if !start.is_at_rest() || !self.has_rigid_bodies() {
             return Ok(());
         }
         let mut residual = vec![0.0; right.len()];

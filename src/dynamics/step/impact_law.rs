@@ -1,8 +1,8 @@
 //! Impact of rigid bodies: Poisson's restitution with Coulomb friction along the whole impact (Routh, *Dynamics of a System of Rigid
 //! Bodies*, 1905; Glocker and Pfeiffer, *Multiple impacts with friction in rigid multibody systems*, Nonlinear Dynamics 7, 1995).
 //!
-//! With the impulses `p` of all rows in contact and their rates `u = u_0 + W p`, `W = G M^-1 G^T`, positions do not change. An impact has two
-//! phases,
+//! With the impulses `p` of all rows in contact and their rates `u = u_0 + W p`, `W = G M^-1 G^T`, positions do not change. An impact has
+//! two phases,
 //!
 //! ```text
 //! compression    u_n >= (1 - s) min(u_n0, 0),  dp_n >= 0, complementary,            s from 0 to 1

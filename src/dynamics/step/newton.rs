@@ -390,7 +390,7 @@ where
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);
         record.floor = tolerances::FORCE_FLOOR * (stiffness * reach + inertia * mass * largest_size(&at.moved));
-        record.enough = if task.start.is_at_rest() {
+        record.enough = if task.start.is_at_rest() && system.has_rigid_bodies() {
             (tolerances::REST_STEP * forces.opposing).max(tolerances::REST_STEP * tolerances::BALANCE * forces.scale)
         } else {
             0.0

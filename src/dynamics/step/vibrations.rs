@@ -19,7 +19,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
-use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
+use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::linear::Operator;
@@ -249,7 +249,7 @@ impl<const D: usize> System<D> {
     pub fn stiffen_constraints(&self, pairs: &[Evaluation], values: &mut [f64]) -> Vec<f64> {
         let mut pull = vec![0.0; self.nodes.reference.len()];
         let held = |pair: &ContactPair| pair.kind.is_of_points() && pair.law.is_bilateral() && pair.drive.is_none();
-        if self.pairs.iter().all(|pair| pair.kind != PairKind::Rigidity) {
+        if !self.has_rigid_bodies() {
             return pull;
         }
         let pattern = &self.matrix.pattern;

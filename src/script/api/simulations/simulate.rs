@@ -150,24 +150,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         call.host.warn(warning.code(finding.code()).hint(hint));
     }
     check_joints(call, &model, &simulation)?;
-    for body in model.model.locking() {
-        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).code(body.code()).hint(body.remedy()));
-    }
-    for body in &model.model.bodies {
-        // Laws of the catalogue are sound at rest.
-        let of_text = body.material.energy().map(|_| body.material.weaknesses_at_rest()).unwrap_or_default();
-        for weakness in of_text.iter().filter(|weakness| !matches!(weakness, Weakness::EnergyAtRest(_))) {
-            let title = format!("the law of body \"{}\" is not sound at rest: {weakness}", body.name);
-            let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0322");
-            call.host
-                .warn(warning.hint("mend its energy, such as with `I1bar` in place of `I1`; `material.check()` tells all that is wrong"));
-        }
-    }
-    for body in model.model.falling() {
-        let title = format!("gravity moves body \"{}\" for ever: neither it nor what it may touch has a support to rest on", body.name);
-        let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0171");
-        call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
-    }
+    warn_of_bodies(call, &model.model);
     warn_of_held(call, &model.model);
     for [moving, other] in model.model.meetings() {
         let title = format!("body \"{moving}\" moves towards \"{other}\", and no contact is defined between them");
@@ -192,6 +175,28 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     }
     keep_model(call.host, &original);
     Ok(handle)
+}
+
+/// Warns of bodies whose cells lock, whose laws are not sound at rest, or that gravity moves for ever.
+fn warn_of_bodies(call: &Call, model: &Model) {
+    for body in model.locking() {
+        call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).code(body.code()).hint(body.remedy()));
+    }
+    for body in &model.bodies {
+        // Laws of the catalogue are sound at rest.
+        let of_text = body.material.energy().map(|_| body.material.weaknesses_at_rest()).unwrap_or_default();
+        for weakness in of_text.iter().filter(|weakness| !matches!(weakness, Weakness::EnergyAtRest(_))) {
+            let title = format!("the law of body \"{}\" is not sound at rest: {weakness}", body.name);
+            let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0322");
+            call.host
+                .warn(warning.hint("mend its energy, such as with `I1bar` in place of `I1`; `material.check()` tells all that is wrong"));
+        }
+    }
+    for body in model.falling() {
+        let title = format!("gravity moves body \"{}\" for ever: neither it nor what it may touch has a support to rest on", body.name);
+        let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0171");
+        call.host.warn(warning.hint("hold it with `fix`, or let it touch something with `add_contact`"));
+    }
 }
 
 /// Warns of constraints that follow from others, and of velocities that do not fit joints.
