@@ -99,7 +99,7 @@ fn work(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let (study, cover) = Study::cover(&catalogue, &home, &program, arguments.threads, &table, &[]);
         (study, Some(cover))
     } else {
-        (Study::random(&catalogue, &home, &program, arguments.threads, &table, seeds), None)
+        (Study::random(&catalogue, &home, &program, arguments.threads, &table, &[], seeds), None)
     };
     if let Some(cover) = &cover {
         tell_cover(cover);
