@@ -1,10 +1,10 @@
 //! Products of the catalogues: random ones, and on demand every pair of rows that is allowed together, in small models that are judged from
 //! their files.
 //!
-//! `cargo test --release --test products -- --ignored --nocapture` lists what is refused, with its codes. Any number of products at random, and what
-//! fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals that are known stand in `products/refused.txt`, so
-//! that the rows to blame need not be looked for; `--cover` writes that table anew. Violations that wait for their repair stand in
-//! `products/known.txt`.
+//! `cargo test --release --test products -- --ignored --nocapture` lists what is refused, with its codes. Any number of products at random,
+//! and what fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals that are known stand in
+//! `products/refused.txt`, so that the rows to blame need not be looked for; `--cover` writes that table anew. Violations that wait for
+//! their repair stand in `products/known.txt`.
 
 #[path = "common/mod.rs"]
 mod common;
@@ -32,8 +32,8 @@ use products::{Catalogue, Named};
 /// Refusals that are known, a line each: code, rows, title.
 const REFUSED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/refused.txt");
 
-/// Violations that are known, a line each: kinds of faults, rows of the product, name of the fault. A line that nothing meets any more fails
-/// the test.
+/// Violations that are known, a line each: kinds of faults, rows of the product, name of the fault. A line that nothing meets any more
+/// fails the test.
 const KNOWN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/known.txt");
 
 /// Number of random products.

@@ -1,7 +1,7 @@
 //! The factors of products, from the registry of the language and the catalogues of the kernels.
 //!
-//! A row that is new in a catalogue is drawn by itself. What a script needs besides its name (the place of an obstacle, the ends of a spring)
-//! stands in `script.rs`; [`Catalogue::strangers`] lists rows for which nothing stands there.
+//! A row that is new in a catalogue is drawn by itself. What a script needs besides its name (the place of an obstacle, the ends of a
+//! spring) stands in `script.rs`; [`Catalogue::strangers`] lists rows for which nothing stands there.
 
 use std::path::Path;
 use std::rc::Rc;

@@ -217,14 +217,16 @@ impl<'a> Writer<'a> {
                 let cells = if is_quadratic { "[2, 1]" } else { "[4, 2]" };
                 let turn = if turned { format!(".rotate(PI(), [{MIDDLE:?}, {:?}])", gap + 0.5 * height) } else { String::new() };
                 format!(
-                    "rectangle(#{{ size: [{width:?}, {height:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}], element: \"{cell}\" }}){turn}"
+                    "rectangle(#{{ size: [{width:?}, {height:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}], \
+                     element: \"{cell}\" }}){turn}"
                 )
             }
             (true, true) => {
                 let around = if is_quadratic { 8 } else { 12 };
                 let [inner, outer] = RADII;
                 format!(
-                    "ring(#{{ inner_radius: {inner:?}, outer_radius: {outer:?}, cells: [1, {around}], center: [{MIDDLE:?}, {middle:?}], element: \"{cell}\" }})"
+                    "ring(#{{ inner_radius: {inner:?}, outer_radius: {outer:?}, cells: [1, {around}], \
+                     center: [{MIDDLE:?}, {middle:?}], element: \"{cell}\" }})"
                 )
             }
             (false, false) => {
@@ -235,7 +237,8 @@ impl<'a> Writer<'a> {
                     String::new()
                 };
                 format!(
-                    "block(#{{ size: [{width:?}, {height:?}, {depth:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}, 0.1], element: \"{cell}\" }}){turn}"
+                    "block(#{{ size: [{width:?}, {height:?}, {depth:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}, 0.1], \
+                     element: \"{cell}\" }}){turn}"
                 )
             }
             (false, true) => {
