@@ -1,8 +1,8 @@
 //! Products of the catalogues: small models that take a row of every catalogue at once, judged from their files.
 //!
 //! `cargo run --release --example products -- [count] [--first SEED] [--threads N]` runs random ones, one line for each with a fault, then
-//! sums. `--cover` runs the covering array and lists what is refused with its codes. `--product "ROWS"` runs one product (as the lines name it)
-//! and prints its script, `--shrink "ROWS"` makes it smaller first.
+//! sums. `--cover` runs the covering array and lists what is refused with its codes. `--product "ROWS"` runs one product (as the lines name
+//! it) and prints its script, `--shrink "ROWS"` makes it smaller first.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -99,7 +99,7 @@ fn work(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let (study, cover) = Study::cover(&catalogue, &home, &program, arguments.threads, &table, &[]);
         (study, Some(cover))
     } else {
-        (Study::random(&catalogue, &home, &program, arguments.threads, &table, seeds), None)
+        (Study::random(&catalogue, &home, &program, arguments.threads, &table, &[], seeds), None)
     };
     if let Some(cover) = &cover {
         tell_cover(cover);
@@ -139,7 +139,8 @@ fn tell(arguments: &Arguments, catalogue: &Catalogue, bench: &Bench, study: &Stu
     for (time, product) in times.iter().rev().take(5) {
         println!("slow: {time:.2?} {}", Named { catalogue, product });
     }
-    let told = |(_, verdict): &&(Product, Verdict)| matches!(verdict, Verdict::Wrong(faults) if faults.iter().all(products::oracle::Fault::is_told));
+    let is_told = products::oracle::Fault::is_told;
+    let told = |(_, verdict): &&(Product, Verdict)| matches!(verdict, Verdict::Wrong(faults) if faults.iter().all(is_told));
     let failed = study.wrong.iter().filter(told).count();
     println!(
         "{} products: {} sound, {} refused, {failed} failed, {} with silent violations; by kind {kinds:?}",

@@ -109,8 +109,7 @@ impl Motion {
         [self.cosine * x + self.sine * y, self.cosine * y - self.sine * x, z]
     }
 
-    /// Factor of an energy: per thickness in the plane, of bodies of revolution that of the whole circumference, as in space
-    /// (`dimension` 3).
+    /// Factor of an energy: per thickness in the plane; of bodies of revolution, that of the circumference, with `dimension` 3.
     pub fn energy(&self, dimension: usize) -> f64 {
         self.units.stress() * self.units.length.powi(dimension as i32)
     }

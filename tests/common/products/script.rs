@@ -237,8 +237,8 @@ impl<'a> Writer<'a> {
                     String::new()
                 };
                 format!(
-                    "block(#{{ size: [{width:?}, {height:?}, {depth:?}], cells: {cells}, \
-                     origin: [{LEFT:?}, {gap:?}, 0.1], element: \"{cell}\" }}){turn}"
+                    "block(#{{ size: [{width:?}, {height:?}, {depth:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}, 0.1], \
+                     element: \"{cell}\" }}){turn}"
                 )
             }
             (false, true) => {

@@ -70,6 +70,7 @@ pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &
         None if is_early => Verdict::Sound,
         None => bench.judge(Named { catalogue, product }),
     };
+    let whole = product;
     let (product, _) = shrink_by(catalogue, &judge, product, verdict);
     let mut rows: Vec<Row> = Vec::new();
     for (factor, &row) in product.rows.iter().enumerate() {
@@ -83,7 +84,8 @@ pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &
             is_alike && !matches!(judge(&candidate), Verdict::Refused(..))
         };
         if row > 0 || [1, count / 2, count - 1].into_iter().filter(|&other| other < count && other > 0).any(is_cured) {
-            rows.push((factor, row));
+            // The row that the whole product has there.
+            rows.push((factor, whole.rows[factor]));
         }
     }
     rows

@@ -159,6 +159,7 @@ impl Study {
         program: &Path,
         threads: usize,
         refusals: &str,
+        known: &[Known],
         seeds: std::ops::Range<u64>,
     ) -> Study {
         let mut study = Study::default();
@@ -169,7 +170,7 @@ impl Study {
             let judged = judge_all(catalogue, home, program, threads, some, false);
             for (product, judged) in some.iter().zip(&judged) {
                 let before = study.wrong.len();
-                study.book(catalogue, product, judged, &[]);
+                study.book(catalogue, product, judged, known);
                 if let Some((product, verdict)) = study.wrong.get(before) {
                     println!("{}: {verdict:?}", Named { catalogue, product });
                 }
