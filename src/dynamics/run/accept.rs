@@ -44,6 +44,14 @@ impl Outside {
         loads + self.obstacle_work + self.prescribed_work
     }
 
+    /// Adds the velocities of an impact to those of the step, and the work of obstacles in it.
+    fn add_jump(&mut self, jump: Option<&VelocityCorrection>, v_1: &mut [f64]) {
+        for jump in jump {
+            v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
+            self.obstacle_work += jump.work;
+        }
+    }
+
     /// Whether loads or obstacles pushed at all.
     fn pushes(&self) -> bool {
         self.obstacle_work != 0.0 || self.load.iter().any(|f| *f != 0.0)
@@ -85,15 +93,12 @@ where
         let Solution { mut at, active, preferred } = solution;
         self.system.lead_end(&mut at);
         let search = self.system.search();
-        let (system, Motion { dt, .. }) = (&self.system, *motion);
+        let (system, dt) = (&self.system, motion.dt);
         let penalty_gap = penalty_gaps(&at, conditions);
         let mut v_1 = motion.velocities(&at.moved, &system.supports.prescribed);
         let mut outside = self.outside(start, motion, &at, &lambda, &v_1)?;
         let remembered = self.remembered(start, motion, &at, &v_1, &outside.own);
-        if let Some(jump) = &jump {
-            v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
-            outside.obstacle_work += jump.work;
-        }
+        outside.add_jump(jump.as_ref(), &mut v_1);
         system.lead(&mut v_1);
         let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());

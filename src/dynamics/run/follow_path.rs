@@ -152,8 +152,8 @@ where
     }
 
     /// Finds the load of a bifurcation: between two points by halving, by the number of negative eigenvalues, then from the eigenvalues
-    /// that change their sign, if they are found. Where several vanish at one load, their order at the two ends is not the same, so that only
-    /// ends near each other tell them apart.
+    /// that change their sign, if they are found. Where several vanish at one load, their order at the two ends is not the same, so that
+    /// only ends near each other tell them apart.
     fn sharpen(&mut self, points: &[PathPoint], critical: &mut CriticalPoint) {
         let [mut from, mut to] = [0, 1].map(|k| points[critical.after + k].clone());
         for _ in 0..BISECTIONS {

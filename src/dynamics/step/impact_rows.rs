@@ -92,8 +92,8 @@ where
         Ok(right)
     }
 
-    /// Change of the velocities by impulses of the `rows` at the `rates` of all rows, with what supports, obstacles and joints on the ground
-    /// exert.
+    /// Change of the velocities by impulses of the `rows` at the `rates` of all rows, with what supports, obstacles and joints on the
+    /// ground exert.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
