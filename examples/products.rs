@@ -20,7 +20,6 @@ mod products;
 #[path = "../tests/common/run_files.rs"]
 mod run_files;
 #[path = "../tests/common/solids.rs"]
-#[allow(dead_code)]
 mod solids;
 #[path = "../tests/common/splitmix.rs"]
 mod splitmix;

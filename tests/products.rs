@@ -16,7 +16,6 @@ mod products;
 #[path = "common/run_files.rs"]
 mod run_files;
 #[path = "common/solids.rs"]
-#[allow(dead_code)]
 mod solids;
 #[path = "common/splitmix.rs"]
 mod splitmix;

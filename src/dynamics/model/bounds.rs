@@ -195,7 +195,7 @@ impl Bound {
     /// Whether a point is inside the hull.
     fn contains(&self, x: [f64; 3], at: &dyn Fn(u32) -> [f64; 3]) -> bool {
         if self.dimension == 2 {
-            let ends = self.pieces.iter().map(|piece| [piece[0], piece[1]].map(|node| at(node)).map(|[x, y, _]| [x, y]));
+            let ends = self.pieces.iter().map(|piece| [piece[0], piece[1]].map(at).map(|[x, y, _]| [x, y]));
             return is_inside(ends, [x[0], x[1]]);
         }
         // Solid angle of the hull as seen from the point (van Oosterom and Strackee, IEEE TBME 30, 1983).

@@ -152,6 +152,9 @@ pub trait Part: Send {
     }
 }
 
+/// History variables of every part.
+pub type PartHistories = Arc<Vec<Vec<f64>>>;
+
 /// What a step leaves in a part.
 pub struct Remembered {
     /// What it remembers at the end.

@@ -9,6 +9,7 @@ use super::slip_memory::{add_heat, slipped};
 use super::state::State;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
+use crate::dynamics::model::part::PartHistories;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowBlock};
 use crate::dynamics::parts::force_shares::ForceShares;
@@ -46,7 +47,7 @@ impl Outside {
 
     /// Adds the velocities of an impact to those of the step, and the work of obstacles in it.
     fn add_jump(&mut self, jump: Option<&VelocityCorrection>, v_1: &mut [f64]) {
-        for jump in jump {
+        if let Some(jump) = jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
             self.obstacle_work += jump.work;
         }
@@ -184,7 +185,7 @@ where
     }
 
     /// History variables of the parts after a step, and the energy that each of them dissipated in it.
-    fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(Arc<Vec<Vec<f64>>>, Vec<f64>), StepError> {
+    fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Vec<f64>), StepError> {
         if self.system.others.is_empty() { Ok((self.state.memory.clone(), Vec::new())) } else { self.system.memory_after(start, at) }
     }
 

@@ -12,7 +12,7 @@ use super::start::{StepStart, Stopping, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep};
-use crate::dynamics::model::part::{Iterate, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Iterate, PartHistories, Refusal, Remembered, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::integrators::{Configuration, Derivative};
@@ -218,7 +218,7 @@ where
     ///
     /// # Errors
     /// A time function failed.
-    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(Arc<Vec<Vec<f64>>>, Vec<f64>), StepError> {
+    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Vec<f64>), StepError> {
         let mut told = Told::default();
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);

@@ -185,7 +185,7 @@ impl<'a> Cover<'a> {
             let others = if tried + 1 >= ATTEMPTS { 0 } else { 2 * count };
             for turn in 0..others {
                 let index = (turn * 7 + pair.0.0) % count;
-                if index == pair.0.0 || index == pair.1.0 || (tried > 0 && (index + tried) % 3 != 0) {
+                if index == pair.0.0 || index == pair.1.0 || (tried > 0 && !(index + tried).is_multiple_of(3)) {
                     continue;
                 }
                 let mut most = self.gain(&best);

@@ -11,6 +11,9 @@ use super::super::solids::{Skin, deepest};
 use super::script::RADII;
 use super::{Named, catalogue, script};
 
+/// How often a facet occurs in the cells of a body, and its nodes, by the sorted nodes.
+type Facets = BTreeMap<Vec<usize>, (usize, Vec<usize>)>;
+
 /// Bodies of a frame.
 pub struct Frame {
     /// Points at rest, three components each.
@@ -35,7 +38,7 @@ impl Frame {
         let points = vectors(&read, Section::Points, "Points").ok_or("no points")?;
         let displacement = vectors(&read, Section::PointData, "displacement").ok_or("no displacement")?;
         let body = read.array(Section::CellData, "body").ok_or("no bodies")?;
-        let mut found: Vec<BTreeMap<Vec<usize>, (usize, Vec<usize>)>> = vec![BTreeMap::new(); read.parts.len()];
+        let mut found: Vec<Facets> = vec![BTreeMap::new(); read.parts.len()];
         for (cell, (_, nodes)) in read.cells().enumerate() {
             let of = body.numbers.at(cell) as usize;
             let is_plane = points.iter().all(|point| point[2] == 0.0);

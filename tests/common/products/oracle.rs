@@ -117,6 +117,11 @@ fn scheme(product: Named) -> Option<&'static integrators::Scheme> {
     all.copied().find(|scheme| scheme.name == product.row("integrator"))
 }
 
+/// True above a bound, and for what is no number.
+fn exceeds(value: f64, bound: f64) -> bool {
+    value.is_nan() || value > bound
+}
+
 /// The worst of some values, with its row; what is no number is the worst.
 fn worst(values: impl Iterator<Item = f64>) -> (usize, f64) {
     values.enumerate().fold((0, 0.0), |worst, (row, value)| if value > worst.1 || value.is_nan() { (row, value) } else { worst })
@@ -132,7 +137,7 @@ fn ledger(product: Named, history: &History) -> Vec<Fault> {
     let rows = history.table.rows();
     let mut above = |kind: &'static str, bound: f64, values: &mut dyn Iterator<Item = f64>| {
         let (row, value) = worst(values);
-        if !(value <= bound) {
+        if exceeds(value, bound) {
             faults.push(Fault::new(kind, format!("{value:.2e} in row {row}, bound {bound:.0e}")));
         }
     };
@@ -143,7 +148,7 @@ fn ledger(product: Named, history: &History) -> Vec<Fault> {
         ROUND_OFF,
         &mut (0..rows).map(|row| (kinetic[row] + strain[row] + potential[row] - total[row]).abs() / energy),
     );
-    above("negative_energy", 0.0, &mut (0..rows).map(|row| (-kinetic[row]).max(-1.0 * (strain[row] + ROUND_OFF * energy)).max(0.0)));
+    above("negative_energy", 0.0, &mut (0..rows).map(|row| (-kinetic[row]).max(-(strain[row] + ROUND_OFF * energy)).max(0.0)));
     let books = |row: usize| {
         let change = total[row] - total[row - 1] - load[row] - at(&contact, row) - at(&friction, row) + at(&dissipation, row);
         (change - defect[row]).abs() / energy
@@ -231,12 +236,12 @@ fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
     let numbers = Numbers::new(product.product.seed);
     let is_soft = product.is("enforcement", &["penalty"]);
     let depth = frame.depth(product, time);
-    if !(depth <= DEPTH) && !is_soft && !product.is("partner", &["none", "tie", "self"]) {
+    if exceeds(depth, DEPTH) && !is_soft && !product.is("partner", &["none", "tie", "self"]) {
         faults.push(Fault::new("deep", format!("{depth:.3} facets")));
     }
     let gap = script::gap(product, &numbers);
     let mut off = |what: &str, distance: f64| {
-        if !(distance <= HELD) {
+        if exceeds(distance, HELD) {
             faults.push(Fault::new("held", format!("{what} is {distance:.2e} off")));
         }
     };
@@ -288,7 +293,7 @@ pub fn compare_histories(kind: &'static str, first: (&Ended, &Path), second: (&E
     for name in ["kinetic", "strain", "potential", "load_work", "friction_work", "contact_work", "dissipation"] {
         let (row, value) = worst(a.column(name).iter().zip(b.column(name)).map(|(a, b)| (a - b).abs()));
         let scale = a.energy;
-        if !(value <= RENUMBERED * scale) {
+        if exceeds(value, RENUMBERED * scale) {
             return Some(Fault::new(kind, format!("{name} differs by {value:.2e} in row {row}, the energy is {scale:.2e}")));
         }
     }
