@@ -46,6 +46,7 @@ pub use run::options::{Options, SettleReport, Statistics};
 pub use run::pace::StepControl;
 pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
+pub use run::rows::{RowShape, Rows};
 pub use run::run_findings::{RunFinding, RunFindingKind};
 pub use run::simulation::Simulation;
 pub use run::stable_step::StableStep;

@@ -33,6 +33,7 @@ pub mod quantities;
 pub mod remembering;
 pub mod report;
 pub mod reserve;
+pub mod rows;
 pub mod run_findings;
 pub mod settle;
 pub mod simulation;
