@@ -1,4 +1,4 @@
-//! What friction does at the nodes of a contact: nodal forces, shear stress, states, slips.
+//! Friction at the nodes of a contact: nodal forces, shear stress, states, slips.
 //!
 //! The shear stress at a node is `tau L(pressure)/L(lambda)` with the tangential multiplier `tau`, the multiplier `lambda` that presses,
 //! the node's pressure in the output and the limit `L` of the law. So it lies within the cone at that pressure, however the pressure
@@ -85,7 +85,7 @@ pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, ar
     pressures.iter().enumerate().map(of).collect()
 }
 
-/// What friction makes of the secondary nodes, and how many corners of the other side slide.
+/// State of each secondary node, and the number of sliding corners of the primary side.
 pub fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<NodeState>, usize) {
     let pressed = if is_held(contact) { NodeState::Stick } else { NodeState::Slip };
     let mut states: Vec<NodeState> = active.iter().map(|&active| if active { pressed } else { NodeState::Open }).collect();

@@ -11,7 +11,7 @@
 //! beside the pressure. On the axis of bodies of revolution no node
 //! has a force: its pressure is continued from its neighbours'.
 //!
-//! What friction does is in `contact_friction.rs`.
+//! Quantities of friction are in `contact_friction.rs`.
 
 use super::contact_friction::{add_friction, corner_node, mark_between, shears, slipped, states};
 use super::fields::{ContactFields, NodeState};

@@ -25,7 +25,7 @@ pub struct EnergyAccount {
     pub damping: f64,
     /// What the time integrator took from vibrations on purpose, negative.
     pub numerical: f64,
-    /// What impacts of rigid bodies lost to restitution, negative.
+    /// Negative energy loss of impacts of rigid bodies by restitution.
     pub impacts: f64,
     /// What the time integrator added: the sum of the energy defects.
     pub integrator: f64,

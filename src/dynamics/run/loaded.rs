@@ -10,9 +10,9 @@ use crate::dynamics::parts::laws::RowState;
 pub struct ContactForces {
     /// What presses on the secondary nodes, from the rows that each of them owns and from corners `[force]`.
     pub(super) own: Vec<[f64; 3]>,
-    /// What friction adds to that `[force]`; nothing without friction.
+    /// Friction force on each secondary node `[force]`; empty without friction.
     pub(super) friction: Vec<[f64; 3]>,
-    /// What corners pull along the tangent `[force]`; nothing without friction.
+    /// Tangential force of corners at each secondary node `[force]`; empty without friction.
     pub(super) pulled: Vec<f64>,
     /// Mean pressure of the rows on the part of each secondary node that is covered `[stress]`.
     pub(super) mean: Vec<f64>,
@@ -20,7 +20,7 @@ pub struct ContactForces {
     pub(super) pressed: Vec<f64>,
     /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`: what presses, then friction.
     pub all: Vec<(u32, [f64; 3])>,
-    /// How many of them press.
+    /// Number of the forces in `all` that are normal forces.
     pub pressing: usize,
 }
 
@@ -31,7 +31,7 @@ pub struct Loaded<'a> {
     pub evaluation: &'a Evaluation,
     pub lambda: &'a [f64],
     pub active: &'a [RowState],
-    /// Its tangential rows, if it has friction.
+    /// Tangential constraints, if the contact has friction.
     pub tangential: Option<Tangential<'a>>,
 }
 
@@ -42,7 +42,7 @@ impl Loaded<'_> {
         self.visit::<D>(lambda, self.pair.rows.start, self.pair.live_rows(self.evaluation), &self.evaluation.gradient_end, visit);
     }
 
-    /// The same of friction.
+    /// Calls `visit` with the force of every tangential constraint on every node of its facets, with the arguments of `for_each_force`.
     pub(super) fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         let Some(Tangential { evaluation, .. }) = self.tangential else { return };
         for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {

@@ -28,7 +28,7 @@ pub struct VelocityCorrection {
     pub reserve: Vec<f64>,
     /// What the time integrator has taken from it `[energy]`.
     pub dissipated: f64,
-    /// What impacts of rigid bodies have lost to restitution `[energy]`, never negative.
+    /// Energy lost in impacts of rigid bodies by restitution `[energy]`, never negative.
     pub impact: f64,
     /// Rows of rigid contacts that pressed in impacts.
     pub closed: Vec<usize>,

@@ -30,11 +30,11 @@ pub struct Cover<'a> {
     pub meaningless: usize,
     /// Number of all others.
     pub meant: usize,
-    /// What is refused.
+    /// Refused products.
     pub refusals: Vec<Refusal>,
     /// Pairs for which no product was found that is not refused, with the refusals of the rows by themselves.
     pub excluded: BTreeMap<(Row, Row), String>,
-    /// How often a pair led to a product that was refused.
+    /// Number of refused products by pair of rows.
     attempts: BTreeMap<(Row, Row), usize>,
 }
 

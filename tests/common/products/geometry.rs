@@ -11,7 +11,7 @@ use super::super::solids::{Skin, deepest};
 use super::script::RADII;
 use super::{Named, catalogue, script};
 
-/// How often a facet occurs in the cells of a body, and its nodes, by the sorted nodes.
+/// Number of occurrences of a facet in the cells of a body, and the nodes of the facet, by its sorted nodes.
 type Facets = BTreeMap<Vec<usize>, (usize, Vec<usize>)>;
 
 /// Bodies of a frame.

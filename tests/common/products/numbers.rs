@@ -30,7 +30,7 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Those of a seed.
+    /// Random numbers of a seed.
     pub fn new(seed: u64) -> Self {
         let plain = Numbers {
             gap: 0.01,

@@ -1,4 +1,4 @@
-//! What must hold for the run of any product, judged from what it printed and from its files.
+//! Oracles for the run of any product, evaluated from its printed lines and its files.
 //!
 //! The ledger and its sums, momenta, the signs of works, the cone of friction, constraints, depth, the exit code against the outcome, and
 //! the agreement of the history with the state that the script sees, with the frames and with the summary. Nothing here calls a kernel.
@@ -27,10 +27,10 @@ const RENUMBERED: f64 = 1e-6;
 /// Distance of what constraints hold from where it must be.
 const HELD: f64 = 1e-9;
 
-/// What does not hold.
+/// Violated oracle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// Its kind, in a word.
+    /// Kind of the fault, one word.
     pub kind: &'static str,
     /// What was found.
     pub found: String,
@@ -279,7 +279,7 @@ fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
     faults
 }
 
-/// What differs between two runs of a model in another numbering.
+/// Differences between two runs of a model with different numberings.
 pub fn compare_histories(kind: &'static str, first: (&Ended, &Path), second: (&Ended, &Path)) -> Option<Fault> {
     if first.0.code != second.0.code {
         let title = second.0.error.as_ref().map(|error| error.title.clone()).unwrap_or_default();

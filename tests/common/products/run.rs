@@ -21,7 +21,7 @@ use super::{Named, oracle::compare_histories};
 /// Time after which a run is stopped and counts as endless.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Debug)]
 pub struct Ended {
     /// Exit code of the program, by the class of its error.
@@ -36,7 +36,7 @@ pub struct Ended {
     pub is_endless: bool,
 }
 
-/// What became of a product.
+/// Verdict on a product.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// It ran, and everything holds.
@@ -80,7 +80,7 @@ impl Observer for Listener {
     fn ended(&self) {}
 }
 
-/// How a run differs from the plain one.
+/// Variation of a run against the plain one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Manner {
     /// Threads of the element loop.
@@ -163,7 +163,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// What becomes of a product.
+    /// Verdict on a product.
     pub fn judge(&self, product: Named) -> Verdict {
         let script = script::text(product, Variant::Plain);
         let _ = std::fs::remove_dir_all(&self.home);
@@ -185,7 +185,7 @@ impl Bench {
         if faults.is_empty() { Verdict::Sound } else { Verdict::Wrong(faults) }
     }
 
-    /// What becomes of a product without its trial, and without its faults.
+    /// Verdict on a product without its trial and without its faults.
     pub fn judge_once(&self, product: Named) -> Verdict {
         match self.refusal(product) {
             Some((code, title)) => Verdict::Refused(code, title),

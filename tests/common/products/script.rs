@@ -36,7 +36,7 @@ pub const AMPLITUDES: [&str; 6] = ["number", "closure", "hat", "ramp", "sine", "
 /// A stranger to the model: what is written in place of a row for which no script is known.
 const UNKNOWN: &str = "/* no script is known for this row */";
 
-/// How a script differs from that of its product.
+/// Variation of a script against that of its product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
     /// Not at all.

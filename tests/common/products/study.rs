@@ -28,7 +28,7 @@ pub struct Known {
 }
 
 impl Known {
-    /// Those of a table, a line each: kinds, rows and name, parted by bars.
+    /// Known violations of a table, a line each: kinds, rows and name, separated by bars.
     pub fn read(table: &str) -> Vec<Known> {
         let line = |line: &str| {
             let parts: Vec<String> = line.split('|').map(|part| part.trim().to_string()).collect();
@@ -39,7 +39,7 @@ impl Known {
     }
 }
 
-/// What became of many products.
+/// Verdicts on many products.
 #[derive(Default)]
 pub struct Study {
     /// Products that ran and are sound.
@@ -48,7 +48,7 @@ pub struct Study {
     pub refused: usize,
     /// Products with a fault that is known.
     pub known: usize,
-    /// How often each known violation was met.
+    /// Number of occurrences of each known violation.
     pub met: BTreeMap<usize, usize>,
     /// Products with other faults.
     pub wrong: Vec<(Product, Verdict)>,
@@ -58,7 +58,7 @@ pub struct Study {
     pub times: Vec<(Duration, Product)>,
 }
 
-/// What a worker finds out about a product.
+/// Result of a product in a worker.
 struct Judged {
     verdict: Verdict,
     blamed: Vec<Row>,

@@ -1,4 +1,4 @@
-//! What a script printed of its end, taken apart.
+//! Parser of the end that a script printed.
 
 /// The lines that begin with a word, without it.
 pub fn lines<'a>(printed: &'a [String], word: &str) -> Vec<&'a str> {

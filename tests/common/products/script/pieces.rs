@@ -1,4 +1,4 @@
-//! What acts on the body of a product: force elements, joints, loads, supports.
+//! Force elements, joints, loads and supports of the body of a product.
 
 use std::fmt::Write;
 
