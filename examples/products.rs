@@ -31,7 +31,7 @@ use products::shrink::shrink;
 use products::study::Study;
 use products::{Catalogue, Named, Product};
 
-/// What the program refused when the covering array was made last.
+/// Refusals of the program when the covering array was last generated.
 const REFUSED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/refused.txt");
 
 /// Random products of the catalogues.
@@ -107,7 +107,7 @@ fn work(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     tell(arguments, &catalogue, &bench, &study)
 }
 
-/// What the covering array left out.
+/// Prints the refused rows and the pairs that the covering array left out.
 fn tell_cover(cover: &Cover) {
     println!("refused rows:");
     for refusal in &cover.refusals {

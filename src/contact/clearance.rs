@@ -29,7 +29,7 @@ pub struct Nearest {
     pub gap: f64,
     /// Gradient of the distance with respect to the point, a unit vector away from the obstacle.
     pub normal: [f64; 3],
-    /// Whether the point is opposite the obstacle, and not beyond an end of an open surface.
+    /// True if the point is opposite the obstacle, and not beyond an end of an open surface.
     pub covered: bool,
 }
 
@@ -62,7 +62,7 @@ impl Clearance {
         }
     }
 
-    /// Whether the obstacle is a surface with ends, whose back is no inside.
+    /// True for an obstacle that is an open surface, which encloses no volume.
     pub fn is_open(&self) -> bool {
         match &self.obstacle {
             Obstacle::Polyline { points } => points.first() != points.last(),
@@ -71,7 +71,7 @@ impl Clearance {
         }
     }
 
-    /// Whether the straight way between two points leads through a facet of a polyline or of a surface of triangles.
+    /// True if the segment between two points intersects a facet of a polyline or of a triangulated surface.
     pub fn is_crossed(&self, from: [f64; 3], to: [f64; 3]) -> bool {
         match &self.obstacle {
             Obstacle::Polyline { points } => {

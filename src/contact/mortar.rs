@@ -55,7 +55,7 @@ pub struct Mortar {
     sides: Sides,
     search: PairSearch,
     dual: bool,
-    /// Whether multipliers are pressures times circumferences, which grow with the radius: a uniform pressure is a linear function.
+    /// True around an axis: multipliers are pressures times circumferences, so a uniform pressure is linear in the radius.
     is_around_axis: bool,
     start: Vec<Start>,
     /// Round-off of positions at the start of the step `[length]`.

@@ -294,7 +294,7 @@ impl Scheme {
         self.lag.is_long() || self.stages().iter().any(|(_, stage)| stage.lag.is_long())
     }
 
-    /// Whether velocities at the end of a step may be changed by an impact: nothing that is remembered contradicts them.
+    /// True if an impact may change the velocities at the end of a step: the scheme has no history and no stages.
     pub fn solves_impacts(&self) -> bool {
         self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
     }

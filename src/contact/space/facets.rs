@@ -377,7 +377,7 @@ impl Facets {
         &self.triangles
     }
 
-    /// Whether the surface has edges with one triangle only.
+    /// True if the surface has edges with one triangle only.
     pub(in crate::contact) fn is_open(&self) -> bool {
         self.whole.iter().any(|face| face.ends[0].contains(&true))
     }

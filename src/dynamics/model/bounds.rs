@@ -36,7 +36,7 @@ struct Bound {
     pieces: Vec<Vec<u32>>,
     /// Nodes of the hull that are on no secondary surface of this obstacle, with the length of the shortest edge there `[length]`.
     free: Vec<(u32, f64)>,
-    /// Whether a node is on a secondary surface.
+    /// Flag of every node that is on a secondary surface.
     is_named: Vec<bool>,
 }
 
@@ -109,7 +109,7 @@ impl ObstacleBounds {
         ObstacleBounds { bounds }
     }
 
-    /// Whether there are none.
+    /// True if no obstacle bounds a body.
     pub fn is_empty(&self) -> bool {
         self.bounds.is_empty()
     }
@@ -192,7 +192,7 @@ impl Bound {
         }
     }
 
-    /// Whether a point is inside the hull.
+    /// True if a point is inside the hull.
     fn contains(&self, x: [f64; 3], at: &dyn Fn(u32) -> [f64; 3]) -> bool {
         if self.dimension == 2 {
             let ends = self.pieces.iter().map(|piece| [piece[0], piece[1]].map(at).map(|[x, y, _]| [x, y]));

@@ -127,7 +127,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Whether there are contacts between rigid sides.
+    /// True if the model has contacts between rigid sides.
     pub fn has_rigid_contacts(&self) -> bool {
         self.interactions.iter().any(|interaction| self.is_rigid_contact(interaction))
     }
@@ -153,7 +153,7 @@ impl Model {
         Ok(())
     }
 
-    /// Whether both sides of an interaction are rigid: rigid bodies, or one and an obstacle.
+    /// True if both sides of an interaction are rigid: two rigid bodies, or a rigid body and an obstacle.
     pub fn is_rigid_contact(&self, interaction: &Interaction) -> bool {
         let is_rigid = |on: &BodyBoundary| self.bodies.get(on.body).is_some_and(|body| body.rigid.is_some());
         !interaction.is_tie() && is_rigid(&interaction.secondary) && interaction.primary().iter().all(is_rigid)

@@ -51,7 +51,7 @@ pub enum ModelError {
         name: String,
         /// What is wrong.
         reason: String,
-        /// What to do.
+        /// Suggested remedy.
         remedy: &'static str,
     },
     /// A joint that holds one way, with a time integrator that remembers forces.
@@ -263,7 +263,7 @@ pub enum ModelError {
         contact: String,
         /// Why.
         reason: String,
-        /// What to do.
+        /// Suggested remedy.
         remedy: &'static str,
     },
     /// A cell that is inside out or degenerate.

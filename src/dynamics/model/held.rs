@@ -161,7 +161,7 @@ impl Model {
         if most > AGAINST_SUPPORT * scale { most } else { 0.0 }
     }
 
-    /// Whether all nodes of a load are held in all directions in which it pushes.
+    /// True if all nodes of a load are held in all directions of the load.
     fn is_held_against(&self, on: &BodyBoundary, kind: &LoadKind) -> bool {
         let dimension = self.dimension();
         let pushes: [bool; 3] = match kind {

@@ -31,18 +31,18 @@ impl Model {
 }
 
 impl Interaction {
-    /// Whether its constraints hold exactly, by multipliers.
+    /// True if multipliers satisfy the constraints of the interaction exactly.
     fn is_exact(&self) -> bool {
         self.is_tie() || self.enforcement == Enforcement::Multiplier
     }
 }
 
-/// Whether two boundaries have a facet in common.
+/// True if two boundaries have a facet in common.
 fn shares(a: &BodyBoundary, b: &BodyBoundary) -> bool {
     a.body == b.body && a.boundary.facets.iter().any(|facet| b.boundary.facets.contains(facet))
 }
 
-/// Whether both interactions are between the same facets.
+/// True if both interactions are between the same facets.
 fn repeats(first: &Interaction, second: &Interaction) -> bool {
     let is_opposite = |on: &BodyBoundary, of: &Interaction| of.primary().iter().any(|other| shares(on, other));
     let along = || shares(&first.secondary, &second.secondary) && first.primary().iter().any(|on| is_opposite(on, second));

@@ -228,7 +228,7 @@ impl ContactPair {
         self.obstacle_velocity[component]
     }
 
-    /// Whether its forces act in their own step alone, whatever the time integrator: those of contacts with friction. A shear stress does
+    /// True for contacts with friction, whose forces act in their own step alone with every time integrator. A shear stress does
     /// its work on the slip of its own step; on that of a later one it could drive it. What presses acts with it: divided among steps it
     /// alternates from step to step, and friction that follows it excites vibrations.
     pub fn acts_alone(&self) -> bool {

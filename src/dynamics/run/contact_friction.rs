@@ -107,7 +107,7 @@ pub fn states(contact: Loaded, corners: &[Loaded], active: &[bool]) -> (Vec<Node
     (states, others)
 }
 
-/// Whether something keeps pressed nodes from sliding.
+/// True for contacts with friction and for ties, which resist sliding.
 fn is_held(contact: Loaded) -> bool {
     contact.tangential.is_some() || contact.pair.kind == PairKind::Tie
 }
@@ -187,7 +187,7 @@ fn pressed_nodes(nodes: &[(usize, f64)]) -> impl Iterator<Item = usize> {
     nodes.iter().filter(|(_, share)| *share > tolerances::ZERO_ROW).map(|(node, _)| *node)
 }
 
-/// What the secondary nodes have done so far: of a node with several rows the longest slips, and the heat of all.
+/// Accumulated slip, slip path and frictional heat of the secondary nodes: of several constraints the longest slips and the sum of heat.
 pub fn slipped(contact: Loaded, corners: &[Loaded]) -> Vec<SlipMemory> {
     let mut nodes = vec![SlipMemory::default(); contact.pair.kernel.secondary().nodes().len()];
     if let Some(tangential) = contact.tangential {

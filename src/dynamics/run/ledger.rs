@@ -31,7 +31,7 @@ pub struct LedgerRow {
     pub contact_work: f64,
     /// Work of friction in this step `[energy]`, never positive: what it turns into heat.
     pub friction_work: f64,
-    /// What viscous materials, dampers and drag turned into heat in this step, what a time integrator that dissipates took from
+    /// Energy dissipated by viscous materials, dampers and drag in this step, what a time integrator that dissipates took from
     /// vibrations, and what impacts of rigid bodies lost to restitution `[energy]`, never negative.
     pub dissipation: f64,
     /// The part of it that is of dampers and drag `[energy]`.

@@ -8,7 +8,7 @@ use crate::dynamics::parts::laws::RowState;
 /// Forces of a contact, evaluated at one configuration.
 #[derive(Default)]
 pub struct ContactForces {
-    /// What presses on the secondary nodes, from the rows that each of them owns and from corners `[force]`.
+    /// Normal force on each secondary node, by its own constraints and by corners `[force]`.
     pub(super) own: Vec<[f64; 3]>,
     /// Friction force on each secondary node `[force]`; empty without friction.
     pub(super) friction: Vec<[f64; 3]>,

@@ -173,7 +173,7 @@ impl FailureReport {
         }
     }
 
-    /// Whether the residuals, over their targets, grew from the nominal step to the last halving.
+    /// True if the residuals, relative to their targets, grew from the nominal step to the last halving.
     pub(super) fn is_worse_when_smaller(&self) -> bool {
         let ratio = |attempt: &TryReport| attempt.residual / attempt.target;
         let [first, .., last] = &self.tries[..] else { return false };

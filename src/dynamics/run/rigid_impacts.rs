@@ -33,7 +33,7 @@ struct Touch {
     pair: usize,
     /// The row among all rows.
     row: usize,
-    /// Whether it was closed at the start of the step, and did not open.
+    /// True if the contact was closed at the start of the step and did not open.
     was_closed: bool,
 }
 

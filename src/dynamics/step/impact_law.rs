@@ -152,7 +152,7 @@ impl ImpactLaw {
         (loss * impulses[contact.first] >= slip).then(|| -0.5 * mu * slip * slip / loss)
     }
 
-    /// Whether a slip stops or turns between these rates.
+    /// True if a slip stops or turns between these rates.
     fn turns(&self, before: &[f64], after: &[f64]) -> bool {
         let size = before.iter().fold(0.0f64, |size, rate| size.max(rate.abs()));
         self.contacts.iter().filter(|contact| contact.tangents > 0 && contact.friction > 0.0).any(|contact| {

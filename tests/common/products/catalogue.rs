@@ -188,7 +188,7 @@ impl Catalogue {
         product
     }
 
-    /// Whether every row of the catalogues is drawn: names of those that are not, or for which no script is known.
+    /// Names of the catalogue rows that are never drawn, or for which no script is known.
     pub fn strangers(&self) -> Vec<String> {
         let unknown = |factor: &str, known: &dyn Fn(&str) -> bool| {
             let rows = &self.factors[self.index(factor)].rows;
@@ -257,12 +257,12 @@ impl Catalogue {
     }
 }
 
-/// Whether a cell is one of the plane.
+/// True for plane elements.
 pub fn is_plane(cell: &str) -> bool {
     CellKind::ALL.iter().any(|kind| kind.name() == cell && kind.dimension() == 2)
 }
 
-/// Whether a cell has nodes in the middle of its edges.
+/// True for elements of second order.
 pub fn is_quadratic(cell: &str) -> bool {
     CellKind::ALL.iter().any(|kind| kind.name() == cell && kind.is_quadratic())
 }

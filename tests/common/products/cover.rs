@@ -84,7 +84,7 @@ impl Open {
     }
 }
 
-/// Whether a product has a pair of rows.
+/// True if a product has both rows of a pair.
 fn has(product: &Product, pair: (Row, Row)) -> bool {
     [pair.0, pair.1].iter().all(|&(factor, row)| product.rows[factor] == row)
 }

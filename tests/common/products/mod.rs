@@ -49,7 +49,7 @@ impl<'a> Named<'a> {
         &self.catalogue.factors[index].rows[self.product.rows[index]]
     }
 
-    /// Whether a factor has one of some rows.
+    /// True if the row of a factor is one of `rows`.
     pub fn is(&self, factor: &str, rows: &[&str]) -> bool {
         rows.contains(&self.row(factor))
     }

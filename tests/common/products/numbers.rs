@@ -25,7 +25,7 @@ pub struct Numbers {
     pub interrupted: usize,
     /// Angle by which a model is turned.
     pub angle: f64,
-    /// Whether the joint holds the body to its partner.
+    /// True if the joint connects the body to its partner.
     pub is_joined: bool,
 }
 

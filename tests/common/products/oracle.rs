@@ -32,7 +32,7 @@ const HELD: f64 = 1e-9;
 pub struct Fault {
     /// Kind of the fault, one word.
     pub kind: &'static str,
-    /// What was found.
+    /// Evidence of the fault.
     pub found: String,
 }
 
@@ -42,7 +42,7 @@ impl Fault {
         Fault { kind, found: found.into() }
     }
 
-    /// Whether the program has said that something is wrong: an error, and no silent violation.
+    /// True if the program reported the fault itself, by an error or a finding.
     pub fn is_told(&self) -> bool {
         matches!(self.kind, "failed" | "doubtful")
     }
@@ -188,7 +188,7 @@ fn ledger(product: Named, history: &History) -> Vec<Fault> {
     faults
 }
 
-/// Whether nothing outside of the model acts on it.
+/// True if no external force acts on the model.
 fn is_free(product: Named) -> bool {
     product.is("partner", &["none", "free_body", "rigid_body", "self"])
         && product.is("support", &["none"])

@@ -28,11 +28,11 @@ pub struct Ended {
     pub code: i32,
     /// The error.
     pub error: Option<Diagnostic>,
-    /// What the script printed.
+    /// Lines printed by the script.
     pub printed: Vec<String>,
     /// Titles of the warnings.
     pub warnings: Vec<String>,
-    /// Whether the run was stopped because it took too long.
+    /// True if the run exceeded its time limit.
     pub is_endless: bool,
 }
 
@@ -87,9 +87,9 @@ pub struct Manner {
     pub threads: usize,
     /// Steps after which it is interrupted, with checkpoints.
     pub stop_after: Option<usize>,
-    /// Whether it goes on from a checkpoint of its folder.
+    /// True if the run is resumed from a checkpoint of its folder.
     pub is_resumed: bool,
-    /// Whether its first step is enough.
+    /// True if the first step of the run is enough.
     pub is_probe: bool,
 }
 
@@ -203,7 +203,7 @@ impl Bench {
         (error.class == Class::Script).then_some((error.code, error.title))
     }
 
-    /// What is wrong after the trial of the product.
+    /// Fault found by the trial of the product.
     fn trial(&self, product: Named, script: &Path, ended: &Ended) -> Option<Fault> {
         let [out, other] = ["out", "other"].map(|name| self.home.join(name));
         let numbers = Numbers::new(product.product.seed);

@@ -114,7 +114,7 @@ pub fn moved(product: Named, how: &str) -> String {
     writer.text
 }
 
-/// Whether a product rests: an equilibrium is asked for.
+/// True if a product asks for an equilibrium.
 pub fn rests(product: Named) -> bool {
     product.is("integrator", &["statics"]) || settles(product) || product.is("task", &["follow_load"])
 }
@@ -251,7 +251,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Whether the mesh is numbered from the other end: a box turned by half a turn is the same box, unless it is cut into tetrahedra.
+    /// True if half a turn renumbers the mesh: a turned box is the same box, unless it is cut into tetrahedra.
     fn turns_mesh(&self) -> bool {
         self.variant == Variant::Renumbered && !self.is_round() && !self.product.row("cell").starts_with("tet")
     }
@@ -445,7 +445,7 @@ impl<'a> Writer<'a> {
         self.line(&task);
     }
 
-    /// What the script says of the end, to be compared with the files.
+    /// Prints the values at the end, which are compared with the files.
     fn told(&mut self) {
         self.line("print(`@time ${sim.time}`);");
         self.line("print(`@steps ${sim.steps}`);");

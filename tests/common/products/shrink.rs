@@ -4,7 +4,7 @@ use super::cover::Row;
 use super::run::{Bench, Verdict};
 use super::{Catalogue, Named, Product};
 
-/// Whether two verdicts have a fault of one kind, or one code of refusal.
+/// True if two verdicts have a fault of one kind, or one code of refusal.
 fn is_alike(verdict: &Verdict, other: &Verdict) -> bool {
     match (verdict, other) {
         (Verdict::Refused(code, _), Verdict::Refused(again, _)) => code == again,
