@@ -1,6 +1,7 @@
 //! What a contact method is for the solver of a step: functions of patches of nodes.
 
 use super::patches::{Evaluation, Patches};
+use super::profile::Profile;
 use super::search::{Candidates, PairSearch};
 use super::slip::SlipStep;
 use super::surface::{Sides, Surface};
@@ -104,6 +105,9 @@ pub trait PatchFunctions {
 
     /// Lets multipliers be pressures times circumferences, of bodies of revolution about the second axis.
     fn turn_about_axis(&mut self) {}
+
+    /// Sets the height profiles of the facets of both sides in the plane. Methods that measure from straight facets ignore them.
+    fn set_profiles(&mut self, _profiles: [Vec<Profile>; 2]) {}
 
     /// Gives it threads among which it may share its patches: results do not depend on them.
     fn share_among(&mut self, _workers: &Workers) {}

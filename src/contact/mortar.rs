@@ -13,6 +13,7 @@ use super::multiplier_shapes::{DUAL, STANDARD, Shape, dual_around_axis};
 use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
 use super::patches::Evaluation;
+use super::profile::{PairProfiles, Profile};
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
 use super::space::MortarInSpace;
@@ -61,6 +62,10 @@ pub struct Mortar {
     /// Round-off of positions at the start of the step `[length]`.
     round_off: f64,
     correction: Correction,
+    /// Height profiles of the facets of both sides; empty for straight facets.
+    profiles: [Vec<Profile>; 2],
+    /// Height profiles of each candidate pair; `None` where both facets are straight.
+    pair_profiles: Vec<Option<PairProfiles>>,
 }
 
 /// What a pair keeps of the start of the step.
@@ -83,7 +88,33 @@ impl Mortar {
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
-        Mortar { sides, search, dual: false, is_around_axis: false, start: Vec::new(), round_off: 0.0, correction: Correction::PerPatch }
+        Mortar {
+            sides,
+            search,
+            dual: false,
+            is_around_axis: false,
+            start: Vec::new(),
+            round_off: 0.0,
+            correction: Correction::PerPatch,
+            profiles: Default::default(),
+            pair_profiles: Vec::new(),
+        }
+    }
+
+    /// Height profiles of the facets of pair `p`; `None` where both are straight.
+    #[inline(always)]
+    fn profiles(&self, p: usize) -> Option<&PairProfiles> {
+        self.pair_profiles.get(p).and_then(Option::as_ref)
+    }
+
+    /// Collects the height profiles of the candidate pairs.
+    fn list_profiles(&mut self) {
+        let [secondary, primary] = &self.profiles;
+        let of_pair = |&[own, other]: &[u32; 2]| {
+            let (own, other) = (*secondary.get(own as usize)?, *primary.get(other as usize)?);
+            (!own.is_flat() || !other.is_flat()).then(|| PairProfiles([own, other.reversed()]))
+        };
+        self.pair_profiles = self.search.candidates.pairs().iter().map(of_pair).collect();
     }
 
     /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
@@ -144,8 +175,9 @@ impl Mortar {
                 continue;
             }
             let d: Invariants = std::array::from_fn(|k| end_pi[k] - start.invariants[k]);
-            let middle_gradient = gradient(&start.shape, &Overlap::new(&middle_pi));
-            let end_value = value(&start.shape, &Overlap::new(&end_pi));
+            let profiles = self.profiles(p);
+            let middle_gradient = gradient(&start.shape, &Overlap::new(&middle_pi, profiles));
+            let end_value = value(&start.shape, &Overlap::new(&end_pi, profiles));
             for k in 0..2 {
                 let sums = &mut sums[self.sides.patches.rows(p)[k] as usize];
                 sums[0] += end_value[k] - start.value[k] - dot(&middle_gradient[k], &d);
@@ -175,7 +207,7 @@ impl Mortar {
         let mut sums = vec![0.0; self.sides.secondary.nodes().len()];
         for p in (0..self.sides.patches.len()).filter(|&p| self.search.near[p]) {
             let pi = invariants(&self.offsets(p, q));
-            if let Some(overlap) = Overlap::new(&pi) {
+            if let Some(overlap) = Overlap::new(&pi, self.profiles(p)) {
                 for (&row, part) in self.sides.patches.rows(p).iter().zip(contribution(p, &pi, &overlap)) {
                     sums[row as usize] += part;
                 }
@@ -237,7 +269,7 @@ struct Functions<'a> {
     end_pi: &'a Invariants,
     end_value: PerNode<f64>,
     end_gradient: &'a PerNode<Invariants>,
-    middle: &'a Option<Overlap>,
+    middle: &'a Option<Overlap<'a>>,
     /// Multipliers.
     weights: PerNode<f64>,
     /// Round-off of the invariants `[length^2]`.
@@ -336,12 +368,18 @@ impl PatchFunctions for Mortar {
         self.is_around_axis = true;
     }
 
+    fn set_profiles(&mut self, [secondary, primary]: [Vec<Profile>; 2]) {
+        self.profiles = [secondary, primary];
+        self.list_profiles();
+    }
+
     fn begin_step(&mut self, q_0: &[f64]) {
         self.round_off = POSITION * largest_size(q_0);
         let mut start = std::mem::take(&mut self.start);
         start.clear();
         let offsets: Vec<Offsets> = (0..self.sides.patches.len()).map(|p| self.offsets(p, q_0)).collect();
-        let overlaps: Vec<Option<Overlap>> = offsets.iter().map(|offsets| Overlap::new(&invariants(offsets))).collect();
+        let overlap = |(p, offsets): (usize, &Offsets)| Overlap::new(&invariants(offsets), self.profiles(p));
+        let overlaps: Vec<Option<Overlap>> = offsets.iter().enumerate().map(overlap).collect();
         let shapes = self.shapes(&overlaps, q_0);
         start.extend(offsets.into_iter().zip(overlaps).zip(shapes).map(|((offsets, overlap), shape)| Start {
             offsets,
@@ -378,11 +416,12 @@ impl PatchFunctions for Mortar {
             out.live[p] = true;
 
             let rows = [self.sides.patches.rows(p)[0] as usize, self.sides.patches.rows(p)[1] as usize];
+            let profiles = self.profiles(p);
             let middle = match start.steady_ends {
-                Some(moves) if conserving && self.correction == Correction::SteadyEnds => Overlap::with_ends(&middle_pi, moves),
-                _ => Overlap::new(&middle_pi),
+                Some(moves) if conserving && self.correction == Correction::SteadyEnds => Overlap::with_ends(&middle_pi, moves, profiles),
+                _ => Overlap::new(&middle_pi, profiles),
             };
-            let end = Overlap::new(&end_pi);
+            let end = Overlap::new(&end_pi, profiles);
             let end_gradient = gradient(&start.shape, &end);
             let mut end_value = [0.0; 2];
             if let Some(end) = &end {
@@ -455,6 +494,7 @@ impl CandidateSearch for Mortar {
 
     fn list_patches(&mut self) {
         self.search.list_into(&mut self.sides);
+        self.list_profiles();
     }
 }
 

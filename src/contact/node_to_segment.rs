@@ -13,10 +13,12 @@
 
 use super::chain::Chain;
 use super::depth::Seen;
+use super::facet_shape::FacetShape;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::node_patch::{self, Start};
 use super::patches::Evaluation;
+use super::profile::FacetCurves;
 use super::search::{Candidates, within_the_body};
 use super::slip::{self, SlipStep};
 use super::space::CornersInSpace;
@@ -57,6 +59,9 @@ const BENT: f64 = 0.9994;
 
 /// Cosine of the turn of a rigid chain above which a point is one, a tenth of a degree: nothing but its points holds it between two nodes.
 const RIGID_CORNER: f64 = 0.999_998;
+
+/// Cosine of the turn from which on a smooth node of a curve has become a corner by deformation, 45 degrees.
+const FOLDED: f64 = 0.7071;
 
 /// Depth in shortest facets beyond which a node has no constraint of a corner: where bodies overlap at the start, the constraints of the
 /// surfaces hold them, and these would depend on those.
@@ -104,18 +109,25 @@ struct Bends {
     reference: [Vec<bool>; 2],
     /// Those of this step.
     now: [Vec<bool>; 2],
+    /// Nodes between two facets of a curve in the reference positions, which are no corners.
+    smooth: [Vec<bool>; 2],
 }
 
 impl Bends {
-    fn new(sides: [&Surface; 2], reference: &[f64], cosine: f64) -> Self {
-        let bends = sides.map(|side| side.bends(reference, cosine));
-        Bends { cosine, now: bends.clone(), reference: bends }
+    fn new(sides: [&Surface; 2], reference: &[f64], cosine: f64, smooth: [Vec<bool>; 2]) -> Self {
+        let mut bends = sides.map(|side| side.bends(reference, cosine));
+        for (bends, smooth) in bends.iter_mut().zip(&smooth) {
+            bends.iter_mut().zip(smooth).for_each(|(bent, smooth)| *bent &= !smooth);
+        }
+        Bends { cosine, now: bends.clone(), reference: bends, smooth }
     }
 
     fn find(&mut self, sides: [&Surface; 2], q: &[f64]) {
         for (side, surface) in sides.into_iter().enumerate() {
             let [is_corner, is_bent] = [self.cosine, BENT].map(|cosine| surface.bends(q, cosine));
-            self.now[side] = (0..is_bent.len()).map(|node| is_corner[node] || is_bent[node] && self.reference[side][node]).collect();
+            let is_sharp = surface.bends(q, FOLDED);
+            let is_corner = |node: usize| is_corner[node] && (!self.smooth[side][node] || is_sharp[node]);
+            self.now[side] = (0..is_bent.len()).map(|node| is_corner(node) || is_bent[node] && self.reference[side][node]).collect();
         }
     }
 
@@ -148,11 +160,21 @@ impl NodeToSegment {
     ///
     /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose
     /// distances are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
-    pub fn of_corners([secondary, primary]: [&[[u32; 2]]; 2], reference: &[f64], facet_size: f64, is_beside_nodes: bool) -> Option<Self> {
+    pub fn of_corners(
+        [secondary, primary]: [&[[u32; 2]]; 2],
+        reference: &[f64],
+        facet_size: f64,
+        is_beside_nodes: bool,
+        facets: FacetShape,
+    ) -> Option<Self> {
         let cosines = if is_beside_nodes { [CORNER_BESIDE_NODES; 2] } else { [CORNER, BEND] };
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
         let both = [&sides.secondary, &sides.primary];
-        let [sharp, blunt] = cosines.map(|cosine| Bends::new(both, reference, cosine));
+        let smooth = both.map(|side| match facets {
+            FacetShape::Curved => FacetCurves::new(side, reference).smooth_nodes(),
+            FacetShape::Straight => vec![false; side.nodes().len()],
+        });
+        let [sharp, blunt] = cosines.map(|cosine| Bends::new(both, reference, cosine, smooth.clone()));
         let within = |(side, bends): (&Surface, &Vec<bool>)| bends.iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
         let corners = if both.into_iter().zip(&blunt.reference).any(within) {
             Corners::Bends { sharp, blunt, is_mutual: !is_beside_nodes }

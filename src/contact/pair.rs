@@ -17,11 +17,13 @@
 //!
 //! Without overlap, or not facing, both are zero. Integrals are taken about the middle of the overlap, so that no powers of `a` and `b` are
 //! subtracted, and everything is linear in `pi_4, pi_5`: a small gap keeps the relative accuracy that it has in the invariants.
+//! Height profiles of curved facets add to the depth (`pair_profiles.rs`).
 //! At a limit of overlap (a node passing a node) the gradients jump by the depth there; who combines configurations copes with that.
 
 #![allow(clippy::needless_range_loop)] // indices are those of the formulas
 
 use super::numbers::Number;
+use super::profile::PairProfiles;
 use crate::math::tolerances::{ALIGNED, FACING};
 
 /// The five invariants, or a gradient with respect to them.
@@ -60,35 +62,37 @@ pub type PerNode<T> = [T; 2];
 
 /// The overlap of a pair with the integrals that values and derivatives share.
 #[derive(Clone, Copy, Debug)]
-pub struct Overlap {
-    pi: Invariants,
+pub struct Overlap<'a> {
+    pub(super) pi: Invariants,
     /// Ends `a`, `b` in the secondary coordinate, and whether a primary node (not a secondary one) sets them.
-    ends: [f64; 2],
-    moves: [bool; 2],
+    pub(super) ends: [f64; 2],
+    pub(super) moves: [bool; 2],
     /// `b - a`; shape functions at the middle; distance of the middle from the middle of the primary facet; all in units of `s`.
-    length: f64,
-    middle: PerNode<f64>,
+    pub(super) length: f64,
+    pub(super) middle: PerNode<f64>,
     shift: f64,
     /// `pi_2 - pi_3` and the slope `pi_5 / (pi_2 - pi_3)` of the primary facet against the secondary one.
-    extent: f64,
-    slope: f64,
+    pub(super) extent: f64,
+    pub(super) slope: f64,
+    /// Height profiles of both facets; `None` where both are straight.
+    profiles: Option<&'a PairProfiles>,
 }
 
 /// Sign with which the linear part of a shape function enters: `N_1 = 1 - s`, `N_2 = s`.
 const RISE: PerNode<f64> = [-1.0, 1.0];
 
-impl Overlap {
+impl<'a> Overlap<'a> {
     /// The overlap at `pi`; `None` where the functions vanish.
     #[inline(always)]
-    pub fn new(pi: &Invariants) -> Option<Overlap> {
-        overlaps(pi).then(|| Overlap::between(pi, [pi[2] > 0.0, pi[1] < pi[0]]))
+    pub fn new(pi: &Invariants, profiles: Option<&'a PairProfiles>) -> Option<Self> {
+        overlaps(pi).then(|| Overlap::between(pi, [pi[2] > 0.0, pi[1] < pi[0]], profiles))
     }
 
     /// The overlap at `pi`, if there is one, but with its ends set by the nodes that are given instead of the nearer ones: the functions of
     /// these ends, continued smoothly beyond a node's passing of another.
     #[inline(always)]
-    pub fn with_ends(pi: &Invariants, moves: [bool; 2]) -> Option<Overlap> {
-        overlaps(pi).then(|| Overlap::between(pi, moves))
+    pub fn with_ends(pi: &Invariants, moves: [bool; 2], profiles: Option<&'a PairProfiles>) -> Option<Self> {
+        overlaps(pi).then(|| Overlap::between(pi, moves, profiles))
     }
 
     /// Which ends primary nodes set, those that are within [`ALIGNED`] of a secondary node left out.
@@ -97,7 +101,7 @@ impl Overlap {
     }
 
     #[inline(always)]
-    fn between(pi: &Invariants, moves: [bool; 2]) -> Overlap {
+    fn between(pi: &Invariants, moves: [bool; 2], profiles: Option<&'a PairProfiles>) -> Self {
         let inverse = 1.0 / pi[0];
         let (s_1, s_2) = (pi[1] * inverse, pi[2] * inverse);
         let (a, b) = (if moves[0] { s_2 } else { 0.0 }, if moves[1] { s_1 } else { 1.0 });
@@ -113,6 +117,7 @@ impl Overlap {
             shift: 0.5 * ((a - s_2) + (b - s_1)),
             extent,
             slope: pi[4] / extent,
+            profiles,
         }
     }
 
@@ -128,7 +133,11 @@ impl Overlap {
         let rate = self.slope * self.pi[0];
         let depth = 0.5 * self.pi[3] + rate * self.shift;
         let spread = rate * self.length * self.length * (1.0 / 12.0);
-        [0, 1].map(|k| -self.length * (self.middle[k] * depth + RISE[k] * spread))
+        let mut value = [0, 1].map(|k| -self.length * (self.middle[k] * depth + RISE[k] * spread));
+        if let Some(profiles) = self.profiles {
+            self.add_value(profiles, &mut value);
+        }
+        value
     }
 
     /// Gradients of `Phi_1, Phi_2` with respect to the invariants.
@@ -141,7 +150,7 @@ impl Overlap {
         let sweep_b = if self.moves[1] { 0.5 * (self.pi[3] + self.pi[4]) * inverse } else { 0.0 };
         let (at_a, at_b) = ([1.0 - a, a], [1.0 - b, b]);
         let steepness = self.slope / self.extent;
-        [0, 1].map(|k| {
+        let mut gradient = [0, 1].map(|k| {
             let integrals = self.integrals(self.middle[k], RISE[k]);
             let (end_a, end_b) = (at_a[k] * sweep_a, at_b[k] * sweep_b);
             let turn = steepness * integrals.lever;
@@ -153,7 +162,11 @@ impl Overlap {
                 -0.5 * integrals.one,
                 -integrals.lever / self.extent,
             ]
-        })
+        });
+        if let Some(profiles) = self.profiles {
+            self.add_gradient(profiles, &mut gradient);
+        }
+        gradient
     }
 
     /// Hessian of `weights[0] Phi_1 + weights[1] Phi_2` with respect to the invariants.
@@ -199,6 +212,9 @@ impl Overlap {
             h[0][4] += half * weight * s_1[0];
             h[node][3] += 0.5 * weight * s_1[1];
             h[node][4] += half * weight * s_1[1];
+        }
+        if let Some(profiles) = self.profiles {
+            self.add_hessian(profiles, weights, &mut h);
         }
         for row in 1..5 {
             for column in 0..row {
@@ -321,7 +337,10 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
+    use super::super::profile::Profile;
     use super::*;
+
+    const CURVED: PairProfiles = PairProfiles([Profile([0.01, 0.2, -0.15, -0.08]), Profile([-0.02, 0.1, 0.2, -0.3])]);
 
     /// Facets that face each other more or less, with all kinds of overlap: positions of the four nodes.
     fn nodes() -> impl Strategy<Value = [[f64; 2]; 4]> {
@@ -336,8 +355,8 @@ mod tests {
         invariants(&offsets(x_1, x_2, y_1, y_2))
     }
 
-    fn value(pi: &Invariants) -> PerNode<f64> {
-        Overlap::new(pi).map_or([0.0; 2], |overlap| overlap.value())
+    fn value(pi: &Invariants, profiles: Option<&PairProfiles>) -> PerNode<f64> {
+        Overlap::new(pi, profiles).map_or([0.0; 2], |overlap| overlap.value())
     }
 
     /// Whether a limit of overlap lies so near that differences of width `step` would straddle it.
@@ -381,20 +400,20 @@ mod tests {
                     expected[1] -= 0.5 * (b - a) * s * h;
                 }
             }
-            let ours = value(&of(x));
+            let ours = value(&of(x), None);
             // Round-off grows with the slope of the primary facet against the secondary one.
             let tolerance = 1e-14 * (1.0 + 1.0 / (s_1 - s_2).abs());
             prop_assert!((0..2).all(|k| (ours[k] - expected[k]).abs() < tolerance), "{ours:?} against {expected:?}");
         }
 
         #[test]
-        fn gradients_agree_with_differences(x in nodes()) {
-            let pi = of(x);
+        fn gradients_agree_with_differences(x in nodes(), is_curved: bool) {
+            let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
             prop_assume!(!near_limit(&pi, STEP));
-            if let Some(overlap) = Overlap::new(&pi) {
+            if let Some(overlap) = Overlap::new(&pi, profiles) {
                 let gradient = overlap.gradient();
                 for k in 0..5 {
-                    let expected = difference(value, &pi, k, STEP);
+                    let expected = difference(|pi| value(pi, profiles), &pi, k, STEP);
                     for n in 0..2 {
                         // Fifth derivatives grow with the inverse extent (at least 0.1): 1e-12 * 4! * 1e4.
                         prop_assert!((gradient[n][k] - expected[n]).abs() < 3e-7, "{} {} of {}", gradient[n][k], expected[n], k);
@@ -404,13 +423,13 @@ mod tests {
         }
 
         #[test]
-        fn hessian_agrees_with_differences_of_the_gradient(x in nodes(), w_1 in -1.0..2.0, w_2 in -1.0..2.0) {
-            let pi = of(x);
+        fn hessian_agrees_with_differences_of_the_gradient(x in nodes(), w_1 in -1.0..2.0, w_2 in -1.0..2.0, is_curved: bool) {
+            let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
             prop_assume!(!near_limit(&pi, STEP));
-            if let Some(overlap) = Overlap::new(&pi) {
+            if let Some(overlap) = Overlap::new(&pi, profiles) {
                 let hessian = overlap.hessian([w_1, w_2]);
                 let gradient = |pi: &Invariants| {
-                    let g = Overlap::new(pi).unwrap().gradient();
+                    let g = Overlap::new(pi, profiles).unwrap().gradient();
                     std::array::from_fn(|k| w_1 * g[0][k] + w_2 * g[1][k])
                 };
                 for k in 0..5 {
@@ -429,7 +448,7 @@ mod tests {
         let pi = of([[0.0, 0.0], [1.0, 0.0], [0.5, -2e-12], [-1.0, -5e-12]]);
         // Gap 3e-12 - 2e-12 s on [0, 1/2]; integrals of (1 - s) and s times it.
         let exact = [0.5 * 3e-12 - 5.0 * 1e-12 / 8.0 + 2e-12 / 24.0, 3e-12 / 8.0 - 2e-12 / 24.0];
-        for (ours, exact) in value(&pi).into_iter().zip(exact) {
+        for (ours, exact) in value(&pi, None).into_iter().zip(exact) {
             assert!((ours / exact - 1.0).abs() < 1e-15, "{ours:e} {exact:e}");
         }
     }
@@ -437,17 +456,17 @@ mod tests {
     #[test]
     fn facets_apart_or_looking_the_same_way_give_zero() {
         for y in [[[3.0, -0.1], [2.0, -0.1]], [[0.0, -0.1], [1.0, -0.1]], [[0.5, -0.1], [0.5, -0.2]], [[f64::NAN, 0.0], [0.0, 0.0]]] {
-            assert!(Overlap::new(&of([[0.0, 0.0], [1.0, 0.0], y[0], y[1]])).is_none());
+            assert!(Overlap::new(&of([[0.0, 0.0], [1.0, 0.0], y[0], y[1]]), None).is_none());
         }
         // A facet of no length.
-        assert!(Overlap::new(&of([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0]])).is_none());
+        assert!(Overlap::new(&of([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0]]), None).is_none());
     }
 
     /// Closed form: whole facets at distance 0.1, gradients along the normal are the mortar integrals of the unit facet.
     #[test]
     fn matching_facets_give_the_mass_integrals() {
         let z = offsets([0.0, 0.0], [1.0, 0.0], [1.0, -0.1], [0.0, -0.1]);
-        let overlap = Overlap::new(&invariants(&z)).unwrap();
+        let overlap = Overlap::new(&invariants(&z), None).unwrap();
         for (ours, exact) in overlap.value().into_iter().zip([0.05, 0.05]) {
             assert!((ours - exact).abs() < 1e-16);
         }

@@ -28,6 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::combinations::Combinations;
 use super::kernel::ContactKernel;
 use super::on_curves::OnCurves;
+use super::profile::{FacetCurves, Profile};
 use super::surface::{Sides, Surface};
 use crate::math::tolerances;
 
@@ -133,6 +134,15 @@ pub struct Seen<'a> {
 }
 
 impl Seen<'_> {
+    /// Height profiles of the facets of both sides.
+    pub fn profiles(&self) -> [Vec<Profile>; 2] {
+        [&self.secondary, &self.primary].map(|facets| {
+            let between_nodes = FacetCurves::new(&Surface::new(facets), &self.reference).profiles();
+            let Some((curves, ..)) = &self.on_curves else { return between_nodes };
+            facets.iter().zip(between_nodes).map(|(facet, profile)| curves.profiles.get(facet).copied().unwrap_or(profile)).collect()
+        })
+    }
+
     /// A method made for these facets, on the nodes of the model.
     pub fn on_nodes(self, kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
         let Some((curves, mut sides, rows)) = self.on_curves else { return kernel };
@@ -156,6 +166,8 @@ struct Curves {
     edges: BTreeMap<u32, Vec<u32>>,
     /// Per point: the nodes whose multipliers it has, with their shares.
     homes: Combinations,
+    /// Height profiles of the facets between points of one edge.
+    profiles: BTreeMap<[u32; 2], Profile>,
 }
 
 /// An edge of second order in the reference positions.
@@ -208,6 +220,37 @@ impl Edge {
     /// Its share of the chord.
     fn end_share(&self, end: usize) -> f64 {
         dot(self.end_facet(end), self.chord) / dot(self.chord, self.chord)
+    }
+
+    /// Height above the chord of the circle through the three nodes, at the distance `x` from the middle of the chord; in chord lengths.
+    fn height(&self, x: f64) -> f64 {
+        if !self.is_curved() {
+            return 0.0;
+        }
+        let k = (self.shift * self.shift + self.sagitta * self.sagitta - 0.25) / (2.0 * self.sagitta);
+        self.sagitta.signum() * (0.25 - x * x) / ((0.25 + k * k - x * x).max(0.0).sqrt() + k.abs())
+    }
+
+    /// Height profile of the circle through the three nodes over a facet with these end points `[length]`; `origin` is the first node.
+    fn profile_over(&self, origin: [f64; 2], facet: [[f64; 2]; 2]) -> Profile {
+        let square = dot(self.chord, self.chord);
+        // Coordinates along the chord from its middle, and outwards, in chord lengths.
+        let [a, b] = facet.map(|y| {
+            let from = [y[0] - origin[0], y[1] - origin[1]];
+            [dot(from, self.chord) / square - 0.5, (from[0] * self.chord[1] - from[1] * self.chord[0]) / square]
+        });
+        let t = [b[0] - a[0], b[1] - a[1]];
+        let length = t[0].hypot(t[1]);
+        let (cos, sin) = (t[0] / length, t[1] / length);
+        let heights = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|xi| {
+            let mut z = 0.0;
+            for _ in 0..6 {
+                let (x, y) = (a[0] + xi * t[0] - z * sin, a[1] + xi * t[1] + z * cos);
+                z += cos * (self.height(x) - y);
+            }
+            z / length
+        });
+        if heights.iter().all(|z| z.abs() < tolerances::STRAIGHT) { Profile::default() } else { Profile::through(heights) }
     }
 
     /// The middle's offset across the chord, times a factor.
@@ -271,8 +314,13 @@ impl Curves {
             }
         }
         let raises = |node: u32| meeting.get(&node).map_or_else(Vec::new, |edges| raising(edges, straight.contains(&node)));
-        let mut curves =
-            Curves { points: Combinations::default(), nodes: BTreeMap::new(), edges: BTreeMap::new(), homes: Combinations::default() };
+        let mut curves = Curves {
+            points: Combinations::default(),
+            nodes: BTreeMap::new(),
+            edges: BTreeMap::new(),
+            homes: Combinations::default(),
+            profiles: BTreeMap::new(),
+        };
         let ends: BTreeSet<u32> = straight.iter().chain(meeting.keys()).copied().collect();
         for node in ends {
             let raised = raises(node).into_iter().flat_map(|(edge, _, weight)| edge.across(edge.raised * weight));
@@ -297,6 +345,16 @@ impl Curves {
             list.push(curves.nodes[&edge.ends[1]]);
             curves.nodes.insert(edge.middle, list[list.len() / 2]);
             curves.edges.insert(edge.middle, list);
+        }
+        let places = curves.points.points(2, reference);
+        let at = |x: &[f64], node: u32| [x[2 * node as usize], x[2 * node as usize + 1]];
+        for edge in edges.values() {
+            let list = &curves.edges[&edge.middle];
+            let halves = [[list[0], list[list.len() / 2]], [list[list.len() / 2], list[list.len() - 1]]];
+            for ends in list.windows(2).map(|ends| [ends[0], ends[1]]).chain(halves) {
+                let profile = edge.profile_over(at(reference, edge.ends[0]), ends.map(|point| at(&places, point)));
+                curves.profiles.insert(ends, profile);
+            }
         }
         curves
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::amplitude::{Amplitude, TimeFunctionError};
 use super::update_rules::UpdateRule;
-use crate::contact::{ContactMethod, FrictionLaw, MORTAR, Obstacle};
+use crate::contact::{ContactMethod, FacetShape, FrictionLaw, MORTAR, Obstacle};
 use crate::mesh::Boundary;
 
 /// A boundary of a body.
@@ -81,6 +81,8 @@ pub struct Interaction {
     pub partner: Partner,
     /// Discretisation between two surfaces.
     pub method: &'static ContactMethod,
+    /// Geometry of the facets of both sides.
+    pub facets: FacetShape,
     /// Condition over a step; `None`: that of the time integrator ([`default_rule`](super::update_rules::default_rule)).
     pub update: Option<&'static UpdateRule>,
     /// What keeps nodes from penetrating.
@@ -123,8 +125,18 @@ pub enum Partner {
 impl Interaction {
     /// An interaction by mortar contact with multipliers and the rule of the time integrator; change the fields for anything else.
     pub fn new(name: &str, secondary: BodyBoundary, partner: Partner) -> Self {
-        let (enforcement, equality, friction, restitution) = (Enforcement::Multiplier, false, None, None);
-        Interaction { name: name.into(), secondary, partner, method: &MORTAR, update: None, enforcement, equality, friction, restitution }
+        Interaction {
+            name: name.into(),
+            secondary,
+            partner,
+            method: &MORTAR,
+            facets: FacetShape::default(),
+            update: None,
+            enforcement: Enforcement::Multiplier,
+            equality: false,
+            friction: None,
+            restitution: None,
+        }
     }
 
     /// Contact with another boundary.

@@ -3,8 +3,8 @@
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
-    ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners, RigidInSpace,
-    RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
+    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners,
+    RigidInSpace, RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -128,7 +128,10 @@ impl Pairing<'_> {
                 let others = facets_of_all(interaction.primary(), self.facets);
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
                 let seen = self.middles.seen([&facets, &others], self.reference, rows);
-                let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
+                let mut kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
+                if interaction.facets == FacetShape::Curved {
+                    kernel.set_profiles(seen.profiles());
+                }
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion, turn } => {
@@ -227,7 +230,9 @@ impl Pairing<'_> {
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
                 let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes);
                 let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
-                if let Some(kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), pairs[of].kernel.is_nodal()) {
+                if let Some(kernel) =
+                    NodeToSegment::of_corners(sides, &seen.reference, size(of), pairs[of].kernel.is_nodal(), interaction.facets)
+                {
                     add(of, PairKind::Surfaces, on[0].body, 1.0, seen.on_nodes(Box::new(kernel)));
                 }
             }

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use rhai::Dynamic;
 
-use crate::contact::{ContactMethod, METHODS, MORTAR};
+use crate::contact::{ContactMethod, FacetShape, METHODS, MORTAR};
 use crate::dynamics::{Enforcement, UPDATE_RULES, UpdateRule};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Arguments, Options};
@@ -55,6 +55,22 @@ fn update_names() -> &'static [&'static str] {
 pub fn method_parameter() -> Parameter {
     Parameter::new("method", Kind::Handle(ContactMethodHandle::NAME), "how the conditions are discretized between two surfaces")
         .or(Absent::Means("`mortar()`"))
+}
+
+/// The option `facets`.
+pub fn facets_parameter() -> Parameter {
+    Parameter::new(
+        "facets",
+        Kind::Choice(&["curved", "straight"]),
+        "the geometry between nodes: the curve, or curved surface, through them, or straight lines and flat facets",
+    )
+    .or(Absent::Means("`\"curved\"`"))
+}
+
+/// The facet geometry that options name.
+pub fn facets_of(options: &Options) -> Result<FacetShape, Failure> {
+    let is_straight = options.argument("facets").is_given() && options.text("facets")? == "straight";
+    Ok(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
 }
 
 /// The options `update`, `penalty` and `augmented_lagrange`.

@@ -6,7 +6,7 @@
 use rhai::{Array, Dynamic};
 
 use super::friction::{friction_of, friction_parameter};
-use super::methods::{method_of, method_parameter, rule_parameters, rules_of};
+use super::methods::{facets_of, facets_parameter, method_of, method_parameter, rule_parameters, rules_of};
 use super::obstacles::ObstacleHandle;
 use crate::dynamics::{BodyBoundary, Interaction, Partner};
 use crate::math::catalogue::Interval;
@@ -50,6 +50,7 @@ fn add_contact() -> Function {
                         "the other side (master, mortar): one boundary, several of them as one surface, or a rigid obstacle",
                     ),
                     method_parameter(),
+                    facets_parameter(),
                     update,
                     penalty,
                     augmented,
@@ -76,7 +77,7 @@ fn add_contact() -> Function {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
-            let method = method_of(&options)?;
+            let (method, facets) = (method_of(&options)?, facets_of(&options)?);
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
             let argument = options.argument("method");
             if matches!(partner, Partner::Obstacle { .. }) && argument.is_given() {
@@ -85,7 +86,9 @@ fn add_contact() -> Function {
                 return Err(failure.hint("leave the option out").into());
             }
             let (friction, restitution) = (friction_of(&options)?, options.optional_number("restitution")?);
-            add(call, &model, Interaction { name, secondary, partner, method, update, enforcement, equality, friction, restitution })?;
+            let interaction =
+                Interaction { name, secondary, partner, method, facets, update, enforcement, equality, friction, restitution };
+            add(call, &model, interaction)?;
             Ok(Dynamic::UNIT)
         }),
     }
@@ -105,6 +108,7 @@ fn add_self_contact() -> Function {
                 Kind::Options(vec![
                     Parameter::new("surface", Kind::Handle(BoundaryHandle::NAME), "the boundary that may touch itself"),
                     method_parameter(),
+                    facets_parameter(),
                     update,
                     penalty,
                     augmented,
@@ -120,9 +124,10 @@ fn add_self_contact() -> Function {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.name("name")?, call.options("options")?);
             let surface = boundary_of(&options.argument("surface"), &model)?;
-            let (method, (update, enforcement)) = (method_of(&options)?, rules_of(&options)?);
-            let friction = friction_of(&options)?;
-            add(call, &model, Interaction { method, update, enforcement, friction, ..Interaction::new(&name, surface, Partner::Itself) })?;
+            let (method, facets) = (method_of(&options)?, facets_of(&options)?);
+            let ((update, enforcement), friction) = (rules_of(&options)?, friction_of(&options)?);
+            let touching = Interaction::new(&name, surface, Partner::Itself);
+            add(call, &model, Interaction { method, facets, update, enforcement, friction, ..touching })?;
             Ok(Dynamic::UNIT)
         }),
     }

@@ -1,0 +1,258 @@
+//! Height profiles: the curve through the nodes of a plane surface as a height over each straight facet.
+//!
+//! A facet of length `l` has the height `l p(xi)` at the facet coordinate `xi` in [0, 1], positive outwards, with a cubic `p` that is taken
+//! from the reference configuration and stays constant in facet coordinates. Displacements are linear on a facet, so that the curve moves
+//! with the facet consistently with them, and rigid motions leave it unchanged.
+//!
+//! Edges of first order take `p` from the neighboring facets. The circle through three consecutive nodes leaves the facet at its end `i` by
+//! the angle `a_i = theta_i l/(l + l_neighbor)`, with the turn `theta_i` between both facets, and
+//!
+//! ```text
+//! p(xi) = c_1 xi (1 - xi)^2 + c_2 xi^2 (1 - xi),    c_i = a_i (1 + 2/15 a_i^2)
+//! ```
+//!
+//! where the second term of `c_i` preserves the area of the circular segment. Edges of second order have the circle through their three
+//! nodes (`quadratic.rs`).
+
+use std::f64::consts::PI;
+
+use super::surface::Surface;
+use crate::math::tolerances::STRAIGHT;
+
+/// Largest turn between two facets of a curve, 35 degrees: a circle of twelve facets is a curve, an octagon is a polygon.
+const LARGEST_TURN: f64 = 35.0 * PI / 180.0;
+
+/// Largest ratio of the curvatures at neighboring nodes of a curve, and of the slopes at both ends of a facet.
+const LARGEST_RATIO: f64 = 3.0;
+
+/// Height of a curve over a facet, in facet lengths: `p(xi) = sum_k c_k xi^k`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Profile(pub [f64; 4]);
+
+impl Profile {
+    /// Profile without height at both ends that rises with the slope `first` at the first end and falls with the slope `last` at the last.
+    pub fn with_slopes(first: f64, last: f64) -> Self {
+        Profile([0.0, first, last - 2.0 * first, first - last])
+    }
+
+    /// Profile through heights at `xi` = 0, 1/3, 2/3, 1.
+    pub fn through([a, b, c, d]: [f64; 4]) -> Self {
+        Profile([a, -5.5 * a + 9.0 * b - 4.5 * c + d, 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d, -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d])
+    }
+
+    /// Profile in the coordinate `1 - xi`.
+    pub fn reversed(&self) -> Self {
+        let Profile([a, b, c, d]) = self;
+        Profile([a + b + c + d, -b - 2.0 * c - 3.0 * d, c + 3.0 * d, -d])
+    }
+
+    /// True where the curve is the straight facet.
+    pub fn is_flat(&self) -> bool {
+        self.0 == [0.0; 4]
+    }
+
+    /// Height `p(xi)` and its three derivatives.
+    #[inline(always)]
+    pub fn at(&self, xi: f64) -> [f64; 4] {
+        let [a, b, c, d] = self.0;
+        [a + xi * (b + xi * (c + xi * d)), b + xi * (2.0 * c + xi * 3.0 * d), 2.0 * c + 6.0 * d * xi, 6.0 * d]
+    }
+}
+
+/// Height profiles of the secondary facet, and of the primary facet from its second node on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairProfiles(pub [Profile; 2]);
+
+/// Turn of a plane surface at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Turn {
+    /// Facets in line.
+    None,
+    /// Node of a curve, with the turn from one facet to the next, positive where the body is convex `[rad]`.
+    Smooth(f64),
+    /// Corner, isolated kink, end of a chain, or node of more than two facets.
+    Sharp,
+}
+
+/// Curves that the facets of a plane surface follow at given positions.
+pub struct FacetCurves<'a> {
+    surface: &'a Surface,
+    q: &'a [f64],
+    turns: Vec<Turn>,
+}
+
+impl<'a> FacetCurves<'a> {
+    /// Distinguishes curves from corners and straight lines at the positions `q`.
+    ///
+    /// A node lies on a curve where the surface turns by at most [`LARGEST_TURN`], and at one of the two neighboring nodes to the same side
+    /// with a curvature within a factor of [`LARGEST_RATIO`]. A single kink is a corner.
+    pub fn new(surface: &'a Surface, q: &'a [f64]) -> Self {
+        let mut curves = FacetCurves { surface, q, turns: Vec::new() };
+        let count = surface.nodes().len();
+        let turns: Vec<Option<(f64, [u32; 2])>> = (0..count).map(|node| curves.turn_at(node)).collect();
+        let curvature = |node: usize| {
+            let (turn, facets) = turns[node]?;
+            (turn.abs() <= LARGEST_TURN).then(|| turn / facets.iter().map(|&facet| curves.length(facet)).sum::<f64>())
+        };
+        let turn_of = |node: usize| {
+            let Some((turn, facets)) = turns[node] else { return Turn::Sharp };
+            if turn.abs() <= STRAIGHT {
+                return Turn::None;
+            }
+            let goes_on = |other: u32| {
+                let (own, next) = (curvature(node), curvature(other as usize));
+                own.zip(next).is_some_and(|(own, next)| {
+                    own * next > 0.0 && own.abs() <= LARGEST_RATIO * next.abs() && next.abs() <= LARGEST_RATIO * own.abs()
+                })
+            };
+            let neighbors = facets.into_iter().flat_map(|facet| surface.local_facets()[facet as usize]);
+            if neighbors.into_iter().any(|other| other as usize != node && goes_on(other)) { Turn::Smooth(turn) } else { Turn::Sharp }
+        };
+        curves.turns = (0..count).map(turn_of).collect();
+        curves
+    }
+
+    /// Turn at a node between two facets, `[rad]`, with the facet before and the facet behind it.
+    fn turn_at(&self, node: usize) -> Option<(f64, [u32; 2])> {
+        let &[one, other] = self.surface.adjacent_facets(node) else { return None };
+        let [before, after] = if self.surface.local_facets()[one as usize][1] as usize == node { [one, other] } else { [other, one] };
+        let (t, u) = (self.along(before), self.along(after));
+        let joins = self.surface.local_facets()[after as usize][0] as usize == node;
+        joins.then(|| ((t[0] * u[1] - t[1] * u[0]).atan2(t[0] * u[0] + t[1] * u[1]), [before, after]))
+    }
+
+    /// Vector from the first to the last node of a facet `[length]`.
+    fn along(&self, facet: u32) -> [f64; 2] {
+        let [a, b] = self.surface.facets()[facet as usize].map(|node| 2 * node as usize);
+        [self.q[b] - self.q[a], self.q[b + 1] - self.q[a + 1]]
+    }
+
+    fn length(&self, facet: u32) -> f64 {
+        let [x, y] = self.along(facet);
+        x.hypot(y)
+    }
+
+    /// True where a facet follows a curve: the surface turns to one side at both of its nodes, or at one node while the other is sharp.
+    fn is_curved(&self, facet: usize) -> bool {
+        match self.surface.local_facets()[facet].map(|node| self.turns[node as usize]) {
+            [Turn::Smooth(a), Turn::Smooth(b)] => a * b > 0.0,
+            [Turn::Smooth(_), Turn::Sharp] | [Turn::Sharp, Turn::Smooth(_)] => true,
+            _ => false,
+        }
+    }
+
+    /// For each node whether the surface is smooth there: a node between two facets of a curve.
+    pub fn smooth_nodes(&self) -> Vec<bool> {
+        let is_smooth = |node: usize| {
+            let facets = self.surface.adjacent_facets(node);
+            matches!(self.turns[node], Turn::Smooth(_)) && facets.iter().all(|&facet| self.is_curved(facet as usize))
+        };
+        (0..self.turns.len()).map(is_smooth).collect()
+    }
+
+    /// Height profiles of all facets.
+    pub fn profiles(&self) -> Vec<Profile> {
+        (0..self.surface.count()).map(|facet| self.profile(facet)).collect()
+    }
+
+    fn profile(&self, facet: usize) -> Profile {
+        if !self.is_curved(facet) {
+            return Profile::default();
+        }
+        let length = self.length(facet as u32);
+        let (ends, neighbors) = (self.surface.local_facets()[facet], self.surface.neighbors(facet));
+        // A straight neighbor leaves the whole turn to this facet.
+        let angle = |end: usize| match (self.turns[ends[end] as usize], neighbors[end]) {
+            (Turn::Smooth(turn), Some(other)) if self.is_curved(other as usize) => Some(turn * length / (length + self.length(other))),
+            (Turn::Smooth(turn), _) => Some(turn),
+            _ => None,
+        };
+        let [a, b] = match [0, 1].map(angle) {
+            [Some(a), Some(b)] => {
+                let largest = LARGEST_RATIO * a.abs().min(b.abs());
+                [a.clamp(-largest, largest), b.clamp(-largest, largest)]
+            }
+            [Some(a), None] | [None, Some(a)] => [a, a],
+            [None, None] => return Profile::default(),
+        };
+        let slope = |angle: f64| angle * (1.0 + 2.0 / 15.0 * angle * angle);
+        Profile::with_slopes(slope(a), slope(b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn profiles_are_polynomials() {
+        let p = Profile([0.1, 0.2, -0.3, 0.4]);
+        for x in [0.0, 0.3, 1.0] {
+            assert!((p.at(x)[0] - p.reversed().at(1.0 - x)[0]).abs() < 1e-15);
+            assert!((p.at(x)[1] + p.reversed().at(1.0 - x)[1]).abs() < 1e-15);
+        }
+        let q = Profile::through([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|x| p.at(x)[0]));
+        assert!((0..4).all(|k| (p.0[k] - q.0[k]).abs() < 1e-14), "{q:?}");
+        let s = Profile::with_slopes(0.2, 0.3);
+        assert_eq!((s.at(0.0)[0], s.at(0.0)[1]), (0.0, 0.2));
+        assert!(s.at(1.0)[0].abs() < 1e-16 && (s.at(1.0)[1] + 0.3).abs() < 1e-15);
+    }
+
+    /// Profiles of a chain through these points.
+    fn of_chain(points: &[[f64; 2]], is_closed: bool) -> Vec<Profile> {
+        let count = points.len() as u32;
+        let facets: Vec<[u32; 2]> = (0..if is_closed { count } else { count - 1 }).map(|k| [k, (k + 1) % count]).collect();
+        let q = points.as_flattened();
+        FacetCurves::new(&Surface::new(&facets), q).profiles()
+    }
+
+    fn circle(count: u32, from: f64, to: f64) -> impl Iterator<Item = [f64; 2]> {
+        (0..count).map(move |k| (from + (to - from) * f64::from(k) / f64::from(count)).sin_cos()).map(|(sin, cos)| [cos, sin])
+    }
+
+    /// Closed form: height of the unit circle over its chord.
+    #[test]
+    fn circles_are_followed_from_twelve_facets_on() {
+        for count in [12, 16, 48] {
+            let half = PI / f64::from(count);
+            let (chord, apothem) = (2.0 * half.sin(), half.cos());
+            for profile in of_chain(&circle(count, 0.0, 2.0 * PI).collect::<Vec<_>>(), true) {
+                let mut area = 0.0;
+                for k in 0..100 {
+                    let xi = (f64::from(k) + 0.5) / 100.0;
+                    let height = ((1.0 - (chord * (xi - 0.5)).powi(2)).sqrt() - apothem) / chord;
+                    assert!((profile.at(xi)[0] - height).abs() < 0.1 * half.powi(3), "{count}: {profile:?} {xi}");
+                    area += 0.01 * (profile.at(xi)[0] - height);
+                }
+                // The height is divided by 100 points of the midpoint rule.
+                assert!(area.abs() < 0.05 * half.powi(5) + 1e-5 * half, "{count}: {area}");
+            }
+        }
+        assert!(of_chain(&circle(8, 0.0, 2.0 * PI).collect::<Vec<_>>(), true).iter().all(Profile::is_flat));
+    }
+
+    /// A straight side, a quarter circle that it touches, and another side: only the arc is curved, up to its ends.
+    #[test]
+    fn arcs_between_straight_sides_are_followed_to_their_ends() {
+        let mut points = vec![[1.0, -2.0], [1.0, -1.0]];
+        points.extend(circle(6, 0.0, 0.5 * PI));
+        points.extend([[0.0, 1.0], [-1.0, 1.0], [-2.0, 1.0]]);
+        let profiles = of_chain(&points, false);
+        let curved: Vec<bool> = profiles.iter().map(|profile| !profile.is_flat()).collect();
+        assert_eq!(curved, [false, false, true, true, true, true, true, true, false, false]);
+        let half = PI / 24.0;
+        for profile in &profiles[2..8] {
+            assert!((profile.at(0.0)[1] - half).abs() < 1e-2 * half && (profile.at(1.0)[1] + half).abs() < 1e-2 * half, "{profile:?}");
+        }
+    }
+
+    #[test]
+    fn single_kinks_corners_and_waves_are_not_followed() {
+        let kink = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.2], [3.0, 0.4]];
+        let bevel = [[0.0, -1.0], [0.0, 0.0], [1.0, 0.2], [2.0, 0.2], [3.0, 0.2]];
+        let wave = [[0.0, 0.0], [1.0, 0.1], [2.0, 0.0], [3.0, 0.1], [4.0, 0.0]];
+        for chain in [&kink[..], &bevel, &wave] {
+            assert!(of_chain(chain, false).iter().all(Profile::is_flat), "{chain:?}");
+        }
+    }
+}
