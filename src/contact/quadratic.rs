@@ -222,16 +222,26 @@ impl Edge {
         dot(self.end_facet(end), self.chord) / dot(self.chord, self.chord)
     }
 
-    /// Height above the chord of the circle through the three nodes, at the distance `x` from the middle of the chord; in chord lengths.
+    /// Height of the curve above the chord at the distance `x` from the middle of the chord; in chord lengths.
+    ///
+    /// The curve is the parabola of the shape functions, and over a symmetric edge the circle through its three nodes.
     fn height(&self, x: f64) -> f64 {
         if !self.is_curved() {
             return 0.0;
         }
-        let k = (self.shift * self.shift + self.sagitta * self.sagitta - 0.25) / (2.0 * self.sagitta);
-        self.sagitta.signum() * (0.25 - x * x) / ((0.25 + k * k - x * x).max(0.0).sqrt() + k.abs())
+        let (h, square) = (self.sagitta, x * x);
+        // Edge coordinate of the parabola: x + 1/2 = xi + 4 shift xi (1 - xi).
+        let linear = 1.0 + 4.0 * self.shift;
+        let root = (linear * linear - 16.0 * self.shift * (x + 0.5)).max(0.0).sqrt();
+        let xi = 2.0 * (x + 0.5) / (linear + root);
+        let parabola = 4.0 * h * xi * (1.0 - xi);
+        // Distance of the circle's center from the chord.
+        let center = (0.25 / h - h).abs() * 0.5;
+        let circle = h.signum() * (0.25 - square) / ((0.25 + center * center - square).max(0.0).sqrt() + center);
+        parabola + circle - h * (1.0 - 4.0 * square)
     }
 
-    /// Height profile of the circle through the three nodes over a facet with these end points `[length]`; `origin` is the first node.
+    /// Height profile of the curve over a facet with these end points `[length]`; `origin` is the first node.
     fn profile_over(&self, origin: [f64; 2], facet: [[f64; 2]; 2]) -> Profile {
         let square = dot(self.chord, self.chord);
         // Coordinates along the chord from its middle, and outwards, in chord lengths.
