@@ -5,19 +5,23 @@
 //!
 //! ```text
 //! D = pi_1 p_1(s) + E G(eta, m),    E = pi_2 - pi_3,    eta = (pi_1 s - pi_3)/E,    m = pi_5/E
-//! G = (1 + mu^2) p(eta) + mu p(eta) p'(eta),            mu = m/(1 + m^2/2)
+//! G = (1 + mu^2) p(xi),             xi = eta + mu p(xi),             mu = m (1 + m^8)^(-1/8)
 //! ```
 //!
-//! A point `xi` of the primary curve lies at `eta = xi - m p(xi)` as seen along the secondary normal, and higher than its facet by
-//! `E p(xi)/cos alpha`, `m = tan alpha`. `G` is the expansion to fourth order in `m` and `p`, with the bounded `mu` in place of `m` for steep
-//! pairs. `D` is a function of the invariants alone and homogeneous of first degree in them, as `h` is, so that discrete gradient, momenta
-//! and objectivity need nothing else. Four Gauss points on the overlap integrate `N_k D`, of sixth degree in `s`, exactly.
+//! With `mu = m` this is exact: the point `xi` of the primary curve lies at `eta = xi - m p(xi)` as seen along the secondary normal, and is
+//! higher than its facet there by `E (1 + m^2) p(xi)`. So the depth is continuous where two primary facets meet: a bound of `m` of lower
+//! order, such as `m/(1 + m^2/2)`, leaves jumps there that hold edges of second order in place. The bounded `mu` keeps steep pairs regular. `D` is a function of the invariants alone and homogeneous of first degree in them, as `h` is, so that
+//! discrete gradient, momenta and objectivity need nothing else. Four Gauss points on the overlap integrate polynomials of seventh degree in
+//! `s` exactly; `N_k D` is one of fourth degree and terms of higher order in `mu p`.
 //!
-//! Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)` and `w_m = (0, -m, m, 0, 1)`:
+//! Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)`, `w_m = (0, -m, m, 0, 1)` and `J = 1 - mu p'(xi)`:
 //!
 //! ```text
-//! dD   = p_1 e_1 + G (e_2 - e_3) + G_eta w_eta + G_m w_m
-//! d2D  = (G_etaeta w_eta w_eta + G_etam (w_eta w_m + w_m w_eta) + G_mm w_m w_m)/E
+//! dD      = p_1 e_1 + G (e_2 - e_3) + G_eta w_eta + G_m w_m
+//! d2D     = (G_etaeta w_eta w_eta + G_etam (w_eta w_m + w_m w_eta) + G_mm w_m w_m)/E
+//! G_eta   = (1 + mu^2) p'/J                         G_etaeta  = (1 + mu^2) p''/J^3
+//! G_mu    = 2 mu p + (1 + mu^2) p p'/J              G_etamu   = 2 mu p'/J + (1 + mu^2) (p'^2/J^2 + p p''/J^3)
+//!                                                   G_mumu    = 2 p + 4 mu p p'/J + (1 + mu^2) (2 p p'^2/J^2 + p^2 p''/J^3)
 //! ```
 
 #![allow(clippy::needless_range_loop)] // indices are those of the formulas
@@ -32,6 +36,9 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.169_990_521_792_428_13, 0.326_072_577_431_273_07],
     [0.430_568_155_797_026_3, 0.173_927_422_568_726_93],
 ];
+
+/// Newton iterations for `xi`: slopes of profiles are below 0.3, so that three of them reach round-off.
+const NEWTON: usize = 3;
 
 /// Depth `D` that height profiles add at a point of the secondary facet, with derivatives.
 struct AddedDepth {
@@ -52,16 +59,26 @@ impl Overlap<'_> {
     fn added_depth(&self, PairProfiles([own, other]): &PairProfiles, s: f64) -> AddedDepth {
         let [p_1, rise, ..] = own.at(s);
         let eta = (self.pi[0] * s - self.pi[2]) / self.extent;
-        let [p, d, dd, ddd] = other.at(eta);
         let m = self.slope;
-        let per = 1.0 / (1.0 + 0.5 * m * m);
-        let mu = m * per;
-        let mu_1 = (1.0 - 0.5 * m * m) * per * per;
-        let mu_2 = -m * (3.0 - 0.5 * m * m) * per * per * per;
-        let (even, skew) = (1.0 + mu * mu, d * d + p * dd);
-        let g = even * p + mu * p * d;
-        let g_eta = even * d + mu * skew;
-        let g_m = mu_1 * (2.0 * mu * p + p * d);
+        let fourth = m * m * m * m;
+        let bound = 1.0 + fourth * fourth;
+        let root = 1.0 / bound.sqrt().sqrt().sqrt();
+        let (mu, mu_1) = (m * root, root / bound);
+        let mu_2 = -9.0 * fourth * m * m * m * mu_1 / bound;
+        let mut xi = eta;
+        for _ in 0..NEWTON {
+            let [p, d, ..] = other.at(xi);
+            xi -= (xi - mu * p - eta) / (1.0 - mu * d);
+        }
+        let [p, d, dd, _] = other.at(xi);
+        let per_jacobian = 1.0 / (1.0 - mu * d);
+        let (even, rate, bend) = (1.0 + mu * mu, d * per_jacobian, dd * per_jacobian * per_jacobian * per_jacobian);
+        let g = even * p;
+        let g_eta = even * rate;
+        let g_mu = 2.0 * mu * p + even * p * rate;
+        let g_eta_mu = 2.0 * mu * rate + even * (rate * rate + p * bend);
+        let g_mu_mu = 2.0 * p + 4.0 * mu * p * rate + even * (2.0 * p * rate * rate + p * p * bend);
+        let g_m = mu_1 * g_mu;
         let directions = [[s, -eta, eta - 1.0, 0.0, 0.0], [0.0, -m, m, 0.0, 1.0]];
         let mut gradient: Invariants = std::array::from_fn(|k| g_eta * directions[0][k] + g_m * directions[1][k]);
         gradient[0] += p_1;
@@ -73,11 +90,7 @@ impl Overlap<'_> {
             along: self.pi[0] * (rise + g_eta),
             gradient,
             directions,
-            curvature: [
-                inverse * (even * dd + mu * (3.0 * d * dd + p * ddd)),
-                inverse * mu_1 * (2.0 * mu * d + skew),
-                inverse * (2.0 * (mu_1 * mu_1 + mu * mu_2) * p + mu_2 * p * d),
-            ],
+            curvature: [inverse * even * bend, inverse * mu_1 * g_eta_mu, inverse * (mu_1 * mu_1 * g_mu_mu + mu_2 * g_mu)],
         }
     }
 

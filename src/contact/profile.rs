@@ -32,12 +32,12 @@ pub struct Profile(pub [f64; 4]);
 impl Profile {
     /// Profile without height at both ends that rises with the slope `first` at the first end and falls with the slope `last` at the last.
     pub fn with_slopes(first: f64, last: f64) -> Self {
-        Profile([0.0, first, last - 2.0 * first, first - last])
+        Profile::with_ends([0.0, first], [0.0, -last])
     }
 
-    /// Profile through heights at `xi` = 0, 1/3, 2/3, 1.
-    pub fn through([a, b, c, d]: [f64; 4]) -> Self {
-        Profile([a, -5.5 * a + 9.0 * b - 4.5 * c + d, 9.0 * a - 22.5 * b + 18.0 * c - 4.5 * d, -4.5 * a + 13.5 * b - 13.5 * c + 4.5 * d])
+    /// Profile with these heights and slopes at its ends.
+    pub fn with_ends([a, rise]: [f64; 2], [b, fall]: [f64; 2]) -> Self {
+        Profile([a, rise, 3.0 * (b - a) - 2.0 * rise - fall, 2.0 * (a - b) + rise + fall])
     }
 
     /// Profile in the coordinate `1 - xi`.
@@ -191,7 +191,8 @@ mod tests {
             assert!((p.at(x)[0] - p.reversed().at(1.0 - x)[0]).abs() < 1e-15);
             assert!((p.at(x)[1] + p.reversed().at(1.0 - x)[1]).abs() < 1e-15);
         }
-        let q = Profile::through([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|x| p.at(x)[0]));
+        let [a, b] = [0.0, 1.0].map(|x| p.at(x));
+        let q = Profile::with_ends([a[0], a[1]], [b[0], b[1]]);
         assert!((0..4).all(|k| (p.0[k] - q.0[k]).abs() < 1e-14), "{q:?}");
         let s = Profile::with_slopes(0.2, 0.3);
         assert_eq!((s.at(0.0)[0], s.at(0.0)[1]), (0.0, 0.2));

@@ -222,26 +222,27 @@ impl Edge {
         dot(self.end_facet(end), self.chord) / dot(self.chord, self.chord)
     }
 
-    /// Height of the curve above the chord at the distance `x` from the middle of the chord; in chord lengths.
+    /// Height of the curve above the chord, in chord lengths, at the distance `x` from the middle of the chord, and its slope.
     ///
     /// The curve is the parabola of the shape functions, and over a symmetric edge the circle through its three nodes.
-    fn height(&self, x: f64) -> f64 {
+    fn height(&self, x: f64) -> [f64; 2] {
         if !self.is_curved() {
-            return 0.0;
+            return [0.0; 2];
         }
         let (h, square) = (self.sagitta, x * x);
         // Edge coordinate of the parabola: x + 1/2 = xi + 4 shift xi (1 - xi).
         let linear = 1.0 + 4.0 * self.shift;
         let root = (linear * linear - 16.0 * self.shift * (x + 0.5)).max(0.0).sqrt();
         let xi = 2.0 * (x + 0.5) / (linear + root);
-        let parabola = 4.0 * h * xi * (1.0 - xi);
-        // Distance of the circle's center from the chord.
+        let parabola = [4.0 * h * xi * (1.0 - xi), 4.0 * h * (1.0 - 2.0 * xi) / root];
+        // Distance of the circle's center from the chord, and of its point from the line through the center.
         let center = (0.25 / h - h).abs() * 0.5;
-        let circle = h.signum() * (0.25 - square) / ((0.25 + center * center - square).max(0.0).sqrt() + center);
-        parabola + circle - h * (1.0 - 4.0 * square)
+        let across = (0.25 + center * center - square).max(0.0).sqrt();
+        let circle = [h.signum() * (0.25 - square) / (across + center), -h.signum() * x / across];
+        [parabola[0] + circle[0] - h * (1.0 - 4.0 * square), parabola[1] + circle[1] + 8.0 * h * x]
     }
 
-    /// Height profile of the curve over a facet with these end points `[length]`; `origin` is the first node.
+    /// Height profile with the heights and slopes of the curve at the ends of a facet with these end points `[length]`; `origin` is the first node.
     fn profile_over(&self, origin: [f64; 2], facet: [[f64; 2]; 2]) -> Profile {
         let square = dot(self.chord, self.chord);
         // Coordinates along the chord from its middle, and outwards, in chord lengths.
@@ -252,15 +253,16 @@ impl Edge {
         let t = [b[0] - a[0], b[1] - a[1]];
         let length = t[0].hypot(t[1]);
         let (cos, sin) = (t[0] / length, t[1] / length);
-        let heights = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|xi| {
+        let [first, last] = [a, b].map(|end| {
             let mut z = 0.0;
             for _ in 0..6 {
-                let (x, y) = (a[0] + xi * t[0] - z * sin, a[1] + xi * t[1] + z * cos);
-                z += cos * (self.height(x) - y);
+                z += cos * (self.height(end[0] - z * sin)[0] - end[1] - z * cos);
             }
-            z / length
+            let slope = self.height(end[0] - z * sin)[1];
+            [z / length, (cos * slope - sin) / (cos + sin * slope)]
         });
-        if heights.iter().all(|z| z.abs() < tolerances::STRAIGHT) { Profile::default() } else { Profile::through(heights) }
+        let is_flat = first.into_iter().chain(last).all(|value| value.abs() < tolerances::STRAIGHT);
+        if is_flat { Profile::default() } else { Profile::with_ends(first, last) }
     }
 
     /// The middle's offset across the chord, times a factor.
