@@ -6,8 +6,10 @@
 //! Over the overlap `[a, b]` of a pair of facets, with `y(s)` the point of the primary facet opposite `s`,
 //!
 //! ```text
-//! Phi_k = |t| int_a^b N_k(s) n(s).(y(s) - x(s)) ds        by three Gauss points        [length^2], > 0 when open
+//! Phi_k = |t| int_a^b N_k(s) n(s).(y(s) - x(s)) ds        by Gauss points        [length^2], > 0 when open
 //! ```
+//!
+//! with `x(s)` and `y(s)` moved along `n(s)` to the curves where facets have height profiles.
 //!
 //! These functions have no short list of invariants: their discrete gradient is the projected one, their derivatives are exact by dual
 //! numbers. A patch is a candidate pair with the neighbors of its secondary facet, whose motion turns the normals.
@@ -19,6 +21,7 @@ use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::numbers::Number;
 use super::patches::Evaluation;
+use super::profile::{PairProfiles, Profile};
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
 use super::surface::{Sides, Surface};
@@ -65,6 +68,8 @@ pub struct AveragedMortar {
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     roles: [Option<u8>; ROLES],
+    /// Height profiles of the facets; `None` where both are straight.
+    profiles: Option<PairProfiles>,
 }
 
 /// What a pair keeps of the start of the step.
@@ -145,18 +150,18 @@ impl Pair {
     }
 
     fn values(self, z: &[f64]) -> Option<Values<f64>> {
-        weighted_gaps(&self.differences(z), self.has_neighbors()).map(|gaps| gaps.gap)
+        weighted_gaps(&self.differences(z), self.has_neighbors(), self.profiles.as_ref()).map(|gaps| gaps.gap)
     }
 
     fn covered(self, z: &[f64]) -> Option<Values<f64>> {
-        weighted_gaps(&self.differences(z), self.has_neighbors()).map(|gaps| gaps.covered)
+        weighted_gaps(&self.differences(z), self.has_neighbors(), self.profiles.as_ref()).map(|gaps| gaps.covered)
     }
 
     /// Values and gradients of both functions, the gradients one after the other.
     fn gradients(self, z: &[f64]) -> Option<(WeightedGaps<f64>, Vec<f64>)> {
         let differences = self.differences(z);
         let variables = std::array::from_fn(|i| DualSVec64::<VARIABLES>::from_re(differences[i]).derivative(i));
-        let gaps = weighted_gaps(&variables, self.has_neighbors())?;
+        let gaps = weighted_gaps(&variables, self.has_neighbors(), self.profiles.as_ref())?;
         let mut gradients = vec![0.0; 2 * z.len()];
         for (gap, out) in gaps.gap.iter().zip(gradients.chunks_exact_mut(z.len())) {
             self.pull_back(gap.eps.0.as_ref().map_or(&[0.0; VARIABLES], |eps| &eps.data.0[0]), out);
@@ -172,7 +177,7 @@ impl Pair {
         out.hessian.resize(z.len() * z.len(), 0.0);
         let differences = self.differences(z);
         let variables = std::array::from_fn(|i| Dual2SVec64::<VARIABLES>::from_re(differences[i]).derivative(i));
-        let Some(gaps) = weighted_gaps(&variables, self.has_neighbors()) else { return };
+        let Some(gaps) = weighted_gaps(&variables, self.has_neighbors(), self.profiles.as_ref()) else { return };
         let [first, second] = gaps.gap;
         let sum = first * weights[0] + second * weights[1];
         if let num_dual::Derivative(Some(gradient)) = sum.v1 {
@@ -217,7 +222,7 @@ impl SlipRows for AveragedMortar {
         let (pair, width) = (self.pairs[p], z.len());
         let Some(opposite) = Opposite::new(&pair.differences(z), pair.has_neighbors()) else { return false };
         let places = [1, 2, 4, 5].map(|role| usize::from(pair.roles[role].expect("both facets have their nodes")));
-        for Point { measure, shapes, normal: n, opposite, .. } in opposite.points() {
+        for Point { measure, shapes, normal: n, opposite, .. } in opposite.points(pair.profiles.is_some()) {
             let [x, y] = unit(n);
             let (along, shares) = ([-y, x], [shapes[0], shapes[1], opposite - 1.0, -opposite]);
             for (k, shape) in shapes.into_iter().enumerate() {
@@ -235,6 +240,11 @@ impl SlipRows for AveragedMortar {
 impl PatchFunctions for AveragedMortar {
     fn sides(&self) -> &Sides {
         &self.sides
+    }
+
+    fn set_profiles(&mut self, profiles: [Vec<Profile>; 2]) {
+        self.search.profiles = profiles;
+        self.list_patches();
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -354,7 +364,7 @@ impl CandidateSearch for AveragedMortar {
     fn list_patches(&mut self) {
         self.sides.patches.clear();
         self.pairs.clear();
-        for &[own, other] in self.search.candidates.pairs() {
+        for (&[own, other], profiles) in self.search.candidates.pairs().iter().zip(self.search.pair_profiles()) {
             let [x_1, x_2] = self.sides.secondary.facets()[own as usize];
             let [y_1, y_2] = self.sides.primary.facets()[other as usize];
             let [before, after] = self.neighbors[own as usize];
@@ -368,7 +378,7 @@ impl CandidateSearch for AveragedMortar {
                 }) as u8)
             });
             self.sides.patches.push(&nodes, &self.sides.secondary.local_facets()[own as usize]);
-            self.pairs.push(Pair { roles });
+            self.pairs.push(Pair { roles, profiles });
         }
     }
 }

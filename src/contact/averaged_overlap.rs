@@ -1,14 +1,24 @@
 //! The overlap of two facets along averaged normals, for any number type: where it is, its points, and weighted gaps over it.
 
 use super::numbers::Number;
+use super::profile::{PairProfiles, Profile};
 use crate::math::tolerances::FACING;
 
 /// Differences that the functions depend on: the facet before, the facet, the facet after, both primary nodes from `x_1`.
 pub(super) const DIFFERENCES: usize = 5;
 pub(super) const VARIABLES: usize = 2 * DIFFERENCES;
 
-/// Three Gauss points on `[-1, 1]` with weights.
-const GAUSS: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+/// Three Gauss points on `[-1, 1]` with weights, for straight facets.
+const THREE: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+
+/// Five Gauss points, for facets with height profiles: with three, forces jump by 1e-8 where nodes of both sides pass each other.
+const FIVE: [(f64, f64); 5] = [
+    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
+    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.0, 128.0 / 225.0),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+];
 
 /// Values of the two functions of a pair.
 pub(super) type Values<T> = [T; 2];
@@ -98,11 +108,12 @@ impl<T: Number> Opposite<T> {
         Some(Opposite { t, y: [y_1, y_2], normal: n_1, turn, length, middle: (a + b) * 0.5, half: (b - a) * 0.5 })
     }
 
-    /// The Gauss points of the overlap.
-    pub(super) fn points(&self) -> impl Iterator<Item = Point<T>> {
+    /// Gauss points of the overlap, more of them where facets are curved.
+    pub(super) fn points(&self, is_curved: bool) -> impl Iterator<Item = Point<T>> {
         let [y_1, y_2] = self.y;
         let along = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
-        GAUSS.into_iter().map(move |(place, weight)| {
+        let points = if is_curved { &FIVE[..] } else { &THREE };
+        points.iter().map(move |&(place, weight)| {
             let s = self.middle + self.half * place;
             let n = [self.normal[0] + s * self.turn[0], self.normal[1] + s * self.turn[1]];
             let from = [y_1[0] - s * self.t[0], y_1[1] - s * self.t[1]];
@@ -119,11 +130,27 @@ impl<T: Number> Opposite<T> {
     }
 }
 
+/// Distance from a facet to its curve along a line of sight of direction `n`, in lengths of `n`; `facet` is the vector along the facet,
+/// the body on its left, and `xi` the facet coordinate at which the line crosses it.
+fn distance_to_curve<T: Number>(profile: &Profile, facet: Vector<T>, xi: T, n: Vector<T>) -> T {
+    let square = facet[0] * facet[0] + facet[1] * facet[1];
+    let along = (n[0] * facet[0] + n[1] * facet[1]) / square;
+    let outwards = (n[0] * facet[1] - n[1] * facet[0]) / square;
+    profile.at(profile.seen_at(xi, along / outwards))[0] / outwards
+}
+
 /// The functions of a pair from its differences; `None` where facets do not face each other or do not overlap.
-pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2]) -> Option<WeightedGaps<T>> {
+pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2], profiles: Option<&PairProfiles>) -> Option<WeightedGaps<T>> {
     let zero = T::from(0.0);
     let mut gaps = WeightedGaps { gap: [zero; 2], covered: [zero; 2] };
-    for Point { measure, shapes, normal: n, alpha, .. } in Opposite::new(z, has)?.points() {
+    let overlap = Opposite::new(z, has)?;
+    let [y_1, y_2] = overlap.y;
+    let primary = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
+    for Point { measure, shapes, normal: n, mut alpha, opposite } in overlap.points(profiles.is_some()) {
+        if let Some(PairProfiles([own, other])) = profiles {
+            alpha = alpha - distance_to_curve(own, overlap.t, shapes[1], n);
+            alpha = alpha - distance_to_curve(&other.reversed(), primary, opposite, [-n[0], -n[1]]);
+        }
         let gap = alpha * (n[0] * n[0] + n[1] * n[1]);
         for (k, shape) in shapes.into_iter().enumerate() {
             gaps.gap[k] += measure * shape * gap;

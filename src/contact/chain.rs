@@ -6,17 +6,25 @@
 //! normal distances. No distance to a vertex, hence no square root of it: the function is linear through zero. It is continuous wherever
 //! the closest point is, and where it jumps between facets that look at the same side.
 //!
+//! Where a facet has a height profile, the gap is that to its curve, `n.(x - y_1) - l p(s)`.
+//!
 //! Beyond the end of a chain there is nothing to touch: the gap is that of the end facet's continuation where that is open, else zero, and
 //! not covered. A point just opposite the end, up to round-off, is.
 
+use nalgebra::SVector;
+
+use super::numbers::Number;
+use super::profile::Profile;
 use crate::math::tolerances::CHAIN_END;
 
 /// Positions and connections of the facets, as a function of the point's patch: nodes `(x, y_1, y_2, ...)`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     facets: Vec<[u32; 2]>,
     /// Facet that ends where this one starts, and facet that starts where this one ends; `NONE` at an end of the chain.
     neighbors: Vec<[u32; 2]>,
+    /// Height profiles of the facets; empty for straight facets.
+    profiles: Vec<Profile>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -42,7 +50,17 @@ impl Chain {
             found.map_or(NONE, |index| index as u32)
         };
         let neighbors = facets.iter().map(|&[from, to]| [find(1, from), find(0, to)]).collect();
-        Chain { facets, neighbors }
+        Chain { facets, neighbors, profiles: Vec::new() }
+    }
+
+    /// A chain whose facets have these height profiles.
+    pub fn with_profiles(self, profiles: Vec<Profile>) -> Self {
+        Chain { profiles, ..self }
+    }
+
+    /// Height profile of a facet, where it is curved.
+    fn profile(&self, facet: usize) -> Option<&Profile> {
+        self.profiles.get(facet).filter(|profile| !profile.is_flat())
     }
 
     /// The facets.
@@ -175,10 +193,19 @@ impl Chain {
         ([z[b] - z[a], z[b + 1] - z[a + 1]], [z[0] - z[a], z[1] - z[a + 1]])
     }
 
-    /// Normal distance of the point from a facet.
+    /// Normal distance of the point from a facet, less the height of its curve.
     fn gap(&self, facet: usize, z: &[f64]) -> f64 {
         let (t, d) = self.offsets(facet, z);
-        (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1])
+        match self.profile(facet) {
+            Some(profile) => gap_to_curve(profile, SVector::from([t[0], t[1], d[0], d[1]])),
+            None => (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1]),
+        }
+    }
+
+    /// The function [`gap_to_curve`] of a facet at the positions `z`, with its arguments in terms of the nodes `(x, y_1, y_2)`.
+    fn curve(&self, facet: usize, z: &[f64]) -> Option<(&Profile, SVector<f64, 4>)> {
+        let (t, d) = self.offsets(facet, z);
+        Some((self.profile(facet)?, SVector::from([t[0], t[1], d[0], d[1]])))
     }
 
     /// Adds `weight` times the gradient of what a measure measures to `out`.
@@ -188,6 +215,14 @@ impl Chain {
             for (node, share) in [(0, sign * weight), (vertex as usize, -sign * weight)] {
                 out[2 * node] += share * normal[0];
                 out[2 * node + 1] += share * normal[1];
+            }
+            return;
+        }
+        let facet = measure.facet as usize;
+        if let Some((profile, variables)) = self.curve(facet, z) {
+            let (_, gradient) = num_dual::gradient(|v| gap_to_curve(profile, v), &variables);
+            for (node, of) in self.nodes(facet).into_iter().zip(OF_VARIABLES) {
+                (0..2).for_each(|i| out[2 * node + i] += weight * (of[0] * gradient[i] + of[1] * gradient[2 + i]));
             }
             return;
         }
@@ -215,6 +250,19 @@ impl Chain {
             }
             return;
         }
+        let facet = measure.facet as usize;
+        if let Some((profile, variables)) = self.curve(facet, z) {
+            let (_, _, hessian) = num_dual::hessian(|v| gap_to_curve(profile, v), &variables);
+            let nodes = || self.nodes(facet).into_iter().zip(OF_VARIABLES);
+            for ((row, a), (column, b)) in nodes().flat_map(|one| nodes().map(move |other| (one, other))) {
+                for (i, k) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let sum: f64 =
+                        [(0, 0), (0, 1), (1, 0), (1, 1)].iter().map(|&(m, n)| a[m] * b[n] * hessian[(2 * m + i, 2 * n + k)]).sum();
+                    out[(2 * row + i) * unknowns + 2 * column + k] += weight * sum;
+                }
+            }
+            return;
+        }
         let Frame { nodes, normal, along, length, s, gap } = self.frame(measure.facet, z);
         // d2g = -(t^ n' (d (x) t) + n t^' (t (x) d))/l + (s (n t^' + t^ n') - g n n'/l) (t (x) t)/l, d = x - y_1, t = y_2 - y_1.
         let (of_d, of_t) = ([1.0, -1.0, 0.0], [0.0, -1.0, 1.0]);
@@ -233,13 +281,18 @@ impl Chain {
         }
     }
 
+    /// The point and the nodes of a facet in the patch.
+    fn nodes(&self, facet: usize) -> [usize; 3] {
+        let [a, b] = self.facets[facet].map(|node| node as usize);
+        [0, a, b]
+    }
+
     fn frame(&self, facet: u32, z: &[f64]) -> Frame {
         let (t, d) = self.offsets(facet as usize, z);
         let length = t[0].hypot(t[1]);
         let along = [t[0] / length, t[1] / length];
-        let [a, b] = self.facets[facet as usize].map(|node| node as usize);
         Frame {
-            nodes: [0, a, b],
+            nodes: self.nodes(facet as usize),
             normal: [along[1], -along[0]],
             along,
             length,
@@ -247,6 +300,18 @@ impl Chain {
             gap: along[1] * d[0] - along[0] * d[1],
         }
     }
+}
+
+/// Derivatives of `t = y_2 - y_1` and `d = x - y_1` with respect to `x`, `y_1`, `y_2`.
+const OF_VARIABLES: [[f64; 2]; 3] = [[0.0, 1.0], [-1.0, -1.0], [1.0, 0.0]];
+
+/// Normal distance of a point from a facet less the height of its curve, which goes on along its tangents beyond the ends; variables are the
+/// vector `t` along the facet and the vector `d` from its first node to the point.
+fn gap_to_curve<T: Number>(profile: &Profile, variables: SVector<T, 4>) -> T {
+    let [t_x, t_y, d_x, d_y] = variables.data.0[0];
+    let square = t_x * t_x + t_y * t_y;
+    let length = square.sqrt();
+    (t_y * d_x - t_x * d_y) / length - length * profile.continued((t_x * d_x + t_y * d_y) / square)
 }
 
 /// Unit vector from a node of the patch to the point, and the distance.

@@ -13,6 +13,9 @@ pub(super) struct Seen {
     pub(super) along: [f64; 2],
     /// The end that is the closest point, if one is.
     pub(super) end: Option<usize>,
+    /// Facet coordinate of the closest point, 0 to 1, and length of the facet `[length]`.
+    share: f64,
+    length: f64,
 }
 
 impl Seen {
@@ -26,7 +29,7 @@ impl Seen {
         let s = along[0] * d[0] + along[1] * d[1];
         let (gap, beyond) = (along[1] * d[0] - along[0] * d[1], s - s.clamp(0.0, length));
         let end = (beyond != 0.0).then_some(usize::from(beyond > 0.0));
-        Seen { distance: gap.hypot(beyond), gap, along, end }
+        Seen { distance: gap.hypot(beyond), gap, along, end, share: s.clamp(0.0, length) / length, length }
     }
 
     /// Gap of the node to the surface near this facet: at a corner to the intersection or the union of both half planes; nothing beyond
@@ -62,15 +65,19 @@ impl PairSearch {
                     }
                 }
             }
+            // Height of the curve over a facet of the other side at the point closest to a node.
+            let height = |facet: u32, seen: &Seen| {
+                self.profiles[1 - own].get(facet as usize).map_or(0.0, |profile| seen.length * profile.at(seen.share)[0])
+            };
             for (index, found) in closest.into_iter().enumerate() {
-                let Some((facet, seen)) = found.filter(|(_, seen)| -seen.gap > deepest) else { continue };
+                let Some((facet, seen)) = found.filter(|(facet, seen)| height(*facet, seen) - seen.gap > deepest) else { continue };
                 // Round a sharp corner lies what is nearer, although it takes no part with this node's facets.
                 let node = surface.nodes()[index];
                 let around = other.neighbors(facet as usize).into_iter().flatten();
                 let around = around.map(|facet| (facet, Seen::new(node, other.facets()[facet as usize], q)));
                 let nearer = |nearest: (u32, Seen), next: (u32, Seen)| if next.1.distance < nearest.1.distance { next } else { nearest };
                 let (facet, seen) = around.fold((facet, seen), nearer);
-                let gap = seen.gap_to(node, other, facet as usize, q).unwrap_or(0.0);
+                let gap = seen.gap_to(node, other, facet as usize, q).map_or(0.0, |gap| gap - height(facet, &seen));
                 if self.window.admits_depth(own, surface.adjacent_facets(index), facet, gap) {
                     deepest = deepest.max(-gap);
                 }

@@ -62,8 +62,6 @@ pub struct Mortar {
     /// Round-off of positions at the start of the step `[length]`.
     round_off: f64,
     correction: Correction,
-    /// Height profiles of the facets of both sides; empty for straight facets.
-    profiles: [Vec<Profile>; 2],
     /// Height profiles of each candidate pair; `None` where both facets are straight.
     pair_profiles: Vec<Option<PairProfiles>>,
 }
@@ -96,7 +94,6 @@ impl Mortar {
             start: Vec::new(),
             round_off: 0.0,
             correction: Correction::PerPatch,
-            profiles: Default::default(),
             pair_profiles: Vec::new(),
         }
     }
@@ -105,16 +102,6 @@ impl Mortar {
     #[inline(always)]
     fn profiles(&self, p: usize) -> Option<&PairProfiles> {
         self.pair_profiles.get(p).and_then(Option::as_ref)
-    }
-
-    /// Collects the height profiles of the candidate pairs.
-    fn list_profiles(&mut self) {
-        let [secondary, primary] = &self.profiles;
-        let of_pair = |&[own, other]: &[u32; 2]| {
-            let (own, other) = (*secondary.get(own as usize)?, *primary.get(other as usize)?);
-            (!own.is_flat() || !other.is_flat()).then(|| PairProfiles([own, other.reversed()]))
-        };
-        self.pair_profiles = self.search.candidates.pairs().iter().map(of_pair).collect();
     }
 
     /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
@@ -368,9 +355,9 @@ impl PatchFunctions for Mortar {
         self.is_around_axis = true;
     }
 
-    fn set_profiles(&mut self, [secondary, primary]: [Vec<Profile>; 2]) {
-        self.profiles = [secondary, primary];
-        self.list_profiles();
+    fn set_profiles(&mut self, profiles: [Vec<Profile>; 2]) {
+        self.search.profiles = profiles;
+        self.pair_profiles = self.search.pair_profiles();
     }
 
     fn begin_step(&mut self, q_0: &[f64]) {
@@ -494,7 +481,7 @@ impl CandidateSearch for Mortar {
 
     fn list_patches(&mut self) {
         self.search.list_into(&mut self.sides);
-        self.list_profiles();
+        self.pair_profiles = self.search.pair_profiles();
     }
 }
 

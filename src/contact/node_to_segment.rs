@@ -18,7 +18,7 @@ use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::node_patch::{self, Start};
 use super::patches::Evaluation;
-use super::profile::FacetCurves;
+use super::profile::{FacetCurves, Profile};
 use super::search::{Candidates, within_the_body};
 use super::slip::{self, SlipStep};
 use super::space::CornersInSpace;
@@ -84,6 +84,8 @@ pub struct NodeToSegment {
     /// Per patch: the primary facets in it, ascending: candidates, their neighbors and theirs.
     facets: Vec<Vec<u32>>,
     start: Vec<Start>,
+    /// Height profiles of the primary facets; empty for straight facets.
+    profiles: Vec<Profile>,
 }
 
 /// Which nodes count as corners.
@@ -209,7 +211,7 @@ impl NodeToSegment {
         let points = Surface::new(&secondary.nodes().iter().map(|&node| [node; 2]).collect::<Vec<_>>());
         let candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
         let window = Window::new(&sides, reference);
-        NodeToSegment { sides, points, corners: None, candidates, window, facets: Vec::new(), start: Vec::new() }
+        NodeToSegment { sides, points, corners: None, candidates, window, facets: Vec::new(), start: Vec::new(), profiles: Vec::new() }
     }
 
     /// Makes the patches of the present candidates, one for each node that has any.
@@ -317,7 +319,8 @@ impl NodeToSegment {
             }));
         }
         let closest = facets.iter().map(|facet| closest.binary_search(facet).is_ok()).collect();
-        Start { places, chain: Chain::new(chain), closest, slack: slack.unwrap_or(1.0), ..Start::default() }
+        let profiles = facets.iter().filter_map(|&facet| self.profiles.get(facet as usize).copied()).collect();
+        Start { places, chain: Chain::new(chain).with_profiles(profiles), closest, slack: slack.unwrap_or(1.0), ..Start::default() }
     }
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
@@ -400,6 +403,10 @@ impl PatchFunctions for NodeToSegment {
 
     fn row_nodes(&self) -> &[u32] {
         self.points.nodes()
+    }
+
+    fn set_profiles(&mut self, [_, primary]: [Vec<Profile>; 2]) {
+        self.profiles = primary;
     }
 
     fn start_gap(&self) -> Vec<f64> {

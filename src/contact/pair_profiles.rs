@@ -37,9 +37,6 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.430_568_155_797_026_3, 0.173_927_422_568_726_93],
 ];
 
-/// Newton iterations for `xi`: slopes of profiles are below 0.3, so that three of them reach round-off.
-const NEWTON: usize = 3;
-
 /// Depth `D` that height profiles add at a point of the secondary facet, with derivatives.
 struct AddedDepth {
     depth: f64,
@@ -65,12 +62,7 @@ impl Overlap<'_> {
         let root = 1.0 / bound.sqrt().sqrt().sqrt();
         let (mu, mu_1) = (m * root, root / bound);
         let mu_2 = -9.0 * fourth * m * m * m * mu_1 / bound;
-        let mut xi = eta;
-        for _ in 0..NEWTON {
-            let [p, d, ..] = other.at(xi);
-            xi -= (xi - mu * p - eta) / (1.0 - mu * d);
-        }
-        let [p, d, dd, _] = other.at(xi);
+        let [p, d, dd] = other.at(other.seen_at(eta, mu));
         let per_jacobian = 1.0 / (1.0 - mu * d);
         let (even, rate, bend) = (1.0 + mu * mu, d * per_jacobian, dd * per_jacobian * per_jacobian * per_jacobian);
         let g = even * p;

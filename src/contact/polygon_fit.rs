@@ -3,11 +3,13 @@
 //! Between its nodes a polygon stands off its curve by up to the sagitta `s = l theta/8` of its facets (length `l`, turn `theta` from one
 //! to the next), in the mean by `2/3 s`: inwards where the body is convex, outwards where it is hollow. Where the sagittas of the two sides
 //! differ, the polygons overlap by another amount than the curves. Where the interference is much smaller than a sagitta, corners sit in
-//! each other, and what should slide is held.
+//! each other, and what should slide is held. Facets with height profiles (`profile.rs`) lose nothing of the fit.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use super::facet_shape::FacetShape;
+use super::profile::FacetCurves;
 use super::surface::Surface;
 
 /// Turn from one facet to the next in radians up to which they follow a curve: 50 degrees.
@@ -64,6 +66,8 @@ struct Arc {
     length: f64,
     /// Turn from half of the facet before it to half of the one behind it, positive where the body is convex.
     turn: f64,
+    /// True where the facet has a height profile.
+    is_followed: bool,
 }
 
 impl Arc {
@@ -71,11 +75,16 @@ impl Arc {
     fn rise(&self, s: f64) -> f64 {
         0.5 * s * (1.0 - s) * self.length * self.turn
     }
+
+    /// Sagitta that contact neglects, outwards `[length]`.
+    fn neglected_sagitta(&self) -> f64 {
+        if self.is_followed { 0.0 } else { self.rise(0.5) }
+    }
 }
 
-/// The press fit of two surfaces of straight facets at `q`, where they are polygons on curves that fit and overlap.
-pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<PolygonFit> {
-    let (own, others) = (arcs(secondary, q), arcs(primary, q));
+/// The press fit of two surfaces at `q`, where they are polygons on curves that fit and overlap.
+pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64], facets: FacetShape) -> Option<PolygonFit> {
+    let (own, others) = (arcs(secondary, q, facets), arcs(primary, q, facets));
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
     let middles = others.iter().flatten().map(|arc| GeomWithData::new([0, 1].map(|i| arc.from[i] + 0.5 * arc.length * arc.along[i]), arc));
     let tree = RTree::bulk_load(middles.collect());
@@ -87,7 +96,7 @@ pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<
         let Some((other, s, gap)) = opposite(x, arc, &tree) else { continue };
         if fit_each_other([arc, other].map(|arc| arc.turn / arc.length)) {
             overlaps.push(other.rise(s) - gap);
-            [arc, other].iter().zip(&mut sagittas).for_each(|(arc, sum)| *sum += arc.rise(0.5));
+            [arc, other].iter().zip(&mut sagittas).for_each(|(arc, sum)| *sum += arc.neglected_sagitta());
         }
     }
     let count = overlaps.len() as f64;
@@ -98,7 +107,8 @@ pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<
 }
 
 /// The facets of a surface that follow a curve.
-fn arcs(surface: &Surface, q: &[f64]) -> Vec<Option<Arc>> {
+fn arcs(surface: &Surface, q: &[f64], facets: FacetShape) -> Vec<Option<Arc>> {
+    let profiles = FacetCurves::new(surface, q).profiles();
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
     let along = |facet: u32| {
         let [a, b] = surface.facets()[facet as usize].map(at);
@@ -114,7 +124,8 @@ fn arcs(surface: &Surface, q: &[f64]) -> Vec<Option<Arc>> {
         let (t, length) = along(facet);
         let [before, after] = surface.neighbors(facet as usize);
         let turn = 0.5 * (turn(along(before?).0, t)? + turn(t, along(after?).0)?);
-        Some(Arc { from: at(surface.facets()[facet as usize][0]), along: t, length, turn })
+        let is_followed = facets == FacetShape::Curved && !profiles[facet as usize].is_flat();
+        Some(Arc { from: at(surface.facets()[facet as usize][0]), along: t, length, turn, is_followed })
     };
     (0..surface.facets().len() as u32).map(arc).collect()
 }
@@ -147,7 +158,7 @@ mod tests {
         let q: Vec<f64> = circle(inner, 1.0 + fit).chain(circle(outer, 1.0)).collect();
         let own: Vec<[u32; 2]> = (0..inner).map(|i| [i, (i + 1) % inner]).collect();
         let other: Vec<[u32; 2]> = (0..outer).map(|i| [inner + (i + 1) % outer, inner + i]).collect();
-        polygon_fit(&Surface::new(&own), &Surface::new(&other), &q)
+        polygon_fit(&Surface::new(&own), &Surface::new(&other), &q, FacetShape::Straight)
     }
 
     /// Closed form: a regular polygon of n sides through a circle of radius r has the sagitta r (1 - cos(pi/n)).
@@ -181,6 +192,6 @@ mod tests {
     fn straight_sides_do_not_interlock() {
         let q = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 3.0, 0.0, 4.0, 0.0, 4.0, -0.01, 3.0, -0.01, 2.0, -0.01, 1.0, -0.01, 0.0, -0.01];
         let [own, other] = [0, 5].map(|first| Surface::new(&[0, 1, 2, 3].map(|i| [first + i, first + i + 1])));
-        assert_eq!(polygon_fit(&own, &other, &q), None);
+        assert_eq!(polygon_fit(&own, &other, &q, FacetShape::Straight), None);
     }
 }

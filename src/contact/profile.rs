@@ -16,6 +16,7 @@
 
 use std::f64::consts::PI;
 
+use super::numbers::Number;
 use super::surface::Surface;
 use crate::math::tolerances::STRAIGHT;
 
@@ -51,11 +52,36 @@ impl Profile {
         self.0 == [0.0; 4]
     }
 
-    /// Height `p(xi)` and its three derivatives.
+    /// Height `p(xi)` and its first two derivatives.
     #[inline(always)]
-    pub fn at(&self, xi: f64) -> [f64; 4] {
+    pub fn at<T: Number>(&self, xi: T) -> [T; 3] {
         let [a, b, c, d] = self.0;
-        [a + xi * (b + xi * (c + xi * d)), b + xi * (2.0 * c + xi * 3.0 * d), 2.0 * c + 6.0 * d * xi, 6.0 * d]
+        [((xi * d + c) * xi + b) * xi + a, (xi * (3.0 * d) + 2.0 * c) * xi + b, xi * (6.0 * d) + 2.0 * c]
+    }
+
+    /// Height of the curve, continued beyond both ends of the facet by its tangents.
+    pub fn continued<T: Number>(&self, xi: T) -> T {
+        let inside = xi.re().clamp(0.0, 1.0);
+        if inside == xi.re() {
+            return self.at(xi)[0];
+        }
+        let [height, slope, _] = self.at(inside);
+        (xi - inside) * slope + height
+    }
+
+    /// Facet coordinate at which a line of sight meets the curve: the line crosses the facet at `eta`, and moves along the facet by `tilt`
+    /// for each unit of height.
+    ///
+    /// Three Newton iterations for `xi = eta + tilt p(xi)` reach round-off, because slopes of profiles are below 0.3; so do derivatives that
+    /// `T` carries.
+    #[inline(always)]
+    pub fn seen_at<T: Number>(&self, eta: T, tilt: T) -> T {
+        let mut xi = eta;
+        for _ in 0..3 {
+            let [height, slope, _] = self.at(xi);
+            xi = xi - (xi - tilt * height - eta) / (-(tilt * slope) + 1.0);
+        }
+        xi
     }
 }
 

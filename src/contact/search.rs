@@ -18,6 +18,7 @@ use rstar::{AABB, RTree};
 use serde::{Deserialize, Serialize};
 
 use super::faces::{self, Vector};
+use super::profile::{PairProfiles, Profile};
 use super::slivers;
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Window};
@@ -174,6 +175,8 @@ pub struct PairSearch {
     /// Those that take part in this step.
     pub near: Vec<bool>,
     pub(super) window: Window,
+    /// Height profiles of the facets of both sides in the plane; empty for straight facets.
+    pub(super) profiles: [Vec<Profile>; 2],
 }
 
 impl PairSearch {
@@ -185,7 +188,7 @@ impl PairSearch {
         if let Some([own, other]) = secondary.ranks(primary) {
             candidates = candidates.once(own, other);
         }
-        PairSearch { candidates, near: Vec::new(), window: Window::new(sides, reference) }
+        PairSearch { candidates, near: Vec::new(), window: Window::new(sides, reference), profiles: Default::default() }
     }
 
     /// Finds the pairs for a step; returns whether the list has changed.
@@ -193,6 +196,16 @@ impl PairSearch {
         let changed = self.candidates.update(&sides.secondary, &sides.primary, outlook.q, outlook.search_margin(sides));
         self.admit(sides, outlook);
         changed
+    }
+
+    /// Height profiles of the facets of each listed pair; `None` where both are straight.
+    pub(super) fn pair_profiles(&self) -> Vec<Option<PairProfiles>> {
+        let [secondary, primary] = &self.profiles;
+        let of_pair = |&[own, other]: &[u32; 2]| {
+            let (own, other) = (*secondary.get(own as usize)?, *primary.get(other as usize)?);
+            (!own.is_flat() || !other.is_flat()).then(|| PairProfiles([own, other.reversed()]))
+        };
+        self.candidates.pairs().iter().map(of_pair).collect()
     }
 
     /// Whether the facets of a listed pair are within a facet of each other at `q`, as every search sees.

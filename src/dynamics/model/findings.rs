@@ -6,7 +6,9 @@ use super::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reac
 use super::definitions::Model;
 use super::depths::Depths;
 use super::interactions::{BodyBoundary, Interaction, Partner};
-use crate::contact::{Finding, NamedSurface, PatchFunctions, PressFit, Surface, Tie, check_surfaces, facing_away, polygon_fit, press_fit};
+use crate::contact::{
+    FacetShape, Finding, NamedSurface, PatchFunctions, PressFit, Surface, Tie, check_surfaces, facing_away, polygon_fit, press_fit,
+};
 
 impl Model {
     /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; of bodies in
@@ -31,10 +33,10 @@ impl Model {
             check_surfaces(side(0), side(1), &reference)
         };
         let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.kind.is_quadratic();
-        let press_fits = |secondary: &BodyBoundary, primary: &[BodyBoundary]| {
+        let press_fits = |secondary: &BodyBoundary, primary: &[BodyBoundary], shape: FacetShape| {
             let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
             let found = primary.into_iter().filter_map(|on| {
-                let of = polygon_fit(&Surface::new(&facets(secondary)), &Surface::new(&facets(on)), &reference)?;
+                let of = polygon_fit(&Surface::new(&facets(secondary)), &Surface::new(&facets(on)), &reference, shape)?;
                 let (secondary, primary) = (self.boundary_name(secondary), self.boundary_name(on));
                 if of.interlocks() {
                     return Some(Finding::Interlocking { secondary, primary, of });
@@ -45,7 +47,7 @@ impl Model {
         };
         let mut findings: Vec<(String, Finding)> = Vec::new();
         let mut add = |name: &String, found: Vec<Finding>| findings.extend(found.into_iter().map(|finding| (name.clone(), finding)));
-        for (index, Interaction { name, secondary, partner, .. }) in self.interactions.iter().enumerate() {
+        for (index, Interaction { name, secondary, partner, facets: shape, .. }) in self.interactions.iter().enumerate() {
             let primary = match partner {
                 Partner::Surfaces(primary) => primary,
                 Partner::Itself | Partner::Obstacle { .. } => std::slice::from_ref(secondary),
@@ -61,7 +63,7 @@ impl Model {
             }
             add(name, found);
             if let Partner::Surfaces(primary) = partner {
-                add(name, press_fits(secondary, primary));
+                add(name, press_fits(secondary, primary, *shape));
             }
             add(name, self.away_from_obstacle(&self.interactions[index]).into_iter().collect());
             let Partner::Tied { to, reach } = partner else { continue };

@@ -3,8 +3,8 @@
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
-    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners,
-    RigidInSpace, RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
+    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, PatchFunctions, ProxyNodes, RigidContact,
+    RigidCorners, RigidInSpace, RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -230,9 +230,11 @@ impl Pairing<'_> {
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
                 let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes);
                 let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
-                if let Some(kernel) =
-                    NodeToSegment::of_corners(sides, &seen.reference, size(of), pairs[of].kernel.is_nodal(), interaction.facets)
-                {
+                let is_nodal = pairs[of].kernel.is_nodal();
+                if let Some(mut kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal, interaction.facets) {
+                    if interaction.facets == FacetShape::Curved {
+                        kernel.set_profiles(seen.profiles());
+                    }
                     add(of, PairKind::Surfaces, on[0].body, 1.0, seen.on_nodes(Box::new(kernel)));
                 }
             }
