@@ -340,7 +340,7 @@ mod tests {
     use super::super::profile::Profile;
     use super::*;
 
-    const CURVED: PairProfiles = PairProfiles([Profile([0.01, 0.2, -0.15, -0.08]), Profile([-0.02, 0.1, 0.2, -0.3])]);
+    const CURVED: PairProfiles = PairProfiles([Profile([0.01, 0.2, -0.15, -0.08, 0.02]), Profile([-0.02, 0.1, 0.2, -0.3, 0.05])]);
 
     /// Facets that face each other more or less, with all kinds of overlap: positions of the four nodes.
     fn nodes() -> impl Strategy<Value = [[f64; 2]; 4]> {

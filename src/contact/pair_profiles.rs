@@ -12,7 +12,7 @@
 //! higher than its facet there by `E (1 + m^2) p(xi)`. So the depth is continuous where two primary facets meet: a bound of `m` of lower
 //! order, such as `m/(1 + m^2/2)`, leaves jumps there that hold edges of second order in place. The bounded `mu` keeps steep pairs regular. `D` is a function of the invariants alone and homogeneous of first degree in them, as `h` is, so that
 //! discrete gradient, momenta and objectivity need nothing else. Four Gauss points on the overlap integrate polynomials of seventh degree in
-//! `s` exactly; `N_k D` is one of fourth degree and terms of higher order in `mu p`.
+//! `s` exactly; `N_k D` is one of fifth degree and terms of higher order in `mu p`.
 //!
 //! Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)`, `w_m = (0, -m, m, 0, 1)` and `J = 1 - mu p'(xi)`:
 //!
@@ -54,7 +54,7 @@ impl Overlap<'_> {
     /// Added depth at `s`.
     #[inline(always)]
     fn added_depth(&self, PairProfiles([own, other]): &PairProfiles, s: f64) -> AddedDepth {
-        let [p_1, rise, ..] = own.at(s);
+        let [p_1, rise, _] = own.at(s);
         let eta = (self.pi[0] * s - self.pi[2]) / self.extent;
         let m = self.slope;
         let fourth = m * m * m * m;

@@ -1,18 +1,19 @@
 //! Height profiles: the curve through the nodes of a plane surface as a height over each straight facet.
 //!
-//! A facet of length `l` has the height `l p(xi)` at the facet coordinate `xi` in [0, 1], positive outwards, with a cubic `p` that is taken
+//! A facet of length `l` has the height `l p(xi)` at the facet coordinate `xi` in [0, 1], positive outwards, with a quartic `p` that is taken
 //! from the reference configuration and stays constant in facet coordinates. Displacements are linear on a facet, so that the curve moves
 //! with the facet consistently with them, and rigid motions leave it unchanged.
 //!
-//! Edges of first order take `p` from the neighboring facets. The circle through three consecutive nodes leaves the facet at its end `i` by
-//! the angle `a_i = theta_i l/(l + l_neighbor)`, with the turn `theta_i` between both facets, and
+//! The quartic has the heights and slopes of the curve at both ends, so that curves of neighboring facets meet without a kink, and its mean
+//! height `A`, so that a press fit is as large as the curves say. Edges of first order take `p` from the neighboring facets. The circle
+//! through three consecutive nodes leaves the facet at its end `i` by the angle `a_i = theta_i l/(l + l_neighbor)`, with the turn `theta_i`
+//! between both facets:
 //!
 //! ```text
-//! p(xi) = c_1 xi (1 - xi)^2 + c_2 xi^2 (1 - xi),    c_i = a_i (1 + 2/15 a_i^2)
+//! p(0) = p(1) = 0,    p'(0) = tan a_1,    p'(1) = -tan a_2,    A = (c_1 + c_2)/12,    c_i = a_i (1 + 2/15 a_i^2)
 //! ```
 //!
-//! where the second term of `c_i` preserves the area of the circular segment. Edges of second order have the circle through their three
-//! nodes (`quadratic.rs`).
+//! `A` is the area of the circular segment. Edges of second order have the circle through their three nodes (`quadratic.rs`).
 
 use std::f64::consts::PI;
 
@@ -28,35 +29,36 @@ const LARGEST_RATIO: f64 = 3.0;
 
 /// Height of a curve over a facet, in facet lengths: `p(xi) = sum_k c_k xi^k`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Profile(pub [f64; 4]);
+pub struct Profile(pub [f64; 5]);
 
 impl Profile {
-    /// Profile without height at both ends that rises with the slope `first` at the first end and falls with the slope `last` at the last.
-    pub fn with_slopes(first: f64, last: f64) -> Self {
-        Profile::with_ends([0.0, first], [0.0, -last])
-    }
-
-    /// Profile with these heights and slopes at its ends.
-    pub fn with_ends([a, rise]: [f64; 2], [b, fall]: [f64; 2]) -> Self {
-        Profile([a, rise, 3.0 * (b - a) - 2.0 * rise - fall, 2.0 * (a - b) + rise + fall])
+    /// Profile with these heights and slopes at its ends, and this mean height.
+    pub fn new([a, rise]: [f64; 2], [b, fall]: [f64; 2], mean: f64) -> Self {
+        // Cubic through the ends, and the quartic xi^2 (1 - xi)^2 of mean height 1/30.
+        let extra = 30.0 * (mean - 0.5 * (a + b) - (rise - fall) / 12.0);
+        Profile([a, rise, 3.0 * (b - a) - 2.0 * rise - fall + extra, 2.0 * (a - b) + rise + fall - 2.0 * extra, extra])
     }
 
     /// Profile in the coordinate `1 - xi`.
     pub fn reversed(&self) -> Self {
-        let Profile([a, b, c, d]) = self;
-        Profile([a + b + c + d, -b - 2.0 * c - 3.0 * d, c + 3.0 * d, -d])
+        let Profile([a, b, c, d, e]) = self;
+        Profile([a + b + c + d + e, -b - 2.0 * c - 3.0 * d - 4.0 * e, c + 3.0 * d + 6.0 * e, -d - 4.0 * e, *e])
     }
 
     /// True where the curve is the straight facet.
     pub fn is_flat(&self) -> bool {
-        self.0 == [0.0; 4]
+        self.0 == [0.0; 5]
     }
 
     /// Height `p(xi)` and its first two derivatives.
     #[inline(always)]
     pub fn at<T: Number>(&self, xi: T) -> [T; 3] {
-        let [a, b, c, d] = self.0;
-        [((xi * d + c) * xi + b) * xi + a, (xi * (3.0 * d) + 2.0 * c) * xi + b, xi * (6.0 * d) + 2.0 * c]
+        let [a, b, c, d, e] = self.0;
+        [
+            (((xi * e + d) * xi + c) * xi + b) * xi + a,
+            ((xi * (4.0 * e) + 3.0 * d) * xi + 2.0 * c) * xi + b,
+            (xi * (12.0 * e) + 6.0 * d) * xi + 2.0 * c,
+        ]
     }
 
     /// Height of the curve, continued beyond both ends of the facet by its tangents.
@@ -201,8 +203,8 @@ impl<'a> FacetCurves<'a> {
             [Some(a), None] | [None, Some(a)] => [a, a],
             [None, None] => return Profile::default(),
         };
-        let slope = |angle: f64| angle * (1.0 + 2.0 / 15.0 * angle * angle);
-        Profile::with_slopes(slope(a), slope(b))
+        let area = |angle: f64| angle * (1.0 + 2.0 / 15.0 * angle * angle) / 12.0;
+        Profile::new([0.0, a.tan()], [0.0, -b.tan()], area(a) + area(b))
     }
 }
 
@@ -212,17 +214,15 @@ mod tests {
 
     #[test]
     fn profiles_are_polynomials() {
-        let p = Profile([0.1, 0.2, -0.3, 0.4]);
+        let p = Profile([0.1, 0.2, -0.3, 0.4, 0.5]);
         for x in [0.0, 0.3, 1.0] {
             assert!((p.at(x)[0] - p.reversed().at(1.0 - x)[0]).abs() < 1e-15);
             assert!((p.at(x)[1] + p.reversed().at(1.0 - x)[1]).abs() < 1e-15);
         }
+        let mean = 0.1 + 0.2 / 2.0 - 0.3 / 3.0 + 0.4 / 4.0 + 0.5 / 5.0;
         let [a, b] = [0.0, 1.0].map(|x| p.at(x));
-        let q = Profile::with_ends([a[0], a[1]], [b[0], b[1]]);
-        assert!((0..4).all(|k| (p.0[k] - q.0[k]).abs() < 1e-14), "{q:?}");
-        let s = Profile::with_slopes(0.2, 0.3);
-        assert_eq!((s.at(0.0)[0], s.at(0.0)[1]), (0.0, 0.2));
-        assert!(s.at(1.0)[0].abs() < 1e-16 && (s.at(1.0)[1] + 0.3).abs() < 1e-15);
+        let q = Profile::new([a[0], a[1]], [b[0], b[1]], mean);
+        assert!((0..5).all(|k| (p.0[k] - q.0[k]).abs() < 1e-13), "{q:?}");
     }
 
     /// Profiles of a chain through these points.
@@ -248,11 +248,12 @@ mod tests {
                 for k in 0..100 {
                     let xi = (f64::from(k) + 0.5) / 100.0;
                     let height = ((1.0 - (chord * (xi - 0.5)).powi(2)).sqrt() - apothem) / chord;
-                    assert!((profile.at(xi)[0] - height).abs() < 0.1 * half.powi(3), "{count}: {profile:?} {xi}");
+                    assert!((profile.at(xi)[0] - height).abs() < 0.02 * half.powi(3), "{count}: {profile:?} {xi}");
                     area += 0.01 * (profile.at(xi)[0] - height);
                 }
-                // The height is divided by 100 points of the midpoint rule.
+                // The midpoint rule with 100 points is exact to 1e-5.
                 assert!(area.abs() < 0.05 * half.powi(5) + 1e-5 * half, "{count}: {area}");
+                assert!((profile.at(0.0)[1] - half.tan()).abs() < 1e-12 && (profile.at(1.0)[1] + half.tan()).abs() < 1e-12);
             }
         }
         assert!(of_chain(&circle(8, 0.0, 2.0 * PI).collect::<Vec<_>>(), true).iter().all(Profile::is_flat));

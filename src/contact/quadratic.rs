@@ -242,7 +242,7 @@ impl Edge {
         [parabola[0] + circle[0] - h * (1.0 - 4.0 * square), parabola[1] + circle[1] + 8.0 * h * x]
     }
 
-    /// Height profile with the heights and slopes of the curve at the ends of a facet with these end points `[length]`; `origin` is the first node.
+    /// Height profile of the curve over a facet with these end points `[length]`; `origin` is the first node.
     fn profile_over(&self, origin: [f64; 2], facet: [[f64; 2]; 2]) -> Profile {
         let square = dot(self.chord, self.chord);
         // Coordinates along the chord from its middle, and outwards, in chord lengths.
@@ -253,16 +253,19 @@ impl Edge {
         let t = [b[0] - a[0], b[1] - a[1]];
         let length = t[0].hypot(t[1]);
         let (cos, sin) = (t[0] / length, t[1] / length);
-        let [first, last] = [a, b].map(|end| {
+        let [first, middle, last] = [0.0, 0.5, 1.0].map(|xi| {
+            let (x, y) = (a[0] + xi * t[0], a[1] + xi * t[1]);
             let mut z = 0.0;
             for _ in 0..6 {
-                z += cos * (self.height(end[0] - z * sin)[0] - end[1] - z * cos);
+                z += cos * (self.height(x - z * sin)[0] - y - z * cos);
             }
-            let slope = self.height(end[0] - z * sin)[1];
+            let slope = self.height(x - z * sin)[1];
             [z / length, (cos * slope - sin) / (cos + sin * slope)]
         });
+        // Simpson's rule with derivatives at the ends, exact for polynomials of fifth degree.
+        let mean = (7.0 * first[0] + 16.0 * middle[0] + 7.0 * last[0]) / 30.0 + (first[1] - last[1]) / 60.0;
         let is_flat = first.into_iter().chain(last).all(|value| value.abs() < tolerances::STRAIGHT);
-        if is_flat { Profile::default() } else { Profile::with_ends(first, last) }
+        if is_flat { Profile::default() } else { Profile::new(first, last, mean) }
     }
 
     /// The middle's offset across the chord, times a factor.
