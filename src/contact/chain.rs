@@ -364,10 +364,11 @@ mod tests {
         }
 
         #[test]
-        fn derivatives_agree_with_differences(noise in prop::array::uniform6(-0.2..0.2f64)) {
+        fn derivatives_agree_with_differences(noise in prop::array::uniform6(-0.2..0.2f64), is_curved: bool) {
             let base = [0.5, 0.1, 1.0, 0.0, 0.0, 0.0];
             let z: [f64; 6] = std::array::from_fn(|i| base[i] + noise[i]);
-            let chain = Chain::new(vec![[1, 2]]);
+            let profiles = if is_curved { vec![Profile([0.01, 0.2, -0.15, -0.08, 0.02])] } else { Vec::new() };
+            let chain = Chain::new(vec![[1, 2]]).with_profiles(profiles);
             let gradient = |z: &[f64; 6]| {
                 let mut g = [0.0; 6];
                 chain.add_gradient(&chain.line(0, z), z, 2.0, &mut g);

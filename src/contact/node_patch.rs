@@ -28,6 +28,8 @@ pub struct Start {
     pub round: Option<Round>,
     /// Slack of its constraint over that of the pair.
     pub slack: f64,
+    /// Height of the curve of the point's own surface over the point, outwards `[length]`.
+    pub own_height: f64,
 }
 
 /// A rigid disk opposite a single facet.
@@ -65,16 +67,15 @@ impl Start {
         z.extend(self.places.iter().map(|&place| 2 * nodes[place as usize] as usize).flat_map(|x| [q[x], q[x + 1]]));
     }
 
-    /// What measures the gap of each row.
+    /// Measures of the gap of each row, from the curve of the point's own surface.
     pub fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
-        if let Some(facet) = self.line {
-            return [Some(self.chain.line(facet, z)), None];
-        }
-        match (self.pocket, self.round) {
-            (Some(branches), _) => branches.map(|branch| self.chain.measure_branch(branch, z, &self.closest)),
-            (None, Some(Round { radius, is_concave })) => [self.chain.distance_of_disk(z, is_concave, radius), None],
-            (None, None) => [self.chain.measure(z, &self.closest), None],
-        }
+        let measures = match (self.line, self.pocket, self.round) {
+            (Some(facet), ..) => [Some(self.chain.line(facet, z)), None],
+            (None, Some(branches), _) => branches.map(|branch| self.chain.measure_branch(branch, z, &self.closest)),
+            (None, None, Some(Round { radius, is_concave })) => [self.chain.distance_of_disk(z, is_concave, radius), None],
+            (None, None, None) => [self.chain.measure(z, &self.closest), None],
+        };
+        measures.map(|measure| measure.map(|measure| Measure { gap: measure.gap - self.own_height, ..measure }))
     }
 
     /// Keeps what depends on the start of the step, `nodes` those of the patch. `crossed` finds what a corner sees of one that it crosses,

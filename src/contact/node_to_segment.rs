@@ -86,6 +86,10 @@ pub struct NodeToSegment {
     start: Vec<Start>,
     /// Height profiles of the primary facets; empty for straight facets.
     profiles: Vec<Profile>,
+    /// Heights of the secondary curves over the secondary nodes, outwards `[length]`; empty for straight facets.
+    own_heights: Vec<f64>,
+    /// Reference positions of the nodes `[length]`.
+    reference: Vec<f64>,
 }
 
 /// Which nodes count as corners.
@@ -211,7 +215,18 @@ impl NodeToSegment {
         let points = Surface::new(&secondary.nodes().iter().map(|&node| [node; 2]).collect::<Vec<_>>());
         let candidates = Candidates::new(SPARE * sides.facet_size).without(points_within_the_body(secondary, primary, reference));
         let window = Window::new(&sides, reference);
-        NodeToSegment { sides, points, corners: None, candidates, window, facets: Vec::new(), start: Vec::new(), profiles: Vec::new() }
+        NodeToSegment {
+            sides,
+            points,
+            corners: None,
+            candidates,
+            window,
+            facets: Vec::new(),
+            start: Vec::new(),
+            profiles: Vec::new(),
+            own_heights: Vec::new(),
+            reference: reference.to_vec(),
+        }
     }
 
     /// Makes the patches of the present candidates, one for each node that has any.
@@ -320,7 +335,15 @@ impl NodeToSegment {
         }
         let closest = facets.iter().map(|facet| closest.binary_search(facet).is_ok()).collect();
         let profiles = facets.iter().filter_map(|&facet| self.profiles.get(facet as usize).copied()).collect();
-        Start { places, chain: Chain::new(chain).with_profiles(profiles), closest, slack: slack.unwrap_or(1.0), ..Start::default() }
+        let own_height = self.own_heights.get(point).copied().unwrap_or(0.0);
+        Start {
+            places,
+            chain: Chain::new(chain).with_profiles(profiles),
+            closest,
+            own_height,
+            slack: slack.unwrap_or(1.0),
+            ..Start::default()
+        }
     }
 
     /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
@@ -405,7 +428,17 @@ impl PatchFunctions for NodeToSegment {
         self.points.nodes()
     }
 
-    fn set_profiles(&mut self, [_, primary]: [Vec<Profile>; 2]) {
+    fn set_profiles(&mut self, [secondary, primary]: [Vec<Profile>; 2]) {
+        let surface = &self.sides.secondary;
+        let mean_height = |node: usize| {
+            let facets = surface.adjacent_facets(node);
+            let height = |&facet: &u32| {
+                let end = if surface.local_facets()[facet as usize][0] as usize == node { 0.0 } else { 1.0 };
+                surface.facet_measure(facet as usize, &self.reference) * secondary[facet as usize].at(end)[0]
+            };
+            facets.iter().map(height).sum::<f64>() / facets.len() as f64
+        };
+        self.own_heights = (0..surface.nodes().len()).map(mean_height).collect();
         self.profiles = primary;
     }
 

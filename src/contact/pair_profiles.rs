@@ -11,7 +11,7 @@
 //! With `mu = m` this is exact: the point `xi` of the primary curve lies at `eta = xi - m p(xi)` as seen along the secondary normal, and is
 //! higher than its facet there by `E (1 + m^2) p(xi)`. So the depth is continuous where two primary facets meet: a bound of `m` of lower
 //! order, such as `m/(1 + m^2/2)`, leaves jumps there that hold edges of second order in place. The bounded `mu` keeps steep pairs regular. `D` is a function of the invariants alone and homogeneous of first degree in them, as `h` is, so that
-//! discrete gradient, momenta and objectivity need nothing else. Four Gauss points on the overlap integrate polynomials of seventh degree in
+//! discrete gradient, momenta and objectivity need nothing else. Five Gauss points on the overlap integrate polynomials of ninth degree in
 //! `s` exactly; `N_k D` is one of fifth degree and terms of higher order in `mu p`.
 //!
 //! Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)`, `w_m = (0, -m, m, 0, 1)` and `J = 1 - mu p'(xi)`:
@@ -29,12 +29,13 @@
 use super::pair::{Invariants, Overlap, PerNode};
 use super::profile::PairProfiles;
 
-/// Abscissas and weights of four Gauss points on [-1/2, 1/2].
-const GAUSS: [[f64; 2]; 4] = [
-    [-0.430_568_155_797_026_3, 0.173_927_422_568_726_93],
-    [-0.169_990_521_792_428_13, 0.326_072_577_431_273_07],
-    [0.169_990_521_792_428_13, 0.326_072_577_431_273_07],
-    [0.430_568_155_797_026_3, 0.173_927_422_568_726_93],
+/// Abscissas and weights of five Gauss points on [-1/2, 1/2].
+const GAUSS: [[f64; 2]; 5] = [
+    [-0.453_089_922_969_332, 0.118_463_442_528_094_54],
+    [-0.269_234_655_052_841_55, 0.239_314_335_249_683_23],
+    [0.0, 64.0 / 225.0],
+    [0.269_234_655_052_841_55, 0.239_314_335_249_683_23],
+    [0.453_089_922_969_332, 0.118_463_442_528_094_54],
 ];
 
 /// Depth `D` that height profiles add at a point of the secondary facet, with derivatives.
@@ -88,7 +89,7 @@ impl Overlap<'_> {
 
     /// Gauss points of the overlap with their weights.
     #[inline(always)]
-    fn points(&self) -> [[f64; 2]; 4] {
+    fn points(&self) -> [[f64; 2]; 5] {
         GAUSS.map(|[place, weight]| [self.middle[1] + self.length * place, self.length * weight])
     }
 

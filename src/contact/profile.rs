@@ -215,12 +215,12 @@ mod tests {
     #[test]
     fn profiles_are_polynomials() {
         let p = Profile([0.1, 0.2, -0.3, 0.4, 0.5]);
-        for x in [0.0, 0.3, 1.0] {
-            assert!((p.at(x)[0] - p.reversed().at(1.0 - x)[0]).abs() < 1e-15);
-            assert!((p.at(x)[1] + p.reversed().at(1.0 - x)[1]).abs() < 1e-15);
+        for x in [0.0, 0.3, 1.0_f64] {
+            assert!((p.at(x)[0] - p.reversed().at(1.0 - x)[0]).abs() < 1e-14);
+            assert!((p.at(x)[1] + p.reversed().at(1.0 - x)[1]).abs() < 1e-14);
         }
         let mean = 0.1 + 0.2 / 2.0 - 0.3 / 3.0 + 0.4 / 4.0 + 0.5 / 5.0;
-        let [a, b] = [0.0, 1.0].map(|x| p.at(x));
+        let [a, b] = [0.0, 1.0_f64].map(|x| p.at(x));
         let q = Profile::new([a[0], a[1]], [b[0], b[1]], mean);
         assert!((0..5).all(|k| (p.0[k] - q.0[k]).abs() < 1e-13), "{q:?}");
     }

@@ -64,12 +64,12 @@ pub fn facets_parameter() -> Parameter {
         Kind::Choice(&["curved", "straight"]),
         "the geometry between nodes: the curve, or curved surface, through them, or straight lines and flat facets",
     )
-    .or(Absent::Means("`\"curved\"`"))
+    .or(Absent::Means("`\"curved\"`, with `node_to_segment()` `\"straight\"`"))
 }
 
-/// The facet geometry that options name.
-pub fn facets_of(options: &Options) -> Result<FacetShape, Failure> {
-    let is_straight = options.argument("facets").is_given() && options.text("facets")? == "straight";
+/// The facet geometry that options name for a method.
+pub fn facets_of(options: &Options, method: &ContactMethod) -> Result<FacetShape, Failure> {
+    let is_straight = if options.argument("facets").is_given() { options.text("facets")? == "straight" } else { method.is_nodal };
     Ok(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
 }
 
