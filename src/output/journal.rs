@@ -184,6 +184,8 @@ impl JournalWriter {
 pub struct JournalReader {
     file: BufReader<Take<File>>,
     next: Option<Entry>,
+    /// Bytes of the entry that was read last.
+    content: Vec<u8>,
 }
 
 impl JournalReader {
@@ -194,7 +196,7 @@ impl JournalReader {
     pub fn open(run: &Path, mark: &Mark) -> io::Result<Self> {
         let path = run.join(FOLDER).join(NAME);
         let file = BufReader::with_capacity(PIECE, files::open(&path)?.0.take(mark.length));
-        let mut reader = JournalReader { file, next: None };
+        let mut reader = JournalReader { file, next: None, content: Vec::new() };
         reader.advance()?;
         Ok(reader)
     }
@@ -220,11 +222,15 @@ impl JournalReader {
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
             outcome => outcome?,
         }
-        let mut content = Vec::new();
-        let length = u64::from(u32::from_le_bytes(length));
-        (&mut self.file).take(length).read_to_end(&mut content)?;
-        let damaged = |_| io::Error::new(io::ErrorKind::InvalidData, "it is damaged");
-        self.next = Some(postcard::from_bytes(&content).map_err(damaged)?);
+        let damaged = || io::Error::new(io::ErrorKind::InvalidData, "it is damaged");
+        let length = u32::from_le_bytes(length) as usize;
+        // A damaged length must not ask for more memory than the file has.
+        if length as u64 > self.file.get_ref().limit() + self.file.buffer().len() as u64 {
+            return Err(damaged());
+        }
+        self.content.resize(length, 0);
+        self.file.read_exact(&mut self.content)?;
+        self.next = Some(postcard::from_bytes(&self.content).map_err(|_| damaged())?);
         Ok(())
     }
 }

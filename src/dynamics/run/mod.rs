@@ -36,6 +36,7 @@ pub mod remembering;
 pub mod report;
 pub mod reserve;
 pub mod rigid_impacts;
+pub mod rows;
 pub mod run_findings;
 pub mod settle;
 pub mod simulation;
