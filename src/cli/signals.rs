@@ -13,9 +13,9 @@ use signal_hook::flag;
 use super::process::exit_code;
 use crate::script::Class;
 
-/// How often a thread looks whether the first interrupt key has come.
+/// Interval at which a thread looks for the first interrupt key.
 const LOOK: Duration = Duration::from_millis(100);
-/// Time after the first interrupt key within which further ones are not impatience: `timeout -s INT` signals the process and then its
+/// Time after the first interrupt key within which further ones count as the same: `timeout -s INT` signals the process and then its
 /// group, and so does a shell script that is interrupted as a whole.
 const MOMENT: Duration = Duration::from_millis(700);
 

@@ -109,7 +109,7 @@ pub struct FieldDifference {
 pub struct Comparison {
     /// Name of the simulation's folder below the run's; empty for the first simulation.
     pub simulation: String,
-    /// Outcome of both runs where it is the same and neither was completed: what was compared is not all that the script does.
+    /// Outcome of both runs if it is the same and neither was completed: steps that the script takes later were not compared.
     pub unfinished: Option<String>,
     /// Entries of the summaries that differ.
     pub entries: Vec<EntryDifference>,

@@ -29,7 +29,7 @@ const MOST_POINTS: usize = 100_000;
 /// Stretches of longer runs.
 const STRETCHES: usize = 5_000;
 
-/// Time and energies of rows: of all, or of a long run the rows with the extrema of each energy in each of its stretches.
+/// Times and energies of all rows; of a long run only the rows with the extrema of each energy in each stretch.
 fn points<R: Rows + ?Sized>(rows: &R, most: usize) -> Vec<[f64; 5]> {
     let point = |row: &LedgerRow| [row.time, row.kinetic, row.strain, row.potential, row.total()];
     let mut points = Vec::new();

@@ -87,7 +87,7 @@ fn opened(run: &Path) -> io::Result<File> {
     Ok(file)
 }
 
-/// Rows that do not change any more, in the encoding of `postcard`.
+/// Rows that do not change any more, as [`LedgerRow::pack`] puts them.
 #[derive(Debug)]
 struct Block {
     /// Index of its first row in every history that shares it.
@@ -103,7 +103,7 @@ enum Place {
 }
 
 impl Block {
-    /// Calls a function with every row; with empty rows where the disk has lost them, which the store keeps as a problem.
+    /// Calls a function with every row. Where the disk has lost them the rows have no meaning, and the store keeps the problem.
     fn visit(&self, store: &RowStore, each: &mut dyn FnMut(&LedgerRow)) {
         let read;
         let mut rest = match &self.place {
@@ -117,17 +117,13 @@ impl Block {
                 &read[..]
             }
         };
+        let mut row = LedgerRow::default();
         for _ in 0..self.count {
-            match postcard::take_from_bytes(rest) {
-                Ok((row, behind)) => {
-                    rest = behind;
-                    each(&row);
-                }
-                Err(error) => {
-                    store.file.borrow_mut().problem.get_or_insert_with(|| error.to_string());
-                    each(&LedgerRow::default());
-                }
-            }
+            rest = row.unpack(rest).unwrap_or_else(|| {
+                store.file.borrow_mut().problem.get_or_insert_with(|| "a block of rows is damaged".into());
+                &[]
+            });
+            each(&row);
         }
     }
 }
@@ -160,7 +156,7 @@ impl History {
         self.len() == 0
     }
 
-    /// Why rows could not be read back from the disk, if that has happened.
+    /// Reason why rows could not be read back from the disk, if that has happened.
     pub fn problem(&self) -> Option<String> {
         self.store.problem()
     }
@@ -224,7 +220,7 @@ impl History {
         self.alike(other, from, |a, b| a == b)
     }
 
-    /// Index from `from` on up to which the rows of both are alike.
+    /// First index from `from` on at which the rows of both differ, or one of them ends.
     pub fn alike(&self, other: &History, mut from: usize, are: impl Fn(&LedgerRow, &LedgerRow) -> bool) -> usize {
         loop {
             let [own, others] = [self, other].map(|history| history.rows(from, from + BLOCK));
@@ -239,10 +235,7 @@ impl History {
     /// Makes a block of the first rows in memory.
     fn put_away(&mut self, count: usize) {
         let mut bytes = Vec::new();
-        for row in self.last.drain(..count) {
-            // Memory takes everything, and rows can be encoded.
-            bytes = postcard::to_extend(&row, bytes).unwrap_or_default();
-        }
+        self.last.drain(..count).for_each(|row| row.pack(&mut bytes));
         self.blocks.push(Rc::new(Block { first: self.blocked, count, place: self.store.put(bytes) }));
         self.blocked += count;
     }

@@ -38,11 +38,45 @@ pub enum Computation {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
     /// The step was taken, in pieces with these rows.
-    Stepped(Vec<LedgerRow>),
+    Stepped(#[serde(with = "packed_rows")] Vec<LedgerRow>),
     /// Equilibrium was found.
     Settled(SettleReport),
     /// It failed, and the script went on; it fails again.
     Failed,
+}
+
+/// Rows in an entry, as [`LedgerRow::pack`] puts them.
+mod packed_rows {
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::{Serialize, Serializer};
+
+    use super::LedgerRow;
+
+    pub(super) fn serialize<S: Serializer>(rows: &[LedgerRow], to: S) -> Result<S::Ok, S::Error> {
+        let mut bytes = Vec::new();
+        rows.iter().for_each(|row| row.pack(&mut bytes));
+        (rows.len(), Bytes(&bytes)).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<LedgerRow>, D::Error> {
+        let (count, mut bytes) = <(usize, &[u8])>::deserialize(from)?;
+        let mut rows = Vec::new();
+        for _ in 0..count {
+            let mut row = LedgerRow::default();
+            bytes = row.unpack(bytes).ok_or_else(|| D::Error::custom("a row is cut off"))?;
+            rows.push(row);
+        }
+        Ok(rows)
+    }
+
+    /// Bytes that are written at once, not one by one.
+    struct Bytes<'a>(&'a [u8]);
+
+    impl Serialize for Bytes<'_> {
+        fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+            to.serialize_bytes(self.0)
+        }
+    }
 }
 
 /// An entry of the journal.

@@ -329,7 +329,7 @@ pub fn drifts<R: Rows + ?Sized>(rows: &R, loads_ended: f64, inertia: Option<Iner
     }
 }
 
-/// Raises a value to another one. Unlike `f64::max` this keeps a NaN: a broken run must not look like a perfect one.
+/// Maximum of two values. Unlike `f64::max` it keeps a NaN: a broken run must not look like a perfect one.
 fn raise(most: &mut f64, value: f64) {
     if value > *most || value.is_nan() {
         *most = value;

@@ -30,6 +30,7 @@ pub mod loaded;
 pub mod modes;
 pub mod options;
 pub mod pace;
+pub mod packed;
 pub mod paths;
 pub mod quantities;
 pub mod remembering;

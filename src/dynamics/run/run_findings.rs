@@ -267,7 +267,7 @@ pub struct Measures<'a> {
     pub discarded: usize,
 }
 
-/// A value and the row that has it.
+/// Value with the step and the time of its row.
 #[derive(Clone, Copy, Default)]
 struct At {
     value: f64,
@@ -276,7 +276,7 @@ struct At {
 }
 
 impl At {
-    /// Takes a value that is larger beyond round-off: the first one of those that are equal stays.
+    /// Takes a value that is larger beyond round-off; of equal values the first one stays.
     fn raise(&mut self, value: f64, row: &LedgerRow) {
         if value > self.value * (1.0 + EQUAL) {
             *self = At { value, step: row.step, time: row.time };
@@ -284,7 +284,7 @@ impl At {
     }
 }
 
-/// What findings are made of, gathered in one pass over the rows.
+/// Sums and extrema of the rows on which findings are based.
 struct Gathered {
     defect: At,
     /// Depth in facets for each contact.
@@ -292,14 +292,14 @@ struct Gathered {
     /// Largest energy that contact took in a step, and gave, over the energy.
     taken: At,
     given: At,
-    /// Sums of what contact took, of its work, and of energy defects.
+    /// Sums of the energy taken by contact, of the work of contact, and of energy defects.
     sums: [f64; 3],
     drift: Drift,
-    /// The largest energy defect, the last one of those that are equal.
+    /// Largest energy defect; of equal ones the last.
     leap: At,
 }
 
-/// The largest share of the energy that the integrator has added or taken up to a step.
+/// Largest share of the energy that the integrator has added or taken up to a step.
 struct Drift {
     sum: f64,
     given: f64,
@@ -351,7 +351,7 @@ impl Drift {
         }
     }
 
-    /// In words, with its share of the energy.
+    /// Text for the finding, with the share of the energy.
     fn explained(&self, share: f64, integrator: &str) -> String {
         let verb = if self.worst > 0.0 { "added" } else { "took" };
         match self.growth {

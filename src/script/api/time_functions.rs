@@ -208,7 +208,7 @@ impl Watched {
         Watched { inner, asked: AtomicBool::new(false), acted: AtomicBool::new(false) }
     }
 
-    /// Whether it was other than zero so far.
+    /// Whether the function was other than zero so far.
     pub fn has_acted(&self) -> bool {
         self.acted.load(Ordering::Relaxed)
     }

@@ -92,7 +92,7 @@ pub fn name_after_dot(lexemes: &[Lexeme], start: usize) -> usize {
     dot.map_or(start, |pair| pair[1].range.start)
 }
 
-/// Whether what a dot or a bracket at `start` gives, `.name` or `[index]`, is indexed at once: `[` comes next.
+/// Whether the value of `.name` or `[index]` at `start` is indexed at once: `[` comes next.
 pub fn is_indexed(lexemes: &[Lexeme], start: usize) -> bool {
     let Some(begin) = lexemes.iter().position(|lexeme| lexeme.range.start == start) else { return false };
     let opens = |token: &Token| matches!(token, Token::LeftBracket | Token::QuestionBracket);

@@ -8,6 +8,8 @@ use super::super::run_files::difference;
 use super::super::splitmix::SplitMix;
 use super::generator::{TABLE, script};
 
+/// Rows of the killed run.
+const ROWS: &str = "k/history.csv";
 /// Signals that end a run, as `kill` names them; `timeout` sends each to the process and to its group.
 const SIGNALS: [&str; 5] = ["-KILL", "-KILL", "-TERM", "-INT", "-HUP"];
 /// Time between two signals of `timeout`, at most.
@@ -24,7 +26,7 @@ pub struct Course {
     pub fault: Option<String>,
     /// Kills.
     pub kills: usize,
-    /// Kills by two signals in a moment that ended the run as one does.
+    /// Kills by two signals in a moment that ended the run as one signal does.
     pub doubled: usize,
     /// Programs that went on from a checkpoint.
     pub resumed: usize,
@@ -46,8 +48,8 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
     let every = ["1", "2", "5", "20", "1min"][random.below(5)];
     let mut kills = 1 + random.below(MOST_KILLS);
     for _ in 0..4 * MOST_KILLS {
-        let has_checkpoint = std::fs::read_dir(home.join("k/checkpoints"))
-            .is_ok_and(|all| all.flatten().any(|entry| entry.path().extension().is_some_and(|ending| ending == "checkpoint")));
+        let has_checkpoint = has_checkpoint(home);
+        let rows_before = std::fs::read(home.join(ROWS)).ok();
         let threads = ["1", "2"][random.below(2)];
         let arguments: &[&str] = if has_checkpoint {
             &["resume", "k", "--quiet", "--checkpoint", every, "--threads", threads]
@@ -76,7 +78,8 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
         let code = output.status.code();
         if is_doubled && code == Some(130) {
             found.doubled += 1;
-            if let Some(fault) = unfinished(home, &output) {
+            let has_steps = has_checkpoint || std::fs::read(home.join(ROWS)).ok() != rows_before;
+            if let Some(fault) = unfinished(home, &output, has_steps) {
                 found.fault = Some(fault);
                 return found;
             }
@@ -91,13 +94,17 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
     found
 }
 
-/// What is missing after an interrupt: it is told, and leaves a checkpoint where a simulation has taken steps.
-fn unfinished(home: &Path, output: &Output) -> Option<String> {
+/// Whether the killed run has a checkpoint.
+fn has_checkpoint(home: &Path) -> bool {
+    let entries = std::fs::read_dir(home.join("k/checkpoints")).into_iter().flatten().flatten();
+    entries.into_iter().any(|entry| entry.path().extension().is_some_and(|ending| ending == "checkpoint"))
+}
+
+/// Fault of a run that was interrupted: no message, or no checkpoint where a simulation has taken steps.
+fn unfinished(home: &Path, output: &Output, has_steps: bool) -> Option<String> {
     let told = String::from_utf8_lossy(&output.stderr);
-    let steps = std::fs::read_to_string(home.join("k/history.csv")).map_or(0, |text| text.lines().count());
-    let has_checkpoint = std::fs::read_dir(home.join("k/checkpoints"))
-        .is_ok_and(|all| all.flatten().any(|entry| entry.path().extension().is_some_and(|ending| ending == "checkpoint")));
-    match (told.contains("interrupted"), has_checkpoint || steps < 3) {
+    let steps = std::fs::read_to_string(home.join(ROWS)).map_or(0, |text| text.lines().count());
+    match (told.contains("interrupted"), has_checkpoint(home) || !has_steps || steps < 3) {
         (false, _) => Some(format!("two signals in a moment ended the run at once: {told}")),
         (_, false) => Some(format!("two signals in a moment left no checkpoint: {told}")),
         _ => None,

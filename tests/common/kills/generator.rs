@@ -47,7 +47,7 @@ pub fn examples() -> &'static [(String, String)] {
     })
 }
 
-/// Numbers of the examples in the script of a seed: consecutive seeds go through all.
+/// Numbers of the examples in the script of a seed; consecutive seeds use all examples.
 pub fn examples_of(seed: u64) -> impl Iterator<Item = usize> {
     let count = examples().len();
     (0..EXAMPLES).map(move |index| (EXAMPLES * (seed as usize % count) + index) % count)

@@ -4,7 +4,7 @@
 //! In texts `{m}` stands for the variable of the model, `{b}` for that of its first body, `{s}` for that of the simulation, `{x}` for what
 //! makes further names unique.
 
-/// A model and how it is read.
+/// A model with statements that read its results.
 pub struct Scene {
     /// Statements that make the model and its first body.
     pub model: &'static str,

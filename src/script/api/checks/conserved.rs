@@ -123,7 +123,7 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
 
-/// The largest drift of a quantity over the rows from the one of index `begin` on, relative to its scale: the largest energy, or the
+/// Largest drift of a quantity over the rows from the one of index `begin` on, relative to its scale: the largest energy, or the
 /// momentum that the bodies would have if all their kinetic energy were translation.
 fn worst_drift<R: Rows + ?Sized>(quantity: &str, rows: &R, begin: usize, kinetic: f64, inertia: Inertia) -> Drift {
     let bound = (2.0 * inertia.mass * kinetic).max(0.0).sqrt();
@@ -164,7 +164,7 @@ fn worst_drift<R: Rows + ?Sized>(quantity: &str, rows: &R, begin: usize, kinetic
     drift
 }
 
-/// Raises a value to another one, and to one that is no number.
+/// Maximum of two values; NaN counts as the largest.
 fn raise(most: &mut f64, value: f64) {
     *most = if value <= *most { *most } else { value };
 }

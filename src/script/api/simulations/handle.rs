@@ -46,7 +46,7 @@ pub struct SimulationData {
     pub simulation: RefCell<Simulation>,
     /// One row for each accepted step, after the row of the beginning.
     pub history: RefCell<History>,
-    /// Columns of it that the script has read.
+    /// Columns of the history that the script has read.
     pub columns: RefCell<KnownColumns>,
     /// Files of the run.
     pub artifacts: RefCell<Option<Artifacts>>,

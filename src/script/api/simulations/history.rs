@@ -95,7 +95,7 @@ impl SimulationHandle {
     /// Refuses a history whose older rows the disk has lost.
     ///
     /// # Errors
-    /// They could not be read.
+    /// Rows could not be read back.
     pub fn check_rows(&self) -> Result<(), Failure> {
         let Some(problem) = self.0.history.borrow().problem() else { return Ok(()) };
         let failure = Failure::new(Class::Output, "rows of the history cannot be read back from the disk").code("C0970").cause(problem);

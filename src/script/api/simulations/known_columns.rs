@@ -1,7 +1,7 @@
-//! Columns of a history as they were read last, and single cells of them: a loop that reads cell by cell costs what the cells cost.
+//! Columns of a history that were read last, and access to single cells, so that loops over cells are linear in the number of cells.
 //!
-//! The engine has a column as an array, which it copies and measures whole. So where a script takes one cell of it at once,
-//! `sim.history.total[k]`, the column is an object that gives cells.
+//! The engine copies an array and measures its size at each use. So where a script indexes a column at once, `sim.history.total[k]`, the
+//! column is an object with an indexer in place of an array.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ use rhai::{Dynamic, Engine, EvalAltResult, Position};
 
 use crate::script::language::function::Call;
 
-/// Columns that are kept.
+/// Number of columns that are kept.
 const KEPT: usize = 4;
 
 /// Columns of a history that the script has read last.
@@ -20,7 +20,7 @@ const KEPT: usize = 4;
 pub struct KnownColumns(Vec<(String, Rc<Vec<f64>>)>);
 
 impl KnownColumns {
-    /// A column of a history of so many rows, read on by a function from where it was read last; `None` where that knows none of that name.
+    /// A column of a history with `count` rows; `further` reads the rows from an index on, `None` if there is no column of that name.
     pub fn read(&mut self, name: &str, count: usize, further: impl FnOnce(usize) -> Option<Vec<f64>>) -> Option<Rc<Vec<f64>>> {
         let place = self.0.iter().position(|(column, _)| column == name);
         let (column, mut values) = match place {
@@ -38,13 +38,13 @@ impl KnownColumns {
         Some(values)
     }
 
-    /// Forgets all columns: the history is another one.
+    /// Forgets all columns, because the history is replaced.
     pub fn forget(&mut self) {
         self.0.clear();
     }
 }
 
-/// A column of which the script takes one cell.
+/// A column of which a script takes one cell.
 #[derive(Clone)]
 pub struct ColumnCells {
     values: Rc<Vec<f64>>,
@@ -67,7 +67,7 @@ impl ColumnCells {
     }
 }
 
-/// Lets scripts take cells of columns.
+/// Registers the indexer of columns.
 pub fn register_column_cells(engine: &mut Engine) {
     engine.register_type_with_name::<ColumnCells>("Array");
     engine.register_indexer_get(|column: &mut ColumnCells, index: i64| column.cell(index));
@@ -76,7 +76,7 @@ pub fn register_column_cells(engine: &mut Engine) {
     });
 }
 
-/// Places of a script at which one cell is taken of a column, with the text in which that was found.
+/// Calls of a script whose column is indexed at once, each with the text in which that was found.
 #[derive(Default)]
 pub struct CellPlaces(RefCell<HashMap<(String, Position), (Arc<str>, bool)>>);
 

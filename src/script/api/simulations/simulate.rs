@@ -301,7 +301,7 @@ pub struct SoFar {
     pub spent: Duration,
 }
 
-/// A history that begins with a row; its older rows go into the folder of the run, if there is one.
+/// A history that begins with a row; older rows are kept in the folder of the run, if there is one.
 fn new_history(host: &Host, row: &LedgerRow) -> Result<History, Failure> {
     let files = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))?;
     let store = match files {
