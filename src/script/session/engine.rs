@@ -82,8 +82,8 @@ pub fn engine(host: &Rc<Host>) -> Engine {
     host.slots.set(types.clone());
     if host.is_check() {
         register_settle_to_come(&mut engine);
-        register_column_cells(&mut engine);
     }
+    register_column_cells(&mut engine);
     let mut registry = Registry::new(types);
     let mut module = Module::new();
     registry.add(&mut module, host, functions());
