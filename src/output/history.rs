@@ -7,10 +7,10 @@
 use std::cell::RefCell;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::counted::FOLDER;
+use super::files::RunFiles;
 use crate::dynamics::{LedgerRow, Rows};
 
 /// Rows of a block. Between one and two blocks are in memory.
@@ -27,8 +27,8 @@ pub struct RowStore {
 /// File of blocks.
 #[derive(Debug, Default)]
 struct Stored {
-    /// Folder of the run.
-    folder: Option<PathBuf>,
+    /// Files of the run.
+    run: Option<RunFiles>,
     file: Option<File>,
     length: u64,
     /// Reason why blocks could not be read.
@@ -37,8 +37,8 @@ struct Stored {
 
 impl RowStore {
     /// Keeps blocks in the folder of a run from now on.
-    pub fn keep_in(&self, folder: &Path) {
-        self.file.borrow_mut().folder.get_or_insert_with(|| folder.into());
+    pub fn keep_in(&self, run: &RunFiles) {
+        self.file.borrow_mut().run.get_or_insert_with(|| run.clone());
     }
 
     /// Reason why rows could not be read back, if that has happened.
@@ -49,9 +49,9 @@ impl RowStore {
     /// Puts a block into the file, or into memory where there is no folder or the disk is full.
     fn put(&self, bytes: Vec<u8>) -> Place {
         let mut stored = self.file.borrow_mut();
-        let Stored { folder, file, length, .. } = &mut *stored;
-        if let (None, Some(folder)) = (&file, folder) {
-            *file = opened(folder).ok();
+        let Stored { run, file, length, .. } = &mut *stored;
+        if let (None, Some(run)) = (&file, run) {
+            *file = opened(run);
         }
         let written = |file: &mut File| file.seek(SeekFrom::Start(*length)).and_then(|_| file.write_all(&bytes));
         if !file.as_mut().is_some_and(|file| written(file).is_ok()) {
@@ -73,18 +73,17 @@ impl RowStore {
     }
 }
 
-/// A new file below the folder of a run, unlinked where the system allows that.
-fn opened(run: &Path) -> io::Result<File> {
-    let folder = run.join(FOLDER);
-    fs::create_dir_all(&folder)?;
-    let place = folder.join(format!("{ROWS}-{}", std::process::id()));
-    let file = File::options().read(true).write(true).create(true).truncate(true).open(&place)?;
+/// A new file below the folder of a run, unlinked where the system allows that; no link is followed.
+fn opened(run: &RunFiles) -> Option<File> {
+    let place = run.place(&format!("{FOLDER}/{ROWS}-{}", std::process::id())).ok()?;
+    let _ = fs::remove_file(&place);
+    let file = File::options().read(true).write(true).create_new(true).open(&place).ok()?;
     if cfg!(unix) {
-        fs::remove_file(&place)?;
+        fs::remove_file(&place).ok()?;
         // A folder with other files stays.
-        let _ = fs::remove_dir(&folder);
+        let _ = place.parent().map(fs::remove_dir);
     }
-    Ok(file)
+    Some(file)
 }
 
 /// Rows that do not change any more, as [`LedgerRow::pack`] puts them.
@@ -284,11 +283,11 @@ mod tests {
 
     #[test]
     fn rows_come_back_from_memory_and_from_the_disk() {
-        let (directory, _) = scratch("history rows");
+        let (directory, files) = scratch("history rows");
         for is_on_disk in [false, true] {
             let store = Rc::new(RowStore::default());
             if is_on_disk {
-                store.keep_in(&directory);
+                store.keep_in(&files);
             }
             let all: Vec<LedgerRow> = (0..1500).map(row).collect();
             let history = History::new(store.clone(), all.clone());
@@ -314,20 +313,35 @@ mod tests {
 
     #[test]
     fn rows_stay_in_memory_where_the_disk_takes_none() {
-        let (directory, _) = scratch("history without a disk");
+        let (directory, files) = scratch("history without a disk");
         let store = Rc::new(RowStore::default());
-        store.keep_in(&directory.join("a file"));
-        fs::write(directory.join("a file"), "").unwrap();
+        store.keep_in(&files);
+        fs::write(directory.join(FOLDER), "").unwrap();
         let all: Vec<LedgerRow> = (0..300).map(row).collect();
         let history = History::new(store.clone(), all.clone());
         assert_eq!((history.rows(0, 300), store.problem()), (all, None));
     }
 
     #[test]
-    fn rows_that_the_disk_has_lost_are_a_problem() {
-        let (directory, _) = scratch("history lost");
+    #[cfg(unix)]
+    fn no_link_is_followed() {
+        let (directory, files) = scratch("history behind a link");
+        let name = format!("{ROWS}-{}", std::process::id());
+        fs::create_dir_all(directory.join(FOLDER)).unwrap();
+        fs::write(directory.join("mine"), "mine").unwrap();
+        std::os::unix::fs::symlink("../mine", directory.join(FOLDER).join(name)).unwrap();
         let store = Rc::new(RowStore::default());
-        store.keep_in(&directory);
+        store.keep_in(&files);
+        let all: Vec<LedgerRow> = (0..300).map(row).collect();
+        assert_eq!(History::new(store, all.clone()).rows(0, 300), all);
+        assert_eq!(fs::read_to_string(directory.join("mine")).unwrap(), "mine");
+    }
+
+    #[test]
+    fn rows_that_the_disk_has_lost_are_a_problem() {
+        let (_, files) = scratch("history lost");
+        let store = Rc::new(RowStore::default());
+        store.keep_in(&files);
         let mut history = History::new(store.clone(), (0..300).map(row).collect());
         store.file.borrow().file.as_ref().unwrap().set_len(100).unwrap();
         let mut count = 0;

@@ -22,6 +22,8 @@ use crate::machine::files;
 pub const NAME: &str = "journal";
 /// Bytes that are collected before they are written without being asked for.
 const PIECE: usize = 1 << 20;
+/// Bytes that are read at once: few enough to stay in the processor's cache.
+const BUFFER: usize = 1 << 16;
 /// Bytes that wait at most where they cannot be written.
 const MOST_WAITING: usize = 1 << 26;
 
@@ -229,7 +231,7 @@ impl JournalReader {
     /// The operating system refused, or it is no journal.
     pub fn open(run: &Path, mark: &Mark) -> io::Result<Self> {
         let path = run.join(FOLDER).join(NAME);
-        let file = BufReader::with_capacity(PIECE, files::open(&path)?.0.take(mark.length));
+        let file = BufReader::with_capacity(BUFFER, files::open(&path)?.0.take(mark.length));
         let mut reader = JournalReader { file, next: None, content: Vec::new() };
         reader.advance()?;
         Ok(reader)

@@ -14,6 +14,7 @@ mod program;
 mod kills;
 mod locked;
 mod refused;
+mod rows;
 #[path = "../common/run_files.rs"]
 mod run_files;
 mod strangers;
@@ -66,7 +67,7 @@ fn a_run_that_was_killed_at_any_moment_ends_as_if_it_had_not_been() {
     let home = folder("killed", LOOKS);
     assert_eq!(run(&home, &["run", "main.rhai", "--out", "whole"]).status.code(), Some(0));
     let (mut random, mut resumed) = (SplitMix(14), 0);
-    for round in 0..6 {
+    for round in 0..4 {
         let when = format!("round {round}");
         let _ = std::fs::remove_dir_all(home.join("k"));
         let mut child = begun(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "10"]);
@@ -90,7 +91,7 @@ fn a_run_that_was_killed_at_any_moment_ends_as_if_it_had_not_been() {
         assert_same(&home.join("whole"), &home.join("k"), &when);
         resumed += 1;
     }
-    assert!(resumed >= 3, "hardly any run was resumed");
+    assert!(resumed >= 2, "hardly any run was resumed");
 }
 
 #[test]

@@ -307,7 +307,7 @@ fn new_history(host: &Host, row: &LedgerRow) -> Result<History, Failure> {
     let store = match files {
         Some(files) => {
             let store = host.slots.get::<RowStore>();
-            store.keep_in(files.directory());
+            store.keep_in(&files);
             store
         }
         None => Rc::default(),
