@@ -339,7 +339,7 @@ mod tests {
 
     #[test]
     fn rows_that_the_disk_has_lost_are_a_problem() {
-        let (_, files) = scratch("history lost");
+        let (_directory, files) = scratch("history lost");
         let store = Rc::new(RowStore::default());
         store.keep_in(&files);
         let mut history = History::new(store.clone(), (0..300).map(row).collect());

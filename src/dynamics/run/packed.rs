@@ -1,4 +1,4 @@
-//! Ledger rows as bytes, for files that hold many of them: numbers of 8 bytes (little endian) one behind the other, lists with their length.
+//! Ledger rows as bytes, for files that hold many of them: numbers of 8 bytes (little endian), lists behind their length.
 //!
 //! This is compiled with the kernels' optimization: a run visits each of its rows a dozen times, and `serde` takes ten times as long.
 

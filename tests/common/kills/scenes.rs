@@ -21,7 +21,8 @@ pub struct Scene {
 /// Readers that every model has.
 pub const COMMON: &[&str] = &[
     "print({s}.body({b}).center); print({s}.body({b}).velocity); print({s}.body({b}).kinetic); print({s}.body({b}).momentum);",
-    "print({s}.body({b}).strain); print({s}.body({b}).potential); print({s}.body({b}).stress_error); print({s}.body({b}).angular_momentum);",
+    "print({s}.body({b}).strain); print({s}.body({b}).potential); print({s}.body({b}).stress_error);",
+    "print({s}.body({b}).angular_momentum);",
     "print({s}.field(\"velocity\", {b}).len()); print({s}.extremes(\"velocity\", {b}));",
     "print({s}.history.columns.len()); print({s}.history.time[-1]); print({s}.history[\"total\"][0]); ",
     "let sum = 0.0; for k in 0..{s}.history.time.len() { sum += {s}.history.total[k] * {s}.history.dt[k]; } print(sum);",
@@ -33,7 +34,8 @@ pub const COMMON: &[&str] = &[
 /// The scenes.
 pub const SCENES: &[Scene] = &[
     Scene {
-        model: "let {b} = {m}.add_rigid_body(\"arm\", rectangle(#{ size: [1.0, 0.1], cells: [4, 1], origin: [0.0, -0.05] }), #{ density: 1.0 });
+        model: "let {b} = {m}.add_rigid_body(\"arm\", rectangle(#{ size: [1.0, 0.1], cells: [4, 1], origin: [0.0, -0.05] }),
+    #{ density: 1.0 });
 let fore{x} = {m}.add_rigid_body(\"fore\", rectangle(#{ size: [1.0, 0.1], cells: [4, 1], origin: [1.0, -0.05] }), #{ density: 1.0 });
 {m}.add_joint(\"shoulder\", #{ kind: \"point\", from: {b}, point: [0.0, 0.0] });
 {m}.add_joint(\"elbow\", #{ kind: \"point\", from: fore{x}, to: {b}, point: [1.0, 0.0], drive: |t| 2.0 * t * t });
@@ -72,7 +74,8 @@ let large{x} = {m}.add_rigid_body(\"large\", disk(#{ radius: 0.5, cells: [1, 12]
         readers: &[
             "print({s}.joint(\"big\").angle); print({s}.joint(\"small\").work);",
             "let c = {s}.contact(\"ground\"); print(c.shear); print(c.slip); print(c.slip_path); print(c.heat); print(c.sliding);",
-            "let c = {s}.contact(\"ground\"); print(c.state); print(c.area); print(c.pressure); print(c.mean_pressure); print(c.positions.len());",
+            "let c = {s}.contact(\"ground\"); print(c.state); print(c.area); print(c.pressure); print(c.mean_pressure); \
+             print(c.positions.len());",
             "let c = {s}.contact(\"ground\"); print(c.normal_force); print(c.forces.len()); print(c.cycling);",
         ],
     },
@@ -121,7 +124,8 @@ let foot{x} = post{x}.boundary(\"bottom\");
         contact: None,
         is_held: false,
         readers: &[
-            "print({s}.history[\"air.pressure\"][-1]); print({s}.history[\"air.volume\"][-1]); print({s}.history[\"drag.dissipation\"][-1]);",
+            "print({s}.history[\"air.pressure\"][-1]); print({s}.history[\"air.volume\"][-1]); \
+             print({s}.history[\"drag.dissipation\"][-1]);",
             "print({s}.reaction(foot{x})); print({s}.reaction(foot{x}).force);",
             "let found = {s}.harmonic_response(#{ frequencies: [0.5], boundary: post{x}.boundary(\"top\"), force: [1.0, 0.0], \
              loss_factor: 0.1 }); print(found.frequencies);",
