@@ -113,7 +113,8 @@ let left{x} = {b}.boundary(\"left\");
         ],
     },
     Scene {
-        model: "let {b} = {m}.add_body(\"tube\", ring(#{ inner_radius: 0.5, outer_radius: 0.7, cells: [2, 16], center: [0.0, 0.0] }), soft);
+        model:
+            "let {b} = {m}.add_body(\"tube\", ring(#{ inner_radius: 0.5, outer_radius: 0.7, cells: [2, 16], center: [0.0, 0.0] }), soft);
 {m}.add_chamber(\"air\", #{ boundaries: {b}.boundary(\"inner\"), pressure: 12.0, exponent: 1.4, ambient: 10.0 });
 {m}.add_drag(\"drag\", #{ boundary: {b}.boundary(\"outer\"), coefficient: 0.02 });
 {m}.initial_velocity({b}, #{ angular: 1.0 });
