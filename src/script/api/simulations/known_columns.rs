@@ -67,7 +67,10 @@ impl ColumnCells {
     }
 }
 
-/// Registers the indexer of columns.
+/// Beginning of the indexers of columns in a definition file, which knows arrays without them.
+pub const CELL_INDEXER: &str = "fn index$get$(_: array";
+
+/// Registers the indexers of columns.
 pub fn register_column_cells(engine: &mut Engine) {
     engine.register_type_with_name::<ColumnCells>("Array");
     engine.register_indexer_get(|column: &mut ColumnCells, index: i64| column.cell(index));
