@@ -54,7 +54,7 @@ impl RowStore {
             *file = opened(run);
         }
         let written = |file: &mut File| file.seek(SeekFrom::Start(*length)).and_then(|_| file.write_all(&bytes));
-        if !file.as_mut().is_some_and(|file| written(file).is_ok()) {
+        if file.as_mut().is_none_or(|file| written(file).is_err()) {
             return Place::Memory(bytes);
         }
         let place = Place::File { start: *length, length: bytes.len() };

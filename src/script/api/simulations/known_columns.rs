@@ -79,9 +79,15 @@ pub fn register_column_cells(engine: &mut Engine) {
     });
 }
 
-/// Calls of a script whose column is indexed at once, each with the text in which that was found.
+/// What the text of a script says of a call.
+struct Found {
+    text: Arc<str>,
+    is_indexed: bool,
+}
+
+/// Calls that give a column, by source and position.
 #[derive(Default)]
-pub struct CellPlaces(RefCell<HashMap<(String, Position), (Arc<str>, bool)>>);
+pub struct CellPlaces(RefCell<HashMap<(String, Position), Found>>);
 
 impl CellPlaces {
     /// Whether the value of a call, which stands at a dot or a bracket, is indexed at once.
@@ -89,13 +95,13 @@ impl CellPlaces {
         let (host, key) = (call.host, (call.source(), call.position()));
         let name = if key.0.is_empty() { host.main.borrow().clone() } else { key.0.clone() };
         let (Some(text), places) = (host.sources.text(&name), host.slots.get::<CellPlaces>()) else { return false };
-        if let Some((known, is_indexed)) = places.0.borrow().get(&key)
-            && Arc::ptr_eq(known, &text)
+        if let Some(found) = places.0.borrow().get(&key)
+            && Arc::ptr_eq(&found.text, &text)
         {
-            return *is_indexed;
+            return found.is_indexed;
         }
         let is_indexed = call.is_indexed(&text);
-        places.0.borrow_mut().insert(key, (text, is_indexed));
+        places.0.borrow_mut().insert(key, Found { text, is_indexed });
         is_indexed
     }
 }
