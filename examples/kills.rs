@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let own = std::env::current_exe()?;
     let program = own.ancestors().nth(2).ok_or("the program is not beside this example")?.join("conserva");
-    let (next, sums) = (AtomicU64::new(first), Mutex::new([0; 4]));
+    let (next, sums) = (AtomicU64::new(first), Mutex::new([0; 5]));
     std::thread::scope(|scope| {
         for _ in 0..threads.max(1) {
             scope.spawn(|| {
@@ -67,15 +67,16 @@ fn main() -> Result<(), Box<dyn Error>> {
                         Some(fault) => println!("seed {seed}: {fault}"),
                         None => std::fs::remove_dir_all(&home).unwrap_or_default(),
                     }
-                    let told = [usize::from(found.fault.is_some()), found.kills, found.resumed, usize::from(found.code != Some(0))];
+                    let told =
+                        [usize::from(found.fault.is_some()), found.kills, found.resumed, usize::from(found.code != Some(0)), found.doubled];
                     sums.iter_mut().zip(told).for_each(|(sum, one)| *sum += one);
                 }
             });
         }
     });
-    let [faults, kills, resumed, failed] = sums.into_inner()?;
+    let [faults, kills, resumed, failed, doubled] = sums.into_inner()?;
     println!(
-        "{count} scripts, {kills} kills, {resumed} programs that went on: {faults} with a fault \
+        "{count} scripts, {kills} kills ({doubled} by two signals in a moment), {resumed} programs that went on: {faults} with a fault \
          ({failed} scripts end with an error or doubt)"
     );
     if faults > 0 { Err("not all ended as if nobody had disturbed them".into()) } else { Ok(()) }

@@ -186,6 +186,19 @@ fn the_first_interrupt_ends_the_run_with_its_results() {
 }
 
 #[test]
+fn interrupts_in_a_moment_are_one() {
+    // `timeout -s INT` signals the process, and then its group.
+    let home = folder("interrupt-twice", &flight("sim.run_to(1e6);"));
+    let mut child = conserva(&home, &["run", "main.rhai"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for_rows(&home, &mut child);
+    (0..3).for_each(|_| signal(&child, "-INT"));
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("go on with `conserva resume out/main`"), "{}", stderr(&output));
+    assert_eq!(outcome(&home), "interrupted");
+}
+
+#[test]
 fn an_interrupt_ends_a_long_step_of_a_large_model_at_once() {
     // 40 000 unknowns under a load that no step of this size can follow: it is tried, halved and tried again for many seconds, each
     // iteration with its assembly and factorization. The first step, with hardly any load, has chosen the order of elimination.

@@ -142,6 +142,18 @@ fn runs_are_converted_and_described() {
 }
 
 #[test]
+fn runs_that_failed_alike_are_the_same_as_far_as_they_went() {
+    let home = folder("diff-failed", &format!("{PUNCH}\nthrow \"no more\";"));
+    for out in ["out/a", "out/b"] {
+        assert_eq!(conserva(&home, &["run", "main.rhai", "--quiet", "--out", out]).status.code(), Some(2));
+    }
+    let output = conserva(&home, &["diff", "out/a", "out/b"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let last = stdout(&output).lines().last().unwrap_or_default().to_string();
+    assert!(last.starts_with("neither run was completed, and both ended so: ") && last.contains("no more"), "{}", stdout(&output));
+}
+
+#[test]
 fn runs_are_compared_and_listed() {
     let home = folder("diff", PUNCH);
     for (out, dt) in [("out/a", "dt=0.005"), ("out/b", "dt=0.005"), ("out/deep/coarse", "dt=0.01")] {

@@ -14,7 +14,7 @@ use crate::output::{Comparison, Exactness, compare};
 #[command(
     after_help = "Exit code: 0 the runs are the same, 1 they differ, 2 they cannot be compared (no run, damage, no time in common).\n\
     Rows are compared where both runs have the same time. Wall-clock times and memory are never compared; another path of the script and \
-    another version of the program are told, but make no difference."
+    another version of the program are told, but make no difference, and so is that neither run was completed."
 )]
 pub struct Arguments {
     /// Folder of a run
@@ -72,6 +72,9 @@ pub fn diff(arguments: Arguments) -> u8 {
             console.say(&format!(
                 "{verdict}{within}: {rows} rows with {columns} columns and {frames} frames with {fields} arrays were compared"
             ));
+            if let Some(outcome) = &all[0].unfinished {
+                console.say(&visible(&format!("neither run was completed, and both ended so: {outcome}")));
+            }
         }
     }
     u8::from(!same)

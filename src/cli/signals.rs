@@ -2,7 +2,8 @@
 
 use std::io::Result;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 #[cfg(unix)]
 use signal_hook::consts::{SIGHUP, SIGUSR1, SIGXCPU, SIGXFSZ};
@@ -12,16 +13,22 @@ use signal_hook::flag;
 use super::process::exit_code;
 use crate::script::Class;
 
+/// Interval at which a thread looks for the first interrupt key.
+const LOOK: Duration = Duration::from_millis(100);
+/// Time after the first interrupt key within which further ones count as the same: `timeout -s INT` signals the process and then its
+/// group, and so does a shell script that is interrupted as a whole.
+const MOMENT: Duration = Duration::from_millis(700);
+
 /// A flag that becomes true at the first signal that ends a run.
 ///
-/// Only a second interrupt key ends the process at once: the other signals come more than once by themselves, such as that of `timeout`,
-/// of a shell whose terminal closes, or of a limit of processor time, every second.
+/// Only a second interrupt key, after a moment, ends the process at once: the other signals come more than once by themselves, such as that
+/// of `timeout`, of a shell whose terminal closes, or of a limit of processor time, every second.
 ///
 /// # Errors
 /// A signal that cannot be watched.
 pub fn interrupt() -> Result<Arc<AtomicBool>> {
     let interrupt = Arc::new(AtomicBool::new(false));
-    flag::register_conditional_shutdown(SIGINT, i32::from(exit_code(Class::Interrupted)), interrupt.clone())?;
+    watch_impatience()?;
     for signal in [SIGINT, SIGTERM] {
         flag::register(signal, interrupt.clone())?;
     }
@@ -35,6 +42,21 @@ pub fn interrupt() -> Result<Arc<AtomicBool>> {
         flag::register(SIGXFSZ, Arc::default())?;
     }
     Ok(interrupt)
+}
+
+/// Ends the process at an interrupt key that comes more than a moment after the first one.
+fn watch_impatience() -> Result<()> {
+    let (is_first, is_impatient) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+    flag::register_conditional_shutdown(SIGINT, i32::from(exit_code(Class::Interrupted)), is_impatient.clone())?;
+    flag::register(SIGINT, is_first.clone())?;
+    std::thread::Builder::new().name("interrupts".into()).spawn(move || {
+        while !is_first.load(Ordering::Relaxed) {
+            std::thread::sleep(LOOK);
+        }
+        std::thread::sleep(MOMENT);
+        is_impatient.store(true, Ordering::Relaxed);
+    })?;
+    Ok(())
 }
 
 /// The flag of a prompt, which the interrupt key raises again and again, and one that the end of its terminal raises beside it, or a

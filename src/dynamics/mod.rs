@@ -47,6 +47,7 @@ pub use run::options::{Options, SettleReport, Statistics};
 pub use run::pace::StepControl;
 pub use run::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
 pub use run::report::{CyclingNode, FailureCause, FailureReport, IterationReport, Missing, TryReport};
+pub use run::rows::Rows;
 pub use run::run_findings::{RunFinding, RunFindingKind};
 pub use run::simulation::Simulation;
 pub use run::stable_step::StableStep;

@@ -15,6 +15,7 @@ use thiserror::Error;
 
 use super::counted::{ASIDE, CountedFile, FOLDER, KEPT, Standing};
 use super::files::{OutputError, RunFiles};
+use super::history::ROWS;
 use super::journal::{self, Mark};
 use super::recording::Recording;
 use crate::dynamics::{State, Tally};
@@ -24,7 +25,7 @@ use crate::math::simd::instructions;
 /// First bytes of a checkpoint.
 pub const MAGIC: &[u8; 12] = b"conserva\0ckp";
 /// Version of the format.
-pub const FORMAT: u32 = 9;
+pub const FORMAT: u32 = 10;
 /// Bytes before the content.
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 /// Ending of the files beside them that keep what points of studies have given ([`PointLog`](super::PointLog)).
@@ -120,6 +121,8 @@ pub struct SavedSimulation {
     pub past: Vec<Arc<State>>,
     /// Its stills.
     pub recording: Option<Recording>,
+    /// Length and CRC-32 of its `history.csv`.
+    pub rows: Option<(u64, u32)>,
 }
 
 /// A checkpoint.
@@ -329,9 +332,13 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
 /// The operating system refused.
 pub fn remove_all(run: &Path) -> Result<(), OutputError> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
+    // Where an open file keeps its name.
+    let is_rows = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with(&format!("{ROWS}-"));
     // What a program that was killed has begun to write, too.
     let is_ours = |ending: &std::ffi::OsStr| [POINTS, ASIDE, "part"].iter().any(|known| *known == ending);
-    let logs = entries.filter(|path| path.extension().is_some_and(is_ours) || path.file_name().is_some_and(|name| name == journal::NAME));
+    let logs = entries.filter(|path| {
+        path.extension().is_some_and(is_ours) || path.file_name().is_some_and(|name| name == journal::NAME || is_rows(name))
+    });
     for path in places(run).into_iter().chain(logs) {
         std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
     }

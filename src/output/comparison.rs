@@ -17,6 +17,7 @@ use super::reading::fields::{ArrayRead, FieldsRead, Section, read_fields};
 use super::reading::folder::RunFolder;
 use super::reading::frames::read_frames;
 use super::reading::table::read_table;
+use super::summary::{COMPLETED, NOT_CONSERVING};
 use super::table::{Column, Table};
 
 /// What is compared, and how exactly.
@@ -108,6 +109,8 @@ pub struct FieldDifference {
 pub struct Comparison {
     /// Name of the simulation's folder below the run's; empty for the first simulation.
     pub simulation: String,
+    /// Outcome of both runs if it is the same and neither was completed: steps that the script takes later were not compared.
+    pub unfinished: Option<String>,
     /// Entries of the summaries that differ.
     pub entries: Vec<EntryDifference>,
     /// Rows of the first history, of the second, and of times that both have.
@@ -193,7 +196,9 @@ pub fn compare(first: &Path, second: &Path, exactness: &Exactness) -> Result<Vec
 const ORDINALS: [&str; 2] = ["first", "second"];
 
 fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<Comparison, ReadError> {
-    let mut found = Comparison { entries: entries(runs, exactness), ..Comparison::default() };
+    let [first, second] = runs.each_ref().map(RunFolder::outcome);
+    let unfinished = Some(first).filter(|first| *first == second && first != COMPLETED && first != NOT_CONSERVING);
+    let mut found = Comparison { entries: entries(runs, exactness), unfinished, ..Comparison::default() };
     let histories = [0, 1].map(|run| runs[run].file("history.csv"));
     if let [Some(first), Some(second)] = &histories {
         let tables = [read_table(first)?.table, read_table(second)?.table];

@@ -4,16 +4,17 @@
 //! the total are drawn less the potential's lowest value, and the legend says so.
 
 use super::plot::{Curve, Plot, PlotAxis};
-use crate::dynamics::LedgerRow;
+use crate::dynamics::{LedgerRow, Rows};
 
 /// Names of the energies among the columns of a history.
 pub const ENERGIES: [&str; 4] = ["kinetic", "strain", "potential", "total"];
 
 /// Kinetic, strain, potential (where there is any) and total energy over time.
-pub fn energies(title: &str, rows: &[LedgerRow]) -> Plot {
-    let column = |value: fn(&LedgerRow) -> f64| rows.iter().map(value).collect::<Vec<f64>>();
-    let time = column(|row| row.time);
-    let values = [column(|row| row.kinetic), column(|row| row.strain), column(|row| row.potential), column(LedgerRow::total)];
+pub fn energies<R: Rows + ?Sized>(title: &str, rows: &R) -> Plot {
+    let points = points(rows, MOST_POINTS);
+    let column = |place: usize| points.iter().map(|point| point[place]).collect::<Vec<f64>>();
+    let time = column(0);
+    let values = [column(1), column(2), column(3), column(4)];
     let curve = |(name, y): (&str, Vec<f64>)| Curve { label: name.into(), x: time.clone(), y, is_sum: name == "total", ..Curve::default() };
     let curves = ENERGIES.into_iter().zip(values).filter(|(name, values)| *name != "potential" || values.iter().any(|&value| value != 0.0));
     let mut curves: Vec<Curve> = curves.map(curve).collect();
@@ -21,6 +22,45 @@ pub fn energies(title: &str, rows: &[LedgerRow]) -> Plot {
     // Zero belongs to the picture: shares of the total are read off it.
     let y = PlotAxis { included: Some(0.0), ..PlotAxis::new("energy") };
     Plot { title: title.into(), x: PlotAxis::new("time"), y, curves, ..Plot::default() }
+}
+
+/// Rows that are drawn one by one; longer runs are drawn by the extrema of stretches.
+const MOST_POINTS: usize = 100_000;
+/// Stretches of longer runs.
+const STRETCHES: usize = 5_000;
+
+/// Times and energies of all rows; of a long run only the rows with the extrema of each energy in each stretch.
+fn points<R: Rows + ?Sized>(rows: &R, most: usize) -> Vec<[f64; 5]> {
+    let point = |row: &LedgerRow| [row.time, row.kinetic, row.strain, row.potential, row.total()];
+    let mut points = Vec::new();
+    if rows.count() <= most {
+        rows.visit(0, &mut |row| points.push(point(row)));
+        return points;
+    }
+    let length = rows.count().div_ceil(STRETCHES);
+    let mut stretch = Vec::with_capacity(length);
+    let mut end = |stretch: &mut Vec<[f64; 5]>| {
+        let places = || 0..stretch.len();
+        let extrema = |energy: usize| {
+            let value = |place: &usize| stretch[*place][energy];
+            let by = |a: &usize, b: &usize| value(a).total_cmp(&value(b));
+            [places().min_by(by), places().max_by(by)]
+        };
+        let mut kept: Vec<usize> = (1..5).flat_map(extrema).flatten().chain([0]).collect();
+        kept.sort_unstable();
+        kept.dedup();
+        points.extend(kept.iter().filter_map(|&place| stretch.get(place)));
+        stretch.clear();
+    };
+    rows.visit(0, &mut |row| {
+        stretch.push(point(row));
+        if stretch.len() == length {
+            end(&mut stretch);
+        }
+    });
+    end(&mut stretch);
+    points.extend(rows.last_row().as_ref().map(point));
+    points
 }
 
 /// Takes the lowest potential off curves labelled `potential` and `total`, where it would take more than half of the height.
@@ -69,7 +109,19 @@ mod tests {
         assert!(text.contains("stroke=\"#000000\""), "the total is black");
         rows[7].potential = -0.01;
         assert!(svg(&energies("the bearing", &rows).draw()).contains(">potential</text>"));
-        well_formed(&svg(&energies("<&>\"", &[]).draw()));
+        well_formed(&svg(&energies::<[LedgerRow]>("<&>\"", &[]).draw()));
+    }
+
+    #[test]
+    fn a_long_run_is_drawn_by_its_extrema() {
+        let mut rows: Vec<LedgerRow> = (0..20_000).map(|step| LedgerRow { time: step as f64, ..LedgerRow::default() }).collect();
+        (rows[777].kinetic, rows[12_345].strain, rows[12_346].potential) = (3.0, 2.0, -1.0);
+        let points = points(&rows, 1000);
+        assert!(points.len() <= 10_010 && points[0][0] == 0.0 && points[points.len() - 1][0] == 19_999.0);
+        for (place, value) in [(777, 3.0), (12_345, 2.0), (12_346, -1.0)] {
+            assert!(points.iter().any(|point| point[0] == f64::from(place) && point[4] == value), "{place}");
+        }
+        assert!(points.windows(2).all(|pair| pair[0][0] <= pair[1][0]));
     }
 
     #[test]

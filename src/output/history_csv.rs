@@ -7,13 +7,16 @@
 //! that of a probe added later, is an empty field.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::io::{self, BufRead, BufReader, Read as _, Seek, SeekFrom, Write as _};
+use std::path::Path;
+
+use crc32fast::Hasher;
 
 use super::csv_text::line;
 use super::files::{OutputError, RunFiles, Stream};
 use super::table::is_count;
-use crate::dynamics::LedgerRow;
-use crate::machine::files::read;
+use crate::dynamics::{LedgerRow, Rows};
+use crate::machine::files;
 
 /// The header for a space dimension with further columns at its end.
 fn header(dimension: usize, extra: &[String]) -> Vec<u8> {
@@ -43,6 +46,11 @@ fn record(dimension: usize, row: &LedgerRow, extra: &[f64], extra_columns: usize
 /// Its name.
 const NAME: &str = "history.csv";
 
+/// Rows between two places of the file that are remembered.
+const MARKED: usize = 256;
+/// Bytes that are read at once.
+const PIECE: usize = 1 << 16;
+
 /// The growing file.
 #[derive(Debug)]
 pub struct HistoryCsv {
@@ -51,8 +59,11 @@ pub struct HistoryCsv {
     extra: Vec<String>,
     /// None while its rows are those of an earlier program: the file that this one has left stays as it is until then.
     stream: Option<Stream>,
-    /// Length of the file after the header and after each row.
-    ends: Vec<u64>,
+    rows: usize,
+    /// Numbers of rows with the length of the file up to them, ascending, that of the header first.
+    marks: Vec<(usize, u64)>,
+    /// CRC-32 of the file; none where rows were dropped.
+    sum: Option<Hasher>,
 }
 
 impl HistoryCsv {
@@ -62,40 +73,80 @@ impl HistoryCsv {
     /// The operating system refused.
     pub fn create(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Result<Self, OutputError> {
         let mut history = HistoryCsv::recalled(files, dimension, extra);
-        history.begin([])?;
+        history.begin::<[LedgerRow]>(&[], |_| Vec::new())?;
         Ok(history)
     }
 
     /// Counts the rows of an earlier program; nothing is written before [`Self::begin`].
     pub(crate) fn recalled(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Self {
-        HistoryCsv { files: files.clone(), dimension, extra, stream: None, ends: vec![0] }
+        HistoryCsv { files: files.clone(), dimension, extra, stream: None, rows: 0, marks: vec![(0, 0)], sum: None }
     }
 
     /// Puts a file with these rows and their further values in the place of the one that is there, in one piece.
     ///
     /// # Errors
     /// The operating system refused.
-    pub fn begin<'a>(&mut self, rows: impl IntoIterator<Item = (&'a LedgerRow, Vec<f64>)>) -> Result<(), OutputError> {
-        let (header, mut ends) = (header(self.dimension, &self.extra), Vec::new());
+    pub fn begin<R: Rows + ?Sized>(&mut self, rows: &R, further: impl Fn(&LedgerRow) -> Vec<f64>) -> Result<(), OutputError> {
+        let header = header(self.dimension, &self.extra);
+        let (mut count, mut marks, mut sum) = (0, vec![(0, header.len() as u64)], Hasher::new());
         let stream = self.files.filled(NAME, |file| {
             file.write_all(&header)?;
-            ends.push(header.len() as u64);
-            let mut length = header.len() as u64;
-            for (row, further) in rows {
-                let line = record(self.dimension, row, &further, self.extra.len());
-                file.write_all(&line)?;
+            sum.update(&header);
+            let (mut length, mut written) = (header.len() as u64, Ok(()));
+            rows.visit(0, &mut |row| {
+                let line = record(self.dimension, row, &further(row), self.extra.len());
+                written = std::mem::replace(&mut written, Ok(())).and_then(|()| file.write_all(&line));
+                sum.update(&line);
                 length += line.len() as u64;
-                ends.push(length);
-            }
-            Ok(())
+                count += 1;
+                mark(&mut marks, count, length);
+            });
+            written
         })?;
-        (self.stream, self.ends) = (Some(stream), ends);
+        (self.stream, self.rows, self.marks, self.sum) = (Some(stream), count, marks, Some(sum));
         Ok(())
+    }
+
+    /// Goes on with the file of an earlier program, up to the length and the checksum that a checkpoint has, if it has the same columns and
+    /// this last row; whether it does.
+    ///
+    /// # Errors
+    /// The operating system refused.
+    pub fn take_over(&mut self, (length, checksum): (u64, u32), last: &LedgerRow, further: &[f64]) -> Result<bool, OutputError> {
+        let place = self.files.directory().join(NAME);
+        let (header, last) = (header(self.dimension, &self.extra), record(self.dimension, last, further, self.extra.len()));
+        let is_same = |from: u64, bytes: &[u8]| piece(&place, from, bytes.len()).is_ok_and(|found| found == bytes);
+        let is_ours = super::counted::checksum(&place, length).is_ok_and(|(sum, found)| found == length && sum == checksum)
+            && is_same(0, &header)
+            && length.checked_sub(last.len() as u64).is_some_and(|from| is_same(from, &last));
+        if !is_ours {
+            return Ok(false);
+        }
+        let mut stream = self.files.extend(NAME)?;
+        stream.truncate(length)?;
+        (self.stream, self.marks) = (Some(stream), vec![(0, header.len() as u64)]);
+        self.sum = Some(Hasher::new_with_initial_len(checksum, length));
+        Ok(true)
+    }
+
+    /// Length and CRC-32 of the file; none while its rows are those of an earlier program.
+    pub fn digest(&mut self) -> Option<(u64, u32)> {
+        let stream = self.stream.as_ref()?;
+        if self.sum.is_none() {
+            let (sum, length) = super::counted::checksum(stream.path(), stream.length()).ok()?;
+            self.sum = (length == stream.length()).then(|| Hasher::new_with_initial_len(sum, length));
+        }
+        Some((stream.length(), self.sum.clone()?.finalize()))
+    }
+
+    /// Whether nothing is written, because the rows are those of an earlier program.
+    pub fn is_recalled(&self) -> bool {
+        self.stream.is_none()
     }
 
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        self.ends.len() - 1
+        self.rows
     }
 
     /// Appends the row of an accepted step and the values of the further columns; missing ones and NaN become empty fields.
@@ -104,9 +155,12 @@ impl HistoryCsv {
     /// The operating system refused; the file then ends with the row before.
     pub fn append(&mut self, row: &LedgerRow, extra: &[f64]) -> Result<(), OutputError> {
         if let Some(stream) = &mut self.stream {
-            stream.append(&record(self.dimension, row, extra, self.extra.len()))?;
+            let line = record(self.dimension, row, extra, self.extra.len());
+            stream.append(&line)?;
+            self.sum.iter_mut().for_each(|sum| sum.update(&line));
+            mark(&mut self.marks, self.rows + 1, stream.length());
         }
-        self.ends.push(self.stream.as_ref().map_or(0, Stream::length));
+        self.rows += 1;
         Ok(())
     }
 
@@ -123,9 +177,18 @@ impl HistoryCsv {
     /// # Errors
     /// The operating system refused.
     pub fn keep(&mut self, rows: usize) -> Result<(), OutputError> {
-        self.ends.truncate(rows + 1);
-        let end = self.ends[self.ends.len() - 1];
-        self.stream.as_mut().map_or(Ok(()), |stream| stream.truncate(end))
+        if rows >= self.rows {
+            return Ok(());
+        }
+        self.marks.truncate(self.marks.partition_point(|(marked, _)| *marked <= rows));
+        if let Some(stream) = &mut self.stream {
+            let path = stream.path().to_path_buf();
+            let end = end_of(&path, &mut self.marks, rows).map_err(|source| OutputError::Write { path, source })?;
+            stream.truncate(end)?;
+            self.sum = None;
+        }
+        self.rows = rows;
+        Ok(())
     }
 
     /// Adds columns to a file that has rows already; these get empty fields. Costs a rewrite of the file.
@@ -139,21 +202,67 @@ impl HistoryCsv {
             return Ok(());
         };
         let path = stream.path().to_path_buf();
-        let old = read(&path).map_err(|source| OutputError::Write { path, source })?;
-        let mut text = header(self.dimension, &extra);
-        let mut ends = vec![text.len() as u64];
-        for bounds in self.ends.windows(2) {
-            // Cut at the recorded lengths: a quoted name may hold a line end, a row never does.
-            let row = old.get(bounds[0] as usize..(bounds[1] - 1) as usize).unwrap_or_default();
-            text.extend_from_slice(row);
-            text.extend(names.iter().map(|_| b','));
-            text.push(b'\n');
-            ends.push(text.len() as u64);
-        }
-        self.stream = Some(self.files.filled(NAME, |file| file.write_all(&text))?);
-        (self.extra, self.ends) = (extra, ends);
+        let failed = |source| OutputError::Write { path: path.clone(), source };
+        let mut old = BufReader::with_capacity(PIECE, files::open(&path).map_err(failed)?.0);
+        old.seek(SeekFrom::Start(self.marks[0].1)).map_err(failed)?;
+        let header = header(self.dimension, &extra);
+        let (mut length, mut marks) = (header.len() as u64, vec![(0, header.len() as u64)]);
+        // A quoted name in the header may hold a line end, a row never does.
+        let stream = self.files.filled(NAME, |file| {
+            file.write_all(&header)?;
+            let mut line = Vec::new();
+            for row in 1..=self.rows {
+                line.clear();
+                old.read_until(b'\n', &mut line)?;
+                line.pop();
+                line.extend(names.iter().map(|_| b','));
+                line.push(b'\n');
+                file.write_all(&line)?;
+                length += line.len() as u64;
+                mark(&mut marks, row, length);
+            }
+            Ok(())
+        })?;
+        (self.stream, self.extra, self.marks, self.sum) = (Some(stream), extra, marks, None);
         Ok(())
     }
+}
+
+/// Remembers the length of the file up to some of the rows.
+fn mark(marks: &mut Vec<(usize, u64)>, rows: usize, length: u64) {
+    if rows.is_multiple_of(MARKED) {
+        marks.push((rows, length));
+    }
+}
+
+/// Bytes of a file.
+fn piece(path: &Path, from: u64, count: usize) -> io::Result<Vec<u8>> {
+    let mut file = files::open(path)?.0;
+    file.seek(SeekFrom::Start(from))?;
+    let mut bytes = vec![0; count];
+    file.read_exact(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Length of a file up to a row, counted from the last of the places that are remembered.
+fn end_of(path: &Path, marks: &mut Vec<(usize, u64)>, rows: usize) -> io::Result<u64> {
+    let (mut count, mut end) = marks.last().copied().unwrap_or_default();
+    if count == rows {
+        return Ok(end);
+    }
+    let mut file = BufReader::with_capacity(PIECE, files::open(path)?.0);
+    file.seek(SeekFrom::Start(end))?;
+    let mut line = Vec::new();
+    while count < rows {
+        line.clear();
+        if file.read_until(b'\n', &mut line)? == 0 {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        end += line.len() as u64;
+        count += 1;
+        mark(marks, count, end);
+    }
+    Ok(end)
 }
 
 #[cfg(test)]
@@ -226,5 +335,32 @@ mod tests {
         assert_eq!(ends, ["1.5||", "1.5||", "1.5||", "1.5|2.5|", "|2.5|3.5"]);
         assert_eq!(records.iter().map(|record| record[0].as_str()).collect::<Vec<_>>(), ["0", "1", "2", "3", "4"]);
         assert_eq!(history.rows(), 5);
+    }
+
+    #[test]
+    fn a_file_is_taken_over_up_to_where_a_checkpoint_was() {
+        let (directory, files) = scratch("csv taken over");
+        let all = rows();
+        let mut history = HistoryCsv::create(&files, 2, vec!["two\nlines".into()]).unwrap();
+        all[..300].iter().for_each(|row| history.append(row, &[1.5]).unwrap());
+        let digest = history.digest().unwrap();
+        history.keep(257).unwrap();
+        all[257..300].iter().for_each(|row| history.append(row, &[1.5]).unwrap());
+        assert_eq!(history.digest().unwrap(), digest, "counted again after rows were dropped");
+        all[300..].iter().for_each(|row| history.append(row, &[1.5]).unwrap());
+        let again = |extra: &str| {
+            let mut again = HistoryCsv::recalled(&files, 2, vec![extra.into()]);
+            all[..300].iter().for_each(|row| again.append(row, &[]).unwrap());
+            again
+        };
+        assert!(!again("other").take_over(digest, &all[299], &[1.5]).unwrap());
+        assert!(!again("two\nlines").take_over(digest, &all[298], &[1.5]).unwrap());
+        assert!(!again("two\nlines").take_over((digest.0, 7), &all[299], &[1.5]).unwrap());
+        let mut again = again("two\nlines");
+        assert!(again.take_over(digest, &all[299], &[1.5]).unwrap());
+        again.keep(299).unwrap();
+        again.append(&all[299], &[1.5]).unwrap();
+        assert_eq!((again.digest().unwrap(), again.rows()), (digest, 300));
+        assert_eq!(read(&directory.join("history.csv")).1.len(), 300);
     }
 }

@@ -22,6 +22,8 @@ use crate::machine::files;
 pub const NAME: &str = "journal";
 /// Bytes that are collected before they are written without being asked for.
 const PIECE: usize = 1 << 20;
+/// Bytes that are read at once: few enough to stay in the processor's cache.
+const BUFFER: usize = 1 << 16;
 /// Bytes that wait at most where they cannot be written.
 const MOST_WAITING: usize = 1 << 26;
 
@@ -38,11 +40,45 @@ pub enum Computation {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
     /// The step was taken, in pieces with these rows.
-    Stepped(Vec<LedgerRow>),
+    Stepped(#[serde(with = "packed_rows")] Vec<LedgerRow>),
     /// Equilibrium was found.
     Settled(SettleReport),
     /// It failed, and the script went on; it fails again.
     Failed,
+}
+
+/// Rows in an entry, as [`LedgerRow::pack`] puts them.
+mod packed_rows {
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::{Serialize, Serializer};
+
+    use super::LedgerRow;
+
+    pub(super) fn serialize<S: Serializer>(rows: &[LedgerRow], to: S) -> Result<S::Ok, S::Error> {
+        let mut bytes = Vec::new();
+        rows.iter().for_each(|row| row.pack(&mut bytes));
+        (rows.len(), Bytes(&bytes)).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<LedgerRow>, D::Error> {
+        let (count, mut bytes) = <(usize, &[u8])>::deserialize(from)?;
+        let mut rows = Vec::new();
+        for _ in 0..count {
+            let mut row = LedgerRow::default();
+            bytes = row.unpack(bytes).ok_or_else(|| D::Error::custom("a row is cut off"))?;
+            rows.push(row);
+        }
+        Ok(rows)
+    }
+
+    /// Bytes that are written at once, not one by one.
+    struct Bytes<'a>(&'a [u8]);
+
+    impl Serialize for Bytes<'_> {
+        fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+            to.serialize_bytes(self.0)
+        }
+    }
 }
 
 /// An entry of the journal.
@@ -184,6 +220,8 @@ impl JournalWriter {
 pub struct JournalReader {
     file: BufReader<Take<File>>,
     next: Option<Entry>,
+    /// Bytes of the entry that was read last.
+    content: Vec<u8>,
 }
 
 impl JournalReader {
@@ -193,8 +231,8 @@ impl JournalReader {
     /// The operating system refused, or it is no journal.
     pub fn open(run: &Path, mark: &Mark) -> io::Result<Self> {
         let path = run.join(FOLDER).join(NAME);
-        let file = BufReader::with_capacity(PIECE, files::open(&path)?.0.take(mark.length));
-        let mut reader = JournalReader { file, next: None };
+        let file = BufReader::with_capacity(BUFFER, files::open(&path)?.0.take(mark.length));
+        let mut reader = JournalReader { file, next: None, content: Vec::new() };
         reader.advance()?;
         Ok(reader)
     }
@@ -220,11 +258,15 @@ impl JournalReader {
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
             outcome => outcome?,
         }
-        let mut content = Vec::new();
-        let length = u64::from(u32::from_le_bytes(length));
-        (&mut self.file).take(length).read_to_end(&mut content)?;
-        let damaged = |_| io::Error::new(io::ErrorKind::InvalidData, "it is damaged");
-        self.next = Some(postcard::from_bytes(&content).map_err(damaged)?);
+        let damaged = || io::Error::new(io::ErrorKind::InvalidData, "it is damaged");
+        let length = u32::from_le_bytes(length) as usize;
+        // A damaged length must not ask for more memory than the file has.
+        if length as u64 > self.file.get_ref().limit() + self.file.buffer().len() as u64 {
+            return Err(damaged());
+        }
+        self.content.resize(length, 0);
+        self.file.read_exact(&mut self.content)?;
+        self.next = Some(postcard::from_bytes(&self.content).map_err(|_| damaged())?);
         Ok(())
     }
 }

@@ -16,6 +16,7 @@ mod energies;
 mod export;
 mod file_record;
 mod files;
+mod history;
 mod history_csv;
 mod inputs;
 pub mod journal;
@@ -59,6 +60,7 @@ pub use energies::{ENERGIES, above_lowest_potential, energies};
 #[cfg(feature = "formats")]
 pub use export::{ExportError, ExportFormat, export};
 pub use files::{OutputError, RunFiles, Stream};
+pub use history::{History, RowStore};
 pub use history_csv::HistoryCsv;
 pub use inputs::Inputs;
 pub use markup::escaped;

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 
-use crate::dynamics::{BodyDefinition, EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, RunFinding, Statistics};
+use crate::dynamics::{BodyDefinition, EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, Rows, RunFinding, Statistics};
 
 /// Name of the file.
 pub const SUMMARY: &str = "summary.json";
@@ -281,49 +281,58 @@ pub struct Drifts {
 ///
 /// Momenta change where a support holds a body, which the law allows. What neither loads nor reactions explain is booked step by step in
 /// the ledger's defects, so the drift is the smaller one of the plain change and of the sum of the defects.
-pub fn drifts(rows: &[LedgerRow], loads_ended: f64, inertia: Option<Inertia>) -> Drifts {
-    // Unlike `f64::max` this keeps a NaN: a broken run must not look like a perfect one.
-    let largest =
-        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most });
-    let scale = largest(&mut rows.iter().map(LedgerRow::energy_scale));
-    let worst_energy_defect = relative(largest(&mut rows.iter().map(|row| row.energy_defect.abs())), scale);
-    let worst_energy_defect = Some(worst_energy_defect).filter(|_| rows.len() > 1);
-
-    // The last row at that time: settling gives another row without letting time pass.
-    let free = match rows.iter().rposition(|row| row.time <= loads_ended) {
-        Some(first) if first + 1 < rows.len() => &rows[first..],
-        _ => return Drifts { worst_energy_defect, ..Drifts::default() },
-    };
-    let since = &free[0];
-    let energy = largest(&mut free.iter().map(|row| (row.total() - since.total()).abs()));
-    let energy_scale = largest(&mut free.iter().map(LedgerRow::energy_scale));
-    let mut booked = 0.0;
-    let unexplained = largest(&mut free[1..].iter().map(|row| {
-        booked += row.energy_defect;
-        booked.abs()
-    }));
-
+pub fn drifts<R: Rows + ?Sized>(rows: &R, loads_ended: f64, inertia: Option<Inertia>) -> Drifts {
     let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
-    let change = |momentum: fn(&LedgerRow) -> [f64; 3], defect: fn(&LedgerRow) -> f64| {
-        let start = momentum(since);
-        let plain = largest(&mut free.iter().map(|row| {
-            let now = momentum(row);
-            length([now[0] - start[0], now[1] - start[1], now[2] - start[2]])
-        }));
-        let unexplained: f64 = free[1..].iter().map(|row| defect(row).abs()).sum();
-        if unexplained < plain { unexplained } else { plain }
-    };
-    let kinetic = largest(&mut rows.iter().map(|row| row.kinetic));
+    let [mut scale, mut worst, mut kinetic, mut momentum, mut angular] = [0.0; 5];
+    // The last row at that time: settling gives another row without letting time pass.
+    let (mut index, mut first) = (0, None);
+    rows.visit(0, &mut |row| {
+        raise(&mut scale, row.energy_scale());
+        raise(&mut worst, row.energy_defect.abs());
+        raise(&mut kinetic, row.kinetic);
+        raise(&mut momentum, length(row.momentum));
+        raise(&mut angular, length(row.angular_momentum));
+        first = if row.time <= loads_ended { Some(index) } else { first };
+        index += 1;
+    });
+    let worst_energy_defect = Some(relative(worst, scale)).filter(|_| index > 1);
+    let Some(first) = first.filter(|first| first + 1 < index) else { return Drifts { worst_energy_defect, ..Drifts::default() } };
+    let mut since: Option<LedgerRow> = None;
+    let [mut energy, mut energy_scale, mut booked, mut unexplained] = [0.0; 4];
+    let mut changes = [[0.0; 2]; 2];
+    rows.visit(first, &mut |row| {
+        raise(&mut energy_scale, row.energy_scale());
+        let Some(since) = &since else {
+            since = Some(row.clone());
+            return;
+        };
+        raise(&mut energy, (row.total() - since.total()).abs());
+        booked += row.energy_defect;
+        raise(&mut unexplained, f64::abs(booked));
+        let momenta = [(row.momentum, since.momentum), (row.angular_momentum, since.angular_momentum)];
+        let defects = [row.momentum_defect, row.angular_momentum_defect];
+        for (([plain, unexplained], (now, start)), defect) in changes.iter_mut().zip(momenta).zip(defects) {
+            raise(plain, length([now[0] - start[0], now[1] - start[1], now[2] - start[2]]));
+            *unexplained += defect.abs();
+        }
+    });
+    let [momentum_change, angular_change] = changes.map(|[plain, unexplained]| if unexplained < plain { unexplained } else { plain });
     let speed_scale = inertia.map_or(0.0, |inertia| (2.0 * inertia.mass * kinetic).max(0.0).sqrt());
-    let momentum_scale = largest(&mut rows.iter().map(|row| length(row.momentum))).max(speed_scale);
-    let angular_scale =
-        largest(&mut rows.iter().map(|row| length(row.angular_momentum))).max(speed_scale * inertia.map_or(0.0, |inertia| inertia.radius));
+    let momentum_scale = f64::max(momentum, speed_scale);
+    let angular_scale = f64::max(angular, speed_scale * inertia.map_or(0.0, |inertia| inertia.radius));
     Drifts {
         energy: Some(relative(energy, energy_scale)),
         unexplained_energy: Some(relative(unexplained, energy_scale)),
-        momentum: Some(relative(change(|row| row.momentum, |row| row.momentum_defect), momentum_scale)),
-        angular_momentum: Some(relative(change(|row| row.angular_momentum, |row| row.angular_momentum_defect), angular_scale)),
+        momentum: Some(relative(momentum_change, momentum_scale)),
+        angular_momentum: Some(relative(angular_change, angular_scale)),
         worst_energy_defect,
+    }
+}
+
+/// Maximum of two values. Unlike `f64::max` it keeps a NaN: a broken run must not look like a perfect one.
+fn raise(most: &mut f64, value: f64) {
+    if value > *most || value.is_nan() {
+        *most = value;
     }
 }
 
@@ -443,7 +452,7 @@ mod tests {
     #[test]
     fn nothing_to_compare_gives_none() {
         let rows = rows();
-        assert_eq!(drifts(&[], 0.0, None), Drifts::default());
+        assert_eq!(drifts::<[LedgerRow]>(&[], 0.0, None), Drifts::default());
         assert_eq!(drifts(&rows[..1], 0.0, None), Drifts::default());
         let loaded = drifts(&rows[..50], rows[49].time, None);
         assert_eq!(loaded, Drifts { worst_energy_defect: Some(0.0), ..Drifts::default() });
@@ -454,7 +463,7 @@ mod tests {
     #[test]
     fn the_state_after_settling_is_the_reference() {
         let row = |time: f64, strain: f64| LedgerRow { time, strain, ..LedgerRow::default() };
-        assert_eq!(drifts(&[row(0.0, 5.0), row(0.0, 1.0), row(0.1, 1.0)], 0.0, None).energy, Some(0.0));
+        assert_eq!(drifts(&[row(0.0, 5.0), row(0.0, 1.0), row(0.1, 1.0)][..], 0.0, None).energy, Some(0.0));
     }
 
     #[test]

@@ -27,10 +27,10 @@ fn of_two_programs_in_one_folder_one_tells_and_nothing_is_damaged() {
     let mut random = SplitMix(3);
     let anew = ["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "5"];
     let further = ["resume", "k", "--quiet", "--checkpoint", "5"];
-    for round in 0..6 {
+    for round in 0..3 {
         let _ = std::fs::remove_dir_all(home.join("k"));
-        let pair: [&[&str]; 2] = [[&anew[..], &anew], [&anew, &further], [&further, &further]][round % 3];
-        if round % 3 > 0 {
+        let pair: [&[&str]; 2] = [[&anew[..], &anew], [&anew, &further], [&further, &further]][round];
+        if round > 0 {
             let mut child = begun(&home, &anew);
             wait_for_lines(&home.join("k"), &mut child, 40 + random.below(60));
             signal(&child, "-KILL");

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::ledger::LedgerRow;
+use super::rows::Rows;
 use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{CONSERVED, NO_ENERGY};
 
@@ -37,17 +38,30 @@ pub struct EnergyAccount {
 
 impl EnergyAccount {
     /// That of a run with these rows.
-    pub fn of(rows: &[LedgerRow]) -> Self {
-        let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return EnergyAccount::default() };
-        let sum = |of: fn(&LedgerRow) -> f64| rows[1..].iter().map(of).sum::<f64>();
-        let friction = sum(|row| row.friction_work);
-        let (loads, contact) = (sum(|row| row.load_work), sum(|row| row.contact_work));
-        let (damping, numerical, impacts) = (-sum(|row| row.damping), -sum(|row| row.numerical), -sum(|row| row.impact));
-        let viscosity = -sum(|row| row.dissipation - row.damping - row.numerical - row.impact);
-        let integrator = sum(|row| row.energy_defect);
-        let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max);
-        let otherwise = last.total() - first.total() - loads - contact - friction - viscosity - damping - numerical - impacts - integrator;
-        let (start, end) = (first.total(), last.total());
+    pub fn of<R: Rows + ?Sized>(rows: &R) -> Self {
+        let of_row: [fn(&LedgerRow) -> f64; 8] = [
+            |row| row.load_work,
+            |row| row.contact_work,
+            |row| row.friction_work,
+            |row| row.dissipation - row.damping - row.numerical - row.impact,
+            |row| row.damping,
+            |row| row.numerical,
+            |row| row.impact,
+            |row| row.energy_defect,
+        ];
+        let mut sums = [std::iter::empty::<f64>().sum::<f64>(); 8];
+        let (mut ends, mut scale) = (None, NO_ENERGY);
+        rows.visit(0, &mut |row| {
+            scale = f64::max(scale, row.kinetic + row.strain.abs() + row.potential.abs());
+            if ends.is_some() {
+                sums.iter_mut().zip(of_row).for_each(|(sum, of)| *sum += of(row));
+            }
+            ends = Some([ends.map_or(row.total(), |[start, _]: [f64; 2]| start), row.total()]);
+        });
+        let Some([start, end]) = ends else { return EnergyAccount::default() };
+        let [loads, contact, friction, viscosity, damping, numerical, impacts, integrator] = sums;
+        let [viscosity, damping, numerical, impacts] = [-viscosity, -damping, -numerical, -impacts];
+        let otherwise = end - start - loads - contact - friction - viscosity - damping - numerical - impacts - integrator;
         EnergyAccount { start, end, loads, contact, friction, viscosity, damping, numerical, impacts, integrator, otherwise, scale }
     }
 
@@ -88,7 +102,7 @@ mod tests {
     fn what_came_and_went_is_told_by_cause() {
         let row = |step: usize, kinetic: f64| LedgerRow { step, time: 0.1 * step as f64, kinetic, ..LedgerRow::default() };
         let mut rows = vec![row(0, 2.0), row(1, 3.0), row(2, 2.5), row(3, 2.5 + 1e-14)];
-        assert_eq!(EnergyAccount::of(&[]), EnergyAccount::default());
+        assert_eq!(EnergyAccount::of::<[LedgerRow]>(&[]), EnergyAccount::default());
         assert_eq!(EnergyAccount::of(&rows[2..]).to_string(), "", "round-off is not told");
         (rows[1].load_work, rows[2].contact_work) = (1.0, -0.5);
         assert_eq!(EnergyAccount::of(&rows).to_string(), "loads gave 1 (33.33 %), contact took 0.5 (16.67 %)");

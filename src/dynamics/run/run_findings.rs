@@ -6,6 +6,7 @@
 
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
+use super::rows::Rows;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 use crate::math::digits::{percent, three_digits};
@@ -266,65 +267,155 @@ pub struct Measures<'a> {
     pub discarded: usize,
 }
 
+/// Value with the step and the time of its row.
+#[derive(Clone, Copy, Default)]
+struct At {
+    value: f64,
+    step: usize,
+    time: f64,
+}
+
+impl At {
+    /// Takes a value that is larger beyond round-off; of equal values the first one stays.
+    fn raise(&mut self, value: f64, row: &LedgerRow) {
+        if value > self.value * (1.0 + EQUAL) {
+            *self = At { value, step: row.step, time: row.time };
+        }
+    }
+}
+
+/// Sums and extrema of the rows on which findings are based.
+struct Gathered {
+    defect: At,
+    /// Depth in facets for each contact.
+    depths: Vec<At>,
+    /// Largest energy that contact took in a step, and gave, over the energy.
+    taken: At,
+    given: At,
+    /// Sums of the energy taken by contact, of the work of contact, and of energy defects.
+    sums: [f64; 3],
+    drift: Drift,
+    /// Largest energy defect; of equal ones the last.
+    leap: At,
+}
+
+/// Largest share of the energy that the integrator has added or taken up to a step.
+struct Drift {
+    sum: f64,
+    given: f64,
+    worst: f64,
+    growth: f64,
+    most: At,
+}
+
+impl Gathered {
+    fn of<R: Rows + ?Sized>(rows: &R, last: &LedgerRow, scale: f64, measures: &Measures) -> Self {
+        let end = At { value: 0.0, step: last.step, time: last.time };
+        let mut drift: Option<Drift> = None;
+        let (mut defect, mut taken, mut given, mut leap) = (end, end, end, None);
+        let (mut depths, mut sums) = (vec![end; measures.contacts.len()], [0.0; 3]);
+        let least = if measures.is_explicit { f64::NEG_INFINITY } else { 0.0 };
+        rows.visit(0, &mut |row| {
+            defect.raise(row.energy_defect.abs() / scale, row);
+            taken.raise(-row.contact_work / scale, row);
+            given.raise(row.contact_work / scale, row);
+            for (k, (depth, (_, size))) in depths.iter_mut().zip(&measures.contacts).enumerate() {
+                depth.raise(row.contacts.get(k).map_or(0.0, |totals| totals.penetration / size), row);
+            }
+            let works = [(-row.contact_work).max(least), row.contact_work, row.energy_defect];
+            sums.iter_mut().zip(works).for_each(|(sum, work)| *sum += work);
+            let size = row.energy_defect.abs();
+            if leap.is_none_or(|leap: At| size.total_cmp(&leap.value).is_ge()) {
+                leap = Some(At { value: size, step: row.step, time: row.time });
+            }
+            match &mut drift {
+                None => {
+                    let most = At { value: 0.0, step: row.step, time: row.time };
+                    drift = Some(Drift { sum: 0.0, given: row.total(), worst: 0.0, growth: 1.0, most });
+                }
+                Some(drift) => drift.take(row),
+            }
+        });
+        let drift = drift.unwrap_or(Drift { sum: 0.0, given: 0.0, worst: 0.0, growth: 1.0, most: end });
+        Gathered { defect, depths, taken, given, sums, drift, leap: leap.unwrap_or_default() }
+    }
+}
+
+impl Drift {
+    fn take(&mut self, row: &LedgerRow) {
+        self.sum += row.energy_defect;
+        self.given += row.load_work + row.contact_work + row.friction_work - row.dissipation;
+        if self.sum.abs() > self.most.value {
+            self.most = At { value: self.sum.abs(), step: row.step, time: row.time };
+            (self.worst, self.growth) = (self.sum, row.total() / self.given);
+        }
+    }
+
+    /// Text for the finding, with the share of the energy.
+    fn explained(&self, share: f64, integrator: &str) -> String {
+        let verb = if self.worst > 0.0 { "added" } else { "took" };
+        match self.growth {
+            growth if growth > 2.0 && growth.is_finite() => format!("{integrator} made {growth:.1} times of it"),
+            _ => format!("{integrator} {verb} {} of energy, {}", three_digits(self.most.value), percent(share)),
+        }
+    }
+}
+
 /// Everything found about a run with these rows, in a fixed order.
-pub fn run_findings(rows: &[LedgerRow], measures: &Measures) -> Vec<RunFinding> {
-    let Some(last) = rows.last() else { return Vec::new() };
-    let scale = rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(f64::MIN_POSITIVE, f64::max);
+pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunFinding> {
+    let Some(last) = rows.last_row() else { return Vec::new() };
+    let mut scale = f64::MIN_POSITIVE;
+    rows.visit(0, &mut |row| scale = scale.max(row.kinetic + row.strain.abs() + row.potential.abs()));
     // Round-off of positions moves forces by this much of the stiffness, and they work on displacements of the size that the energy has.
     let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt();
-    // The first one of those that are equal to round-off.
-    let largest = |value: &dyn Fn(&LedgerRow) -> f64| {
-        let values = rows.iter().map(|row| (value(row), row));
-        values.fold((0.0, last), |largest, next| if next.0 > largest.0 * (1.0 + EQUAL) { next } else { largest })
-    };
+    let seen = Gathered::of(rows, &last, scale, measures);
     let only = match measures.contacts[..] {
         [(name, _)] => Some(name.to_string()),
         _ => None,
     };
     let mut found = Vec::new();
-    let mut add = |kind, contact: Option<String>, value: f64, limit: f64, row: &LedgerRow, explanation: String| {
+    let mut add = |kind, contact: Option<String>, limit: f64, At { value, step, time }: At, explanation: String| {
         if value > limit {
-            found.push(RunFinding { kind, contact, value, limit, step: row.step, time: row.time, explanation });
+            found.push(RunFinding { kind, contact, value, limit, step, time, explanation });
         }
     };
+    let end = |value: f64| At { value, step: last.step, time: last.time };
 
     // What holds rigid bodies together does round-off of work, which is all there is where nothing moves.
     if !measures.contacts.is_empty() {
-        let (gain, limit, row, explanation) = given(rows, last, scale, measures.is_explicit);
-        add(RunFindingKind::PositiveContactWork, only.clone(), gain, limit.max(round_off), row, explanation);
+        let (limit, given, explanation) = given(&seen, scale, measures.is_explicit, end);
+        add(RunFindingKind::PositiveContactWork, only.clone(), limit.max(round_off), given, explanation);
     }
 
     if let Some(promised) = measures.defect {
-        let (defect, row) = largest(&|row| row.energy_defect.abs() / scale);
-        let explanation = format!("a step was off by {defect:.1e} of the energy, and {promised:.0e} is promised");
-        add(RunFindingKind::EnergyDefect, None, defect, promised.max(round_off), row, explanation);
+        let explanation = format!("a step was off by {:.1e} of the energy, and {promised:.0e} is promised", seen.defect.value);
+        add(RunFindingKind::EnergyDefect, None, promised.max(round_off), seen.defect, explanation);
     } else {
-        let (share, row, explanation) = not_conserved(rows, scale, measures.integrator);
-        add(RunFindingKind::NotConserved, None, share, CONSERVED.max(round_off), row, explanation);
+        let share = seen.drift.most.value / scale;
+        let explanation = seen.drift.explained(share, measures.integrator);
+        add(RunFindingKind::NotConserved, None, CONSERVED.max(round_off), At { value: share, ..seen.drift.most }, explanation);
     }
 
-    for (k, &(name, size)) in measures.contacts.iter().enumerate() {
-        let (depth, row) = largest(&|row| row.contacts.get(k).map_or(0.0, |totals| totals.penetration / size));
-        let explanation = format!("nodes lie {depth:.2} facets deep behind the other side, a length of {}", three_digits(depth * size));
-        add(RunFindingKind::Depth, Some(name.into()), depth, DEPTH, row, explanation);
+    for (depth, &(name, size)) in seen.depths.iter().zip(&measures.contacts) {
+        let facets = depth.value;
+        let explanation = format!("nodes lie {facets:.2} facets deep behind the other side, a length of {}", three_digits(facets * size));
+        add(RunFindingKind::Depth, Some(name.into()), DEPTH, *depth, explanation);
     }
 
-    let least = if measures.is_explicit { f64::NEG_INFINITY } else { 0.0 };
-    let taken = rows.iter().map(|row| (-row.contact_work).max(least)).sum::<f64>();
-    let (most, row) = largest(&|row| -row.contact_work / scale);
+    let (taken, most) = (seen.sums[0], seen.taken.value);
     let share = taken / scale;
     let explanation = format!("it took {}, {} of the energy; most in one step: {}", three_digits(taken), percent(share), percent(most));
-    add(RunFindingKind::EnergyTaken, only.clone(), share, LOST.max(round_off), row, explanation);
+    add(RunFindingKind::EnergyTaken, only.clone(), LOST.max(round_off), At { value: share, ..seen.taken }, explanation);
 
     let held = last.reserve / scale;
     let explanation = format!("its reserve is {}, {} of the energy", three_digits(last.reserve), percent(held));
-    add(RunFindingKind::ReserveHeld, only, held, LOST.max(round_off), last, explanation);
+    add(RunFindingKind::ReserveHeld, only, LOST.max(round_off), end(held), explanation);
 
-    found.extend(halved(measures, last));
+    found.extend(halved(measures, &last));
     if measures.is_static {
         use RunFindingKind::{EnergyTaken, NotConserved, PositiveContactWork};
         found.retain(|finding| !matches!(finding.kind, PositiveContactWork | NotConserved | EnergyTaken));
-        found.extend(leap(rows, scale));
+        found.extend(leap(seen.leap, scale));
     }
     let &Measures { factorizations, discarded, .. } = measures;
     let share = discarded as f64 / factorizations.max(1) as f64;
@@ -364,47 +455,22 @@ fn halved(measures: &Measures, last: &LedgerRow) -> Vec<RunFinding> {
 }
 
 /// The step of statics whose ends explain the least of what its energy has become.
-fn leap(rows: &[LedgerRow], scale: f64) -> Option<RunFinding> {
-    let row = rows.iter().max_by(|a, b| a.energy_defect.abs().total_cmp(&b.energy_defect.abs()))?;
-    let (value, kind) = (row.energy_defect.abs() / scale, RunFindingKind::Leap);
+fn leap(At { value, step, time }: At, scale: f64) -> Option<RunFinding> {
+    let (value, kind) = (value / scale, RunFindingKind::Leap);
     let explanation = format!("the forces at both ends of a step leave {} of the energy unexplained", percent(value));
-    let found = RunFinding { kind, contact: None, value, limit: LEAP, step: row.step, time: row.time, explanation };
+    let found = RunFinding { kind, contact: None, value, limit: LEAP, step, time, explanation };
     (value > LEAP).then_some(found)
 }
 
-/// What contact gave over the energy, in the step that gave most or in all explicit ones together, with the limit, where, and in words.
-fn given<'a>(rows: &'a [LedgerRow], last: &'a LedgerRow, scale: f64, is_explicit: bool) -> (f64, f64, &'a LedgerRow, String) {
+/// Energy that contact gave over that of the run, in the step that gave most or in all explicit ones together: its limit, the value, words.
+fn given(seen: &Gathered, scale: f64, is_explicit: bool, end: impl Fn(f64) -> At) -> (f64, At, String) {
     if is_explicit {
         // Its work is booked at both ends of a step: what the integrator takes back within the same steps it has not given.
-        let sum = |of: fn(&LedgerRow) -> f64| rows.iter().map(of).sum::<f64>();
-        let net = (sum(|row| row.contact_work) + sum(|row| row.energy_defect).min(0.0)) / scale;
-        return (net, CONSERVED, last, format!("its work in all steps together was {net:.1e} of the energy"));
+        let [_, work, defects] = seen.sums;
+        let net = (work + defects.min(0.0)) / scale;
+        return (CONSERVED, end(net), format!("its work in all steps together was {net:.1e} of the energy"));
     }
-    let values = rows.iter().map(|row| (row.contact_work / scale, row));
-    let (given, row) = values.fold((0.0, last), |largest, next| if next.0 > largest.0 * (1.0 + EQUAL) { next } else { largest });
-    (given, GIVEN, row, format!("its work in a step was {given:.1e} of the energy"))
-}
-
-/// The largest share of the energy that the integrator has added or taken up to a step, that step, and what it means in words.
-fn not_conserved<'a>(rows: &'a [LedgerRow], scale: f64, integrator: &str) -> (f64, &'a LedgerRow, String) {
-    let (mut sum, mut given) = (0.0, rows[0].total());
-    let (mut most, mut worst, mut at) = (0.0, 0.0, &rows[0]);
-    let mut growth = 1.0f64;
-    for row in &rows[1..] {
-        sum += row.energy_defect;
-        given += row.load_work + row.contact_work + row.friction_work - row.dissipation;
-        if f64::abs(sum) > most {
-            (most, worst, at) = (sum.abs(), sum, row);
-            growth = row.total() / given;
-        }
-    }
-    let verb = if worst > 0.0 { "added" } else { "took" };
-    let share = most / scale;
-    let explanation = match growth {
-        growth if growth > 2.0 && growth.is_finite() => format!("{integrator} made {growth:.1} times of it"),
-        _ => format!("{integrator} {verb} {} of energy, {}", three_digits(most), percent(share)),
-    };
-    (share, at, explanation)
+    (GIVEN, seen.given, format!("its work in a step was {:.1e} of the energy", seen.given.value))
 }
 
 /// A step size without the round-off of times that were subtracted.
@@ -447,7 +513,7 @@ mod tests {
     #[test]
     fn a_run_as_it_should_be_has_no_findings() {
         assert_eq!(run_findings(&rows(), &measures()), []);
-        assert_eq!(run_findings(&[], &measures()), []);
+        assert_eq!(run_findings::<[LedgerRow]>(&[], &measures()), []);
         let mut rows = rows();
         rows[2].contact_work = 1e-12;
         rows[3].energy_defect = -1e-11;

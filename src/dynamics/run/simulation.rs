@@ -15,6 +15,7 @@ use super::options::{Options, SettleReport, Statistics};
 use super::pace::StepControl;
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
+use super::rows::Rows;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
 use super::stable_step::StableStep;
 use super::state::State;
@@ -352,7 +353,7 @@ impl Simulation {
     }
 
     /// What is remarkable about a run of this simulation with these rows of its ledger.
-    pub fn findings(&self, rows: &[LedgerRow]) -> Vec<RunFinding> {
+    pub fn findings<R: Rows + ?Sized>(&self, rows: &R) -> Vec<RunFinding> {
         let mut found = run_findings(rows, &self.steps.measures());
         found.extend(self.passed_through());
         found.extend(self.passed_obstacle());
@@ -418,7 +419,7 @@ impl Simulation {
     }
 
     /// Whether a run with these rows kept what it should keep of its energy: no energy but by loads, and none lost but by contact.
-    pub fn is_conserving(&self, rows: &[LedgerRow]) -> bool {
+    pub fn is_conserving<R: Rows + ?Sized>(&self, rows: &R) -> bool {
         let is_broken =
             |kind| matches!(kind, RunFindingKind::NotConserved | RunFindingKind::EnergyDefect | RunFindingKind::PositiveContactWork);
         !run_findings(rows, &self.steps.measures()).iter().any(|finding| is_broken(finding.kind))
@@ -426,7 +427,7 @@ impl Simulation {
 
     /// Whether a run with these rows should not be trusted: contact gave energy, energy appeared or vanished although the integrator
     /// keeps it, or bodies have passed into each other or into obstacles.
-    pub fn is_doubtful(&self, rows: &[LedgerRow]) -> bool {
+    pub fn is_doubtful<R: Rows + ?Sized>(&self, rows: &R) -> bool {
         let is_doubt =
             |kind| matches!(kind, RunFindingKind::PositiveContactWork | RunFindingKind::EnergyDefect | RunFindingKind::PassedThrough);
         self.passed.is_some()

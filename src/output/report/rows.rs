@@ -1,6 +1,6 @@
 //! Which rows of a long history a report shows.
 
-use crate::dynamics::LedgerRow;
+use crate::dynamics::{LedgerRow, Rows};
 
 /// Rows that a report shows at most, besides those of its stills.
 pub const ROWS: usize = 4000;
@@ -16,24 +16,30 @@ pub fn measures(row: &LedgerRow) -> [f64; MEASURES] {
 /// Numbers of the rows that a report shows, ascending: all, or of a long history those in `must`, the first and last, and of each stretch
 /// its last row and those with the largest energy defect, the most iterations, the most halvings and the largest contact force, so that no
 /// peak is lost.
-pub fn kept_rows(rows: &[LedgerRow], must: &[usize]) -> Vec<usize> {
+pub fn kept_rows<R: Rows + ?Sized>(rows: &R, must: &[usize]) -> Vec<usize> {
     thinned(rows, must, ROWS)
 }
 
-fn thinned(rows: &[LedgerRow], must: &[usize], most: usize) -> Vec<usize> {
-    if rows.len() <= most {
-        return (0..rows.len()).collect();
+fn thinned<R: Rows + ?Sized>(rows: &R, must: &[usize], most: usize) -> Vec<usize> {
+    let count = rows.count();
+    if count <= most {
+        return (0..count).collect();
     }
-    let sizes: Vec<[f64; MEASURES]> = rows.iter().map(measures).collect();
-    let stretch = rows.len().div_ceil(most / (MEASURES + 1)).max(1);
-    let mut kept: Vec<usize> = must.iter().copied().filter(|&row| row < rows.len()).chain([0, rows.len() - 1]).collect();
-    for start in (0..rows.len()).step_by(stretch) {
-        let end = (start + stretch).min(rows.len());
-        kept.push(end - 1);
-        // The first of equal ones.
-        let peak = |measure: usize| (start..end).rev().max_by(|&a, &b| sizes[a][measure].total_cmp(&sizes[b][measure]));
-        kept.extend((0..MEASURES).filter_map(peak));
-    }
+    let stretch = count.div_ceil(most / (MEASURES + 1)).max(1);
+    let mut kept: Vec<usize> = must.iter().copied().filter(|&row| row < count).chain([0, count - 1]).collect();
+    let (mut index, mut peaks) = (0usize, [(f64::NEG_INFINITY, 0); MEASURES]);
+    rows.visit(0, &mut |row| {
+        for ((largest, place), size) in peaks.iter_mut().zip(measures(row)) {
+            // The first of equal ones.
+            if index.is_multiple_of(stretch) || size.total_cmp(largest).is_gt() {
+                (*largest, *place) = (size, index);
+            }
+        }
+        index += 1;
+        if index.is_multiple_of(stretch) || index == count {
+            kept.extend(peaks.iter().map(|(_, place)| *place).chain([index - 1]));
+        }
+    });
     kept.sort_unstable();
     kept.dedup();
     kept

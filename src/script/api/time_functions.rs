@@ -208,6 +208,11 @@ impl Watched {
         Watched { inner, asked: AtomicBool::new(false), acted: AtomicBool::new(false) }
     }
 
+    /// Whether the function was other than zero so far.
+    pub fn has_acted(&self) -> bool {
+        self.acted.load(Ordering::Relaxed)
+    }
+
     /// Whether it was asked and was zero each time.
     pub fn never_acted(&self) -> bool {
         self.asked.load(Ordering::Relaxed) && !self.acted.load(Ordering::Relaxed)

@@ -13,8 +13,8 @@ use super::failure::Failure;
 use super::handle::{Handle, Receiver};
 use super::host::Host;
 use super::parameter::{Kind, Parameter};
-use super::scan::Target;
-use super::sources::Place;
+use super::scan::{self, Target};
+use super::sources::{Place, offset};
 
 /// Heading of the reference under which a function stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -173,6 +173,11 @@ impl<'a> Call<'a> {
     /// Name of the source in which the call stands.
     pub fn source(&self) -> String {
         self.context.call_source().unwrap_or_default().to_string()
+    }
+
+    /// Whether the value of the call, which stands at a dot or a bracket of this text, is indexed at once.
+    pub fn is_indexed(&self, text: &str) -> bool {
+        offset(text, self.position()).is_some_and(|start| scan::is_indexed(&scan::lexemes(self.engine(), text), start))
     }
 
     /// The place of the call, or of a part of it.

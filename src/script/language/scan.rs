@@ -92,6 +92,32 @@ pub fn name_after_dot(lexemes: &[Lexeme], start: usize) -> usize {
     dot.map_or(start, |pair| pair[1].range.start)
 }
 
+/// The token behind a bracket that opens at `start`.
+pub fn behind_bracket(lexemes: &[Lexeme], start: usize) -> Option<Range<usize>> {
+    let opens = |lexeme: &Lexeme| matches!(lexeme.token, Token::LeftBracket | Token::QuestionBracket);
+    lexemes.windows(2).find(|pair| pair[0].range.start == start && opens(&pair[0])).map(|pair| pair[1].range.clone())
+}
+
+/// Whether the value of `.name` or `[index]` at `start` is indexed at once: `[` comes next.
+pub fn is_indexed(lexemes: &[Lexeme], start: usize) -> bool {
+    let Some(begin) = lexemes.iter().position(|lexeme| lexeme.range.start == start) else { return false };
+    let opens = |token: &Token| matches!(token, Token::LeftBracket | Token::QuestionBracket);
+    let end = match &lexemes[begin].token {
+        Token::Period | Token::Elvis => begin + 1,
+        token if opens(token) => {
+            let mut depth = 0usize;
+            let closes = |lexeme: &Lexeme| {
+                depth += usize::from(opens(&lexeme.token));
+                depth -= usize::from(matches!(lexeme.token, Token::RightBracket));
+                depth == 0
+            };
+            begin + lexemes[begin..].iter().position(closes).unwrap_or(lexemes.len())
+        }
+        _ => return false,
+    };
+    lexemes.get(end + 1).is_some_and(|next| opens(&next.token))
+}
+
 /// The end of the token before `start`.
 pub fn end_before(lexemes: &[Lexeme], start: usize) -> Option<Range<usize>> {
     let last = lexemes.iter().rev().find(|lexeme| lexeme.range.start < start && !lexeme.range.is_empty())?;

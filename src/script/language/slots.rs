@@ -5,12 +5,12 @@
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// One value of each type.
 #[derive(Default)]
-pub struct Slots(RefCell<HashMap<TypeId, Rc<dyn Any>>>);
+pub struct Slots(RefCell<BTreeMap<TypeId, Rc<dyn Any>>>);
 
 impl Slots {
     /// The value of a type; its default the first time.

@@ -30,6 +30,7 @@ use crate::script::api::simulations::harmonic::ResponseHandle;
 use crate::script::api::simulations::history::HistoryHandle;
 use crate::script::api::simulations::integrators::IntegratorHandle;
 use crate::script::api::simulations::joints::JointHandle;
+use crate::script::api::simulations::known_columns::register_column_cells;
 use crate::script::api::simulations::modes::ModesHandle;
 use crate::script::api::simulations::paths::PathHandle;
 use crate::script::api::simulations::probes::ProbeHandle;
@@ -82,6 +83,7 @@ pub fn engine(host: &Rc<Host>) -> Engine {
     if host.is_check() {
         register_settle_to_come(&mut engine);
     }
+    register_column_cells(&mut engine);
     let mut registry = Registry::new(types);
     let mut module = Module::new();
     registry.add(&mut module, host, functions());

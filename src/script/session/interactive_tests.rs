@@ -238,7 +238,7 @@ fn objects_are_shown_as_tables() {
 fn history_of(session: &Interactive, number: usize) -> Vec<String> {
     let simulations = Simulations::of(&session.session.host);
     let simulations = simulations.0.borrow();
-    simulations[number].0.history.borrow().iter().map(|row| format!("{row:?}")).collect()
+    simulations[number].0.history.borrow().rows(0, usize::MAX).iter().map(|row| format!("{row:?}")).collect()
 }
 
 fn history(session: &Interactive) -> Vec<String> {
@@ -355,7 +355,9 @@ fn the_record_of_a_long_exploration_runs_to_the_same_bytes() {
     assert!(report.error.is_none(), "{}\n{script}", report.error.unwrap().render(Ink::Plain));
     let simulations = Simulations::of(&again.host);
     let simulations = simulations.0.borrow();
-    let rows = |number: usize| -> Vec<String> { simulations[number].0.history.borrow().iter().map(|row| format!("{row:?}")).collect() };
+    let rows = |number: usize| -> Vec<String> {
+        simulations[number].0.history.borrow().rows(0, usize::MAX).iter().map(|row| format!("{row:?}")).collect()
+    };
     assert_eq!(rows(0), first);
     // the branch of the interrupted loop, and the simulations of the one that made and changed several
     assert!(simulations.len() > 3, "{script}");

@@ -24,6 +24,7 @@ use crate::script::api::parameters::{Overrides, check_overrides};
 use crate::script::api::simulations::ending;
 use crate::script::api::simulations::handle::{SimulationHandle, Simulations};
 use crate::script::api::simulations::journal::Journal;
+use crate::script::api::simulations::known_columns::CELL_INDEXER;
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::{explain, explain_failure};
 use crate::script::language::failure::Class;
@@ -125,7 +126,8 @@ impl Session {
     /// The definition file of the language for its language server.
     pub fn definitions(&self) -> String {
         let all = self.engine.borrow().definitions().include_standard_packages(false).single_file();
-        all.split("\n\n").filter(|block| !block.contains(KEEP_CONTEXT)).collect::<Vec<_>>().join("\n\n")
+        let is_internal = |block: &&str| [KEEP_CONTEXT, CELL_INDEXER].iter().any(|internal| block.contains(internal));
+        all.split("\n\n").filter(|block| !is_internal(block)).collect::<Vec<_>>().join("\n\n")
     }
 
     /// Sixteen digits that other texts of the scripts, or of the files that they have read so far, do not share.

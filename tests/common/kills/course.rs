@@ -8,8 +8,12 @@ use super::super::run_files::difference;
 use super::super::splitmix::SplitMix;
 use super::generator::{TABLE, script};
 
-/// Signals that end a run, as `kill` names them.
+/// Rows of the killed run.
+const ROWS: &str = "k/history.csv";
+/// Signals that end a run, as `kill` names them; `timeout` sends each to the process and to its group.
 const SIGNALS: [&str; 5] = ["-KILL", "-KILL", "-TERM", "-INT", "-HUP"];
+/// Time between two signals of `timeout`, at most.
+const APART: Duration = Duration::from_millis(30);
 /// How often a run is disturbed at most.
 const MOST_KILLS: usize = 4;
 /// How long a run may take.
@@ -22,6 +26,8 @@ pub struct Course {
     pub fault: Option<String>,
     /// Kills.
     pub kills: usize,
+    /// Kills by two signals in a moment that ended the run as one signal does.
+    pub doubled: usize,
     /// Programs that went on from a checkpoint.
     pub resumed: usize,
     /// Exit code of the undisturbed run.
@@ -42,8 +48,8 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
     let every = ["1", "2", "5", "20", "1min"][random.below(5)];
     let mut kills = 1 + random.below(MOST_KILLS);
     for _ in 0..4 * MOST_KILLS {
-        let has_checkpoint = std::fs::read_dir(home.join("k/checkpoints"))
-            .is_ok_and(|all| all.flatten().any(|entry| entry.path().extension().is_some_and(|ending| ending == "checkpoint")));
+        let has_checkpoint = has_checkpoint(home);
+        let rows_before = std::fs::read(home.join(ROWS)).ok();
         let threads = ["1", "2"][random.below(2)];
         let arguments: &[&str] = if has_checkpoint {
             &["resume", "k", "--quiet", "--checkpoint", every, "--threads", threads]
@@ -52,6 +58,7 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
         };
         found.resumed += usize::from(has_checkpoint);
         let mut child = command(program, home, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut is_doubled = false;
         let is_killed = kills > 0 && {
             std::thread::sleep(took.mul_f64(random.below(1000) as f64 / 900.0));
             kills -= 1;
@@ -59,10 +66,24 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
         };
         if is_killed {
             found.kills += 1;
-            signal(&child, SIGNALS[random.below(SIGNALS.len())]);
+            let name = SIGNALS[random.below(SIGNALS.len())];
+            signal(&child, name);
+            is_doubled = random.below(2) == 0 && name != "-KILL";
+            if is_doubled {
+                std::thread::sleep(APART.mul_f64(random.below(1000) as f64 / 1000.0));
+                signal(&child, name);
+            }
         }
         let output = ended(child);
         let code = output.status.code();
+        if is_doubled && code == Some(130) {
+            found.doubled += 1;
+            let has_steps = has_checkpoint || std::fs::read(home.join(ROWS)).ok() != rows_before;
+            if let Some(fault) = unfinished(home, &output, has_steps) {
+                found.fault = Some(fault);
+                return found;
+            }
+        }
         if is_killed && (code.is_none() || code == Some(130)) {
             continue;
         }
@@ -71,6 +92,23 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
     }
     found.fault = Some("it does not come to its end".into());
     found
+}
+
+/// Whether the killed run has a checkpoint.
+fn has_checkpoint(home: &Path) -> bool {
+    let entries = std::fs::read_dir(home.join("k/checkpoints")).into_iter().flatten().flatten();
+    entries.into_iter().any(|entry| entry.path().extension().is_some_and(|ending| ending == "checkpoint"))
+}
+
+/// Fault of a run that was interrupted: no message, or no checkpoint where a simulation has taken steps.
+fn unfinished(home: &Path, output: &Output, has_steps: bool) -> Option<String> {
+    let told = String::from_utf8_lossy(&output.stderr);
+    let steps = std::fs::read_to_string(home.join(ROWS)).map_or(0, |text| text.lines().count());
+    match (told.contains("interrupted"), has_checkpoint(home) || !has_steps || steps < 3) {
+        (false, _) => Some(format!("two signals in a moment ended the run at once: {told}")),
+        (_, false) => Some(format!("two signals in a moment left no checkpoint: {told}")),
+        _ => None,
+    }
 }
 
 /// What is wrong with a run that has come to its end.

@@ -1,9 +1,16 @@
 //! Random scripts that use all that makes the course of a run: states and ways back, branches, closures after steps, probes, files,
-//! studies, failures that are caught.
+//! studies, failures that are caught; models of every kind with their readers ([`SCENES`]); and the examples of the language, so that
+//! every function is called.
 
 use std::fmt::Write as _;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::OnceLock;
+
+use conserva::script::{Session, Settings, Silent};
 
 use super::super::splitmix::SplitMix;
+use super::scenes::{COMMON, SCENES};
 
 /// A table that scripts read.
 pub const TABLE: &str = "t,size\n0.0,1.0\n0.1,2.5\n0.3,0.5\n";
@@ -23,6 +30,27 @@ struct Known {
     /// Variables with states of it.
     states: Vec<String>,
     probes: usize,
+    /// Statements that read it, with `{s}` for its variable.
+    readers: Vec<String>,
+}
+
+/// Examples in a script.
+const EXAMPLES: usize = 2;
+
+/// Functions of the language with their examples.
+pub fn examples() -> &'static [(String, String)] {
+    static ALL: OnceLock<Vec<(String, String)>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        let session = Session::new(Settings::default(), Path::new("."), Rc::new(Silent)).unwrap();
+        let registry = session.registry();
+        registry.functions().iter().map(|function| (function.signature(), function.example.to_string())).collect()
+    })
+}
+
+/// Numbers of the examples in the script of a seed; consecutive seeds use all examples.
+pub fn examples_of(seed: u64) -> impl Iterator<Item = usize> {
+    let count = examples().len();
+    (0..EXAMPLES).map(move |index| (EXAMPLES * (seed as usize % count) + index) % count)
 }
 
 /// Writes a script.
@@ -42,8 +70,13 @@ pub fn script(seed: u64) -> String {
     writer.line("let damped = viscous(soft, #{ shear_viscosity: 0.5, bulk_viscosity: 0.5 });");
     writer.line("let heap = [];");
     writer.simulation();
-    for _ in 0..6 + writer.random.below(22) {
+    let count = 6 + writer.random.below(22);
+    let places: Vec<(usize, usize)> = examples_of(seed).map(|example| (writer.random.below(count), example)).collect();
+    for place in 0..count {
         writer.statement();
+        for (_, example) in places.iter().filter(|(at, _)| *at == place) {
+            writer.line(&format!("try {{\n{}\n}} catch (e) {{ print(`example: ${{e}}`); }}", examples()[*example].1));
+        }
     }
     let mut text = writer.text;
     for known in &writer.simulations {
@@ -69,6 +102,9 @@ impl Writer {
 
     /// A model and a simulation of it.
     fn simulation(&mut self) {
+        if self.chance(40) {
+            return self.scene();
+        }
         let (model, body, name) = (self.fresh("m"), self.fresh("b"), self.fresh("s"));
         let material = *self.random.pick(&["soft", "slow", "damped"]);
         let title = *self.random.pick(&["drop", "drop", "plate two", "r/ing"]);
@@ -139,7 +175,26 @@ impl Writer {
         }
         let _ = write!(made, "let {name} = simulate({model}, #{{ {options} }});");
         self.line(&made);
-        self.simulations.push(Known { name, body, dt, contact, is_held, states: Vec::new(), probes: 0 });
+        let readers = COMMON.iter().map(|text| text.replace("{b}", &body)).collect();
+        self.simulations.push(Known { name, body, dt, contact, is_held, states: Vec::new(), probes: 0, readers });
+    }
+
+    /// A simulation of one of the scenes.
+    fn scene(&mut self) {
+        let scene = self.random.pick(SCENES);
+        let (model, body, name) = (self.fresh("m"), self.fresh("b"), self.fresh("s"));
+        let unique = self.names.to_string();
+        let own = |text: &str| text.replace("{m}", &model).replace("{b}", &body).replace("{x}", &unique);
+        let integrator = *self.random.pick(scene.integrators);
+        let dt = if integrator == "statics" { 0.1 } else { *self.random.pick(&[0.004, 0.01]) };
+        let mut options = format!("integrator: {integrator}(), dt: {dt:?}");
+        if self.chance(60) {
+            let _ = write!(options, ", fields_every: {:?}", dt * *self.random.pick(&[1.0, 2.0, 3.5, 8.0]));
+        }
+        self.line(&format!("let {model} = model(\"{model}\");\n{}\nlet {name} = simulate({model}, #{{ {options} }});", own(scene.model)));
+        let readers = scene.readers.iter().chain(COMMON).map(|text| own(text)).collect();
+        let (contact, is_held) = (scene.contact, scene.is_held);
+        self.simulations.push(Known { name, body, dt, contact, is_held, states: Vec::new(), probes: 0, readers });
     }
 
     /// One thing that a script may do.
@@ -149,7 +204,7 @@ impl Writer {
             let known = &self.simulations[index];
             (known.name.clone(), known.body.clone(), known.dt, known.contact)
         };
-        match self.random.below(34) {
+        match self.random.below(44) {
             0..=4 => {
                 let count = 1 + self.random.below(12);
                 self.line(&format!("{name}.step({count});"));
@@ -167,8 +222,9 @@ impl Writer {
             15 if self.simulations.len() < 5 => {
                 let branch = self.fresh("s");
                 self.line(&format!("let {branch} = {name}.branch();"));
-                let is_held = self.simulations[index].is_held;
-                self.simulations.push(Known { name: branch, body, dt, contact, is_held, states: Vec::new(), probes: 0 });
+                let Known { is_held, readers, .. } = &self.simulations[index];
+                let (is_held, readers) = (*is_held, readers.clone());
+                self.simulations.push(Known { name: branch, body, dt, contact, is_held, states: Vec::new(), probes: 0, readers });
             }
             16 if self.simulations.len() < 4 => self.simulation(),
             17 => {
@@ -241,6 +297,10 @@ impl Writer {
                 let file = self.fresh("c");
                 self.line(&format!("let {file} = read_csv(\"table.csv\");\nprint({file}.size[1] * {name}.time);"));
             }
+            33..=41 => {
+                let reader = self.random.pick(&self.simulations[index].readers).replace("{s}", &name);
+                self.line(&format!("try {{ {reader} }} catch (e) {{ print(e); }}"));
+            }
             _ => {
                 if let Some(contact) = contact {
                     self.line(&format!("let c = {name}.contact(\"{contact}\"); print(`${{c.force}} ${{c.gap}} ${{c.active}}`);"));
@@ -273,12 +333,14 @@ impl Writer {
     fn hook(&mut self, index: usize) {
         let (name, contact) = (self.simulations[index].name.clone(), self.simulations[index].contact);
         let every = 2 + self.random.below(9);
-        let action = match (self.random.below(5), contact) {
+        let reader = self.random.pick(&self.simulations[index].readers).replace("{s}", "sim");
+        let action = match (self.random.below(7), contact) {
             (0, _) => "print(`${sim.time}: ${sim.energy.total}`)".to_string(),
             (1, Some(contact)) => format!("print(`${{sim.contact(\"{contact}\").force}}`)"),
             (2, _) => "heap.push(sim.save())".into(),
             (3, _) => "sim.picture(\"hook.svg\", #{ width: 240 })".into(),
             (4, _) => "sim.movie(\"hook.gif\", #{ width: 240, seconds: 1 })".into(),
+            (5 | 6, _) if !reader.contains("step(") => format!("try {{ {reader} }} catch (e) {{ print(e); }}"),
             _ => "print(sim)".into(),
         };
         self.line(&format!("{name}.on_step(|sim| {{ if sim.steps % {every} == 0 {{ {action}; }} }});"));

@@ -3,7 +3,7 @@
 use rhai::{Dynamic, EvalAltResult};
 
 use super::verdicts::{failed, only_listed, passed};
-use crate::dynamics::LedgerRow;
+use crate::dynamics::{LedgerRow, Rows};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::Inertia;
@@ -61,16 +61,21 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     let rows = handle.0.history.borrow();
     // The first step that begins at `after` or later; it may begin a little before, because steps meet a time only up to round-off.
     let begins = |row: &LedgerRow| row.time >= after - SAME_MOMENT * after.abs().max(row.dt);
-    let window = &rows[rows.iter().position(begins).unwrap_or(rows.len())..];
-    if window.len() < 2 {
+    let (mut index, mut first, mut kinetic) = (0, None, 0.0);
+    rows.visit(0, &mut |row| {
+        raise(&mut kinetic, row.kinetic);
+        first = first.or_else(|| begins(row).then_some(index));
+        index += 1;
+    });
+    let Some(first) = first.filter(|first| first + 2 <= index) else {
         let failure = failed(call, format!("the simulation \"{}\" took no step after t = {}", handle.0.name, number_text(after)));
         let end = rows.last().map_or(0.0, |row| row.time);
         return Err(failure
             .cause(format!("it ended at t = {}", number_text(end)))
             .hint("run it longer, or choose an earlier `after`")
             .into());
-    }
-    let drift = worst_drift(&quantity, window, &rows, Inertia::of(&handle.0.model.model));
+    };
+    let drift = worst_drift(&quantity, &*rows, first, kinetic, Inertia::of(&handle.0.model.model));
     let measured = format!("{what} drifts by {} at most, at step {} (t = {})", significant(drift.size, 3), drift.step, brief(drift.time));
     if drift.size <= tolerance {
         return passed(call, &format!("ok  {measured}; tolerance {}", number_text(tolerance)));
@@ -82,29 +87,27 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
         brief(drift.scale),
         brief(drift.first)
     ));
+    let [rubs, loaded, touched, heated] = drift.acted;
     let hint = match quantity.as_str() {
-        "energy" if window[1..].iter().any(|row| row.friction_work != 0.0) => {
-            "friction turns energy into heat: write \"ledger\", which asks whether all of it is booked"
-        }
-        "energy" if window[1..].iter().any(|row| row.load_work != 0.0) => "a load does work in this time: choose a later `after`",
-        "energy" if window[1..].iter().any(|row| row.contact_work != 0.0) => {
-            "closing contact costs energy under the update rule \"gap\"; \"ledger\" asks whether all of it is booked"
-        }
-        "energy" if window[1..].iter().any(|row| row.dissipation > 0.0) => {
-            "viscous materials turn energy into heat; \"ledger\" asks whether all of it is booked"
-        }
+        "energy" if rubs => "friction turns energy into heat: write \"ledger\", which asks whether all of it is booked",
+        "energy" if loaded => "a load does work in this time: choose a later `after`",
+        "energy" if touched => "closing contact costs energy under the update rule \"gap\"; \"ledger\" asks whether all of it is booked",
+        "energy" if heated => "viscous materials turn energy into heat; \"ledger\" asks whether all of it is booked",
         "energy" | "ledger" => "only `energy_momentum()` conserves the energy for every step size",
         _ => "supports and loads change momenta",
     };
     Err(failure.hint(hint).into())
 }
 
+#[derive(Default)]
 struct Drift {
     size: f64,
     scale: f64,
     first: f64,
     step: usize,
     time: f64,
+    /// Whether friction, loads, contact and viscosity did work.
+    acted: [bool; 4],
 }
 
 fn title(quantity: &str) -> &'static str {
@@ -120,36 +123,48 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
 
-/// The largest drift of a quantity over a window of rows, relative to its scale: the largest energy, or the momentum that the bodies
-/// would have if all their kinetic energy were translation.
-fn worst_drift(quantity: &str, window: &[LedgerRow], rows: &[LedgerRow], inertia: Inertia) -> Drift {
-    let largest =
-        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |largest, value| if value <= largest { largest } else { value });
-    let kinetic = largest(&mut rows.iter().map(|row| row.kinetic));
+/// Largest drift of a quantity over the rows from the one of index `begin` on, relative to its scale: the largest energy, or the
+/// momentum that the bodies would have if all their kinetic energy were translation.
+fn worst_drift<R: Rows + ?Sized>(quantity: &str, rows: &R, begin: usize, kinetic: f64, inertia: Inertia) -> Drift {
     let bound = (2.0 * inertia.mass * kinetic).max(0.0).sqrt();
-    let first = &window[0];
     let difference = |a: [f64; 3], b: [f64; 3]| length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
-    let energy = largest(&mut window.iter().map(LedgerRow::energy_scale));
-    let (scale, value, change): (f64, f64, Vec<f64>) = match quantity {
-        "energy" => (energy, first.total(), window.iter().map(|row| (row.total() - first.total()).abs()).collect()),
-        "momentum" => (
-            largest(&mut window.iter().map(|row| length(row.momentum))).max(bound),
-            length(first.momentum),
-            window.iter().map(|row| difference(row.momentum, first.momentum)).collect(),
-        ),
-        "angular_momentum" => (
-            largest(&mut window.iter().map(|row| length(row.angular_momentum))).max(bound * inertia.radius),
-            length(first.angular_momentum),
-            window.iter().map(|row| difference(row.angular_momentum, first.angular_momentum)).collect(),
-        ),
-        _ => (
-            energy,
-            first.total(),
-            window.iter().enumerate().map(|(index, row)| if index == 0 { 0.0 } else { row.energy_defect.abs() }).collect(),
-        ),
+    let [mut energy, mut momentum, mut angular] = [0.0; 3];
+    let (mut first, mut worst): (Option<LedgerRow>, Option<f64>) = (None, None);
+    let mut drift = Drift::default();
+    rows.visit(begin, &mut |row| {
+        raise(&mut energy, row.energy_scale());
+        raise(&mut momentum, length(row.momentum));
+        raise(&mut angular, length(row.angular_momentum));
+        let is_first = first.is_none();
+        let first = first.get_or_insert_with(|| row.clone());
+        let change = match quantity {
+            "energy" => (row.total() - first.total()).abs(),
+            "momentum" => difference(row.momentum, first.momentum),
+            "angular_momentum" => difference(row.angular_momentum, first.angular_momentum),
+            _ if is_first => 0.0,
+            _ => row.energy_defect.abs(),
+        };
+        // A value that is no number counts as the largest here, so that a broken run cannot pass.
+        if worst.is_none_or(|worst| change.total_cmp(&worst).is_ge()) {
+            (worst, drift.step, drift.time) = (Some(change), row.step, row.time);
+        }
+        if is_first {
+            return;
+        }
+        let acts = [row.friction_work != 0.0, row.load_work != 0.0, row.contact_work != 0.0, row.dissipation > 0.0];
+        drift.acted.iter_mut().zip(acts).for_each(|(acted, acts)| *acted |= acts);
+    });
+    let (first, change) = (first.unwrap_or_default(), worst.unwrap_or(0.0));
+    (drift.scale, drift.first) = match quantity {
+        "momentum" => (momentum.max(bound), length(first.momentum)),
+        "angular_momentum" => (angular.max(bound * inertia.radius), length(first.angular_momentum)),
+        _ => (energy, first.total()),
     };
-    // A value that is no number counts as the largest here, so that a broken run cannot pass.
-    let worst = (0..change.len()).max_by(|&a, &b| change[a].total_cmp(&change[b])).unwrap_or(0);
-    let size = if change[worst] == 0.0 { 0.0 } else { change[worst] / scale };
-    Drift { size, scale, first: value, step: window[worst].step, time: window[worst].time }
+    drift.size = if change == 0.0 { 0.0 } else { change / drift.scale };
+    drift
+}
+
+/// Maximum of two values; NaN counts as the largest.
+fn raise(most: &mut f64, value: f64) {
+    *most = if value <= *most { *most } else { value };
 }

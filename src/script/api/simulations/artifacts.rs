@@ -8,9 +8,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::columns::{further_values, model_columns};
-use crate::dynamics::{LedgerRow, Model, Partner, Simulation};
+use crate::dynamics::{LedgerRow, Model, Partner, Rows, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
-use crate::output::{FieldSeries, FieldWriter, Frame, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings};
+use crate::output::{
+    FieldSeries, FieldWriter, Frame, History, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings,
+};
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
 use crate::script::language::digits::brief;
@@ -113,7 +115,8 @@ impl Artifacts {
     /// A file that cannot be written.
     pub fn accepted(&mut self, row: &LedgerRow, simulation: &mut Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
-        self.csv.append(row, &further_values(&self.model, row)).map_err(|error| output_failure(&error))?;
+        let further = if self.csv.is_recalled() { Vec::new() } else { further_values(&self.model, row) };
+        self.csv.append(row, &further).map_err(|error| output_failure(&error))?;
         self.show_row(self.csv.rows() - 1, row);
         self.series.check().map_err(|error| output_failure(&error))?;
         // Only the last of several pieces of a step has fields, because the simulation stands there.
@@ -153,22 +156,24 @@ impl Artifacts {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn rewrite(&mut self, before: &[LedgerRow], after: &[LedgerRow], simulation: &Simulation) -> Result<(), Failure> {
+    pub fn rewrite(&mut self, before: &History, after: &History, simulation: &Simulation) -> Result<(), Failure> {
         let begun = Instant::now();
-        let same = before.iter().zip(after).take_while(|(a, b)| a == b).count();
-        let mut rewrite = || {
-            self.csv.keep(same)?;
-            after[same..].iter().try_for_each(|row| self.csv.append(row, &further_values(&self.model, row)))
-        };
-        rewrite().map_err(|error| output_failure(&error))?;
+        let same = before.common(after);
+        let mut rewritten = self.csv.keep(same);
+        after.visit(same, &mut |row| {
+            if rewritten.is_ok() {
+                rewritten = self.csv.append(row, &further_values(&self.model, row));
+            }
+        });
+        rewritten.map_err(|error| output_failure(&error))?;
         // A probe that was added has changed the last row, and no field.
-        let is_same_moment = |(a, b): &(&LedgerRow, &LedgerRow)| {
-            LedgerRow { probes: Vec::new(), ..(*a).clone() } == LedgerRow { probes: Vec::new(), ..(*b).clone() }
-        };
-        let shown = same + before[same..].iter().zip(&after[same..]).take_while(is_same_moment).count();
+        let without = |row: &LedgerRow| LedgerRow { probes: Vec::new(), ..row.clone() };
+        let shown = before.alike(after, same, |a, b| without(a) == without(b));
         self.each_series(|series| series.cut(shown)).map_err(|error| output_failure(&error))?;
         self.live.iter_mut().for_each(|live| live.cut(same));
-        after[same..].iter().enumerate().for_each(|(index, row)| self.show_row(same + index, row));
+        if self.live.is_some() {
+            self.show_rows(after, same);
+        }
         if !self.recalls && shown < before.len().max(after.len()) {
             self.recording.keep(shown);
             if after.len() > shown {
@@ -232,13 +237,18 @@ impl Artifacts {
     ///
     /// # Errors
     /// A file that cannot be written; a frame that is not that of its moment.
-    pub fn go_on(&mut self, recording: Recording, history: &[LedgerRow]) -> Result<(), Failure> {
+    pub fn go_on(&mut self, recording: Recording, history: &History, known: Option<(u64, u32)>) -> Result<(), Failure> {
         if !std::mem::take(&mut self.recalls) {
             return Ok(());
         }
         self.record_behind(recording);
         let model = &self.model;
-        let begun = self.csv.begin(history.iter().map(|row| (row, further_values(model, row))));
+        let last = known.zip(history.last());
+        let taken = last.map_or(Ok(false), |(known, row)| self.csv.take_over(known, row, &further_values(model, row)));
+        let begun = match taken {
+            Ok(false) => self.csv.begin(history, |row| further_values(model, row)),
+            taken => taken.map(drop),
+        };
         let mut strange = None;
         let listed = self.each_series(|series| {
             strange = series.go_on()?.or(strange);
@@ -250,6 +260,11 @@ impl Artifacts {
             .code("C0954")
             .cause("what the script does must follow from its text, its parameters and the files that it reads")
             .hint("run the script anew with `conserva run`"))
+    }
+
+    /// Length and CRC-32 of the history on the disk.
+    pub fn digest(&mut self) -> Option<(u64, u32)> {
+        self.csv.digest()
     }
 
     /// Whether the steps so far are those of an earlier program.
@@ -311,15 +326,23 @@ impl Artifacts {
     }
 
     /// Shows everything from here on to those who follow the run; `history` is what there is so far.
-    pub fn show_to(&mut self, live: LiveSimulation, history: &[LedgerRow]) {
+    pub fn show_to(&mut self, live: LiveSimulation, history: &History) {
         self.live = Some(live);
-        history.iter().enumerate().for_each(|(number, row)| self.show_row(number, row));
+        self.show_rows(history, 0);
         self.show_stills();
     }
 
     /// Those who follow the run.
     pub fn live(&mut self) -> Option<&mut LiveSimulation> {
         self.live.as_mut()
+    }
+
+    fn show_rows(&mut self, history: &History, from: usize) {
+        let mut number = from;
+        history.visit(from, &mut |row| {
+            self.show_row(number, row);
+            number += 1;
+        });
     }
 
     fn show_row(&mut self, number: usize, row: &LedgerRow) {

@@ -26,7 +26,7 @@ pub fn last_frames(host: &Host) -> Result<(), Failure> {
     let write = |handle: &SimulationHandle| {
         let (Ok(simulation), mut artifacts) = (handle.0.simulation.try_borrow(), handle.0.artifacts.borrow_mut()) else { return Ok(()) };
         let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
-        artifacts.complete(&simulation)
+        artifacts.complete(&simulation).and_then(|()| handle.check_rows())
     };
     Simulations::of(host).0.borrow().iter().map(write).fold(Ok(()), Result::and)
 }
@@ -72,10 +72,10 @@ fn finish_simulation(
         let mut artifacts = data.artifacts.borrow_mut();
         // Before it has come to where the interrupted run was, nothing is to be told of it.
         let Some(artifacts) = artifacts.as_mut().filter(|artifacts| !artifacts.recalls()) else { return Ok(()) };
-        let picture = svg(&energies(&data.name, &history).draw());
+        let picture = svg(&energies(&data.name, &*history).draw());
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))
     };
-    let is_conserving = simulation.is_conserving(&history);
+    let is_conserving = simulation.is_conserving(&*history);
     let is_well = outcome == COMPLETED && is_conserving;
     let ended = if outcome == COMPLETED && !is_conserving { NOT_CONSERVING } else { outcome };
     let refused = drawn.and(write_at_end(host, handle, Ending { outcome: ended.into(), is_well })).err();
@@ -91,10 +91,10 @@ fn finish_simulation(
         peak_memory_bytes: peak_memory_bytes(),
         ..common(host, ended)
     };
-    summary.book(&EnergyAccount::of(&history));
+    summary.book(&EnergyAccount::of(&*history));
     summary.count(&simulation.statistics());
-    summary.tell(&simulation.findings(&history), simulation.halvings());
-    summary.judge(&drifts(&history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
+    summary.tell(&simulation.findings(&*history), simulation.halvings());
+    summary.judge(&drifts(&*history, simulation.loads_ended(), Some(Inertia::of(&data.model.model))));
     let mut artifacts = data.artifacts.borrow_mut();
     let Some(artifacts) = artifacts.as_mut() else { return Ok(()) };
     let summarized = artifacts.write(SUMMARY, summary.to_json().as_bytes()).map_err(|error| output_failure(&error));

@@ -12,8 +12,10 @@ use super::artifacts::{Artifacts, Keeping};
 use super::columns::Probe;
 use super::integrators::title;
 use super::journal::Journal;
+use super::known_columns::KnownColumns;
 use super::step_control::step_size;
 use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
+use crate::output::History;
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::api::motion::Motion;
@@ -43,7 +45,9 @@ pub struct SimulationData {
     /// The kernels.
     pub simulation: RefCell<Simulation>,
     /// One row for each accepted step, after the row of the beginning.
-    pub history: RefCell<Vec<LedgerRow>>,
+    pub history: RefCell<History>,
+    /// Columns of the history that the script has read.
+    pub columns: RefCell<KnownColumns>,
     /// Files of the run.
     pub artifacts: RefCell<Option<Artifacts>>,
     /// For each contact pair of the model: the time at which it was first seen closed.
@@ -163,9 +167,9 @@ impl SimulationData {
     /// Where energy came from and went to so far, and what else is remarkable about the run, a line each.
     pub fn remarks(&self, simulation: &Simulation) -> Vec<String> {
         let history = self.history.borrow();
-        let account = EnergyAccount::of(&history).to_string();
+        let account = EnergyAccount::of(&*history).to_string();
         let energy = (!account.is_empty()).then(|| format!("  energy since the start: {account}"));
-        let found = simulation.findings(&history);
+        let found = simulation.findings(&*history);
         energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
     }
 
@@ -280,10 +284,11 @@ impl SimulationHandle {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn replace_history(&self, rows: Vec<LedgerRow>) -> Result<(), Failure> {
+    pub fn replace_history(&self, rows: History) -> Result<(), Failure> {
         if let (Some(artifacts), Ok(simulation)) = (self.0.artifacts.borrow_mut().as_mut(), self.0.simulation.try_borrow()) {
             artifacts.rewrite(&self.0.history.borrow(), &rows, &simulation)?;
         }
+        self.0.columns.borrow_mut().forget();
         *self.0.history.borrow_mut() = rows;
         Ok(())
     }

@@ -1,14 +1,17 @@
 //! The history of a simulation as columns.
 
+use std::rc::Rc;
+
 use rhai::{Array, Dynamic};
 
 use super::columns::{further_values, model_columns, probe_columns};
 use super::handle::SimulationHandle;
-use crate::dynamics::LedgerRow;
+use super::known_columns::{CellPlaces, ColumnCells};
+use crate::dynamics::{LedgerRow, Rows};
 use crate::output::is_count;
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
-use crate::script::language::failure::Failure;
+use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
@@ -76,19 +79,29 @@ fn column() -> Function {
         body: body(|call| {
             let (HistoryHandle(handle), name) = (call.receiver::<HistoryHandle>(), call.text("name")?);
             handle.refuse_in_check(call)?;
-            match handle.column(&name) {
-                // Counts are whole numbers, so that they index arrays and print as such.
-                Some(values) if is_count(&name) => {
-                    Ok(values.into_iter().map(|value| Dynamic::from(value as i64)).collect::<Array>().into())
-                }
-                Some(values) => Ok(values.into_iter().map(Dynamic::from).collect::<Array>().into()),
-                None => Err(unknown_column(call, &handle, &name).into()),
+            let values = handle.known_column(&name).ok_or_else(|| unknown_column(call, &handle, &name))?;
+            handle.check_rows()?;
+            if CellPlaces::has(call) {
+                return Ok(Dynamic::from(ColumnCells::new(values, is_count(&name))));
             }
+            // Counts are whole numbers, so that they index arrays and print as such.
+            let entry = |value: &f64| if is_count(&name) { Dynamic::from(*value as i64) } else { Dynamic::from(*value) };
+            Ok(values.iter().map(entry).collect::<Array>().into())
         }),
     }
 }
 
 impl SimulationHandle {
+    /// Refuses a history whose older rows the disk has lost.
+    ///
+    /// # Errors
+    /// Rows could not be read back.
+    pub fn check_rows(&self) -> Result<(), Failure> {
+        let Some(problem) = self.0.history.borrow().problem() else { return Ok(()) };
+        let failure = Failure::new(Class::Output, "rows of the history cannot be read back from the disk").code("C0970").cause(problem);
+        Err(failure.hint("see that the disk of the output folder is sound, and run the script again"))
+    }
+
     /// Names of the columns of its history: those of the ledger, of each contact pair, and of each probe.
     pub fn columns(&self) -> Vec<String> {
         let ledger = LedgerRow::columns(self.0.model.model.dimension()).into_iter().map(String::from);
@@ -97,19 +110,40 @@ impl SimulationHandle {
 
     /// A column of its history; NaN where it had no value yet.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
-        self.column_of(&self.0.history.borrow(), name)
+        self.column_of(&*self.0.history.borrow(), 0, name)
     }
 
-    /// A column of some rows of it.
-    pub(super) fn column_of(&self, rows: &[LedgerRow], name: &str) -> Option<Vec<f64>> {
+    /// A column of its history as a script reads it, again and again while the history grows.
+    fn known_column(&self, name: &str) -> Option<Rc<Vec<f64>>> {
+        let (history, mut known) = (self.0.history.borrow(), self.0.columns.borrow_mut());
+        known.read(name, history.len(), |from| self.column_of(&*history, from, name))
+    }
+
+    /// All columns of its history; NaN where one had no value yet.
+    pub(super) fn all_columns(&self) -> Vec<(String, Vec<f64>)> {
+        let (names, model, history) = (self.columns(), &self.0.model.model, self.0.history.borrow());
+        let own = LedgerRow::columns(model.dimension());
+        let mut columns = vec![Vec::with_capacity(history.len()); names.len()];
+        history.visit(0, &mut |row| {
+            let further = further_values(model, row).into_iter().chain(std::iter::repeat(f64::NAN));
+            let values = own.iter().map(|name| row.column(name).unwrap_or(f64::NAN)).chain(further);
+            columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        });
+        names.into_iter().zip(columns).collect()
+    }
+
+    /// A column of rows from the one of index `from` on.
+    pub(super) fn column_of<R: Rows + ?Sized>(&self, rows: &R, from: usize, name: &str) -> Option<Vec<f64>> {
         let columns = self.columns();
         let index = columns.iter().position(|column| column == name)?;
         let model = &self.0.model.model;
         let own = LedgerRow::columns(model.dimension()).len();
-        if index < own {
-            return Some(rows.iter().filter_map(|row| row.column(name)).collect());
-        }
-        Some(rows.iter().map(|row| further_values(model, row).get(index - own).copied().unwrap_or(f64::NAN)).collect())
+        let mut values = Vec::with_capacity(rows.count().saturating_sub(from));
+        rows.visit(from, &mut |row| {
+            let further = || further_values(model, row).get(index - own).copied();
+            values.push(if index < own { row.column(name) } else { further() }.unwrap_or(f64::NAN));
+        });
+        Some(values)
     }
 
     /// Names of the columns of its probes from the one of that index on.

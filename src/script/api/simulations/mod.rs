@@ -19,6 +19,7 @@ pub mod history;
 pub mod integrators;
 pub mod joints;
 pub mod journal;
+pub mod known_columns;
 pub mod modes;
 pub mod movies;
 pub mod overview;

@@ -3,6 +3,7 @@
 use super::handle::{SimulationHandle, angular_text};
 use super::integrators::title as integrator_title;
 use super::step_control::step_size;
+use crate::dynamics::Rows;
 use crate::script::language::digits::{brief, brief_vector};
 use crate::script::language::handle::Handle;
 use crate::script::language::tables::table;
@@ -18,7 +19,8 @@ impl SimulationHandle {
         let method =
             format!("  {}, dt = {}, {} unknowns", integrator_title(&options.integrator), step_size(options), simulation.unknowns());
         let history = data.history.borrow();
-        let worst = history.iter().map(|row| row.energy_defect.abs()).fold(0.0, f64::max);
+        let mut worst = 0.0;
+        history.visit(0, &mut |row| worst = f64::max(worst, row.energy_defect.abs()));
         let ledger = [
             ("kinetic", brief(row.kinetic)),
             ("strain", brief(row.strain)),

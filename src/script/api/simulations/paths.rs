@@ -9,6 +9,7 @@ use super::history::unknown_column;
 use super::states::StateHandle;
 use crate::dynamics::{CriticalKind, LedgerRow, Path, PathEnd, PathError, PathOptions};
 use crate::math::catalogue::Interval;
+use crate::output::History;
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::diagnostics::Diagnostic;
@@ -31,7 +32,7 @@ pub struct PathHandle {
     path: Rc<Path>,
     /// Their rows on the clock of the script, and the history before them.
     rows: Rc<Vec<LedgerRow>>,
-    before: Rc<Vec<LedgerRow>>,
+    before: History,
     simulation: SimulationHandle,
 }
 
@@ -135,7 +136,7 @@ fn follow_load() -> Function {
             }
             let rows = path.points.iter().map(|point| handle.0.script_row(point.state.row.clone())).collect();
             let before = handle.0.history.borrow().clone();
-            let path = PathHandle { path: Rc::new(path), rows: Rc::new(rows), before: Rc::new(before), simulation: handle };
+            let path = PathHandle { path: Rc::new(path), rows: Rc::new(rows), before, simulation: handle };
             Ok(Dynamic::from(path))
         }),
     }
@@ -179,7 +180,7 @@ fn column() -> Function {
         see_also: &["follow_load", "history"],
         body: body(|call| {
             let (path, name) = (call.receiver::<PathHandle>(), call.text("name")?);
-            match path.simulation.column_of(&path.rows, &name) {
+            match path.simulation.column_of(&*path.rows, 0, &name) {
                 Some(values) => Ok(values.into_iter().map(Dynamic::from).collect::<Array>().into()),
                 None => Err(unknown_column(call, &path.simulation, &name).into()),
             }
@@ -247,10 +248,10 @@ fn state() -> Function {
                 let failure = call.argument("point").fail(format!("there is no point {number}: they are numbered from 0 to {}", count - 1));
                 return Err(failure.hint("`path.time.len()` is their number").into());
             };
-            let mut history = (*path.before).clone();
-            history.extend(path.rows[1..=index].iter().cloned());
+            let mut history = path.before.clone();
+            path.rows[1..=index].iter().for_each(|row| history.push(row.clone()));
             let state = path.path.points[index].state.clone();
-            Ok(Dynamic::from(StateHandle { state, history: Rc::new(history), simulation: path.simulation }))
+            Ok(Dynamic::from(StateHandle { state, history, simulation: path.simulation }))
         }),
     }
 }

@@ -71,9 +71,7 @@ impl SimulationHandle {
             artifacts.add_columns(&self.probe_columns(known))?;
         }
         let mut rows = data.history.borrow().clone();
-        if let Some(last) = rows.last_mut() {
-            *last = row;
-        }
+        rows.replace_last(row);
         call.host.count_effect();
         self.replace_history(rows)
     }

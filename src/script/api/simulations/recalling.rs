@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::artifacts::Artifacts;
 use super::handle::{Past, SimulationHandle, Simulations};
 use super::journal::{Journal, is_kept, of_another_model, something_else, unreadable};
 use crate::dynamics::{State, Tally, TimeFunction};
@@ -97,6 +98,7 @@ fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
         let Ok(simulation) = handle.0.simulation.try_borrow() else { return Ok(None) };
         // Frames that the checkpoint counts on are on the disk before it.
         handle.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), |artifacts| artifacts.wait())?;
+        let rows = handle.0.artifacts.borrow_mut().as_mut().and_then(Artifacts::digest);
         let (row, past) = (simulation.row(), handle.0.past.borrow());
         simulations.push(SavedSimulation {
             name: handle.0.name.clone(),
@@ -106,6 +108,7 @@ fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
             state: Some(simulation.shared_state()),
             past: if goes_back { known_states(&past) } else { Vec::new() },
             recording: handle.0.artifacts.borrow().as_ref().map(|artifacts| artifacts.recording().clone()),
+            rows,
         });
     }
     Ok(Some(simulations))
@@ -153,7 +156,8 @@ impl SimulationHandle {
             rows.last().into_iter().for_each(|row| simulation.recall(row));
             // Loads note whether they acted, when they are asked.
             let asked = || rows.iter().flat_map(|row| [row.time - 0.5 * row.dt, row.time]);
-            self.0.model.loads.iter().for_each(|load| asked().for_each(|time| drop(load.amplitude.value(time))));
+            let idle = self.0.model.loads.iter().filter(|load| !load.amplitude.has_acted());
+            idle.for_each(|load| asked().for_each(|time| drop(load.amplitude.value(time))));
         }
         Ok(Some(outcome))
     }
@@ -276,7 +280,7 @@ pub fn go_on(host: &Host) -> Result<(), Failure> {
             if !artifacts.recording().goes_on_with(&recording, history.len(), shapes(&data.model.model).len()) {
                 return Err(of_another_model());
             }
-            artifacts.go_on(recording, &history)?;
+            artifacts.go_on(recording, &history, saved.rows)?;
         }
     }
     Ok(())

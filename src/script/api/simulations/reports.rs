@@ -11,8 +11,10 @@ use super::integrators::title;
 use super::step_control::step_size;
 use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
-use crate::dynamics::{BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Simulation, default_rule};
-use crate::output::{Report, ReportTable, Still, kept_rows, report, shapes};
+use crate::dynamics::{
+    BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Rows, Simulation, default_rule,
+};
+use crate::output::{History, Report, ReportTable, Still, kept_rows, report, shapes};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::writing::path_parameter;
@@ -73,7 +75,7 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
     let recording = artifacts.recording();
     let stills = artifacts.stills(simulation, last);
     let stills: Vec<&Still> = stills.iter().map(|still| &**still).collect();
-    let rows = kept_rows(&history, &stills.iter().map(|still| still.row).collect::<Vec<_>>());
+    let rows = kept_rows(&*history, &stills.iter().map(|still| still.row).collect::<Vec<_>>());
     let warnings = host.warnings().into_iter().chain(findings(simulation, &history));
     report(&Report {
         name: data.name.clone(),
@@ -96,7 +98,7 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
 }
 
 /// What is remarkable about a run, in words.
-pub fn findings(simulation: &Simulation, history: &[LedgerRow]) -> Vec<String> {
+pub fn findings(simulation: &Simulation, history: &History) -> Vec<String> {
     simulation.findings(history).iter().map(|finding| format!("{finding}: {}", explained(finding))).collect()
 }
 
@@ -125,14 +127,20 @@ pub fn scripts(host: &Host) -> Vec<(String, String)> {
 }
 
 /// The history's columns in the rows that are shown.
-fn columns(data: &SimulationData, history: &[LedgerRow], rows: &[usize]) -> Vec<(String, Vec<f64>)> {
+fn columns(data: &SimulationData, history: &History, rows: &[usize]) -> Vec<(String, Vec<f64>)> {
     let model = &data.model.model;
     let names = LedgerRow::columns(model.dimension());
-    let further: Vec<Vec<f64>> = rows.iter().map(|&row| further_values(model, &history[row])).collect();
-    let own = names.iter().map(|name| {
-        let values = rows.iter().map(|&row| history[row].column(name).unwrap_or(f64::NAN));
-        (name.to_string(), values.collect())
+    let mut own_values = vec![Vec::with_capacity(rows.len()); names.len()];
+    let mut further: Vec<Vec<f64>> = Vec::with_capacity(rows.len());
+    let (mut index, mut wanted) = (0, rows.iter().copied().peekable());
+    history.visit(0, &mut |row| {
+        if wanted.next_if_eq(&index).is_some() {
+            further.push(further_values(model, row));
+            own_values.iter_mut().zip(&names).for_each(|(values, name)| values.push(row.column(name).unwrap_or(f64::NAN)));
+        }
+        index += 1;
     });
+    let own = names.iter().map(|name| name.to_string()).zip(own_values);
     let extra = model_columns(model).into_iter().chain(probe_columns(model, &data.probes.borrow()));
     let extra = extra.enumerate().map(|(index, name)| {
         let values = further.iter().map(|values| values.get(index).copied().unwrap_or(f64::NAN));

@@ -146,7 +146,7 @@ impl SimulationHandle {
         data.scale.set(data.scale.get().max(row.energy_scale()));
         let mut rows = data.history.borrow().clone();
         // The first row gives way when it is that of the start, which was no equilibrium, or of an equilibrium at the same time.
-        if rows.len() == 1 && (rows[0].time == 0.0 || rows[0].time == row.time) {
+        if rows.len() == 1 && rows.last().is_some_and(|only| only.time == 0.0 || only.time == row.time) {
             rows.clear();
         }
         rows.push(row);

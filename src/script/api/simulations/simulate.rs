@@ -20,8 +20,10 @@ use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulatio
 use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
+use crate::output::{History, RowStore};
 use crate::script::api::examples::FLIGHT;
 use crate::script::api::files::failures::output_failure;
+use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::models::change::keep_model;
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::ModelHandle;
@@ -164,7 +166,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         warn_of_mixed_units(call, &model.model);
     }
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
-    let history = vec![simulation.row().clone()];
+    let history = new_history(call.host, simulation.row())?;
     let so_far = SoFar { history, probes: Vec::new(), spent: begun.elapsed() };
     let handle = create(call, model, simulation, motion, Keeping { fields_every, stills, stills_inside }, so_far)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
@@ -292,11 +294,25 @@ pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Opti
 /// What a simulation has behind it when it is made.
 pub struct SoFar {
     /// Its rows so far, that of the beginning at least.
-    pub history: Vec<LedgerRow>,
+    pub history: History,
     /// Points that are followed.
     pub probes: Vec<Probe>,
     /// Time spent in the kernels.
     pub spent: Duration,
+}
+
+/// A history that begins with a row; older rows are kept in the folder of the run, if there is one.
+fn new_history(host: &Host, row: &LedgerRow) -> Result<History, Failure> {
+    let files = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))?;
+    let store = match files {
+        Some(files) => {
+            let store = host.slots.get::<RowStore>();
+            store.keep_in(&files);
+            store
+        }
+        None => Rc::default(),
+    };
+    Ok(History::new(store, vec![row.clone()]))
 }
 
 /// The kernels' simulation of a model, as an object of the language with its history so far.
@@ -317,9 +333,10 @@ pub fn create(
     let number = (!is_study(call.host)).then(|| Simulations::of(call.host).0.borrow().len());
     let journal = number.map(|number| (journal, number));
     let columns = probe_columns(&model.model, &probes);
-    let mut artifacts = Artifacts::create(call.host, below, &model.model, keeping, &history[0], columns, start)?;
+    let first = history.row(0).unwrap_or_default();
+    let mut artifacts = Artifacts::create(call.host, below, &model.model, keeping, &first, columns, start)?;
     if let Some(artifacts) = &mut artifacts {
-        artifacts.rewrite(&history[..1], &history, &simulation)?;
+        artifacts.rewrite(&history.first(1), &history, &simulation)?;
     }
     let data = SimulationData {
         place: call.place(&Target::Call),
@@ -335,6 +352,7 @@ pub fn create(
         accepts_overlap: Cell::default(),
         simulation: RefCell::new(simulation),
         history: RefCell::new(history),
+        columns: RefCell::default(),
         keeping,
         hint: RefCell::default(),
         past: RefCell::default(),

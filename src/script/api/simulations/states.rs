@@ -12,8 +12,9 @@ use super::handle::{SimulationHandle, busy};
 use super::recalling::go_on;
 use super::simulate::{SoFar, create, kernels};
 use super::step_control::{STEP_SIZE, StepSize};
-use crate::dynamics::{LedgerRow, State};
+use crate::dynamics::State;
 use crate::math::catalogue::Interval;
+use crate::output::History;
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::brief;
@@ -28,7 +29,7 @@ pub struct StateHandle {
     /// The state.
     pub state: Arc<State>,
     /// The history up to it.
-    pub history: Rc<Vec<LedgerRow>>,
+    pub history: History,
     /// Its simulation.
     pub simulation: SimulationHandle,
 }
@@ -64,7 +65,7 @@ fn save() -> Function {
                 Ok(simulation) => simulation.shared_state(),
                 Err(_) => return Err(busy(call).into()),
             };
-            let history = Rc::new(handle.0.history.borrow().clone());
+            let history = handle.0.history.borrow().clone();
             Ok(Dynamic::from(StateHandle { state, history, simulation: handle }))
         }),
     }
@@ -87,7 +88,7 @@ fn restore() -> Function {
                 let failure = failure.label(format!("this is a {}", state.describe()));
                 return Err(failure.hint("restore it where it was saved").into());
             }
-            handle.go_to(call, &state.state, (*state.history).clone())?;
+            handle.go_to(call, &state.state, state.history)?;
             Ok(Dynamic::UNIT)
         }),
     }
@@ -117,7 +118,7 @@ fn back() -> Function {
             }
             let state = handle.past_state(call, kept - count)?;
             let rows = handle.0.past.borrow()[kept - count].rows;
-            let history = handle.0.history.borrow()[..rows].to_vec();
+            let history = handle.0.history.borrow().first(rows);
             handle.go_to(call, &state, history)?;
             Ok(Dynamic::UNIT)
         }),
@@ -223,14 +224,14 @@ fn dt() -> Function {
 
 impl SimulationHandle {
     /// Goes to a state; the history is what it was then.
-    pub fn go_to(&self, call: &Call, state: &State, history: Vec<LedgerRow>) -> Result<(), Failure> {
+    pub fn go_to(&self, call: &Call, state: &State, history: History) -> Result<(), Failure> {
         self.refuse_nested(call)?;
         self.take_down_way_back(call.host)?;
         self.0.simulation.try_borrow_mut().map_err(|_| busy(call))?.restore(state);
         self.0.is_behind.set(false);
         self.0.is_known.set(true);
         call.host.count_effect();
-        let common = self.0.history.borrow().iter().zip(&history).take_while(|(before, after)| before == after).count();
+        let common = self.0.history.borrow().common(&history);
         self.0.past.borrow_mut().retain(|past| past.rows < history.len() && past.rows <= common);
         self.replace_history(history)?;
         // After the last event of an earlier program.

@@ -45,12 +45,7 @@ pub fn table() -> Function {
 /// The columns that the call names, each once.
 fn columns(call: &Call, handle: &SimulationHandle) -> Result<Table, Failure> {
     let argument = call.argument("columns");
-    let chosen = if argument.is_given() {
-        chosen_columns(call, handle)?
-    } else {
-        let all = handle.columns().into_iter();
-        all.map(|name| (handle.column(&name).unwrap_or_default(), name)).map(|(values, name)| (name, values)).collect()
-    };
+    let chosen = if argument.is_given() { chosen_columns(call, handle)? } else { handle.all_columns() };
     for (index, (name, _)) in chosen.iter().enumerate() {
         if chosen[..index].iter().any(|(other, _)| other == name) {
             let failure = argument.fail(format!("the column `{name}` is named twice"));

@@ -52,25 +52,25 @@ impl SimulationHandle {
 
     /// Warns of what is remarkable about the run so far. What an integrator loses that promises nothing is a warning where it shows.
     pub fn warn_of_findings(&self, host: &Host) {
-        let found = self.0.simulation.try_borrow().map(|simulation| simulation.findings(&self.0.history.borrow()));
+        let found = self.0.simulation.try_borrow().map(|simulation| simulation.findings(&*self.0.history.borrow()));
         let shows = |finding: &&RunFinding| finding.kind != RunFindingKind::NotConserved || finding.value > LOST;
         found.iter().flatten().filter(shows).for_each(|finding| self.warn_of(host, finding));
     }
 
     /// Where energy came from and went to in the run so far, in one line; `None` where none did beyond round-off.
     pub fn energy_line(&self, host: &Host) -> Option<String> {
-        let account = EnergyAccount::of(&self.0.history.borrow()).to_string();
+        let account = EnergyAccount::of(&*self.0.history.borrow()).to_string();
         (!account.is_empty()).then(|| format!("energy: {}{account}", self.prefix(host)))
     }
 
     /// Whether the run so far should not be trusted.
     pub fn is_doubtful(&self) -> bool {
-        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_doubtful(&self.0.history.borrow()))
+        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_doubtful(&*self.0.history.borrow()))
     }
 
     /// Whether the run so far kept its energy.
     pub fn is_conserving(&self) -> bool {
-        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_conserving(&self.0.history.borrow()))
+        self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_conserving(&*self.0.history.borrow()))
     }
 
     /// `simulation "drop", ` where a script has several.
@@ -110,7 +110,7 @@ impl SimulationHandle {
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
         let causes = simulation.halvings().len();
         if self.0.causes_seen.replace(causes) < causes {
-            let found = simulation.findings(&self.0.history.borrow());
+            let found = simulation.findings(&*self.0.history.borrow());
             let motions = found.iter().filter(|finding| matches!(finding.kind, RunFindingKind::Motion(_)));
             motions.for_each(|finding| self.warn_of(host, finding));
         }

@@ -130,6 +130,8 @@ impl Explainer<'_> {
             }
             // The engine tells the call that did not return; the loop is in the function.
             EvalAltResult::ErrorTooManyOperations(_) => scan::loop_in(&lexemes, &text[place?.range.clone()])?,
+            // An indexer that is registered fails at the bracket, that of arrays at the index.
+            EvalAltResult::ErrorArrayBounds(..) => scan::behind_bracket(&lexemes, place?.range.start)?,
             EvalAltResult::ErrorDataRace(what, position) if position.is_none() => scan::self_use(&lexemes, what.split('\'').nth(1)?)?,
             _ => return None,
         };

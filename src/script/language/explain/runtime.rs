@@ -35,6 +35,11 @@ impl Explainer<'_> {
                 script(format!("the result must be {}, not {}", type_phrase(expected), type_phrase(given)))
                     .hint("let the last expression be the result")
             }
+            // Arrays have entries; a column of which one cell is taken only gives them.
+            ErrorIndexingType(name, _) if name.split(' ').next().map(type_phrase).as_deref() == Some("an array") => {
+                script("a column of a history cannot be changed where it stands".into())
+                    .hint("change a copy: `let column = sim.history.total; column[0] = 1.0;`")
+            }
             ErrorIndexingType(name, _) => {
                 script(format!("{} has no entries to index", type_phrase(name.split(' ').next().unwrap_or(name))))
                     .hint("arrays are indexed by numbers, maps by strings")

@@ -1,0 +1,43 @@
+//! Rows of a ledger in their order, wherever they are kept.
+
+use super::ledger::LedgerRow;
+
+/// Rows of a ledger that are visited in their order, such as an array of them or a history whose older rows are on the disk.
+pub trait Rows {
+    /// Number of rows.
+    fn count(&self) -> usize;
+
+    /// Calls a function with every row from the one of index `from` on.
+    fn visit(&self, from: usize, each: &mut dyn FnMut(&LedgerRow));
+
+    /// The last row.
+    fn last_row(&self) -> Option<LedgerRow>;
+}
+
+impl Rows for [LedgerRow] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn visit(&self, from: usize, each: &mut dyn FnMut(&LedgerRow)) {
+        self.iter().skip(from).for_each(each);
+    }
+
+    fn last_row(&self) -> Option<LedgerRow> {
+        self.last().cloned()
+    }
+}
+
+impl Rows for Vec<LedgerRow> {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn visit(&self, from: usize, each: &mut dyn FnMut(&LedgerRow)) {
+        self.as_slice().visit(from, each);
+    }
+
+    fn last_row(&self) -> Option<LedgerRow> {
+        self.last().cloned()
+    }
+}
