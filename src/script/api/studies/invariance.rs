@@ -4,7 +4,7 @@ use rhai::{Dynamic, EvalAltResult};
 
 use crate::dynamics::BodyFields;
 use crate::math::catalogue::Interval;
-use crate::math::tolerances::INVARIANT;
+use crate::math::tolerances::{INVARIANT, STILL_AT};
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::motion::Motion;
 use crate::script::api::nested_runs::begin_study;
