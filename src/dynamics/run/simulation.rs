@@ -370,13 +370,14 @@ impl Simulation {
             let (kind, limit, is_beyond, explanation) = match kind {
                 ExcessKind::Turned => (RunFindingKind::Turned, TURNED, value > TURNED, format!("{cell} has turned by {value:.2} rad")),
                 ExcessKind::SpuriousStrain => {
-                    let what = format!("the rotation of {cell}, {angle} rad, counts as a strain of {share} of the largest strain of the body");
+                    let what =
+                        format!("a support turns body \"{body}\" by {angle} rad, which counts as a strain of {share} of the largest one");
                     (RunFindingKind::Turned, SPURIOUS, value > SPURIOUS, what)
                 }
                 ExcessKind::SpuriousMoment => {
                     let what = format!(
-                        "stresses do not turn with body \"{body}\", which has turned by {angle} rad: their moment about it is {share} of the \
-                         moment of its supports"
+                        "stresses do not turn with body \"{body}\", which has turned by {angle} rad: their moment about it is {share} of that \
+                         of the support that turns"
                     );
                     (RunFindingKind::Turned, SPURIOUS, value > SPURIOUS, what)
                 }

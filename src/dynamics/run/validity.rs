@@ -1,10 +1,10 @@
 //! Laws beyond what they are made for: linear elasticity that turns, Saint Venant-Kirchhoff material that is crushed.
 //!
 //! Both compute on without a sign of it. The motion of a cell follows from its nodes: the deformation gradient that fits their motion
-//! best, `F = sum dx dX^T (sum dX dX^T)^-1 = R U`. Linear elasticity takes `sym F - 1` for the strain, where `R (U - 1) R^T` is the strain
-//! in the present directions: their difference is spurious, of second order in the angle where nothing strains, of first order beside the
-//! strain. Stresses that do not turn with the body besides have a moment about it. With the mean stress `V = int sigma dV` and the rotation
-//! `theta` of the body it is `V theta - tr(V) theta`, of first order in the angle.
+//! best, `F = sum dx dX^T (sum dX dX^T)^-1 = R U`. Where a support turns by `theta`, linear elasticity counts `1 - cos theta` for a strain
+//! at its nodes. Its stresses do not turn with the body besides, and have a moment about it, of first order in the angle: with the mean
+//! stress `V = int sigma dV` and the rotation vector `theta` of the body `V theta - tr(V) theta`. A body that turns because it strains, as
+//! in bending, is what the law is made for: such moments are told of supports that turn alone.
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
@@ -33,9 +33,9 @@ pub struct Excess {
     pub kind: ExcessKind,
     /// The angle of a rotation, a share, or the least stretch.
     pub value: f64,
-    /// The cell; for a moment the one that has turned most.
+    /// The cell, of a body that has turned the one that has turned most.
     pub cell: usize,
-    /// Rotation of the cell, or of the body for a moment `[rad]`.
+    /// Rotation of the cell, of the support or of the body `[rad]`.
     pub angle: f64,
 }
 
@@ -44,9 +44,9 @@ pub struct Excess {
 pub enum ExcessKind {
     /// A cell of a linear law has turned; the value is the angle.
     Turned,
-    /// A strain that only the rotation of the cell causes, over the largest strain of the body.
+    /// The strain that the rotation of a support counts for, over the largest strain of the body.
     SpuriousStrain,
-    /// The moment that only the rotation of the body causes, over the largest moment of its supports.
+    /// The moment of stresses that have not turned with the body, over that of the support that turns.
     SpuriousMoment,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is the least stretch.
     Crushed,
@@ -68,11 +68,9 @@ impl CellMotion {
         self.stretch.symmetric_eigenvalues().min()
     }
 
-    /// Strain in the present directions, and what linear elasticity adds to it.
-    fn strains(&self) -> [Matrix3<f64>; 2] {
-        let (one, gradient) = (Matrix3::identity(), self.rotation * self.stretch);
-        let strain = self.rotation * (self.stretch - one) * self.rotation.transpose();
-        [strain, 0.5 * (gradient + gradient.transpose()) - one - strain]
+    /// Strain in the directions at rest.
+    fn strain(&self) -> Matrix3<f64> {
+        self.stretch - Matrix3::identity()
     }
 }
 
@@ -104,30 +102,32 @@ where
         found
     }
 
-    /// The worst effect of rotation on a body of linear elasticity: the rotation itself, strains, or a moment.
+    /// The worst effect of rotation on a body of linear elasticity: the rotation itself, or where a support turns, strain or moment.
     fn turned(&self, body: &Body<D>) -> Option<Excess> {
-        let motions: Vec<Option<CellMotion>> = body.elements.cliques().iter().map(|nodes| self.motion_of(nodes)).collect();
-        let motions = || motions.iter().enumerate().filter_map(|(cell, motion)| Some((cell, motion.as_ref()?)));
-        let (cell, angle) = motions().map(|(cell, motion)| (cell, motion.angle())).max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let excess = |kind, value, cell, angle| Some(Excess { body: body.name.clone(), kind, value, cell, angle });
+        let motions: Vec<CellMotion> = body.elements.cliques().iter().filter_map(|nodes| self.motion_of(nodes)).collect();
+        let angles = motions.iter().map(CellMotion::angle).enumerate();
+        let (cell, angle) = angles.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let excess = |kind, value, angle| Excess { body: body.name.clone(), kind, value, cell, angle };
         if angle > tolerances::TURNED {
-            return excess(ExcessKind::Turned, angle, cell, angle);
+            return Some(excess(ExcessKind::Turned, angle, angle));
         }
-        let largest = motions().map(|(_, motion)| motion.strains()[0].norm()).fold(0.0, f64::max);
-        let spurious = motions().map(|(cell, motion)| (cell, motion.strains()[1].norm(), motion.angle()));
-        let (worst, strain, by) = spurious.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        if strain > SPURIOUS * largest && by > LEAST_TURN {
-            return excess(ExcessKind::SpuriousStrain, strain / largest, worst, by);
+        let supports = self.system.supports.held.iter().zip(&self.state.row.reactions).enumerate();
+        let on_body = supports.filter(|(_, (held, _))| held.first().is_some_and(|&k| body.nodes.contains(&(k / D))));
+        let turned = on_body.map(|(number, (_, reaction))| (self.system.supports.turned_by(number, self.state.row.time), reaction));
+        let (by, reaction) = turned.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(by, _)| *by > LEAST_TURN)?;
+        let largest = motions.iter().map(|motion| motion.strain().norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let strain = (1.0 - by.cos()) / largest;
+        if strain > SPURIOUS {
+            return Some(excess(ExcessKind::SpuriousStrain, strain, by));
         }
         let nodes: Vec<u32> = body.nodes.clone().map(|node| node as u32).collect();
-        let rotation = self.motion_of(&nodes)?.rotation;
-        let turn = Rotation3::from_matrix_unchecked(rotation).scaled_axis();
-        let share = self.spurious_moment(body, &turn);
-        excess(ExcessKind::SpuriousMoment, if turn.norm() > LEAST_TURN { share } else { 0.0 }, cell, turn.norm())
+        let center = Vector3::from(self.center_of(&self.state.positions, &nodes));
+        let moment = (Vector3::from(reaction.moment) - center.cross(&Vector3::from(reaction.force))).norm();
+        let turn = Rotation3::from_matrix_unchecked(self.motion_of(&nodes)?.rotation).scaled_axis();
+        Some(excess(ExcessKind::SpuriousMoment, self.spurious_moment(body, &turn) / moment.max(f64::MIN_POSITIVE), turn.norm()))
     }
 
-    /// Moment of the stresses of a body that has turned without them, over the largest moment that one of its supports exerts about its
-    /// center; 0 without a support.
+    /// Moment of the stresses of a body that has turned without them.
     fn spurious_moment(&self, body: &Body<D>, turn: &Vector3<f64>) -> f64 {
         let mut mean = Matrix3::zeros();
         body.elements.visit_stresses(&self.state.displacements, &mut |point| {
@@ -138,14 +138,7 @@ where
             // Across the plane nothing turns.
             mean[(2, 2)] = 0.0;
         }
-        let moment = mean * turn - mean.trace() * turn;
-        let nodes: Vec<u32> = body.nodes.clone().map(|node| node as u32).collect();
-        let center = Vector3::from(self.center_of(&self.state.positions, &nodes));
-        let supports = self.system.supports.held.iter().zip(&self.state.row.reactions);
-        let on_body = supports.filter(|(held, _)| held.first().is_some_and(|&k| body.nodes.contains(&(k / D))));
-        let moments = on_body.map(|(_, reaction)| (Vector3::from(reaction.moment) - center.cross(&Vector3::from(reaction.force))).norm());
-        let largest = moments.fold(0.0, f64::max);
-        if largest > 0.0 { moment.norm() / largest } else { 0.0 }
+        (mean * turn - mean.trace() * turn).norm()
     }
 
     /// Mean place of some nodes.

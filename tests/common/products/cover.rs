@@ -244,6 +244,16 @@ impl<'a> Cover<'a> {
         self.excluded.insert(pair, why);
     }
 
+    /// Products with all pairs that the known refusals allow; none of them has run.
+    pub fn all(&mut self) -> Vec<Product> {
+        let mut products = Vec::new();
+        while let Some(product) = self.next() {
+            self.drawn(&product);
+            products.push(product);
+        }
+        products
+    }
+
     /// Some products to be tried at the same time, as if those before had drawn their pairs.
     pub fn batch(&mut self, count: usize) -> Vec<Product> {
         let open = self.open.clone();
