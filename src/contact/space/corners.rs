@@ -182,7 +182,7 @@ impl CornersInSpace {
     }
 
     /// Overlap of features of which the curved surfaces just touch `[length]`: facets of a hollow lie up to 1.5 times the mean height above
-    /// it, points of a round side that are no bumps may be raised by that, and nodes of a facet that is warped at rest lie behind its plane.
+    /// it, points of a round side that are no bumps may be raised by that, and nodes of a facet warped at rest lie behind its plane.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
             Kind::Vertex { side, vertex, facet } => {

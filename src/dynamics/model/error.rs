@@ -342,7 +342,9 @@ impl ModelError {
                  backward Euler: with others they would make energy out of nothing"
                     .into()
             }
-            ModelError::JointApart { .. } => "give points that are in the same place at the start, where displaced bodies are displaced".into(),
+            ModelError::JointApart { .. } => {
+                "give points that are in the same place at the start, where displaced bodies are displaced".into()
+            }
             ModelError::SpringOfNoLength { .. } => {
                 "choose two ends that are apart: springs and dampers pull along the line between them".into()
             }
@@ -365,8 +367,8 @@ impl ModelError {
             }
             ModelError::NoRestitution { remedy, .. } => (*remedy).into(),
             ModelError::OpenEquality { .. } => {
-                "let the sides touch at the start wherever they are opposite each other, name only the part of the boundary that touches, or \
-                 take a contact that only presses"
+                "let the sides touch at the start wherever they are opposite each other, name only the part of the boundary that touches, \
+                 or take a contact that only presses"
                     .into()
             }
             ModelError::InvertedCell { .. } => {

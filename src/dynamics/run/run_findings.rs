@@ -97,10 +97,7 @@ impl RunFindingKind {
         ),
         ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
         ("passed_obstacle", "a side of a body that its contact does not name was inside a rigid obstacle: the largest depth in facets"),
-        (
-            "turned",
-            "a body of linear elasticity has turned at the end: the angle, or the share of a strain or moment that only the rotation causes",
-        ),
+        ("turned", "a body of linear elasticity has turned at the end: the angle, or the share of a strain or moment that it causes"),
         ("crushed", "a cell of Saint Venant-Kirchhoff material is crushed at the end, where the law softens: its least stretch"),
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),

@@ -376,8 +376,8 @@ impl Simulation {
                 }
                 ExcessKind::SpuriousMoment => {
                     let what = format!(
-                        "stresses do not turn with body \"{body}\", which has turned by {angle} rad: their moment about it is {share} of that \
-                         of the support that turns"
+                        "stresses do not turn with body \"{body}\", which has turned by {angle} rad: their moment about it is {share} of \
+                         that of the support that turns"
                     );
                     (RunFindingKind::Turned, SPURIOUS, value > SPURIOUS, what)
                 }
