@@ -12,6 +12,9 @@ use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::start::Motion;
 use crate::linear::LinearError;
 
+/// Compliance of closed rows that depend on one another, relative to the largest nodal mass: their rates are met to about as much.
+const COMPLIANCE: f64 = 1.0 / 1_048_576.0;
+
 /// A change of the velocities at the end of a step.
 pub struct VelocityCorrection {
     /// The change.
@@ -173,14 +176,22 @@ where
         }
     }
 
-    /// Impulse response of the constraints at the end of a step.
+    /// Impulse response of the constraints at the end of a step. Closed rows that depend on one another, as those of a rigid side, share
+    /// their impulse.
     ///
     /// # Errors
-    /// Constraints depend on one another, or the run was interrupted.
+    /// Ties and joints depend on one another, or the run was interrupted.
     pub fn push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<ImpulseResponse, Failure> {
-        let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
-        let push = self.system.push(&end.solution.at, beta, &cause);
-        self.checked(end.motion, end.solution, push)
+        let mut push = |compliance: f64| {
+            let (rows, soft) = (end.rows(), end.ours);
+            let cause = Cause { rows, lambda, hold: end.hold, rate, ratios: end.ratios, soft, compliance };
+            let push = self.system.push(&end.solution.at, beta, &cause);
+            self.checked(end.motion, end.solution, push)
+        };
+        match push(0.0) {
+            Err(Failure::Linear(_)) => push(COMPLIANCE),
+            push => push,
+        }
     }
 
     /// What a push gives.
