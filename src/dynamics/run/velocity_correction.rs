@@ -12,9 +12,6 @@ use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::start::Motion;
 use crate::linear::LinearError;
 
-/// Compliance of closed rows that depend on one another, relative to the largest nodal mass: their rates are met to about as much.
-const COMPLIANCE: f64 = 1.0 / 1_048_576.0;
-
 /// A change of the velocities at the end of a step.
 pub struct VelocityCorrection {
     /// The change.
@@ -176,22 +173,18 @@ where
         }
     }
 
-    /// Impulse response of the constraints at the end of a step. Closed rows that depend on one another, as those of a rigid side, share
-    /// their impulse.
+    /// Impulse response of the constraints at the end of a step, with what joints on the ground exert.
     ///
     /// # Errors
-    /// Ties and joints depend on one another, or the run was interrupted.
+    /// Constraints depend on one another, or the run was interrupted.
     pub fn push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<ImpulseResponse, Failure> {
-        let mut push = |compliance: f64| {
-            let (rows, soft) = (end.rows(), end.ours);
-            let cause = Cause { rows, lambda, hold: end.hold, rate, ratios: end.ratios, soft, compliance };
-            let push = self.system.push(&end.solution.at, beta, &cause);
-            self.checked(end.motion, end.solution, push)
-        };
-        match push(0.0) {
-            Err(Failure::Linear(_)) => push(COMPLIANCE),
-            push => push,
-        }
+        let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
+        let push = self.system.push(&end.solution.at, beta, &cause).map(|mut push| {
+            let rates = self.system.rates(end.rows(), &end.v);
+            self.system.add_driven(&end.solution.at, &rates, &mut push);
+            push
+        });
+        self.checked(end.motion, end.solution, push)
     }
 
     /// What a push gives.

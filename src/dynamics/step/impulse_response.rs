@@ -46,10 +46,6 @@ pub struct Cause<'a> {
     pub rate: &'a [f64],
     /// Impulses of tangential rows over those of the rows that press beside them, in the order of all rows.
     pub ratios: &'a [f64],
-    /// Rows of `hold` whose rates give way to their impulses, and by how much, relative to the largest nodal mass: rows that depend on one
-    /// another share their impulse.
-    pub soft: &'a [bool],
-    pub compliance: f64,
 }
 
 impl<const D: usize> System<D>
@@ -64,13 +60,11 @@ where
     /// The system is singular, or the run was interrupted.
     pub fn push(&mut self, at: &Linearization, beta: f64, cause: &Cause) -> Result<ImpulseResponse, Failure> {
         let clock = Instant::now();
-        let (unknowns, &Cause { rows: evaluated, lambda, hold, rate, ratios, soft, compliance }) = (at.q_1.len(), cause);
+        let (unknowns, &Cause { rows: evaluated, lambda, hold, rate, ratios }) = (at.q_1.len(), cause);
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, beta, &mut values);
         let scale = self.end_scale(evaluated);
         let mut rows = ConstraintRows::held(hold);
-        let share = compliance * scale * self.nodes.largest_nodal_mass;
-        rows.0.iter_mut().zip(soft).filter(|(row, soft)| **soft && row.acts).for_each(|(row, _)| row.diagonal = share);
         let mut given: Vec<f64> = hold.iter().zip(rate).map(|(hold, rate)| if *hold { *rate } else { 0.0 }).collect();
         for pair in &self.pairs {
             for (row, pressing) in pair.tangential().filter(|(row, _)| ratios[*row] != 0.0) {
