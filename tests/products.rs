@@ -1,8 +1,8 @@
 //! Products of the catalogues: random ones, and on demand every pair of rows that is allowed together, in small models that are judged from
 //! their files.
 //!
-//! `cargo test --release --test products -- --ignored --nocapture` runs the array of all pairs. Any number of products at random, and what fails
-//! made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals that are known stand in
+//! `cargo test --release --test products -- --ignored --nocapture` runs the array of all pairs. Any number of products at random, and what
+//! fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals that are known stand in
 //! `products/refused.txt`, so that the rows to blame need not be looked for; `--cover` writes that table anew. Violations that wait for
 //! their repair stand in `products/known.txt`.
 
