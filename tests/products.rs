@@ -1,8 +1,8 @@
 //! Products of the catalogues: random ones, and on demand every pair of rows that is allowed together, in small models that are judged from
 //! their files.
 //!
-//! `cargo test --release --test products -- --ignored --nocapture` lists what is refused, with its codes. Any number of products at random,
-//! and what fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals that are known stand in
+//! `cargo test --release --test products -- --ignored --nocapture` runs the array of all pairs. Any number of products at random, and what
+//! fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals that are known stand in
 //! `products/refused.txt`, so that the rows to blame need not be looked for; `--cover` writes that table anew. Violations that wait for
 //! their repair stand in `products/known.txt`.
 
@@ -22,6 +22,7 @@ mod splitmix;
 
 use std::path::{Path, PathBuf};
 
+use products::cover::Cover;
 use products::oracle;
 use products::run::{Bench, Manner, Verdict, run};
 use products::script::{Variant, text};
@@ -60,6 +61,7 @@ fn every_row_of_the_catalogues_is_drawn() {
 
 /// Names violations that are not known, and known ones that nothing meets.
 fn judge(catalogue: &Catalogue, study: &Study, known: &[Known]) {
+    study.met.iter().for_each(|(place, count)| println!("{count} times: {}", known[*place].fault));
     let wrong = study.wrong.iter().map(|(product, verdict)| format!("{}: {verdict:?}", Named { catalogue, product }));
     let wrong: Vec<String> = wrong.collect();
     assert!(wrong.is_empty(), "{} violations:\n{}", wrong.len(), wrong.join("\n"));
@@ -83,18 +85,29 @@ fn random_products_keep_what_holds_for_all() {
     assert!(3 * study.refused < study.times.len(), "{} of {} are refused", study.refused, study.times.len());
 }
 
+/// The array that the known refusals leave has every pair of rows, and what it leaves out is refused for a known reason. Nothing runs.
 #[test]
-#[ignore = "takes minutes while the table of refusals is not complete"]
-fn every_pair_of_rows_that_is_allowed_together_keeps_what_holds_for_all() {
-    let catalogue = Catalogue::new();
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let (refused, known) = tables();
-    let (study, cover) = Study::cover(&catalogue, &home("cover"), program(), threads, &refused, &known);
-    for ((first, second), why) in &cover.excluded {
-        println!("refused: {} | {why}", cover.words(&[*first, *second]));
-    }
-    study.changed.iter().for_each(|change| println!("{change}"));
+fn every_pair_of_rows_is_drawn_or_refused_for_a_reason() {
+    let (catalogue, (refused, _)) = (Catalogue::new(), tables());
+    let mut cover = Cover::new(&catalogue);
+    cover.learn(&refused);
+    let products = cover.all();
     let drawn = cover.meant - cover.excluded.len();
+    println!("{drawn} of {} pairs in {} products, the rest refused", cover.meant, products.len());
+    let unexplained = cover.excluded.iter().filter(|(_, why)| !why.starts_with('C'));
+    let unexplained: Vec<String> =
+        unexplained.map(|((first, second), why)| format!("{}: {why}", cover.words(&[*first, *second]))).collect();
+    assert!(unexplained.is_empty(), "{} pairs are left out without a reason:\n{}", unexplained.len(), unexplained.join("\n"));
+    assert!(drawn as f64 >= DRAWN * cover.meant as f64, "{drawn} of {} pairs are drawn", cover.meant);
+}
+
+#[test]
+#[ignore = "products with every feature at once still have faults that are not named"]
+fn every_pair_of_rows_that_is_allowed_together_keeps_what_holds_for_all() {
+    let (catalogue, (refused, known)) = (Catalogue::new(), tables());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let (study, cover) = Study::array(&catalogue, &home("array"), program(), threads, &refused, &known);
+    let drawn = cover.meant - cover.open();
     println!(
         "{drawn} of {} pairs in {} products: {} sound, {} refused, {} with a known fault",
         cover.meant,
@@ -103,7 +116,7 @@ fn every_pair_of_rows_that_is_allowed_together_keeps_what_holds_for_all() {
         study.refused,
         study.known
     );
-    judge(&catalogue, &study, &known);
+    judge(&catalogue, &study, &[]);
     assert!(drawn as f64 >= DRAWN * cover.meant as f64, "{drawn} of {} pairs are drawn", cover.meant);
 }
 

@@ -17,6 +17,13 @@ pub fn at(node: u32, q: &[f64]) -> Vector {
     Vector::from_column_slice(&q[3 * node as usize..3 * node as usize + 3])
 }
 
+/// Height of the nodes of a facet above and below its plane through their mean: 0 for three nodes `[length]`.
+pub fn warp(facet: &[u32], q: &[f64]) -> f64 {
+    let [a, b, c, d] = facet else { return 0.0 };
+    let [a, b, c, d] = [a, b, c, d].map(|&node| at(node, q));
+    0.25 * normal(facet, q).dot(&(a - b + c - d)).abs()
+}
+
 /// Mean point of a facet.
 pub fn middle(nodes: &[u32], q: &[f64]) -> Vector {
     nodes.iter().map(|&node| at(node, q)).sum::<Vector>() / nodes.len() as f64

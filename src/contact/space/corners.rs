@@ -72,6 +72,8 @@ pub struct CornersInSpace {
     pub(super) slots: usize,
     /// What the facets of either side are of a curve.
     bulges: [Bulges; 2],
+    /// Height at rest of the nodes of each facet of either side above and below its plane.
+    warps: [Vec<f64>; 2],
     /// For each patch what is added to its gap.
     clearances: Vec<f64>,
     /// Whether its rows are those of all nodes of the secondary side, which then have one each (`nodes.rs`).
@@ -88,7 +90,9 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        Some(Box::new(CornersInSpace { bulges, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
+        let warps = |side: &Surface| (0..side.count()).map(|facet| faces::warp(side.facet(facet), reference)).collect();
+        let warps = [warps(&secondary), warps(&primary)];
+        Some(Box::new(CornersInSpace { bulges, warps, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
     }
 
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
@@ -138,6 +142,7 @@ impl CornersInSpace {
             radius: 0.0,
             slots: SLOTS,
             bulges: Default::default(),
+            warps: Default::default(),
             clearances: Vec::new(),
             of_nodes: false,
         }
@@ -176,14 +181,15 @@ impl CornersInSpace {
         self.sides.list_slips();
     }
 
-    /// How far features overlap of which the curved surfaces just touch: facets of a hollow lie up to one and a half times the mean height
-    /// above it, and points of a round side may be raised by that; bumps are none of a round side.
+    /// Overlap of features of which the curved surfaces just touch `[length]`: facets of a hollow lie up to 1.5 times the mean height above
+    /// it, points of a round side that are no bumps may be raised by that, and nodes of a facet warped at rest lie behind its plane.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
             Kind::Vertex { side, vertex, facet } => {
                 let (surface, vertex) = (self.surface(side), &self.features[side].vertices[vertex]);
                 let around = surface.index(vertex.node).filter(|_| !vertex.is_bump).map_or(&[][..], |index| surface.adjacent_facets(index));
-                self.bulges[1 - side].hollow(&[facet as u32]) + self.bulges[side].raised_by(around)
+                let warp = self.warps[1 - side].get(facet).copied().unwrap_or(0.0);
+                warp + self.bulges[1 - side].hollow(&[facet as u32]) + self.bulges[side].raised_by(around)
             }
             Kind::Edges(edges) => {
                 let of = |side: usize| {

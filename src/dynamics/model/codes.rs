@@ -39,6 +39,7 @@ impl ModelError {
             ModelError::BreaksSymmetry { .. } => "C0128",
             ModelError::InvertedCell { .. } => "C0129",
             ModelError::NoRestitution { .. } => "C0136",
+            ModelError::OpenEquality { .. } => "C0143",
         }
     }
 }

@@ -270,6 +270,12 @@ impl Model {
         self.bodies[body].mesh.points.iter().zip(self.initial_displacement(body)).map(moved).collect()
     }
 
+    /// Positions of all nodes at the start, body after body, with so many coordinates as the model has dimensions `[length]`.
+    pub fn start_positions(&self) -> Vec<f64> {
+        let dimension = self.dimension();
+        (0..self.bodies.len()).flat_map(|body| self.start(body)).flat_map(|x| x.into_iter().take(dimension)).collect()
+    }
+
     /// Displacements of a body's nodes at the start `[length]`.
     pub fn initial_displacement(&self, body: usize) -> Vec<[f64; 3]> {
         let given = self.initial_displacements.iter().rfind(|initial| initial.body == body);

@@ -266,6 +266,20 @@ pub enum ModelError {
         /// Suggested remedy.
         remedy: &'static str,
     },
+    /// A contact that also pulls, with sides that are apart at the start.
+    #[error(
+        "contact \"{contact}\" also pulls, and its sides are {} apart at the start, {} facets",
+        three_digits(*gap),
+        three_digits(*facets)
+    )]
+    OpenEquality {
+        /// Name of the contact.
+        contact: String,
+        /// Largest distance of a secondary node from the other side `[length]`.
+        gap: f64,
+        /// Distance over the length of the secondary facets.
+        facets: f64,
+    },
     /// A cell that is inside out or degenerate.
     #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
     InvertedCell {
@@ -328,7 +342,9 @@ impl ModelError {
                  backward Euler: with others they would make energy out of nothing"
                     .into()
             }
-            ModelError::JointApart { .. } => "give points that are in the same place in the bodies at rest".into(),
+            ModelError::JointApart { .. } => {
+                "give points that are in the same place at the start, where displaced bodies are displaced".into()
+            }
             ModelError::SpringOfNoLength { .. } => {
                 "choose two ends that are apart: springs and dampers pull along the line between them".into()
             }
@@ -350,6 +366,11 @@ impl ModelError {
                 "keep to motions along the axis, the second direction, and to loads that are even around it".into()
             }
             ModelError::NoRestitution { remedy, .. } => (*remedy).into(),
+            ModelError::OpenEquality { .. } => {
+                "let the sides touch at the start wherever they are opposite each other, name only the part of the boundary that touches, \
+                 or take a contact that only presses"
+                    .into()
+            }
             ModelError::InvertedCell { .. } => {
                 "mend the mesh: nodes of a cell run counter-clockwise and its angles stay below 180 degrees".into()
             }

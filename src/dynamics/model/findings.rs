@@ -15,12 +15,9 @@ impl Model {
     /// space that sides look away from each other and from obstacles, and about ties and press fits.
     pub fn findings(&self) -> Vec<(String, Finding)> {
         let dimension = self.dimension();
-        let mut first = Vec::with_capacity(self.bodies.len());
-        let mut reference: Vec<f64> = Vec::new();
-        for body in &self.bodies {
-            first.push(reference.len() / dimension);
-            reference.extend(body.mesh.points.iter().flat_map(|point| &point[..dimension]));
-        }
+        let counts = self.bodies.iter().map(|body| body.mesh.points.len());
+        let first: Vec<usize> = counts.scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count))).collect();
+        let reference = self.start_positions();
         if dimension != 2 {
             return self.findings_in_space(&first, &reference);
         }

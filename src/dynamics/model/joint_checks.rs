@@ -18,16 +18,14 @@ const NODE_REMEDY: &str = "tie a boundary of the body that deforms to the other 
 const DRIVE_REMEDY: &str = "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain \
                             that; hinges have an angle, sliders and slots a travel, links and cables a distance";
 
-impl BodyDefinition {
-    /// The node nearest to a point at rest, and its distance.
-    pub fn nearest_node(&self, point: [f64; 3]) -> (u32, f64) {
-        let distance = |at: &[f64; 3]| length(std::array::from_fn(|i| at[i] - point[i]));
-        let all = (0..).zip(self.mesh.points.iter().map(distance));
+impl Model {
+    /// Node of a body that is nearest to a point at the start, and its distance `[length]`.
+    pub fn nearest_node(&self, body: usize, point: [f64; 3]) -> (u32, f64) {
+        let distance = |at: [f64; 3]| length(std::array::from_fn(|i| at[i] - point[i]));
+        let all = (0..).zip(self.start(body).into_iter().map(distance));
         all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
     }
-}
 
-impl Model {
     /// Modulus that compares forces with gaps where a body touches: its own, or, of a rigid body, that of the stiffest one which deforms. A
     /// model of rigid bodies alone has its weight or, without gravity, its inertia in its place.
     pub fn modulus(&self, body: usize) -> f64 {
@@ -219,11 +217,11 @@ impl Model {
         }
     }
 
-    /// How far what a joint makes one is apart at rest, the nodes of deformable bodies being where they are `[length]`.
+    /// Distance at the start of the points that a joint makes one, or of a point from the node of a deformable body `[length]`.
     fn apart(&self, joint: &JointDefinition) -> f64 {
         let off = |end: &Anchor| {
-            let body = end.body.map(|body| &self.bodies[body]).filter(|body| body.rigid.is_none());
-            body.map_or(0.0, |body| body.nearest_node(end.point).1)
+            let body = end.body.filter(|&body| self.bodies[body].rigid.is_none());
+            body.map_or(0.0, |body| self.nearest_node(body, end.point).1)
         };
         let at_nodes = off(&joint.ends[0]).max(off(&joint.ends[1]));
         let distance = joint.distance();

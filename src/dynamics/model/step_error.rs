@@ -32,10 +32,13 @@ pub enum StepError {
         /// The angle `[rad]`.
         angle: f64,
     },
-    /// A coupling asks for what other couplings and supports do not allow.
-    #[error("\"{coupling}\" asks for what supports and other couplings forbid at t = {time}: its nodes are off by {}", three_digits(*gap))]
+    /// A coupling or a joint demands what others and supports do not allow.
+    #[error(
+        "\"{coupling}\" asks for what supports and other couplings or joints forbid at t = {time}: it is off by {}",
+        three_digits(*gap)
+    )]
     Contradiction {
-        /// Name of the coupling.
+        /// Name of the coupling or joint.
         coupling: String,
         /// Time at the end of the step.
         time: f64,
@@ -160,7 +163,8 @@ impl StepError {
                 format!("take steps of {} or less, for an eighth of a turn at most", three_digits(dt * EIGHTH_TURN / angle))
             }
             StepError::Contradiction { .. } => {
-                "let nodes that are held or moved follow what the cell does, or leave them free: supports hold both sides of a pair alike"
+                "let nodes that are held or moved follow what the cell or the joint does, or leave them free: supports hold both sides of \
+                 a pair alike, and a mechanism does not start at a dead center"
                     .into()
             }
             StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),

@@ -71,9 +71,9 @@ fn center_of<const D: usize>(body: &Body<D>, inertia: Option<&Inertia>) -> Vec<(
     rigid.masters.iter().copied().zip(rigid.frame.shares(inertia.center)).collect()
 }
 
-/// The pairs of all couplings, one for each direction, in the order of the model.
-pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference: &[f64]) -> Vec<ContactPair> {
-    let (reach, size) = (largest_size(reference), model.extent());
+/// The pairs of all couplings, one for each direction, in the order of the model; equations hold at the positions at the `start`.
+pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: &[f64]) -> Vec<ContactPair> {
+    let (reach, size) = (largest_size(start), model.extent());
     let mut pairs = Vec::new();
     for (index, coupling) in model.couplings.iter().enumerate() {
         let modulus = coupling.kind.boundaries().iter().map(|on| model.modulus(on.body)).fold(0.0, f64::max);
@@ -82,7 +82,7 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], referen
             let nodes = direction.equations.iter().map(|terms| terms[0].0).collect();
             let coupled = CoupledNodes { coupling: index, along: direction.along, nodes };
             let kernel: Box<dyn ContactKernel> =
-                Box::new(constraints(direction.equations, offset.is_some(), reference, size, model.dimension()));
+                Box::new(constraints(direction.equations, offset.is_some(), start, size, model.dimension()));
             let mut pair = ContactPair::new(&coupling.name, PairKind::Coupling(Arc::new(coupled)), kernel, modulus, reach);
             pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
             pair.closed = (tolerances::CLOSED * size).max(10.0 * pair.gap_tolerance);
@@ -93,17 +93,15 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], referen
     pairs
 }
 
-/// Equations that hold at rest, or move by a value over time from there.
-fn constraints(equations: Vec<Terms>, is_driven: bool, reference: &[f64], size: f64, dimension: usize) -> PointConstraints {
+/// Equations that hold at the start, or move by a value over time from there.
+fn constraints(equations: Vec<Terms>, is_driven: bool, start: &[f64], size: f64, dimension: usize) -> PointConstraints {
     let mut kernel = PointConstraints::new(dimension, size);
     for terms in equations {
-        let at_rest: f64 = terms
-            .iter()
-            .map(|(node, along)| (0..dimension).map(|i| along[i] * reference[*node as usize * dimension + i]).sum::<f64>())
-            .sum();
+        let at_start: f64 =
+            terms.iter().map(|(node, along)| (0..dimension).map(|i| along[i] * start[*node as usize * dimension + i]).sum::<f64>()).sum();
         let vectors = terms.iter().map(|(node, _)| node_vector(*node)).collect();
         let linear: Vec<(usize, [f64; 3])> = terms.iter().enumerate().map(|(k, (_, along))| (k, *along)).collect();
-        let function = move |value: f64| PointFunction { linear: linear.clone(), constant: -at_rest - value, ..PointFunction::default() };
+        let function = move |value: f64| PointFunction { linear: linear.clone(), constant: -at_start - value, ..PointFunction::default() };
         if is_driven {
             kernel.add_driven(vectors, Box::new(function), 0.0, true);
         } else {

@@ -32,7 +32,7 @@ impl<'a, const D: usize> End<'a, D> {
             Some((_, Some(rigid))) => {
                 PointVector { parts: rigid.masters.iter().copied().zip(rigid.frame.shares(point)).collect(), offset: [0.0; 3] }
             }
-            Some((body, None)) => node_vector(body.nodes.start as u32 + self.model.bodies[body.number].nearest_node(point).0),
+            Some((body, None)) => node_vector(body.nodes.start as u32 + self.model.nearest_node(body.number, point).0),
         }
     }
 

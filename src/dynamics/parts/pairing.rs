@@ -14,19 +14,28 @@ use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// All pairs of a model, whose bodies' nodes are numbered from where `first` says, `middles` those of edges of second order;
-/// `default_rule` is that of contacts that name none. Constraints of `points` come last.
+/// `default_rule` is that of contacts that name none. Constraints of `points` come last. Ties hold the positions at the `start`.
 pub fn contact_pairs(
     model: &Model,
     first: impl Fn(usize) -> usize,
     middles: &ProxyNodes,
-    reference: &[f64],
+    [reference, start]: [&[f64]; 2],
     default_rule: &'static UpdateRule,
     points: Vec<ContactPair>,
 ) -> Vec<ContactPair> {
     let facets = |on: &BodyBoundary| boundary_facets(model, on, first(on.body));
     let faces = |on: &BodyBoundary| boundary_faces(model, on, first(on.body));
-    let made =
-        Pairing { model, first: &first, facets: &facets, faces: &faces, middles, reference, reach: largest_size(reference), default_rule };
+    let made = Pairing {
+        model,
+        first: &first,
+        facets: &facets,
+        faces: &faces,
+        middles,
+        reference,
+        start,
+        reach: largest_size(reference),
+        default_rule,
+    };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
     pairs.extend(corners);
@@ -60,7 +69,9 @@ struct Pairing<'a> {
     middles: &'a ProxyNodes,
     /// Positions at rest.
     reference: &'a [f64],
-    /// Their largest coordinate.
+    /// Positions at the start.
+    start: &'a [f64],
+    /// Largest coordinate of the positions at rest.
     reach: f64,
     /// Rule of contacts that name none.
     default_rule: &'static UpdateRule,
@@ -109,7 +120,7 @@ impl Pairing<'_> {
             return pair;
         }
         if let (3, Partner::Tied { to, reach }) = (self.model.dimension(), partner) {
-            let (seen, tie, _) = tied_in_space(self.model, [secondary, to], *reach, self.first, self.reference);
+            let (seen, tie, _) = tied_in_space(self.model, [secondary, to], *reach, self.first, self.start);
             return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie), true));
         }
         if let (3, Some(kernel)) = (self.model.dimension(), interaction.method.in_space) {
@@ -146,9 +157,9 @@ impl Pairing<'_> {
                 pair
             }
             Partner::Tied { to, reach } => {
-                let reach = reach.unwrap_or_else(|| tie_reach(&Surface::new(&facets), self.reference));
+                let reach = reach.unwrap_or_else(|| tie_reach(&Surface::new(&facets), self.start));
                 let others = (self.facets)(to);
-                let seen = self.middles.seen([&facets, &others], self.reference, RowsOf::Facets);
+                let seen = self.middles.seen([&facets, &others], self.start, RowsOf::Facets);
                 let tie = Tie::new(&seen.secondary, &seen.primary, &seen.reference, reach);
                 return self.pair(name, PairKind::Tie, secondary.body, seen.on_nodes(Box::new(tie)));
             }

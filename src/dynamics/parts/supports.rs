@@ -13,9 +13,11 @@ pub struct PrescribedUnknown {
     pub unknown: usize,
     /// Index of what moves it among the motions of the supports.
     motion: usize,
-    /// Place of its node at rest `[length]`, and the direction.
+    /// Place of its node at the start `[length]`, and the direction.
     place: [f64; 3],
     component: usize,
+    /// Displacement at the start, of a body that has displacements there `[length]`.
+    start: Option<f64>,
 }
 
 /// All supports of a model.
@@ -26,6 +28,8 @@ pub struct Supports {
     pub prescribed: Vec<PrescribedUnknown>,
     /// The motions with the names of their boundaries.
     motions: Vec<(Prescription, String)>,
+    /// For each boundary of `held` the motion that turns it.
+    turning: Vec<Option<usize>>,
     /// The components that each boundary of [`Model::support_names`] holds; each component belongs to one of them.
     pub held: Vec<Vec<usize>>,
 }
@@ -52,8 +56,10 @@ impl Supports {
             }
         }
         let (mut prescribed, mut motions) = (Vec::new(), Vec::new());
+        let mut turning = vec![None; names.len()];
         for prescription in &model.prescriptions {
-            let mesh = &model.bodies[prescription.on.body].mesh;
+            let (mesh, places) = (&model.bodies[prescription.on.body].mesh, model.start(prescription.on.body));
+            let is_displaced = model.initial_displacements.iter().any(|initial| initial.body == prescription.on.body);
             for component in (0..D).filter(|&component| prescription.moves(component)) {
                 for node in mesh.boundary_nodes(&prescription.on.boundary) {
                     let unknown = global(prescription.on.body, node) as usize * D + component;
@@ -61,15 +67,19 @@ impl Supports {
                     owner[unknown] = number(&prescription.on);
                     // A later prescription of the same component replaces an earlier one.
                     prescribed.retain(|other: &PrescribedUnknown| other.unknown != unknown);
-                    let place = mesh.points[node as usize];
-                    prescribed.push(PrescribedUnknown { unknown, motion: motions.len(), place, component });
+                    let place = places[node as usize];
+                    let start = is_displaced.then(|| place[component] - mesh.points[node as usize][component]);
+                    prescribed.push(PrescribedUnknown { unknown, motion: motions.len(), place, component, start });
                 }
+            }
+            if let (Some(number), Some(_)) = (number(&prescription.on), &prescription.turn) {
+                turning[number] = Some(motions.len());
             }
             motions.push((prescription.clone(), model.boundary_name(&prescription.on)));
         }
         let mut held = vec![Vec::new(); names.len()];
         owner.iter().enumerate().for_each(|(unknown, owner)| owner.iter().for_each(|&number: &usize| held[number].push(unknown)));
-        Supports { fixed, prescribed, motions, held }
+        Supports { fixed, prescribed, motions, turning, held }
     }
 
     /// Name of the boundary that moves a prescribed unknown.
@@ -77,16 +87,34 @@ impl Supports {
         &self.motions[prescribed.motion].1
     }
 
-    /// Displacements and velocities of the prescribed unknowns at a time.
+    /// Displacements and velocities of the prescribed unknowns at a time: of a body that has displacements at the start from there on.
     ///
     /// # Errors
     /// A time function failed or gave no finite number.
     pub fn prescribed_motion(&self, time: f64) -> Result<(Vec<f64>, Vec<f64>), StepError> {
-        let mut motions: Vec<PrescribedMotion> = Vec::with_capacity(self.motions.len());
+        let motions = self.motions_at(time)?;
+        let begun = if self.prescribed.iter().any(|one| one.start.is_some()) { self.motions_at(0.0)? } else { Vec::new() };
+        let of = |one: &PrescribedUnknown| {
+            let (moved, velocity) = motions[one.motion].of(one.place, one.component);
+            let before = one.start.map_or(0.0, |start| start - begun[one.motion].of(one.place, one.component).0);
+            (moved + before, velocity)
+        };
+        Ok(self.prescribed.iter().map(of).unzip())
+    }
+
+    fn motions_at(&self, time: f64) -> Result<Vec<PrescribedMotion<'_>>, StepError> {
+        let mut motions = Vec::with_capacity(self.motions.len());
         for (motion, boundary) in &self.motions {
             motions.push(motion.at(time).map_err(|source| StepError::Amplitude { boundary: boundary.clone(), time, source })?);
         }
-        Ok(self.prescribed.iter().map(|one| motions[one.motion].of(one.place, one.component)).unzip())
+        Ok(motions)
+    }
+
+    /// Angle by which a boundary of `held` has been turned since the start `[rad]`; 0 if none is prescribed.
+    pub fn turned_by(&self, boundary: usize, time: f64) -> f64 {
+        let turn = self.turning[boundary].and_then(|motion| self.motions[motion].0.turn.as_ref());
+        let angle = |time: f64| turn.and_then(|turn| turn.angle.value(time).ok()).unwrap_or(0.0);
+        (angle(time) - angle(0.0)).abs()
     }
 
     /// The largest angle by which a boundary turns from one time to another `[rad]`, and that boundary's name.

@@ -19,7 +19,7 @@ use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::iterate::{Forces, Linearization};
 use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::scheme_memory::SchemeMemory;
-use crate::dynamics::step::start::{Motion, StepKind, StepStart};
+use crate::dynamics::step::start::{Motion, StepStart};
 use crate::integrators::History;
 
 /// What pushed from outside in a step.
@@ -34,7 +34,7 @@ struct Outside {
     /// Work of supports that move, and the angular momentum that they give besides that of their reactions.
     prescribed_work: f64,
     slip_moment: [f64; 3],
-    /// Share of loads and obstacles that is the step's own, where forces act longer than in the step that follows.
+    /// Share of loads and obstacles that is the step's own, of a scheme that remembers forces.
     own: [Vec<f64>; 2],
 }
 
@@ -229,19 +229,22 @@ where
     /// What pushed from outside in a step, by the shares that its time integrator gives to start and end.
     fn outside(&self, start: &StepStart, motion: &Motion, at: &Linearization, lambda: &[f64], v_1: &[f64]) -> Result<Outside, StepError> {
         let (system, scheme, unknowns) = (&self.system, motion.scheme, at.q_1.len());
-        let (before, is_long) = (1.0 - scheme.weight, self.options.integrator.is_long());
+        let (is_long, remembers) = (self.options.integrator.is_long(), scheme.remembers(History::Force));
         let mut load = at.forces.load.clone();
-        if scheme.remembers(History::Force) && !is_long {
-            let mut load_n = vec![0.0; unknowns];
-            system.loads_into(start.q_0, start.time, &mut load_n)?;
-            load.iter_mut().zip(&load_n).for_each(|(load, n)| *load += before * n);
-        }
         let (mut obstacles, mut obstacle_work, mut drive_works) = (vec![0.0; unknowns], 0.0, Vec::new());
-        self.ground_into(start, motion, at, &mut obstacles, &mut load)?;
+        if let Some([internal, _]) = system.outside_of(start, [&at.q_1, &at.u_1, &at.moved])? {
+            obstacles.iter_mut().zip(&internal).for_each(|(sum, force)| *sum -= scheme.weight * force);
+        }
+        // Multipliers at the start do work; their forces are among those that are remembered.
+        let (before, mut at_start) = (if is_long { 0.0 } else { 1.0 - scheme.weight }, vec![0.0; if is_long { 0 } else { unknowns }]);
         for pair in system.pairs.iter().filter(|pair| !pair.acts_alone()) {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
-            let (lambda_n, own) = (shares(&self.state.lambda, if is_long { 0.0 } else { before }), shares(lambda, scheme.weight));
-            let work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &own, &mut obstacles);
+            let (none, own) = (vec![0.0; pair.rows.len()], shares(lambda, scheme.weight));
+            let mut work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, &own, &mut obstacles);
+            if before > 0.0 {
+                let lambda_n = shares(&self.state.lambda, before);
+                work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &lambda_n, &none, &mut at_start);
+            }
             obstacle_work += work;
             drive_works.extend(pair.drive.as_ref().map(|_| if is_long { work / scheme.weight } else { work }));
         }
@@ -249,7 +252,7 @@ where
             // As if the forces of the end had acted all the time.
             obstacle_work /= scheme.weight;
         }
-        let own = if is_long { [load.clone(), obstacles.clone()] } else { [Vec::new(), Vec::new()] };
+        let own = if remembers { [load.clone(), obstacles.clone()] } else { [Vec::new(), Vec::new()] };
         for pair in system.pairs.iter().filter(|pair| pair.acts_alone()) {
             let lambda = &lambda[pair.rows.clone()];
             let none = vec![0.0; lambda.len()];
@@ -268,37 +271,12 @@ where
         }
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
-        if is_long {
+        if remembers {
             for (force, lagging) in [&mut load, &mut obstacles].into_iter().zip(&motion.remembered.outside) {
                 force.iter_mut().zip(&lagging.left).for_each(|(force, left)| *force += scheme.lag.used * left);
             }
         }
         Ok(Outside { load, obstacles, obstacle_work, drive_works, prescribed_work, slip_moment, own })
-    }
-
-    /// Adds what the ground and others outside exert through parts, and the loads of parts at the start; those of the step are there.
-    fn ground_into(
-        &self,
-        start: &StepStart,
-        motion: &Motion,
-        at: &Linearization,
-        ground: &mut [f64],
-        load: &mut [f64],
-    ) -> Result<(), StepError> {
-        let (system, scheme) = (&self.system, motion.scheme);
-        let add = |sum: &mut [f64], share: f64, forces: &[f64]| sum.iter_mut().zip(forces).for_each(|(sum, force)| *sum += share * force);
-        let Some([internal, _]) = system.outside_of(start, [&at.q_1, &at.u_1, &at.moved])? else { return Ok(()) };
-        add(ground, -scheme.weight, &internal);
-        if scheme.remembers(History::Force) && !self.options.integrator.is_long() {
-            let (undamped, nowhere) = (vec![0.0; system.bodies.len()], vec![0.0; at.q_1.len()]);
-            let kind = StepKind::Rest { damping: &undamped, velocities: Some(motion.v_0) };
-            let before = StepStart { kind, ..*start };
-            if let Some([internal, loads]) = system.outside_of(&before, [start.q_0, start.u_0, &nowhere])? {
-                add(ground, scheme.weight - 1.0, &internal);
-                add(load, 1.0 - scheme.weight, &loads);
-            }
-        }
-        Ok(())
     }
 
     /// Work of friction with these multipliers, contact by contact `[energy]`.

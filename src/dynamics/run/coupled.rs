@@ -1,4 +1,4 @@
-//! What couplings of nodes exert, and whether they hold.
+//! Forces of couplings of nodes, and whether equations that were left out hold.
 
 use super::engine::Engine;
 use super::ledger::Reaction;
@@ -23,14 +23,10 @@ where
         lambda: &[f64],
         time: f64,
     ) -> Result<Vec<Reaction>, StepError> {
+        self.check_left_out(at, time)?;
         let mut sums = vec![Reaction::default(); self.model.couplings.len()];
-        for (pair, evaluation) in self.system.pairs.iter().zip(&at.pairs) {
+        for pair in &self.system.pairs {
             let PairKind::Coupling(coupled) = &pair.kind else { continue };
-            let left_out = pair.rows.clone().zip(&evaluation.gap).filter(|(row, _)| self.system.redundant[*row]);
-            let gap = left_out.map(|(_, gap)| gap.abs()).fold(0.0, f64::max);
-            if gap > pair.closed {
-                return Err(StepError::Contradiction { coupling: pair.name.clone(), time, gap });
-            }
             let sum = &mut sums[coupled.coupling];
             for (&node, &pressure) in coupled.nodes.iter().zip(&lambda[pair.rows.clone()]) {
                 let force: [f64; D] = std::array::from_fn(|i| pressure * coupled.along[i]);
@@ -39,5 +35,23 @@ where
             }
         }
         Ok(sums)
+    }
+
+    /// Equations of couplings and joints that follow from others and from supports at rest take part in no step, and hold by themselves.
+    ///
+    /// # Errors
+    /// [`StepError::Contradiction`]: they do not.
+    fn check_left_out(&self, at: &Linearization, time: f64) -> Result<(), StepError> {
+        for (pair, evaluation) in self.system.pairs.iter().zip(&at.pairs) {
+            if !matches!(pair.kind, PairKind::Coupling(_) | PairKind::Joint) {
+                continue;
+            }
+            let left_out = pair.rows.clone().zip(&evaluation.gap).filter(|(row, _)| self.system.redundant[*row]);
+            let gap = left_out.map(|(_, gap)| gap.abs()).fold(0.0, f64::max);
+            if gap > pair.closed {
+                return Err(StepError::Contradiction { coupling: pair.name.clone(), time, gap });
+            }
+        }
+        Ok(())
     }
 }

@@ -17,6 +17,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::integrator_limits::check_integrator;
 use crate::dynamics::model::part::Pose;
+use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::attempts::Preferred;
 use crate::dynamics::step::equations::Equations;
@@ -24,6 +25,7 @@ use crate::dynamics::step::newton::Trace;
 use crate::dynamics::step::system::System;
 use crate::linear::Watch;
 use crate::machine::memory;
+use crate::math::tolerances;
 
 /// A simulation in `D` dimensions.
 pub struct Engine<const D: usize> {
@@ -97,6 +99,7 @@ where
         system
             .survey(&positions)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("whose contacts couple many nodes: {shortage}") })?;
+        open_equality(&system, &positions)?;
         let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
         let memory = system.memory_at_rest();
         let is_strained = !(model.initial_displacements.is_empty() && model.growths.is_empty());
@@ -151,6 +154,22 @@ where
     pub fn restore_search(&mut self) {
         self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
     }
+}
+
+/// Refuses contacts that also pull whose sides are apart: such a constraint would hold a gap open, or close it without a force that a
+/// contact has.
+fn open_equality<const D: usize>(system: &Equations<D>, q: &[f64]) -> Result<(), ModelError> {
+    for pair in system.pairs.iter().filter(|pair| pair.law.is_bilateral() && matches!(pair.kind, PairKind::Surfaces | PairKind::Obstacle)) {
+        let kernel = &pair.kernel;
+        let (gaps, weights, coverage) = (kernel.gap(q), kernel.weights(), kernel.coverage(q));
+        let covered = (0..gaps.len()).filter(|&row| coverage[row] > tolerances::SLIVER);
+        let gap = covered.map(|row| gaps[row] / (coverage[row] * weights[row])).fold(0.0, f64::max);
+        let facets = gap / kernel.facet_size();
+        if facets > tolerances::DEPTH {
+            return Err(ModelError::OpenEquality { contact: pair.name.clone(), gap, facets });
+        }
+    }
+    Ok(())
 }
 
 /// Refuses initial displacements that turn a cell inside out.

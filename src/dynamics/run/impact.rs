@@ -44,7 +44,7 @@ where
     /// The velocity jump of a converged step; nothing where no constraint of the rule has closed or holds a reserve.
     ///
     /// # Errors
-    /// The run was interrupted.
+    /// Closed constraints depend on one another, or the run was interrupted.
     pub fn velocity_jump(
         &mut self,
         motion: &Motion,
@@ -126,10 +126,13 @@ where
     }
 
     /// A plastic impact of the closed constraints; what it takes goes into their reserves, shared by the work of the impulses.
+    ///
+    /// # Errors
+    /// Closed constraints depend on one another, or the run was interrupted.
     fn close(&mut self, end: &mut Ending, jump: &mut VelocityCorrection) -> Result<(), Failure> {
         let rates = self.system.rates(end.rows(), &end.v);
         let target: Vec<f64> = rates.iter().zip(end.ours).map(|(rate, ours)| if *ours { -rate } else { 0.0 }).collect();
-        let Some(push) = self.balanced_push(end, 0.0, &vec![0.0; rates.len()], &target)? else { return Ok(()) };
+        let push = self.push(end, 0.0, &vec![0.0; rates.len()], &target)?;
         let slopes = self.slopes(end, &push);
         let energy = slopes.pressing[0] + slopes.pressing[1];
         let share = |row: usize| if end.hold[row] && end.ours[row] { (push.lambda[row] * rates[row]).abs() } else { 0.0 };

@@ -121,7 +121,7 @@ where
         let body = &self.system.bodies[anchor.body?];
         let at = |node: usize, i: usize| if i < D { q[node * D + i] } else { 0.0 };
         let Some(rigid) = &body.rigid else {
-            let node = body.nodes.start + self.model.bodies[body.number].nearest_node(anchor.point).0 as usize;
+            let node = body.nodes.start + self.model.nearest_node(body.number, anchor.point).0 as usize;
             return Some(std::array::from_fn(|i| at(node, i)));
         };
         let shares = rigid.frame.shares(anchor.point);

@@ -55,12 +55,14 @@ where
     Space<D>: Elements<D>,
 {
     fn size(&self, vector: &[f64], free: bool) -> f64 {
-        let masses = &self.nodes.lumped_mass;
+        // By the consistent mass: row sums at the masters of a rigid body depend on which nodes these are, and may be negative.
+        let counts = |k: usize| !free || !self.supports.fixed[k];
+        let counted: Vec<f64> = vector.iter().enumerate().map(|(k, value)| if counts(k) { *value } else { 0.0 }).collect();
+        let momenta = self.nodes.momenta_of(&counted);
         let of_body = |nodes: std::ops::Range<usize>| {
-            let unknowns = (nodes.start * D..nodes.end * D).filter(|&k| !free || !self.supports.fixed[k]);
-            let sum: f64 = unknowns.map(|k| masses[k / D] * vector[k].powi(2)).sum();
-            let mass: f64 = masses[nodes].iter().sum();
-            if mass > 0.0 { (sum / mass).sqrt() } else { 0.0 }
+            let sum: f64 = (nodes.start * D..nodes.end * D).map(|k| momenta[k] * counted[k]).sum();
+            let mass: f64 = self.nodes.nodal_mass[nodes].iter().sum();
+            if mass > 0.0 { (sum.max(0.0) / mass).sqrt() } else { 0.0 }
         };
         self.bodies.iter().map(|body| of_body(body.nodes.clone())).fold(0.0, f64::max)
     }

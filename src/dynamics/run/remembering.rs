@@ -58,9 +58,7 @@ where
         if scheme.remembers(History::Answered) {
             remembered.force.answered = residual(forces.whole(1.0));
         }
-        if scheme.is_long() {
-            remembered.outside = self.outside_at(start, at).map_err(Failure::Fatal)?.map(|force| Lagging::steady(&scheme, &force));
-        }
+        let mut multipliers = at.lambda.clone();
         if scheme.remembers(History::Acceleration) {
             let given = self.prescribed_accelerations(at.q_1.len()).map_err(Failure::Fatal)?;
             let accelerations = self.system.accelerations(at, given)?;
@@ -69,19 +67,24 @@ where
             remembered.force.left.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= scheme.left() * tie);
             remembered.force.answered.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= tie);
             remembered.acceleration = accelerations.nodes;
+            multipliers.iter_mut().zip(&accelerations.lambda).for_each(|(sum, tie)| *sum += tie);
+        }
+        if scheme.remembers(History::Force) {
+            let outside = self.outside_at(start, at, &multipliers).map_err(Failure::Fatal)?;
+            remembered.outside = outside.map(|force| Lagging::steady(&scheme, &force));
         }
         Ok(remembered)
     }
 
-    /// Loads and the forces of obstacles and of the ground at an iterate at rest.
+    /// Loads and the forces of obstacles and of the ground at an iterate at rest, with these multipliers.
     ///
     /// # Errors
     /// A time function failed.
-    fn outside_at(&self, start: &StepStart, at: &Linearization) -> Result<[Vec<f64>; 2], StepError> {
+    fn outside_at(&self, start: &StepStart, at: &Linearization, lambda: &[f64]) -> Result<[Vec<f64>; 2], StepError> {
         let (none, mut obstacles) = (vec![0.0; self.system.multipliers], vec![0.0; at.q_1.len()]);
         for pair in self.system.pairs.iter().filter(|pair| !pair.acts_alone()) {
             let rows = pair.rows.clone();
-            pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, &none[rows.clone()], &at.lambda[rows], &mut obstacles);
+            pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, &none[rows.clone()], &lambda[rows], &mut obstacles);
         }
         if let Some([internal, _]) = self.system.outside_of(start, [start.q_0, start.u_0, &vec![0.0; start.q_0.len()]])? {
             obstacles.iter_mut().zip(internal).for_each(|(sum, force)| *sum -= force);

@@ -17,7 +17,6 @@ use crate::dynamics::step::impact_law::{Course, ImpactContact, ImpactLaw};
 use crate::dynamics::step::impact_rows::Responses;
 use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::start::Motion;
-use crate::linear::LinearError;
 use crate::math::tolerances;
 
 /// Change of the gap in a step, over the tolerance of a gap, up to which bodies do not approach: the midpoint rule doubles what is left
@@ -56,7 +55,7 @@ where
     /// Adds the impacts of rigid bodies to the velocity jump of a converged step; the jump itself where there is none.
     ///
     /// # Errors
-    /// The run was interrupted.
+    /// Joints and ties depend on one another at these positions, so that impulses have no response; or the run was interrupted.
     pub fn rigid_impacts(
         &mut self,
         motion: &Motion,
@@ -67,39 +66,22 @@ where
         if self.system.pairs.iter().all(|pair| pair.restitution.is_none()) {
             return Ok(jump);
         }
-        let mut v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
-        jump.iter().for_each(|jump| v.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w));
+        let v = self.corrected_velocities(motion, solution, jump.as_ref());
         let slips = self.system.slips_at_rest(&solution.at.q_1, &solution.at.pairs);
         let evaluated = [&solution.at.pairs[..], &slips[..]];
         let rates = self.system.rates(evaluated, &v);
         let Some(touches) = self.touches(motion, solution, conditions, &rates) else { return Ok(jump) };
         let contacts = self.impact_contacts(motion, solution, &touches, &rates);
         let rows: Vec<usize> = touches.iter().flat_map(|touch| self.rows_of(touch)).collect();
-        let (responses, [response, powers]) = match self.solved(solution, evaluated, &rows, &rates) {
-            Ok(solved) => solved,
-            Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
-                return Err(failure.or_end(self.state.row.time));
-            }
-            Err(_) => return Ok(jump),
-        };
+        let solved = self.solved(solution, evaluated, &rows, &rates);
+        let (responses, [response, powers]) = solved.map_err(|failure| failure.or_end(self.state.row.time))?;
         let law = ImpactLaw { contacts, response };
         let before: Vec<f64> = rows.iter().zip(&powers).map(|(&row, power)| rates[row] + power).collect();
         let outcome = self.outcome(motion, solution, conditions, &law, &touches, &rows, before);
-        let mut push = match self.system.response_to(&solution.at, evaluated, &responses, &rows, &outcome.impulses, &rates) {
-            Ok(push) => push,
-            Err(failure) => return Err(failure.or_end(self.state.row.time)),
-        };
-        let moving = self.system.supports.prescribed.iter().zip(motion.prescribed_v_1);
-        push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
-        if !self.system.is_balanced(&push, &solution.at.q_1, 0.0) {
-            return Ok(jump);
-        }
+        let push = self.system.response_to(&solution.at, evaluated, &responses, &rows, &outcome.impulses, &rates);
+        let push = self.checked(motion, solution, push)?;
         let mut jump = jump.unwrap_or_else(|| VelocityCorrection::none(v.len(), self.state.reserve.clone()));
-        let add = |sum: &mut [f64], s: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += s * part);
-        add(&mut jump.velocity, 1.0, &push.velocity);
-        add(&mut jump.impulse, 1.0, &push.impulse);
-        add(&mut jump.lambda, 1.0 / motion.dt, &push.lambda);
-        jump.work += push.work;
+        jump.add(1.0, &push, motion.dt);
         jump.impact += outcome.lost;
         jump.closed.extend(touches.iter().map(|touch| touch.row).filter(|&row| jump.lambda[row] > 0.0));
         jump.energy += outcome.work - outcome.friction.iter().sum::<f64>();

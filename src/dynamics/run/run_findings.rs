@@ -43,7 +43,7 @@ pub enum RunFindingKind {
     TooFast(MotionKind),
     /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
     Failures(&'static str),
-    /// A cell of linear elasticity has turned; the value is the angle.
+    /// A body of linear elasticity has turned; the value is the angle of a cell, or the share of strain or moment that it causes.
     Turned,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is its least stretch.
     Crushed,
@@ -98,7 +98,7 @@ impl RunFindingKind {
         ),
         ("passed_through", "bodies with nothing defined between them are inside each other at the end: the depth in facets"),
         ("passed_obstacle", "a side of a body that its contact does not name was inside a rigid obstacle: the largest depth in facets"),
-        ("turned", "a cell of linear elasticity has turned at the end, for which the law is not made: the angle"),
+        ("turned", "a body of linear elasticity has turned at the end: the angle, or the share of a strain or moment that it causes"),
         ("crushed", "a cell of Saint Venant-Kirchhoff material is crushed at the end, where the law softens: its least stretch"),
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),

@@ -21,14 +21,14 @@ use super::stable_step::StableStep;
 use super::state::State;
 use super::steps::Steps;
 use super::tally::Tally;
-use super::validity::{Excess, ExcessKind};
+use super::validity::{Excess, ExcessKind, SPURIOUS};
 use crate::dynamics::model::bounds::{ObstacleBounds, Passed};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::hulls::{ALLOWED, Inside};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::unpaired::{Names, UnpairedBodies};
-use crate::math::digits::percent;
+use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{AT_REST, COARSE, CRUSHED, DEPTH, TURNED};
 
 /// A running simulation.
@@ -365,12 +365,25 @@ impl Simulation {
     /// Bodies whose laws are used beyond their range.
     fn excessive(&self) -> Vec<RunFinding> {
         let row = self.row();
-        let of = |Excess { body, kind, value, cell }: Excess| {
-            let (kind, limit, is_beyond, what) = match kind {
-                ExcessKind::Turned => (RunFindingKind::Turned, TURNED, value > TURNED, format!("has turned by {value:.2} rad")),
-                ExcessKind::Crushed => (RunFindingKind::Crushed, CRUSHED, value < CRUSHED, format!("has a stretch of {value:.2}")),
+        let of = |Excess { body, kind, value, cell, angle }: Excess| {
+            let cell = format!("cell {cell} of body \"{body}\"");
+            let (share, angle) = (percent(value), three_digits(angle));
+            let (kind, limit, is_beyond, explanation) = match kind {
+                ExcessKind::Turned => (RunFindingKind::Turned, TURNED, value > TURNED, format!("{cell} has turned by {value:.2} rad")),
+                ExcessKind::SpuriousStrain => {
+                    let what =
+                        format!("a support turns body \"{body}\" by {angle} rad, which counts as a strain of {share} of the largest one");
+                    (RunFindingKind::Turned, SPURIOUS, value > SPURIOUS, what)
+                }
+                ExcessKind::SpuriousMoment => {
+                    let what = format!(
+                        "stresses do not turn with body \"{body}\", which has turned by {angle} rad: their moment about it is {share} of \
+                         that of the support that turns"
+                    );
+                    (RunFindingKind::Turned, SPURIOUS, value > SPURIOUS, what)
+                }
+                ExcessKind::Crushed => (RunFindingKind::Crushed, CRUSHED, value < CRUSHED, format!("{cell} has a stretch of {value:.2}")),
             };
-            let explanation = format!("cell {cell} of body \"{body}\" {what}");
             is_beyond.then_some(RunFinding { kind, contact: None, value, limit, step: row.step, time: row.time, explanation })
         };
         self.steps.excesses().into_iter().filter_map(of).collect()

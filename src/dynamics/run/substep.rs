@@ -136,9 +136,7 @@ where
             counters.discarded = before.discarded + (counters.factorizations - before.factorizations);
             return Err(failure);
         }
-        let jump = self.velocity_jump(&motion, &solution, &conditions)?;
-        let jump = self.rigid_impacts(&motion, &solution, &conditions, jump)?;
-        let jump = self.filter(&motion, &solution, jump)?;
+        let jump = self.velocity_correction(&motion, &solution, &conditions)?;
         self.accept(&start, &motion, solution, &conditions, jump).map_err(Failure::Fatal)
     }
 

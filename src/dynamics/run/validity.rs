@@ -1,91 +1,174 @@
 //! Laws beyond what they are made for: linear elasticity that turns, Saint Venant-Kirchhoff material that is crushed.
 //!
-//! Both go on to compute without a sign of it. What a cell has done follows from its nodes: the deformation gradient that fits their motion
-//! best, `F = sum dx dX^T (sum dX dX^T)^-1`, split into rotation and stretches.
+//! Both compute on without a sign of it. The motion of a cell follows from its nodes: the deformation gradient that fits their motion
+//! best, `F = sum dx dX^T (sum dX dX^T)^-1 = R U`. Where a support turns by `theta`, linear elasticity counts `1 - cos theta` for a strain
+//! at its nodes. Its stresses do not turn with the body besides, and have a moment about it, of first order in the angle: with the mean
+//! stress `V = int sigma dV` and the rotation vector `theta` of the body `V theta - tr(V) theta`. A body that turns because it strains, as
+//! in bending, is what the law is made for: such moments are told of supports that turn alone.
 
-use nalgebra::SMatrix;
+use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
+use crate::dynamics::parts::body::Body;
 use crate::materials::Kinematics;
+use crate::math::tolerances;
 
 /// Name of the law that softens in compression.
 const SOFTENS: &str = "saint_venant_kirchhoff";
+
+/// Share of a strain or of a moment that only the rotation of a body of linear elasticity causes, from which on it is told.
+pub const SPURIOUS: f64 = 0.01;
+
+/// Rotation of a body of linear elasticity below which its effects are not told `[rad]`: its moment is less than a thousandth of the forces
+/// times the size of the body, as what small strains leave out.
+const LEAST_TURN: f64 = 0.001;
 
 /// A body whose law is used beyond its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Excess {
     /// The body.
     pub body: String,
-    /// What it has done.
+    /// How the law is used beyond its range.
     pub kind: ExcessKind,
-    /// The angle of a rotation, or the least stretch.
+    /// The angle of a rotation, a share, or the least stretch.
     pub value: f64,
-    /// The cell.
+    /// The cell, of a body that has turned the one that has turned most.
     pub cell: usize,
+    /// Rotation of the cell, of the support or of the body `[rad]`.
+    pub angle: f64,
 }
 
 /// How a law is used beyond its range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExcessKind {
-    /// A cell of a linear law has turned.
+    /// A cell of a linear law has turned; the value is the angle.
     Turned,
-    /// A cell of Saint Venant-Kirchhoff material is crushed.
+    /// The strain that the rotation of a support counts for, over the largest strain of the body.
+    SpuriousStrain,
+    /// The moment of stresses that have not turned with the body, over that of the support that turns.
+    SpuriousMoment,
+    /// A cell of Saint Venant-Kirchhoff material is crushed; the value is the least stretch.
     Crushed,
+}
+
+/// Motion of a cell.
+struct CellMotion {
+    rotation: Matrix3<f64>,
+    stretch: Matrix3<f64>,
+}
+
+impl CellMotion {
+    fn angle(&self) -> f64 {
+        angle_of(&self.rotation)
+    }
+
+    /// Least stretch.
+    fn least(&self) -> f64 {
+        self.stretch.symmetric_eigenvalues().min()
+    }
+
+    /// Strain in the directions at rest.
+    fn strain(&self) -> Matrix3<f64> {
+        self.stretch - Matrix3::identity()
+    }
+}
+
+/// Angle of a rotation `[rad]`: accurate for small ones, whose cosine is round-off.
+fn angle_of(rotation: &Matrix3<f64>) -> f64 {
+    Rotation3::from_matrix_unchecked(*rotation).scaled_axis().norm()
 }
 
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The cell that has turned most of each body with a linear law, and the one that is crushed most of each with that of Saint Venant and
-    /// Kirchhoff.
+    /// Worst use beyond its range of every linear law, and of that of Saint Venant and Kirchhoff.
     pub fn excessive_cells(&self) -> Vec<Excess> {
         let mut found = Vec::new();
         for (body, definition) in self.system.bodies.iter().zip(&self.model.bodies) {
-            let kind = match definition.material.kinematics() {
-                _ if body.rigid.is_some() => continue,
-                Kinematics::Linear => ExcessKind::Turned,
-                _ if definition.material.name() == SOFTENS => ExcessKind::Crushed,
-                Kinematics::GreenLagrange => continue,
-            };
-            let motions = body.elements.cliques().iter().map(|nodes| self.cell_motion(nodes));
-            let values = motions.map(|(turned, least)| if kind == ExcessKind::Turned { turned } else { -least }).enumerate();
-            if let Some((cell, value)) = values.max_by(|a, b| a.1.total_cmp(&b.1)) {
-                found.push(Excess { body: body.name.clone(), kind, value: value.abs(), cell });
+            match definition.material.kinematics() {
+                _ if body.rigid.is_some() => {}
+                Kinematics::Linear => found.extend(self.turned(body)),
+                _ if definition.material.name() == SOFTENS => {
+                    let least = body.elements.cliques().iter().map(|nodes| self.motion_of(nodes).map_or(1.0, |motion| motion.least()));
+                    let worst = least.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+                    let excess = |(cell, value)| Excess { body: body.name.clone(), kind: ExcessKind::Crushed, value, cell, angle: 0.0 };
+                    found.extend(worst.map(excess));
+                }
+                Kinematics::GreenLagrange => {}
             }
         }
         found
     }
 
-    /// Angle of the rotation of a cell, and its least stretch.
-    fn cell_motion(&self, nodes: &[u32]) -> (f64, f64) {
-        let place = |q: &[f64], node: u32| -> [f64; D] { std::array::from_fn(|i| q[node as usize * D + i]) };
-        let mean = |q: &[f64]| -> [f64; D] {
-            let sum = nodes.iter().map(|&node| place(q, node)).fold([0.0; D], |sum, x| std::array::from_fn(|i| sum[i] + x[i]));
-            sum.map(|x| x / nodes.len() as f64)
-        };
+    /// The worst effect of rotation on a body of linear elasticity: the rotation itself, or where a support turns, strain or moment.
+    fn turned(&self, body: &Body<D>) -> Option<Excess> {
+        let motions: Vec<CellMotion> = body.elements.cliques().iter().filter_map(|nodes| self.motion_of(nodes)).collect();
+        let angles = motions.iter().map(CellMotion::angle).enumerate();
+        let (cell, angle) = angles.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let excess = |kind, value, angle| Excess { body: body.name.clone(), kind, value, cell, angle };
+        if angle > tolerances::TURNED {
+            return Some(excess(ExcessKind::Turned, angle, angle));
+        }
+        let supports = self.system.supports.held.iter().zip(&self.state.row.reactions).enumerate();
+        let on_body = supports.filter(|(_, (held, _))| held.first().is_some_and(|&k| body.nodes.contains(&(k / D))));
+        let turned = on_body.map(|(number, (_, reaction))| (self.system.supports.turned_by(number, self.state.row.time), reaction));
+        let (by, reaction) = turned.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(by, _)| *by > LEAST_TURN)?;
+        let largest = motions.iter().map(|motion| motion.strain().norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let strain = (1.0 - by.cos()) / largest;
+        if strain > SPURIOUS {
+            return Some(excess(ExcessKind::SpuriousStrain, strain, by));
+        }
+        let nodes: Vec<u32> = body.nodes.clone().map(|node| node as u32).collect();
+        let center = Vector3::from(self.center_of(&self.state.positions, &nodes));
+        let moment = (Vector3::from(reaction.moment) - center.cross(&Vector3::from(reaction.force))).norm();
+        let turn = Rotation3::from_matrix_unchecked(self.motion_of(&nodes)?.rotation).scaled_axis();
+        Some(excess(ExcessKind::SpuriousMoment, self.spurious_moment(body, &turn) / moment.max(f64::MIN_POSITIVE), turn.norm()))
+    }
+
+    /// Moment of the stresses of a body that has turned without them.
+    fn spurious_moment(&self, body: &Body<D>, turn: &Vector3<f64>) -> f64 {
+        let mut mean = Matrix3::zeros();
+        body.elements.visit_stresses(&self.state.displacements, &mut |point| {
+            let [xx, yy, zz, xy, yz, zx] = point.stress;
+            mean += Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * point.volume;
+        });
+        if D == 2 {
+            // Across the plane nothing turns.
+            mean[(2, 2)] = 0.0;
+        }
+        (mean * turn - mean.trace() * turn).norm()
+    }
+
+    /// Mean place of some nodes.
+    fn center_of(&self, q: &[f64], nodes: &[u32]) -> [f64; 3] {
+        let mut center = [0.0; 3];
+        nodes.iter().for_each(|&node| (0..D).for_each(|i| center[i] += q[node as usize * D + i] / nodes.len() as f64));
+        center
+    }
+
+    /// Motion of some nodes: of a cell, or of a body.
+    fn motion_of(&self, nodes: &[u32]) -> Option<CellMotion> {
         let (before, now) = (&self.system.nodes.reference, &self.state.positions);
-        let (center_before, center_now) = (mean(before), mean(now));
+        let (center_before, center_now) = (self.center_of(before, nodes), self.center_of(now, nodes));
         // In space of three dimensions always: what is plane stays in its plane.
         let (mut moved, mut own) = (SMatrix::<f64, 3, 3>::zeros(), SMatrix::<f64, 3, 3>::zeros());
         for &node in nodes {
-            let (x, y) = (place(before, node), place(now, node));
+            let place = |q: &[f64], center: [f64; 3]| -> [f64; D] { std::array::from_fn(|i| q[node as usize * D + i] - center[i]) };
+            let (x, y) = (place(before, center_before), place(now, center_now));
             for i in 0..D {
                 for j in 0..D {
-                    let arm = x[j] - center_before[j];
-                    moved[(i, j)] += (y[i] - center_now[i]) * arm;
-                    own[(i, j)] += (x[i] - center_before[i]) * arm;
+                    moved[(i, j)] += y[i] * x[j];
+                    own[(i, j)] += x[i] * x[j];
                 }
             }
         }
         for i in D..3 {
             (moved[(i, i)], own[(i, i)]) = (1.0, 1.0);
         }
-        let Some(inverse) = own.try_inverse() else { return (0.0, 1.0) };
-        let parts = (moved * inverse).svd(true, true);
-        let (Some(u), Some(v)) = (parts.u, parts.v_t) else { return (0.0, 1.0) };
-        let cosine = 0.5 * ((u * v).trace() - 1.0);
-        (cosine.clamp(-1.0, 1.0).acos(), parts.singular_values.min())
+        let parts = (moved * own.try_inverse()?).svd(true, true);
+        let (u, v_t) = (parts.u?, parts.v_t?);
+        Some(CellMotion { rotation: u * v_t, stretch: v_t.transpose() * Matrix3::from_diagonal(&parts.singular_values) * v_t })
     }
 }

@@ -1,9 +1,11 @@
-//! A change of the velocities at the end of a step of the `velocity` rule, and what it is made from.
+//! Change of the velocities at the end of a step: closings of the `velocity` rule (`impact.rs`), impacts of rigid bodies
+//! (`rigid_impacts.rs`) and the filter of a scheme that dissipates (`velocity_filter.rs`), in this order.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::nodal::half_product;
+use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::impulse_response::{Cause, ImpulseResponse};
 use crate::dynamics::step::newton::Solution;
@@ -51,6 +53,15 @@ impl VelocityCorrection {
             closed: Vec::new(),
         }
     }
+
+    /// Adds a share of an impulse response to velocities, impulses, multipliers and work of a step of size `dt`.
+    pub fn add(&mut self, share: f64, response: &ImpulseResponse, dt: f64) {
+        let add = |sum: &mut [f64], share: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += share * part);
+        add(&mut self.velocity, share, &response.velocity);
+        add(&mut self.impulse, share, &response.impulse);
+        add(&mut self.lambda, share / dt, &response.lambda);
+        self.work += share * response.work;
+    }
 }
 
 /// A converged step as the rule sees it.
@@ -88,12 +99,8 @@ impl Slopes {
 impl Ending<'_> {
     /// Adds `s` times a push to the jump and to the velocities.
     pub fn add(&mut self, jump: &mut VelocityCorrection, s: f64, push: &ImpulseResponse, slopes: &Slopes) {
-        let add = |sum: &mut [f64], s: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += s * part);
-        add(&mut self.v, s, &push.velocity);
-        add(&mut jump.velocity, s, &push.velocity);
-        add(&mut jump.impulse, s, &push.impulse);
-        add(&mut jump.lambda, s / self.motion.dt, &push.lambda);
-        jump.work += s * push.work;
+        self.v.iter_mut().zip(&push.velocity).for_each(|(v, w)| *v += s * w);
+        jump.add(s, push, self.motion.dt);
         jump.energy += Slopes::at(slopes.pressing, s);
         jump.friction.iter_mut().zip(&slopes.friction).for_each(|(sum, slopes)| *sum += Slopes::at(*slopes, s));
     }
@@ -113,20 +120,71 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// A push with the work of supports that move; nothing where constraints depend on one another: then nobody's velocity changes.
-    pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
-        let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
-        match self.system.push(&end.solution.at, beta, &cause) {
-            Ok(mut push) => {
-                let moving = self.system.supports.prescribed.iter().zip(end.motion.prescribed_v_1);
-                push.work += moving.map(|(prescribed, v)| v * push.impulse[prescribed.unknown]).sum::<f64>();
-                Ok(self.system.is_balanced(&push, &end.solution.at.q_1, 0.0).then_some(push))
-            }
-            Err(failure @ Failure::Linear(LinearError::Interrupted | LinearError::OutOfMemory { .. })) => {
-                Err(failure.or_end(self.state.row.time))
-            }
-            Err(_) => Ok(None),
+    /// Change of the velocities at the end of a converged step; `None` if there is none.
+    ///
+    /// # Errors
+    /// The impulses of an impact have no solution at these positions, or the run was interrupted.
+    pub fn velocity_correction(
+        &mut self,
+        motion: &Motion,
+        solution: &Solution,
+        conditions: &Conditions,
+    ) -> Result<Option<VelocityCorrection>, Failure> {
+        let closed = self.velocity_jump(motion, solution, conditions)?;
+        let struck = self.rigid_impacts(motion, solution, conditions, closed)?;
+        self.filter(motion, solution, struck)
+    }
+
+    /// Velocities at the end of a step with those of the correction so far.
+    pub fn corrected_velocities(&self, motion: &Motion, solution: &Solution, jump: Option<&VelocityCorrection>) -> Vec<f64> {
+        let mut v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
+        jump.iter().for_each(|jump| v.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w));
+        v
+    }
+
+    /// An impulse response with the work of supports that move, if its momenta are balanced.
+    ///
+    /// # Errors
+    /// Constraints depend on one another, exactly or as far as round-off of the momenta tells; or the run was interrupted.
+    pub fn checked(
+        &self,
+        motion: &Motion,
+        solution: &Solution,
+        response: Result<ImpulseResponse, Failure>,
+    ) -> Result<ImpulseResponse, Failure> {
+        let mut response = response.map_err(|failure| failure.or_end(self.state.row.time))?;
+        let moving = self.system.supports.prescribed.iter().zip(motion.prescribed_v_1);
+        response.work += moving.map(|(prescribed, v)| v * response.impulse[prescribed.unknown]).sum::<f64>();
+        match self.system.is_balanced(&response, &solution.at.q_1, 0.0) {
+            true => Ok(response),
+            false => Err(Failure::Linear(LinearError::Singular { vertex: None })),
         }
+    }
+
+    /// Impulse response of a smoothing push; `None` if constraints depend on one another.
+    ///
+    /// # Errors
+    /// The run was interrupted.
+    pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
+        let push = self.push(end, beta, lambda, rate);
+        match push {
+            Err(failure @ Failure::Fatal(_)) => Err(failure),
+            push => Ok(push.ok()),
+        }
+    }
+
+    /// Impulse response of the constraints at the end of a step, with what joints on the ground exert.
+    ///
+    /// # Errors
+    /// Constraints depend on one another, or the run was interrupted.
+    pub fn push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<ImpulseResponse, Failure> {
+        let cause = Cause { rows: end.rows(), lambda, hold: end.hold, rate, ratios: end.ratios };
+        let push = self.system.push(&end.solution.at, beta, &cause).map(|mut push| {
+            let rates = self.system.rates(end.rows(), &end.v);
+            self.system.add_driven(&end.solution.at, &rates, &mut push);
+            push
+        });
+        self.checked(end.motion, end.solution, push)
     }
 
     /// What a push gives.

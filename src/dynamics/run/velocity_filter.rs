@@ -30,18 +30,13 @@ where
         if share == 0.0 || self.system.dampings.is_empty() {
             return Ok(jump);
         }
-        let mut v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
+        let v = self.corrected_velocities(motion, solution, jump.as_ref());
         let mut jump = jump.unwrap_or_else(|| VelocityCorrection::none(v.len(), self.state.reserve.clone()));
-        v.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
         let Some(response) = self.balanced_filter(motion, solution, &v)? else { return Ok(Some(jump)) };
         let momenta = self.system.nodes.momenta_of(&response.velocity);
         let [second, first] = [half_product(&response.velocity, &momenta), 2.0 * half_product(&v, &momenta)];
         let lost = share * (response.work - first - share * second);
-        let add = |sum: &mut [f64], share: f64, part: &[f64]| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += share * part);
-        add(&mut jump.velocity, share, &response.velocity);
-        add(&mut jump.impulse, share, &response.impulse);
-        add(&mut jump.lambda, share / motion.dt, &response.lambda);
-        jump.work += share * response.work;
+        jump.add(share, &response, motion.dt);
         // Round-off where there is nothing to lose.
         jump.dissipated = lost.max(0.0);
         Ok(Some(jump))

@@ -16,6 +16,8 @@ pub struct Accelerations {
     pub nodes: Vec<f64>,
     /// Forces of the ties on them, beyond those that the multipliers of the state stand for.
     pub ties: Vec<f64>,
+    /// Multipliers of the ties for these forces, in the order of all rows.
+    pub lambda: Vec<f64>,
 }
 
 impl<const D: usize> System<D>
@@ -52,10 +54,10 @@ where
         self.matrix.finish(&rows, scale * self.nodes.largest_nodal_mass, &mut values);
         self.counters.times.assembly += clock.elapsed();
         self.solve_with(&values, &mut right, Instant::now())?;
-        let lambda = right.split_off(unknowns);
+        let lambda: Vec<f64> = right.split_off(unknowns).iter().map(|mu| mu / scale).collect();
         right.iter_mut().zip(given).for_each(|(a, given)| *a += given);
         let mut ties = vec![0.0; unknowns];
-        self.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| ties[k] += lambda[row] / scale * gradient);
-        Ok(Accelerations { nodes: right, ties })
+        self.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| ties[k] += lambda[row] * gradient);
+        Ok(Accelerations { nodes: right, ties, lambda })
     }
 }

@@ -93,9 +93,10 @@ where
         let followers = part_followers(model, &mut bodies, first, &others);
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);
-        let mut points = point_pairs(model, &bodies, &reference);
-        points.extend(coupling_pairs(model, &bodies, &reference));
-        let mut pairs = contact_pairs(model, first, &middles, &reference, default_rule(integrator), points);
+        let start = model.start_positions();
+        let mut points = point_pairs(model, &bodies, &start);
+        points.extend(coupling_pairs(model, &bodies, &start));
+        let mut pairs = contact_pairs(model, first, &middles, [&reference, &start], default_rule(integrator), points);
         if !integrator.solves_impacts() {
             pairs.iter_mut().for_each(|pair| pair.restitution = None);
         }

@@ -87,7 +87,7 @@ where
     }
 
     /// Adds what the ground exerts through joints to the impulses from outside, and the work of what drives them.
-    pub(super) fn add_driven(&self, at: &Linearization, rates: &[f64], response: &mut ImpulseResponse) {
+    pub fn add_driven(&self, at: &Linearization, rates: &[f64], response: &mut ImpulseResponse) {
         for pair in self.pairs.iter().filter(|pair| matches!(pair.kind, PairKind::Joint | PairKind::Coupling(_))) {
             let (lambda, none) = (&response.lambda[pair.rows.clone()], vec![0.0; pair.rows.len()]);
             if pair.drive.is_some() {

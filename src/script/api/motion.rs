@@ -103,6 +103,11 @@ impl Motion {
         [0, 1, 2].map(|i| self.units.length * (turned[i] + self.offset[i]))
     }
 
+    /// Largest distance from the origin in the moved model of points within such a distance in the original one `[length]`.
+    pub fn reach(&self, reach: f64) -> f64 {
+        self.units.length * (reach + self.offset.iter().map(|x| x * x).sum::<f64>().sqrt())
+    }
+
     /// The point that is moved there.
     fn before(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = [0, 1, 2].map(|i| point[i] / self.units.length - self.offset[i]);

@@ -78,8 +78,15 @@ impl Open {
         }
     }
 
+    /// A pair of the two factors with the most open pairs: products for these draw those of small factors along the way.
     fn first(&self) -> Option<(Row, Row)> {
-        let place = self.table.iter().position(|is_open| *is_open)?;
+        let mut of_factors: BTreeMap<(usize, usize), (usize, usize)> = BTreeMap::new();
+        for place in (0..self.table.len()).filter(|&place| self.table[place]) {
+            let [first, second] = [place / self.rows.len(), place % self.rows.len()].map(|row| self.rows[row].0);
+            of_factors.entry((first, second)).or_insert((0, place)).0 += 1;
+        }
+        // The first of those with as many.
+        let (_, place) = of_factors.into_values().rev().max_by_key(|(count, _)| *count)?;
         Some((self.rows[place / self.rows.len()], self.rows[place % self.rows.len()]))
     }
 }
@@ -235,6 +242,16 @@ impl<'a> Cover<'a> {
             .map_or_else(|| "in all company that was tried".to_string(), |refusal| format!("{} {}", refusal.code, refusal.title));
         self.open.set(pair, false);
         self.excluded.insert(pair, why);
+    }
+
+    /// Products with all pairs that the known refusals allow; none of them has run.
+    pub fn all(&mut self) -> Vec<Product> {
+        let mut products = Vec::new();
+        while let Some(product) = self.next() {
+            self.drawn(&product);
+            products.push(product);
+        }
+        products
     }
 
     /// Some products to be tried at the same time, as if those before had drawn their pairs.

@@ -152,6 +152,38 @@ impl Study {
         }
     }
 
+    /// The array of all pairs that the known refusals allow, chosen before any product has run: pairs of products that are refused
+    /// nevertheless stay open.
+    pub fn array<'a>(
+        catalogue: &'a Catalogue,
+        home: &Path,
+        program: &Path,
+        threads: usize,
+        refusals: &str,
+        known: &[Known],
+    ) -> (Study, Cover<'a>) {
+        let (mut study, mut chosen) = (Study::default(), Cover::new(catalogue));
+        chosen.learn(refusals);
+        let products = chosen.all();
+        let mut cover = Cover::new(catalogue);
+        cover.excluded = chosen.excluded;
+        for some in products.chunks(64) {
+            let judged = judge_all(catalogue, home, program, threads, some, false);
+            for (product, judged) in some.iter().zip(&judged) {
+                let before = study.wrong.len();
+                study.book(catalogue, product, judged, known);
+                match &judged.verdict {
+                    Verdict::Refused(code, title) => println!("refused: {}: {code} {title}", Named { catalogue, product }),
+                    _ => cover.drawn(product),
+                }
+                if let Some((product, verdict)) = study.wrong.get(before) {
+                    println!("{}: {verdict:?}", Named { catalogue, product });
+                }
+            }
+        }
+        (study, cover)
+    }
+
     /// Products at random, by consecutive seeds.
     pub fn random(
         catalogue: &Catalogue,

@@ -86,7 +86,7 @@ fn on_rigid(argument: &Argument, body: &BodyHandle) -> Result<Option<Vec<(u32, f
     let definition = body.definition();
     let Some(frame) = definition.rigid.and_then(|_| Frame::new(&definition.mesh)) else { return Ok(None) };
     let point = argument.vector(definition.mesh.dimension())?;
-    if definition.nearest_node(point).1 <= SAME_NODE * largest_extent(definition.mesh.points.iter()) {
+    if body.model.0.borrow().model.nearest_node(body.index, point).1 <= SAME_NODE * largest_extent(definition.mesh.points.iter()) {
         return Ok(None);
     }
     Ok(Some(frame.masters.iter().copied().zip(frame.shares(point)).collect()))

@@ -300,15 +300,15 @@ fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Fail
 
 /// Puts an end on the node that it means, if its body deforms.
 fn snap(argument: &Argument, model: &Model, end: &mut Anchor) -> Result<(), Failure> {
-    let Some(body) = end.body.map(|body| &model.bodies[body]).filter(|body| body.rigid.is_none()) else { return Ok(()) };
-    let (node, distance) = body.nearest_node(end.point);
+    let Some(index) = end.body.filter(|&body| model.bodies[body].rigid.is_none()) else { return Ok(()) };
+    let (body, (node, distance), start) = (&model.bodies[index], model.nearest_node(index, end.point), model.start(index));
     let cell = (body.mesh.measure() / body.mesh.cell_count() as f64).powf(1.0 / body.mesh.dimension() as f64);
     if distance > tolerances::SAME_NODE * cell {
         let failure = argument.fail(format!("there is no node of body \"{}\" at this point", body.name));
-        let place = vector_text(&body.mesh.points[node as usize][..body.mesh.dimension()]);
+        let place = vector_text(&start[node as usize][..body.mesh.dimension()]);
         let failure = failure.label(format!("the nearest is at {place}, {} away", brief(distance)));
         return Err(failure.hint("a joint holds a body that deforms at a node: give its place, or refine the mesh to have one there"));
     }
-    end.point = body.mesh.points[node as usize];
+    end.point = start[node as usize];
     Ok(())
 }

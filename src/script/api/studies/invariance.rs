@@ -4,7 +4,7 @@ use rhai::{Dynamic, EvalAltResult};
 
 use crate::dynamics::BodyFields;
 use crate::math::catalogue::Interval;
-use crate::math::tolerances::INVARIANT;
+use crate::math::tolerances::{INVARIANT, STILL_AT};
 use crate::script::api::checks::verdicts::{failed, only_listed, passed};
 use crate::script::api::motion::Motion;
 use crate::script::api::nested_runs::begin_study;
@@ -153,6 +153,12 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
         let failure = call.argument("action").fail("the closure gives another model when it is called again");
         return Err(failure.label("not the same bodies").hint("build the same model on every call"));
     }
+    // Differences of positions by no more than that are round-off, and of velocities by as much in a step.
+    let model = &original.0.model.model;
+    let farthest = model.bodies.iter().flat_map(|body| &body.mesh.points).fold(0.0f64, |farthest, point| farthest.max(length(*point)));
+    let round_off = STILL_AT * motion.reach(farthest);
+    let of_a_step = if row.dt > 0.0 { round_off / (units.time * row.dt) } else { 0.0 };
+    let beyond = |difference: f64, round_off: f64| if difference <= round_off { 0.0 } else { difference };
     let mut worst = (0.0, String::new());
     let mut note = |difference: f64, scale: f64, what: String| {
         let size = if difference == 0.0 { 0.0 } else { difference / scale };
@@ -162,21 +168,24 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
     };
     note((row.time - moved_row.time / units.time).abs(), row.time.abs(), "the time reached".into());
     // Energies of bodies of revolution are those of the whole circumference.
-    let energy = motion.energy(if original.0.model.model.is_axisymmetric() { 3 } else { dimension });
+    let energy = motion.energy(if model.is_axisymmetric() { 3 } else { dimension });
     let total = row.kinetic.abs() + row.strain.abs();
-    note((row.kinetic - moved_row.kinetic / energy).abs(), total, "the kinetic energy".into());
-    note((row.strain - moved_row.strain / energy).abs(), total, "the strain energy".into());
     let scale_of = |pick: fn(&BodyFields) -> &Vec<[f64; 3]>| {
         fields.iter().flat_map(|body| pick(body).iter()).fold(0.0_f64, |scale, vector| scale.max(length(*vector)))
     };
     let (far, fast) = (scale_of(|body| &body.displacement), scale_of(|body| &body.velocity));
+    if far * units.length > round_off || fast * units.length / units.time > of_a_step {
+        note((row.kinetic - moved_row.kinetic / energy).abs(), total, "the kinetic energy".into());
+        note((row.strain - moved_row.strain / energy).abs(), total, "the strain energy".into());
+    }
     for (body, other) in fields.iter().zip(&moved_fields) {
         for node in 0..body.displacement.len() {
             let u = motion.vector(body.displacement[node], units.length);
-            note(gap(u, other.displacement[node]), far * units.length, format!("the displacement of node {node} of \"{}\"", body.name));
+            let off = beyond(gap(u, other.displacement[node]), round_off);
+            note(off, far * units.length, format!("the displacement of node {node} of \"{}\"", body.name));
             let v = motion.vector(body.velocity[node], units.length / units.time);
             let scale = fast * units.length / units.time;
-            note(gap(v, other.velocity[node]), scale, format!("the velocity of node {node} of \"{}\"", body.name));
+            note(beyond(gap(v, other.velocity[node]), of_a_step), scale, format!("the velocity of node {node} of \"{}\"", body.name));
         }
     }
     Ok(worst)
