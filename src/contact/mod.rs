@@ -19,6 +19,7 @@ mod combinations;
 mod contract;
 mod depth;
 mod faces;
+mod facet_shape;
 #[cfg(test)]
 mod fixtures;
 mod friction;
@@ -56,6 +57,7 @@ mod window;
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces, facing_away, looks_away};
 pub use clearance::{Clearance, Nearest};
+pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
 pub use geared::Geared;
 pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};

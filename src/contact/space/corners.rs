@@ -7,10 +7,10 @@
 //! A row with an overlap goes where a shallower one near by parts the bodies along another direction (`found.rs`). Rows stand in a few
 //! slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
-use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};
 use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
+use super::profiles::Profiles;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
@@ -71,7 +71,7 @@ pub struct CornersInSpace {
     radius: f64,
     pub(super) slots: usize,
     /// What the facets of either side are of a curve.
-    bulges: [Bulges; 2],
+    profiles: [Profiles; 2],
     /// For each patch what is added to its gap.
     clearances: Vec<f64>,
     /// Whether its rows are those of all nodes of the secondary side, which then have one each (`nodes.rs`).
@@ -81,14 +81,14 @@ pub struct CornersInSpace {
 impl CornersInSpace {
     /// The rows of two surfaces; nothing where neither has anything sharp.
     pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Option<Box<dyn ContactKernel>> {
-        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference));
+        let profiles = [&secondary, &primary].map(|surface| Profiles::new(surface, reference));
         let features =
-            [(&secondary, &bulges[0]), (&primary, &bulges[1])].map(|(side, bulges)| Features::with_bumps(side, reference, bulges));
+            [(&secondary, &profiles[0]), (&primary, &profiles[1])].map(|(side, profiles)| Features::with_bumps(side, reference, profiles));
         if features.iter().all(|features| features.vertices.is_empty()) {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        Some(Box::new(CornersInSpace { bulges, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
+        Some(Box::new(CornersInSpace { profiles, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
     }
 
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
@@ -137,7 +137,7 @@ impl CornersInSpace {
             has_nodal_rows: false,
             radius: 0.0,
             slots: SLOTS,
-            bulges: Default::default(),
+            profiles: Default::default(),
             clearances: Vec::new(),
             of_nodes: false,
         }
@@ -183,12 +183,12 @@ impl CornersInSpace {
             Kind::Vertex { side, vertex, facet } => {
                 let (surface, vertex) = (self.surface(side), &self.features[side].vertices[vertex]);
                 let around = surface.index(vertex.node).filter(|_| !vertex.is_bump).map_or(&[][..], |index| surface.adjacent_facets(index));
-                self.bulges[1 - side].hollow(&[facet as u32]) + self.bulges[side].raised_by(around)
+                self.profiles[1 - side].hollow(&[facet as u32]) + self.profiles[side].raised_by(around)
             }
             Kind::Edges(edges) => {
                 let of = |side: usize| {
                     let facets: Vec<u32> = self.features[side].edges[edges[side]].facets.into_iter().flatten().collect();
-                    self.bulges[side].hollow(&facets).max(self.bulges[side].raised_by(&facets))
+                    self.profiles[side].hollow(&facets).max(self.profiles[side].raised_by(&facets))
                 };
                 of(0) + of(1)
             }

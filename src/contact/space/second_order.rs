@@ -24,9 +24,10 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::bulge::{Bulges, Raised};
+use super::profiles::{Profile, Profiles};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
+use crate::contact::facet_shape::FacetShape;
 use crate::contact::kernel::ContactKernel;
 use crate::contact::on_curves::OnCurves;
 use crate::contact::surface::{Sides, Surface};
@@ -51,8 +52,8 @@ pub struct SeenInSpace<'a> {
     pub reference: Cow<'a, [f64]>,
     /// A node within the body behind each primary facet, where they were asked for.
     pub inner: Vec<u32>,
-    /// By how much the facets of both sides are raised, whose points are not.
-    pub(super) raised: [Vec<Raised>; 2],
+    /// Height profiles of the facets of both sides.
+    pub(super) profiles: [Vec<Profile>; 2],
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
@@ -67,8 +68,8 @@ impl<'a> SeenInSpace<'a> {
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
-            let raised = [&secondary, &primary].map(|surface| Bulges::new(surface, reference).raised);
-            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), raised, on_faces: None };
+            let profiles = [&secondary, &primary].map(|surface| profiles(surface, reference, reference));
+            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), profiles, on_faces: None };
         }
         let mut proxies = Proxies::new(sides, inner, reference);
         for _ in 0..ROUNDS {
@@ -80,13 +81,18 @@ impl<'a> SeenInSpace<'a> {
         let seen = points.points(3, reference);
         let behind = |(face, node): (&Vec<u32>, &u32)| vec![proxies.point_of[node]; proxies.pieces(face).len()];
         let inner = sides[1].iter().zip(inner).flat_map(behind).collect();
-        let raised = [(&secondary, sides[0]), (&primary, sides[1])].map(|(surface, faces)| {
-            let is_flat = faces.iter().flat_map(|face| std::iter::repeat_n(face.len() <= 4, if face.len() <= 4 { 1 } else { 4 }));
-            let raised = Bulges::new(surface, &seen).raised;
-            raised.into_iter().zip(is_flat).map(|(raised, is_flat)| if is_flat { raised } else { [0.0; 5] }).collect()
-        });
+        let truth = proxies.nodes(&seen, reference);
+        let profiles = [&secondary, &primary].map(|surface| profiles(surface, &seen, &truth));
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
-        SeenInSpace { secondary, primary, reference: seen.into(), inner, raised, on_faces }
+        SeenInSpace { secondary, primary, reference: seen.into(), inner, profiles, on_faces }
+    }
+
+    /// These surfaces with facets of another shape.
+    pub fn of_shape(mut self, shape: FacetShape) -> Self {
+        if shape == FacetShape::Straight {
+            self.profiles.iter_mut().flatten().for_each(|profile| *profile = Profile::default());
+        }
+        self
     }
 
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
@@ -112,6 +118,19 @@ impl<'a> SeenInSpace<'a> {
         sides.facet_size = kernel.facet_size();
         Box::new(OnCurves::new(kernel, sides, [points, rows, homes], row_nodes))
     }
+}
+
+/// Height profiles of the facets of a surface between the points `seen`, which stand for points of the curve at `truth`.
+fn profiles(surface: &Surface, seen: &[f64], truth: &[f64]) -> Vec<Profile> {
+    let curve = Profiles::new(surface, truth);
+    let of_facet = |facet: usize| {
+        let nodes = surface.facet(facet);
+        let Some(sagittas) = curve.sagittas(facet, nodes.len()) else { return Profile::default() };
+        let normal = faces::normal(nodes, truth);
+        let above = |&node: &u32| (faces::at(node, truth) - faces::at(node, seen)).dot(&normal);
+        Profile::new(&nodes.iter().map(above).collect::<Vec<_>>(), sagittas)
+    };
+    (0..surface.count()).map(of_facet).collect()
 }
 
 /// An edge of second order.
@@ -304,6 +323,18 @@ impl Proxies {
             homes.push(proxy.homes.iter().copied());
         }
         (points, homes)
+    }
+
+    /// The places of the nodes that the points stand for, and those of the centers of faces of eight nodes.
+    fn nodes(&self, seen: &[f64], q: &[f64]) -> Vec<f64> {
+        let mut places = seen.to_vec();
+        let mut set = |point: u32, place: Vector| places[3 * point as usize..][..3].copy_from_slice(place.as_slice());
+        self.point_of.iter().for_each(|(&node, &point)| set(point, faces::at(node, q)));
+        for (face, &point) in self.center_of.iter().filter(|(face, _)| face.len() == 8) {
+            let mean = |nodes: &[u32]| nodes.iter().map(|&node| faces::at(node, q)).sum::<Vector>();
+            set(point, 0.5 * mean(&face[4..]) - 0.25 * mean(&face[..4]));
+        }
+        places
     }
 
     /// Chooses `r` and `g` for the areas that the points have in the reference positions.
