@@ -11,6 +11,7 @@ use super::features::{self, Features, Vertex};
 use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
 use super::profiles::Profiles;
+use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
@@ -80,15 +81,17 @@ pub struct CornersInSpace {
 
 impl CornersInSpace {
     /// The rows of two surfaces; nothing where neither has anything sharp.
-    pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Option<Box<dyn ContactKernel>> {
-        let profiles = [&secondary, &primary].map(|surface| Profiles::new(surface, reference));
-        let features =
-            [(&secondary, &profiles[0]), (&primary, &profiles[1])].map(|(side, profiles)| Features::with_bumps(side, reference, profiles));
+    pub fn kernel(seen: &SeenInSpace) -> Option<Box<dyn ContactKernel>> {
+        let SeenInSpace { secondary, primary, reference, shape, .. } = seen;
+        let profiles = [secondary, primary].map(|surface| Profiles::new(surface, reference));
+        let of = |(side, profiles): (&Surface, &Profiles)| Features::with_bumps(side, reference, profiles, *shape);
+        let features = [(secondary, &profiles[0]), (primary, &profiles[1])].map(of);
         if features.iter().all(|features| features.vertices.is_empty()) {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        Some(Box::new(CornersInSpace { profiles, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
+        let made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
+        Some(Box::new(CornersInSpace { profiles, ..made }))
     }
 
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.

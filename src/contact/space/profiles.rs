@@ -8,7 +8,7 @@
 //! facet's coordinates, so that the surface moves with the facet.
 
 use crate::contact::faces::{self, Vector};
-use crate::contact::surface::Surface;
+use crate::contact::surface::{Edge, Surface};
 use crate::math::tolerances::STRAIGHT;
 
 /// Cosine of the turn between two facets up to which a curve goes on from one to the other: 25 degrees, so that spheres of 24 cells
@@ -115,6 +115,17 @@ impl Profiles {
     /// Sagittas along the sides of a facet of so many nodes; nothing where it is flat `[length]`.
     pub fn sagittas(&self, facet: usize, count: usize) -> Option<&[f64]> {
         (self.heights[facet] != 0.0).then(|| &self.sagittas[facet][..count])
+    }
+
+    /// Whether a round surface goes on across an edge: both facets have sagittas outwards along the sides that meet the edge.
+    pub fn is_curve(&self, edge: &Edge, surface: &Surface) -> bool {
+        let is_round = |facet: u32| {
+            let (nodes, sagittas) = (surface.facet(facet as usize), &self.sagittas[facet as usize]);
+            let is_on = |node: u32| edge.nodes.contains(&node);
+            let side = |k: usize| [nodes[k], nodes[(k + 1) % nodes.len()]].map(is_on);
+            (0..nodes.len()).all(|k| side(k) == [true; 2] || side(k) == [false; 2] || sagittas[k] > 0.0)
+        };
+        matches!(edge.facets, [Some(one), Some(other)] if is_round(one) && is_round(other))
     }
 
     /// By how much the points of some facets may be raised above a round surface `[length]`.
@@ -226,14 +237,16 @@ mod tests {
             let next = [1.0, 1.0, 0.0, 0.0][k];
             for l in [[0.2, 0.3, 0.5], [0.6, 0.1, 0.3], [0.0, 0.5, 0.5]] {
                 let [a, b, c, ab, bc, ca] = *profile.form(k);
-                let height = a * l[0] * l[0] + b * l[1] * l[1] + c * l[2] * l[2] + 2.0 * (ab * l[0] * l[1] + bc * l[1] * l[2] + ca * l[2] * l[0]);
+                let height =
+                    a * l[0] * l[0] + b * l[1] * l[1] + c * l[2] * l[2] + 2.0 * (ab * l[0] * l[1] + bc * l[1] * l[2] + ca * l[2] * l[0]);
                 let place = l[0] * x + l[1] * next + l[2] * 0.5;
                 assert!((height - 0.4 * place * (1.0 - place)).abs() < 1e-15, "{k} {l:?}: {height}");
             }
         }
         let (coarse, q) = strip(3, false);
         assert!((0..3).all(|facet| Profiles::new(&coarse, &q).sagittas(facet, 4).is_none()), "facets turn by 30 degrees");
-        let kink: Vec<f64> = (0..5).flat_map(|k| [0.0, 1.0].map(|y| [f64::from(k), y, -0.2 * f64::from(k - 2).max(0.0)])).flatten().collect();
+        let kink: Vec<f64> =
+            (0..5).flat_map(|k| [0.0, 1.0].map(|y| [f64::from(k), y, -0.2 * f64::from(k - 2).max(0.0)])).flatten().collect();
         let facets: Vec<[u32; 4]> = (0..4).map(|k| [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]).collect();
         let profiles = Profiles::new(&Surface::in_space(facets.iter().map(|facet| &facet[..])), &kink);
         assert!((0..4).all(|facet| profiles.sagittas(facet, 4).is_none()), "a single kink is no curve");

@@ -54,6 +54,8 @@ pub struct SeenInSpace<'a> {
     pub inner: Vec<u32>,
     /// Height profiles of the facets of both sides.
     pub(super) profiles: [Vec<Profile>; 2],
+    /// Shape of the facets.
+    pub(super) shape: FacetShape,
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
@@ -65,11 +67,12 @@ impl<'a> SeenInSpace<'a> {
 
     /// The same with a node within the body behind each primary face.
     pub fn with_inner(sides: [&[Vec<u32>]; 2], inner: &[u32], reference: &'a [f64]) -> Self {
+        let shape = FacetShape::default();
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
             let profiles = [&secondary, &primary].map(|surface| profiles(surface, reference, reference));
-            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), profiles, on_faces: None };
+            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), profiles, shape, on_faces: None };
         }
         let mut proxies = Proxies::new(sides, inner, reference);
         for _ in 0..ROUNDS {
@@ -84,7 +87,7 @@ impl<'a> SeenInSpace<'a> {
         let truth = proxies.nodes(&seen, reference);
         let profiles = [&secondary, &primary].map(|surface| profiles(surface, &seen, &truth));
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
-        SeenInSpace { secondary, primary, reference: seen.into(), inner, profiles, on_faces }
+        SeenInSpace { secondary, primary, reference: seen.into(), inner, profiles, shape, on_faces }
     }
 
     /// These surfaces with facets of another shape.
@@ -92,7 +95,7 @@ impl<'a> SeenInSpace<'a> {
         if shape == FacetShape::Straight {
             self.profiles.iter_mut().flatten().for_each(|profile| *profile = Profile::default());
         }
-        self
+        SeenInSpace { shape, ..self }
     }
 
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some

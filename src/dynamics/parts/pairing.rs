@@ -209,7 +209,7 @@ impl Pairing<'_> {
             }
             if self.model.dimension() == 3 {
                 let seen = self.in_space(interaction);
-                let kernel = CornersInSpace::kernel(seen.secondary.clone(), seen.primary.clone(), &seen.reference);
+                let kernel = CornersInSpace::kernel(&seen);
                 if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, kernel) {
                     add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(kernel, false));
                 }
