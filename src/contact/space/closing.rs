@@ -20,7 +20,7 @@
 
 use std::ops::Mul;
 
-use super::profiles::Form;
+use super::profiles::{Form, derivatives, value};
 use super::vertices::{Forces, OfBoth, Vertex, shape_gradients, slope_of};
 use crate::contact::numbers::Number;
 
@@ -72,19 +72,6 @@ struct Integrals<T, R> {
     /// `A`, and `Q` as differences of derivatives with respect to shape functions.
     height: R,
     tilt: [R; 2],
-}
-
-/// Derivatives of a form with respect to the shape functions.
-#[inline(always)]
-fn derivatives<T: Number>(form: &Form, l: &[T; 3]) -> [T; 3] {
-    let [a, b, c, ab, bc, ca] = form.map(|coefficient| 2.0 * coefficient);
-    [l[0] * a + l[1] * ab + l[2] * ca, l[0] * ab + l[1] * b + l[2] * bc, l[0] * ca + l[1] * bc + l[2] * c]
-}
-
-/// Value of a form by its derivatives.
-#[inline(always)]
-fn value<T: Number>(derivatives: &[T; 3], l: &[T; 3]) -> T {
-    (derivatives[0] * l[0] + derivatives[1] * l[1] + derivatives[2] * l[2]) * 0.5
 }
 
 #[inline(always)]

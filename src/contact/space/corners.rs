@@ -10,7 +10,7 @@
 use super::features::{self, Features, Vertex};
 use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
-use super::profiles::Profiles;
+use super::profiles::{NodalRows, Profiles};
 use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
@@ -75,8 +75,8 @@ pub struct CornersInSpace {
     profiles: [Profiles; 2],
     /// For each patch what is added to its gap.
     clearances: Vec<f64>,
-    /// Whether its rows are those of all nodes of the secondary side, which then have one each (`nodes.rs`).
-    pub(super) of_nodes: bool,
+    /// Rows of all nodes of the secondary side, where the rows are these (`nodes.rs`).
+    pub(super) of_nodes: Option<NodalRows>,
 }
 
 impl CornersInSpace {
@@ -142,7 +142,7 @@ impl CornersInSpace {
             slots: SLOTS,
             profiles: Default::default(),
             clearances: Vec::new(),
-            of_nodes: false,
+            of_nodes: None,
         }
     }
 
@@ -183,6 +183,7 @@ impl CornersInSpace {
     /// above it, and points of a round side may be raised by that; bumps are none of a round side.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
+            Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
             Kind::Vertex { side, vertex, facet } => {
                 let (surface, vertex) = (self.surface(side), &self.features[side].vertices[vertex]);
                 let around = surface.index(vertex.node).filter(|_| !vertex.is_bump).map_or(&[][..], |index| surface.adjacent_facets(index));
@@ -280,7 +281,7 @@ impl CornersInSpace {
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
                 let height = normal.dot(&(v - faces::middle(on, q)));
                 let laps = &self.features[1 - side].laps[facet];
-                let (measure, height) = self.measure(nodes, q).unwrap_or((Measure::Facet(on.len()), height));
+                let (measure, height) = self.measure(facet, nodes, q).unwrap_or((Measure::Facet(on.len()), height));
                 let gap = height + self.clearances[patch] - self.radius;
                 if !is_near(gap) || !self.faces(vertex, normal, q) || !features::is_inside(v, on, normal, laps, q) {
                     return None;
@@ -485,7 +486,7 @@ impl CandidateSearch for CornersInSpace {
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        self.of_nodes && self.comes_through(q_0, q_1, tolerance)
+        self.of_nodes.is_some() && self.comes_through(q_0, q_1, tolerance)
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {

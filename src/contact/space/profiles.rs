@@ -1,13 +1,23 @@
 //! How far the curved surface that facets of three and four nodes stand for lies above them.
 //!
-//! At a node the surface has the normal of the sphere through its neighbors where there is one (N. Max, J. Graphics Tools 4, 1999), over
-//! the facets that go on smoothly from the one in question. Along an edge `e` of a facet with the normal `n` from node `i` to node `j` the
+//! At a node the surface has a normal `n_i = n_0 + t` and the second fundamental form `k` which satisfy, over the neighbors at distances `r`
+//! on the facets that go on smoothly from the one in question, in the sense of least squares,
+//!
+//! ```text
+//! n_i.r/|r|^2 = -k(r, r)/(2 |r|^2)
+//! ```
+//!
+//! of which spheres and circles are exact solutions; `n_0` is the normal of the sphere through the neighbors where there is one (N. Max,
+//! J. Graphics Tools 4, 1999). What a few neighbors at a rim leave open is as small as it can be. Along an edge `e` of a facet with the normal `n` from node `i` to node `j` the
 //! turns `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean angle `a`, limited to twice the lesser and zero where their signs
 //! differ: so a single bend is none of a curve. At a rim one of them stands for both. The sagitta `s_e = |e| a (1 + 2 a^2/15)/4` keeps the
 //! area of the circle's segment. The surface is quadratic over the facet, with the mean height `sum_e s_e/3`: heights are constant in the
 //! facet's coordinates, so that the surface moves with the facet.
 
+use nalgebra::{DMatrix, DVector};
+
 use crate::contact::faces::{self, Vector};
+use crate::contact::numbers::Number;
 use crate::contact::surface::{Edge, Surface};
 use crate::math::tolerances::STRAIGHT;
 
@@ -15,8 +25,11 @@ use crate::math::tolerances::STRAIGHT;
 /// around are round, whose facets turn by 15 and, over corners, 21 degrees.
 const SMOOTH: f64 = 0.906_307_787_036_65;
 
-/// How far an edge that goes on may lead past the facet behind its end, in that facet's own edges.
-const ASIDE: f64 = 0.2;
+/// Cosine of the angle between an edge and the way to a neighbor with which the surface goes on along the edge.
+const ONWARDS: f64 = 0.3;
+
+/// Singular value of a fit, over the largest one, below which its direction is left open.
+const OPEN: f64 = 0.05;
 
 /// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
 /// outwards.
@@ -25,6 +38,19 @@ pub type Form = [f64; 6];
 /// The form of a triangle whose first two corners change places.
 pub fn turned(&[a, b, c, ab, bc, ca]: &Form) -> Form {
     [b, a, c, ab, ca, bc]
+}
+
+/// Derivatives of a form with respect to the shape functions.
+#[inline(always)]
+pub fn derivatives<T: Number>(form: &Form, l: &[T; 3]) -> [T; 3] {
+    let [a, b, c, ab, bc, ca] = form.map(|coefficient| 2.0 * coefficient);
+    [l[0] * a + l[1] * ab + l[2] * ca, l[0] * ab + l[1] * b + l[2] * bc, l[0] * ca + l[1] * bc + l[2] * c]
+}
+
+/// Value of a form by its derivatives.
+#[inline(always)]
+pub fn value<T: Number>(derivatives: &[T; 3], l: &[T; 3]) -> T {
+    (derivatives[0] * l[0] + derivatives[1] * l[1] + derivatives[2] * l[2]) * 0.5
 }
 
 /// Height profile of a facet of three nodes, or of the four triangles about the mean point of a facet of four `[length]`, outwards.
@@ -68,11 +94,25 @@ impl Profile {
         !self.is_curved
     }
 
+    /// Height of the curve above a corner of the facet, which has so many.
+    pub fn corner(&self, k: usize, count: usize) -> f64 {
+        if count == 3 { self.forms[0][k] } else { self.forms[k][0] }
+    }
+
     /// Height over the triangle of that number.
     #[inline(always)]
     pub fn form(&self, triangle: usize) -> &Form {
         &self.forms[triangle]
     }
+}
+
+/// Rows of all nodes of the secondary side, one each.
+#[derive(Clone, Debug)]
+pub struct NodalRows {
+    /// Height of the curve above each secondary node `[length]`.
+    pub heights: Vec<f64>,
+    /// Height profiles of the primary facets.
+    pub profiles: Vec<Profile>,
 }
 
 /// Curved surface that the facets of a surface stand for.
@@ -84,14 +124,6 @@ pub struct Profiles {
     heights: Vec<f64>,
 }
 
-/// The facets of a surface.
-struct Facets<'a> {
-    surface: &'a Surface,
-    q: &'a [f64],
-    normals: Vec<Vector>,
-    smooth: f64,
-}
-
 impl Profiles {
     /// The profiles of a surface at the positions `q`.
     pub fn new(surface: &Surface, q: &[f64]) -> Self {
@@ -100,8 +132,7 @@ impl Profiles {
 
     /// Profiles with another cosine of the turn between two facets up to which a curve goes on.
     pub fn of_curve(surface: &Surface, q: &[f64], smooth: f64) -> Self {
-        let normals = (0..surface.count()).map(|facet| faces::normal(surface.facet(facet), q)).collect();
-        let facets = Facets { surface, q, normals, smooth };
+        let facets = Facets::new(surface, q, smooth);
         let sagittas: Vec<[f64; 4]> = (0..surface.count()).map(|facet| facets.sagittas(facet)).collect();
         let heights = sagittas.iter().map(|sagittas| sagittas.iter().sum::<f64>() / 3.0).collect();
         Profiles { sagittas, heights }
@@ -110,11 +141,6 @@ impl Profiles {
     /// Mean height of the surface above a facet, 0 where it is flat `[length]`.
     pub fn height(&self, facet: usize) -> f64 {
         self.heights[facet]
-    }
-
-    /// Sagittas along the sides of a facet of so many nodes; nothing where it is flat `[length]`.
-    pub fn sagittas(&self, facet: usize, count: usize) -> Option<&[f64]> {
-        (self.heights[facet] != 0.0).then(|| &self.sagittas[facet][..count])
     }
 
     /// Whether a round surface goes on across an edge: both facets have sagittas outwards along the sides that meet the edge.
@@ -139,7 +165,36 @@ impl Profiles {
     }
 }
 
-impl Facets<'_> {
+/// The facets of a surface.
+struct Facets<'a> {
+    surface: &'a Surface,
+    q: &'a [f64],
+    normals: Vec<Vector>,
+    smooth: f64,
+    /// Normals of the surface at nodes where all facets go on smoothly from each other.
+    at_nodes: Vec<Option<Vector>>,
+}
+
+/// Height profiles of the facets of a surface between the points `seen`, which stand for points of the curve at `truth`.
+pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64]) -> Vec<Profile> {
+    let facets = Facets::new(surface, truth, SMOOTH);
+    (0..surface.count()).map(|facet| facets.profile(facet, seen)).collect()
+}
+
+impl<'a> Facets<'a> {
+    fn new(surface: &'a Surface, q: &'a [f64], smooth: f64) -> Self {
+        let normals: Vec<Vector> = (0..surface.count()).map(|facet| faces::normal(surface.facet(facet), q)).collect();
+        let mut facets = Facets { surface, q, normals, smooth, at_nodes: vec![None; surface.nodes().len()] };
+        let of_node = |node: usize| {
+            let around: Vec<usize> = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).collect();
+            let is_smooth = |&one: &usize| around.iter().all(|&other| facets.normals[one].dot(&facets.normals[other]) >= smooth);
+            around.iter().all(is_smooth).then(|| facets.fitted(surface.nodes()[node], &around))
+        };
+        let at_nodes = (0..surface.nodes().len()).map(of_node).collect();
+        facets.at_nodes = at_nodes;
+        facets
+    }
+
     /// Facets that meet at the corner `k` of a facet and go on smoothly from it, itself among them.
     fn around(&self, facet: usize, k: usize) -> impl Iterator<Item = usize> {
         let node = self.surface.local_facet(facet)[k] as usize;
@@ -156,25 +211,74 @@ impl Facets<'_> {
 
     /// Normal of the surface at the corner `k` of a facet.
     fn normal(&self, facet: usize, k: usize) -> Vector {
-        let node = self.surface.facet(facet)[k];
-        let weighted = |other: usize| {
+        let node = self.surface.local_facet(facet)[k] as usize;
+        self.at_nodes[node].unwrap_or_else(|| self.fitted(self.surface.facet(facet)[k], &self.around(facet, k).collect::<Vec<_>>()))
+    }
+
+    /// Normal at a node of the quadric that fits the nodes of some facets about it.
+    fn fitted(&self, node: u32, around: &[usize]) -> Vector {
+        let weighted = |&other: &usize| {
             let [a, b] = self.sides(other, node);
             self.normals[other] * (a.cross(&b).norm() / (a.norm_squared() * b.norm_squared()))
         };
-        self.around(facet, k).map(weighted).sum::<Vector>().try_normalize(0.0).unwrap_or_default()
+        let normal = around.iter().map(weighted).sum::<Vector>().try_normalize(0.0).unwrap_or_default();
+        let ring = self.ring(node, around);
+        let size = ring.iter().map(|r| r.norm()).sum::<f64>() / ring.len() as f64;
+        let Some(first) = ring.first().and_then(|r| (r - normal * normal.dot(r)).try_normalize(0.0)) else { return normal };
+        let second = normal.cross(&first);
+        let row = |r: &Vector| {
+            let across = first.dot(r).hypot(second.dot(r)).max(f64::MIN_POSITIVE);
+            let [x, y] = [first.dot(r), second.dot(r)].map(|along| along / across);
+            [size * x / r.norm(), size * y / r.norm(), 0.5 * x * x, x * y, 0.5 * y * y]
+        };
+        let rows = DMatrix::from_row_iterator(ring.len(), 5, ring.iter().flat_map(row));
+        let heights = DVector::from_iterator(ring.len(), ring.iter().map(|r| -normal.dot(r) / r.norm_squared()));
+        let fit = rows.svd(true, true);
+        let least = OPEN * fit.singular_values.max();
+        let Ok(found) = fit.solve(&heights, least) else { return normal };
+        (normal + (first * found[0] + second * found[1]) * size).normalize()
+    }
+
+    /// Ways from a node to the other nodes of some facets about it.
+    fn ring(&self, node: u32, around: &[usize]) -> Vec<Vector> {
+        let mut nodes: Vec<u32> =
+            around.iter().flat_map(|&facet| self.surface.facet(facet)).copied().filter(|&other| other != node).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let ways = nodes.into_iter().map(|other| faces::at(other, self.q) - faces::at(node, self.q));
+        ways.filter(|way| way.norm_squared() > 0.0).collect()
     }
 
     /// Angle by which the surface turns from a facet's middle to its corner `k` along `way`, which leads from there on; nothing where the
     /// surface ends.
     fn turn(&self, facet: usize, k: usize, way: Vector) -> Option<f64> {
-        let node = self.surface.facet(facet)[k];
-        let goes_on = |other: usize| {
-            let ([a, b], normal) = (self.sides(other, node), self.normals[other]);
-            let area = a.cross(&b).dot(&normal);
-            way.cross(&b).dot(&normal) > -ASIDE * area && a.cross(&way).dot(&normal) > -ASIDE * area
-        };
+        let around: Vec<usize> = self.around(facet, k).collect();
+        let goes_on = |r: &Vector| r.dot(&way) > ONWARDS * r.norm() * way.norm();
         let sine = || way.dot(&(self.normal(facet, k) - self.normals[facet])) / way.norm();
-        self.around(facet, k).any(goes_on).then(|| sine().clamp(-1.0, 1.0).asin())
+        self.ring(self.surface.facet(facet)[k], &around).iter().any(goes_on).then(|| sine().clamp(-1.0, 1.0).asin())
+    }
+
+    /// Height profile over a facet between other points, which stand for its nodes.
+    fn profile(&self, facet: usize, seen: &[f64]) -> Profile {
+        let nodes = self.surface.facet(facet);
+        let sagittas = self.sagittas(facet);
+        if sagittas == [0.0; 4] {
+            return Profile::default();
+        }
+        let normal = faces::normal(nodes, seen);
+        let apart = |k: usize| faces::at(nodes[k], self.q) - faces::at(nodes[k], seen);
+        // Along the normal of the facet to the plane that touches the surface at the node.
+        let height = |k: usize| {
+            let of_curve = self.normal(facet, k);
+            apart(k).dot(&of_curve) / of_curve.dot(&normal)
+        };
+        let stretched = |k: usize| {
+            let [from, to] = [nodes[k], nodes[(k + 1) % nodes.len()]];
+            let [is, was] = [seen, self.q].map(|q| (faces::at(to, q) - faces::at(from, q)).norm_squared());
+            sagittas[k] * is / was
+        };
+        let corners: Vec<f64> = (0..nodes.len()).map(height).collect();
+        Profile::new(&corners, &(0..nodes.len()).map(stretched).collect::<Vec<_>>())
     }
 
     /// Sagittas along the sides of a facet; zero where the mean height is negligible.
@@ -244,11 +348,11 @@ mod tests {
             }
         }
         let (coarse, q) = strip(3, false);
-        assert!((0..3).all(|facet| Profiles::new(&coarse, &q).sagittas(facet, 4).is_none()), "facets turn by 30 degrees");
+        assert!((0..3).all(|facet| Profiles::new(&coarse, &q).height(facet) == 0.0), "facets turn by 30 degrees");
         let kink: Vec<f64> =
             (0..5).flat_map(|k| [0.0, 1.0].map(|y| [f64::from(k), y, -0.2 * f64::from(k - 2).max(0.0)])).flatten().collect();
         let facets: Vec<[u32; 4]> = (0..4).map(|k| [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]).collect();
         let profiles = Profiles::new(&Surface::in_space(facets.iter().map(|facet| &facet[..])), &kink);
-        assert!((0..4).all(|facet| profiles.sagittas(facet, 4).is_none()), "a single kink is no curve");
+        assert!((0..4).all(|facet| profiles.height(facet) == 0.0), "a single kink is no curve");
     }
 }

@@ -24,7 +24,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::profiles::{Profile, Profiles};
+use super::profiles::{Profile, profiles};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
 use crate::contact::facet_shape::FacetShape;
@@ -98,6 +98,22 @@ impl<'a> SeenInSpace<'a> {
         SeenInSpace { shape, ..self }
     }
 
+    /// Height of the curve above each secondary node or point, the mean over its facets with profiles `[length]`.
+    pub(super) fn heights(&self) -> Vec<f64> {
+        let (surface, profiles) = (&self.secondary, &self.profiles[0]);
+        let of_node = |node: usize| {
+            let curved = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).filter(|&facet| !profiles[facet].is_flat());
+            let heights = curved.map(|facet| {
+                let nodes = surface.local_facet(facet);
+                let place = nodes.iter().position(|&other| other as usize == node).unwrap_or(0);
+                profiles[facet].corner(place, nodes.len())
+            });
+            let (count, sum) = heights.fold((0, 0.0), |(count, sum), height| (count + 1, sum + height));
+            sum / f64::from(count.max(1))
+        };
+        (0..surface.nodes().len()).map(of_node).collect()
+    }
+
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
     /// points of either side.
     pub fn on_nodes(&self, kernel: Box<dyn ContactKernel>, is_of_surface: bool) -> Box<dyn ContactKernel> {
@@ -121,19 +137,6 @@ impl<'a> SeenInSpace<'a> {
         sides.facet_size = kernel.facet_size();
         Box::new(OnCurves::new(kernel, sides, [points, rows, homes], row_nodes))
     }
-}
-
-/// Height profiles of the facets of a surface between the points `seen`, which stand for points of the curve at `truth`.
-fn profiles(surface: &Surface, seen: &[f64], truth: &[f64]) -> Vec<Profile> {
-    let curve = Profiles::new(surface, truth);
-    let of_facet = |facet: usize| {
-        let nodes = surface.facet(facet);
-        let Some(sagittas) = curve.sagittas(facet, nodes.len()) else { return Profile::default() };
-        let normal = faces::normal(nodes, truth);
-        let above = |&node: &u32| (faces::at(node, truth) - faces::at(node, seen)).dot(&normal);
-        Profile::new(&nodes.iter().map(above).collect::<Vec<_>>(), sagittas)
-    };
-    (0..surface.count()).map(of_facet).collect()
 }
 
 /// An edge of second order.

@@ -98,7 +98,7 @@ impl Pairing<'_> {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
             let seen = self.in_space(interaction);
-            let kernel = RigidInSpace::new(seen.secondary.clone(), shape, &seen.reference);
+            let kernel = RigidInSpace::of_curve(&seen, shape);
             let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
