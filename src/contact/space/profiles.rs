@@ -1,18 +1,21 @@
 //! How far the curved surface that facets of three and four nodes stand for lies above them.
 //!
-//! At a node the surface has a normal `n_i = n_0 + t` and the second fundamental form `k` which satisfy, over the neighbors at distances `r`
-//! on the facets that go on smoothly from the one in question, in the sense of least squares,
+//! At a node the surface has the normal of the sphere through its neighbors where there is one (N. Max, J. Graphics Tools 4, 1999), over
+//! the facets that go on smoothly from the one in question; of cylinders it is exact on facets of four nodes along the axis. Between
+//! triangles it is the first guess `n_0` of a normal `n = n_0 + t` which satisfies, with the second fundamental form `k`, over the neighbors
+//! at the ways `r` and in the sense of least squares
 //!
 //! ```text
-//! n_i.r/|r|^2 = -k(r, r)/(2 |r|^2)
+//! n.r/|r|^2 = -k(r, r)/(2 |r|^2)
 //! ```
 //!
-//! of which spheres and circles are exact solutions; `n_0` is the normal of the sphere through the neighbors where there is one (N. Max,
-//! J. Graphics Tools 4, 1999). What a few neighbors at a rim leave open is as small as it can be. Along an edge `e` of a facet with the normal `n` from node `i` to node `j` the
+//! of which spheres and circles are exact solutions. Of what few neighbors at a rim leave open `t` and `k` are the least. Along an edge `e` of a facet with the normal `n` from node `i` to node `j` the
 //! turns `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean angle `a`, limited to twice the lesser and zero where their signs
-//! differ: so a single bend is none of a curve. At a rim one of them stands for both. The sagitta `s_e = |e| a (1 + 2 a^2/15)/4` keeps the
+//! differ: so a single bend is none of a curve. At a rim one of them stands for both. The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` keeps the
 //! area of the circle's segment. The surface is quadratic over the facet, with the mean height `sum_e s_e/3`: heights are constant in the
 //! facet's coordinates, so that the surface moves with the facet.
+
+use std::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -222,6 +225,9 @@ impl<'a> Facets<'a> {
             self.normals[other] * (a.cross(&b).norm() / (a.norm_squared() * b.norm_squared()))
         };
         let normal = around.iter().map(weighted).sum::<Vector>().try_normalize(0.0).unwrap_or_default();
+        if around.iter().all(|&facet| self.surface.facet(facet).len() == 4) {
+            return normal;
+        }
         let ring = self.ring(node, around);
         let size = ring.iter().map(|r| r.norm()).sum::<f64>() / ring.len() as f64;
         let Some(first) = ring.first().and_then(|r| (r - normal * normal.dot(r)).try_normalize(0.0)) else { return normal };
@@ -229,7 +235,7 @@ impl<'a> Facets<'a> {
         let row = |r: &Vector| {
             let across = first.dot(r).hypot(second.dot(r)).max(f64::MIN_POSITIVE);
             let [x, y] = [first.dot(r), second.dot(r)].map(|along| along / across);
-            [size * x / r.norm(), size * y / r.norm(), 0.5 * x * x, x * y, 0.5 * y * y]
+            [size * x / r.norm(), size * y / r.norm(), 0.5 * x * x, FRAC_1_SQRT_2 * x * y, 0.5 * y * y]
         };
         let rows = DMatrix::from_row_iterator(ring.len(), 5, ring.iter().flat_map(row));
         let heights = DVector::from_iterator(ring.len(), ring.iter().map(|r| -normal.dot(r) / r.norm_squared()));
@@ -293,7 +299,7 @@ impl<'a> Facets<'a> {
                 [Some(a), None] | [None, Some(a)] => a,
                 _ => 0.0,
             };
-            *sagitta = 0.25 * edge.norm() * angle * (1.0 + 2.0 / 15.0 * angle * angle);
+            *sagitta = 0.25 * edge.norm() * angle * (1.0 + angle * angle * (2.0 / 15.0 + 2.0 / 105.0 * angle * angle));
         }
         let height = sagittas.iter().sum::<f64>() / 3.0;
         if height.abs() > STRAIGHT * self.surface.facet_size(facet, self.q) { sagittas } else { [0.0; 4] }
@@ -317,6 +323,36 @@ mod tests {
         };
         let facets: Vec<[u32; 4]> = (0..count).map(facet).collect();
         (Surface::in_space(facets.iter().map(|facet| &facet[..])), q)
+    }
+
+    /// Two triangles for each facet of four nodes.
+    fn split(surface: &Surface) -> Surface {
+        let of = |facet: usize| match surface.facet(facet) {
+            &[a, b, c, d] => [[a, b, c], [a, c, d]],
+            _ => [[0; 3]; 2],
+        };
+        let facets: Vec<[u32; 3]> = (0..surface.count()).flat_map(of).collect();
+        Surface::in_space(facets.iter().map(|facet| &facet[..]))
+    }
+
+    /// Closed form: sides around a cylinder and diagonals have the sagittas of its circle, sides along the axis none.
+    #[test]
+    fn triangles_of_a_cylinder_have_its_sagittas() {
+        let (surface, q) = strip(8, true);
+        let triangles = split(&surface);
+        let exact = Profiles::new(&surface, &q).height(3) * 1.5;
+        let found = Profiles::new(&triangles, &q);
+        for facet in 0..triangles.count() {
+            let nodes = triangles.facet(facet);
+            for k in 0..3 {
+                // Ends of the strip apart, nodes 2 k and 2 k + 1 are at the same angle.
+                let around = if nodes[k] / 2 == nodes[(k + 1) % 3] / 2 { 0.0 } else { exact };
+                if nodes.iter().all(|&node| (2..16).contains(&node)) {
+                    let sagitta = found.sagittas[facet][k];
+                    assert!((sagitta - around).abs() < 0.02 * exact.abs(), "{facet} {k}: {sagitta} {around}");
+                }
+            }
+        }
     }
 
     /// Closed form: the mean height of the segment of a circle, at rims too.
