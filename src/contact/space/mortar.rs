@@ -5,11 +5,13 @@
 //! each other.
 
 use super::dual::{Duals, Shape};
+use super::gaps::Measure;
 use super::pair::{CORNERS, Gradients, NODES, Pair};
 use super::profiles::Profile;
 use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
+use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Place};
@@ -35,8 +37,9 @@ pub struct MortarInSpace {
     sides: Sides,
     search: PairSearch,
     start: Vec<Start>,
-    /// Height profiles of the facets of both sides.
+    /// Height profiles of the facets of both sides, and heights of the curves above nodes.
     profiles: [Vec<Profile>; 2],
+    heights: [Vec<f64>; 2],
     /// By facet and node, how tangents lie on the facet.
     turns: Vec<Vec<[f64; 2]>>,
     /// Threads among which pairs are shared.
@@ -99,6 +102,7 @@ impl MortarInSpace {
             search,
             start: Vec::new(),
             profiles: profiles.clone(),
+            heights: [0, 1].map(|side| seen.heights(side)),
             turns,
             workers: Workers::default(),
             correction: Correction::default(),
@@ -365,6 +369,21 @@ impl CandidateSearch for MortarInSpace {
 
     fn search_mut(&mut self) -> Option<(&mut PairSearch, &Sides)> {
         Some((&mut self.search, &self.sides))
+    }
+
+    fn deepest(&self, q: &[f64]) -> f64 {
+        let surfaces = [&self.sides.secondary, &self.sides.primary];
+        self.search.deepest_in_space(&self.sides, q, |[side, index], facet, flat| {
+            let profile = &self.profiles[1 - side][facet as usize];
+            let own = self.heights[side][index];
+            if profile.is_flat() {
+                return flat - own;
+            }
+            let node = surfaces[side].nodes()[index];
+            let nodes = std::iter::once(&node).chain(surfaces[1 - side].facet(facet as usize));
+            let z: Vec<Vec3<f64>> = nodes.map(|&node| faces::at(node, q).into()).collect();
+            Measure::above(&z, profile).gap(&z) - own
+        })
     }
 
     fn list_patches(&mut self) {

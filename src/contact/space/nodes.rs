@@ -35,7 +35,7 @@ impl CornersInSpace {
         let partners = Surface::in_space((0..primary.count()).map(|facet| primary.facet(facet)));
         let mut made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
         (made.sides.weights, made.partners, made.slots) = (weights, partners, 1);
-        made.of_nodes = Some(NodalRows { heights: seen.heights(), profiles: profiles[1].clone() });
+        made.of_nodes = Some(NodalRows { heights: seen.heights(0), profiles: profiles[1].clone() });
         Box::new(made)
     }
 

@@ -58,7 +58,7 @@ pub struct RigidInSpace {
 impl RigidInSpace {
     /// Contact of a surface with an obstacle, sized in the reference positions.
     pub fn of_curve(seen: &SeenInSpace, obstacle: &ObstacleInSpace) -> Self {
-        RigidInSpace { heights: seen.heights(), ..Self::new(seen.secondary.clone(), obstacle, &seen.reference) }
+        RigidInSpace { heights: seen.heights(0), ..Self::new(seen.secondary.clone(), obstacle, &seen.reference) }
     }
 
     /// Contact of a surface whose nodes are on the curve with an obstacle, sized in the reference positions.

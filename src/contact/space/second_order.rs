@@ -98,9 +98,9 @@ impl<'a> SeenInSpace<'a> {
         SeenInSpace { shape, ..self }
     }
 
-    /// Height of the curve above each secondary node or point, the mean over its facets with profiles `[length]`.
-    pub(super) fn heights(&self) -> Vec<f64> {
-        let (surface, profiles) = (&self.secondary, &self.profiles[0]);
+    /// Height of the curve above each node or point of a side, the mean over its facets with profiles `[length]`.
+    pub(super) fn heights(&self, side: usize) -> Vec<f64> {
+        let (surface, profiles) = ([&self.secondary, &self.primary][side], &self.profiles[side]);
         let of_node = |node: usize| {
             let curved = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).filter(|&facet| !profiles[facet].is_flat());
             let heights = curved.map(|facet| {
