@@ -16,7 +16,7 @@
 use std::ops::Mul;
 
 use super::closing::Closing;
-use super::vertices::{Border, Forces, OfBoth, Vertex, shape_gradients, slope_of};
+use super::vertices::{Border, Forces, OfBoth, Vertex, sides, slope};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -268,9 +268,10 @@ impl<T: Number> Polygon<T> {
     {
         let (weight, gap) = (self.weights(weights), self.gaps(heights));
         let (of_weight, of_gap) = (self.counting(&weight), self.counting(&gap));
-        let (own, other) = (shape_gradients(&places[0], self.areas[0]), shape_gradients(&places[1], self.areas[1]));
-        let weight_slope: [R; 2] = slope_of(&own, weights);
-        let rises: [[T; 2]; 2] = [slope_of(&own, &heights[0]), slope_of(&other, &heights[1])];
+        let inverse = [self.areas[0].recip(), self.areas[1].recip()];
+        let (own, other) = (sides(&places[0]), sides(&places[1]));
+        let weight_slope: [R; 2] = slope(&own, inverse[0], weights);
+        let rises: [[T; 2]; 2] = [slope(&own, inverse[0], &heights[0]), slope(&other, inverse[1], &heights[1])];
         let (on_own, on_other, open) = (self.integrals(&of_weight, 0), self.integrals(&of_weight, 1), self.integrals(&of_gap, 0));
         let zero = R::from(0.0);
         let mut forces = Forces { of_p: [[[zero; 2]; 3]; 2], of_h: [[zero; 3]; 2] };

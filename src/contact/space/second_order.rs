@@ -50,6 +50,8 @@ pub struct SeenInSpace<'a> {
     pub primary: Surface,
     /// Reference positions of the nodes or points `[length]`.
     pub reference: Cow<'a, [f64]>,
+    /// Reference positions of the points of the curve that the nodes or points stand for `[length]`.
+    pub(super) curve: Cow<'a, [f64]>,
     /// A node within the body behind each primary facet, where they were asked for.
     pub inner: Vec<u32>,
     /// Height profiles of the facets of both sides.
@@ -72,7 +74,16 @@ impl<'a> SeenInSpace<'a> {
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
             let profiles = [&secondary, &primary].map(|surface| profiles(surface, reference, reference));
-            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), profiles, shape, on_faces: None };
+            return SeenInSpace {
+                secondary,
+                primary,
+                reference: reference.into(),
+                curve: reference.into(),
+                inner: inner.to_vec(),
+                profiles,
+                shape,
+                on_faces: None,
+            };
         }
         let mut proxies = Proxies::new(sides, inner, reference);
         for _ in 0..ROUNDS {
@@ -87,7 +98,7 @@ impl<'a> SeenInSpace<'a> {
         let truth = proxies.nodes(&seen, reference);
         let profiles = [&secondary, &primary].map(|surface| profiles(surface, &seen, &truth));
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
-        SeenInSpace { secondary, primary, reference: seen.into(), inner, profiles, shape, on_faces }
+        SeenInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, shape, on_faces }
     }
 
     /// These surfaces with facets of another shape.

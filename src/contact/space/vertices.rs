@@ -41,7 +41,7 @@ impl<T: Copy> Vertex<T> {
 
 /// Sides of a triangle opposite to its corners: turned by a quarter, over twice the area, they are the gradients of its shape functions.
 #[inline(always)]
-fn sides<T: Number>([a, b, c]: &[[T; 2]; 3]) -> [[T; 2]; 3] {
+pub fn sides<T: Number>([a, b, c]: &[[T; 2]; 3]) -> [[T; 2]; 3] {
     [sub(*c, *b), sub(*a, *c), sub(*b, *a)]
 }
 
@@ -61,4 +61,15 @@ pub fn shape_gradients<T: Number>(places: &[[T; 2]; 3], area: T) -> [[T; 2]; 3] 
 pub fn slope_of<T: Number, W: Copy + Mul<T, Output = R>, R: Number>(gradients: &[[T; 2]; 3], at: &[W; 3]) -> [R; 2] {
     let along = |i: usize| at[0] * gradients[0][i] + at[1] * gradients[1][i] + at[2] * gradients[2][i];
     [along(0), along(1)]
+}
+
+/// Gradient of an affine function on a triangle, by its sides and one over twice its area, from its values at the corners.
+#[inline(always)]
+pub fn slope<T: Number, W: Copy + Mul<T, Output = R>, R: Number + Mul<T, Output = R>>(
+    sides: &[[T; 2]; 3],
+    inverse: T,
+    at: &[W; 3],
+) -> [R; 2] {
+    let along = |i: usize| at[0] * sides[0][i] + at[1] * sides[1][i] + at[2] * sides[2][i];
+    [-along(1) * inverse, along(0) * inverse]
 }

@@ -3,8 +3,8 @@
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
-    ContactKernel, CornersInSpace, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners, RigidInSpace,
-    RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
+    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners,
+    RigidInSpace, RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -209,6 +209,8 @@ impl Pairing<'_> {
             }
             if self.model.dimension() == 3 {
                 let seen = self.in_space(interaction);
+                // Without edges of its own, the primary side would enter between secondary nodes.
+                let seen = if interaction.method.is_nodal { seen.of_shape(FacetShape::Straight) } else { seen };
                 let kernel = CornersInSpace::kernel(&seen);
                 if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, kernel) {
                     add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(kernel, false));
