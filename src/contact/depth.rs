@@ -48,7 +48,7 @@ impl PairSearch {
     /// Largest depth at `q` of a node of either side in the other body, among the pairs that take part `[length]`.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
         if sides.secondary.dimension() == 3 {
-            return self.deepest_in_space(sides, q);
+            return self.deepest_in_space(sides, q, |_, _, flat| flat);
         }
         let surfaces = [&sides.secondary, &sides.primary];
         let mut deepest = 0.0f64;
@@ -86,8 +86,9 @@ impl PairSearch {
         deepest
     }
 
-    /// The same in space. A node that is beside the facet closest to it is in front of an edge.
-    fn deepest_in_space(&self, sides: &Sides, q: &[f64]) -> f64 {
+    /// Largest depth in space. A node that is beside the facet closest to it is in front of an edge. `gap` is the gap of a node, by its side
+    /// and its index there, to a facet of the other side, from the gap to the flat facet.
+    pub(super) fn deepest_in_space(&self, sides: &Sides, q: &[f64], gap: impl Fn([usize; 2], u32, f64) -> f64) -> f64 {
         let surfaces = [&sides.secondary, &sides.primary];
         let mut deepest = 0.0f64;
         for own in 0..2 {
@@ -104,14 +105,16 @@ impl PairSearch {
                 }
             }
             for (index, found) in closest.into_iter().enumerate() {
-                let Some((facet, seen)) = found.filter(|(_, seen)| !seen.is_beside && -seen.gap > deepest) else { continue };
+                let is_deep = |&(facet, seen): &(u32, faces::Seen)| !seen.is_beside && -gap([own, index], facet, seen.gap) > deepest;
+                let Some((facet, seen)) = found.filter(is_deep) else { continue };
                 // Round a sharp edge lies what is nearer, although it takes no part with this node's facets.
                 let node = faces::at(surface.nodes()[index], q);
                 let around = other.local_facet(facet as usize).iter().flat_map(|&corner| other.adjacent_facets(corner as usize));
                 let around = around.map(|&facet| (facet, faces::Seen::new(node, other.facet(facet as usize), q)));
                 let (facet, seen) = around.fold((facet, seen), |near, next| if next.1.distance < near.1.distance { next } else { near });
-                if self.window.admits_depth(own, surface.adjacent_facets(index), facet, seen.gap) {
-                    deepest = -seen.gap;
+                let gap = gap([own, index], facet, seen.gap);
+                if self.window.admits_depth(own, surface.adjacent_facets(index), facet, gap) {
+                    deepest = deepest.max(-gap);
                 }
             }
         }

@@ -146,12 +146,8 @@ pub trait CandidateSearch: PatchFunctions {
         if changed {
             self.list_patches();
         }
-        self.look_ahead(outlook);
         changed
     }
-
-    /// Keeps what depends on how a step is expected to go, for the present candidates.
-    fn look_ahead(&mut self, _outlook: &Outlook) {}
 
     /// Distance within which everything is that may take part in a step `[length]`.
     fn margin(&self, outlook: &Outlook) -> f64 {

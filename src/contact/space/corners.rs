@@ -7,10 +7,11 @@
 //! A row with an overlap goes where a shallower one near by parts the bodies along another direction (`found.rs`). Rows stand in a few
 //! slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
-use super::bulge::Bulges;
 use super::features::{self, Features, Vertex};
 use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
+use super::profiles::{NodalRows, Profiles};
+use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
@@ -71,28 +72,30 @@ pub struct CornersInSpace {
     radius: f64,
     pub(super) slots: usize,
     /// What the facets of either side are of a curve.
-    bulges: [Bulges; 2],
+    profiles: [Profiles; 2],
     /// Height at rest of the nodes of each facet of either side above and below its plane.
     warps: [Vec<f64>; 2],
     /// For each patch what is added to its gap.
     clearances: Vec<f64>,
-    /// Whether its rows are those of all nodes of the secondary side, which then have one each (`nodes.rs`).
-    pub(super) of_nodes: bool,
+    /// Rows of all nodes of the secondary side, where the rows are these (`nodes.rs`).
+    pub(super) of_nodes: Option<NodalRows>,
 }
 
 impl CornersInSpace {
     /// The rows of two surfaces; nothing where neither has anything sharp.
-    pub fn kernel(secondary: Surface, primary: Surface, reference: &[f64]) -> Option<Box<dyn ContactKernel>> {
-        let bulges = [&secondary, &primary].map(|surface| Bulges::new(surface, reference));
-        let features =
-            [(&secondary, &bulges[0]), (&primary, &bulges[1])].map(|(side, bulges)| Features::with_bumps(side, reference, bulges));
+    pub fn kernel(seen: &SeenInSpace) -> Option<Box<dyn ContactKernel>> {
+        let SeenInSpace { secondary, primary, reference, curve, shape, .. } = seen;
+        let profiles = [secondary, primary].map(|surface| Profiles::new(surface, curve));
+        let of = |(side, profiles): (&Surface, &Profiles)| Features::with_bumps(side, curve, profiles, *shape);
+        let features = [(secondary, &profiles[0]), (primary, &profiles[1])].map(of);
         if features.iter().all(|features| features.vertices.is_empty()) {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
         let warps = |side: &Surface| (0..side.count()).map(|facet| faces::warp(side.facet(facet), reference)).collect();
         let warps = [warps(&secondary), warps(&primary)];
-        Some(Box::new(CornersInSpace { bulges, warps, ..CornersInSpace::new(secondary, primary, features, reference, facet_size) }))
+        let made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
+        Some(Box::new(CornersInSpace { profiles, warps, ..made }))
     }
 
     /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
@@ -141,10 +144,10 @@ impl CornersInSpace {
             has_nodal_rows: false,
             radius: 0.0,
             slots: SLOTS,
-            bulges: Default::default(),
+            profiles: Default::default(),
             warps: Default::default(),
             clearances: Vec::new(),
-            of_nodes: false,
+            of_nodes: None,
         }
     }
 
@@ -185,16 +188,17 @@ impl CornersInSpace {
     /// it, points of a round side that are no bumps may be raised by that, and nodes of a facet warped at rest lie behind its plane.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
+            Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
             Kind::Vertex { side, vertex, facet } => {
                 let (surface, vertex) = (self.surface(side), &self.features[side].vertices[vertex]);
                 let around = surface.index(vertex.node).filter(|_| !vertex.is_bump).map_or(&[][..], |index| surface.adjacent_facets(index));
                 let warp = self.warps[1 - side].get(facet).copied().unwrap_or(0.0);
-                warp + self.bulges[1 - side].hollow(&[facet as u32]) + self.bulges[side].raised_by(around)
+                warp + self.profiles[1 - side].hollow(&[facet as u32]) + self.profiles[side].raised_by(around)
             }
             Kind::Edges(edges) => {
                 let of = |side: usize| {
                     let facets: Vec<u32> = self.features[side].edges[edges[side]].facets.into_iter().flatten().collect();
-                    self.bulges[side].hollow(&facets).max(self.bulges[side].raised_by(&facets))
+                    self.profiles[side].hollow(&facets).max(self.profiles[side].raised_by(&facets))
                 };
                 of(0) + of(1)
             }
@@ -283,7 +287,7 @@ impl CornersInSpace {
                 let (v, normal) = (faces::at(nodes[0], q), faces::normal(on, q));
                 let height = normal.dot(&(v - faces::middle(on, q)));
                 let laps = &self.features[1 - side].laps[facet];
-                let (measure, height) = self.measure(nodes, q).unwrap_or((Measure::Facet(on.len()), height));
+                let (measure, height) = self.measure(facet, nodes, q).unwrap_or((Measure::Facet(on.len()), height));
                 let gap = height + self.clearances[patch] - self.radius;
                 if !is_near(gap) || !self.faces(vertex, normal, q) || !features::is_inside(v, on, normal, laps, q) {
                     return None;
@@ -488,7 +492,7 @@ impl CandidateSearch for CornersInSpace {
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
-        self.of_nodes && self.comes_through(q_0, q_1, tolerance)
+        self.of_nodes.is_some() && self.comes_through(q_0, q_1, tolerance)
     }
 
     fn deepest(&self, q: &[f64]) -> f64 {

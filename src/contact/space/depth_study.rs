@@ -5,8 +5,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::CornersInSpace;
-use crate::contact::surface::Surface;
+use super::{CornersInSpace, SeenInSpace};
 use crate::contact::window::{Outlook, Travel};
 
 type Vector = Vector3<f64>;
@@ -102,11 +101,11 @@ fn depth(a: &Solid, b: &Solid) -> f64 {
 fn seen(upper: &Solid, lower: &Solid) -> [f64; 2] {
     let q: Vec<f64> = upper.points.iter().chain(&lower.points).flat_map(|x| [x.x, x.y, x.z]).collect();
     let first = upper.points.len() as u32;
-    let secondary = Surface::in_space(upper.facets.iter().map(|facet| &facet[..]));
-    let others: Vec<[u32; 4]> = lower.facets.iter().map(|facet| facet.map(|node| node + first)).collect();
-    let primary = Surface::in_space(others.iter().map(|facet| &facet[..]));
-    let size = secondary.shortest_facet(&q).min(primary.shortest_facet(&q));
-    let mut kernel = CornersInSpace::kernel(secondary, primary, &q).expect("both have edges");
+    let own: Vec<Vec<u32>> = upper.facets.iter().map(|facet| facet.to_vec()).collect();
+    let others: Vec<Vec<u32>> = lower.facets.iter().map(|facet| facet.map(|node| node + first).to_vec()).collect();
+    let sides = SeenInSpace::new([&own, &others], &q);
+    let size = sides.secondary.shortest_facet(&q).min(sides.primary.shortest_facet(&q));
+    let mut kernel = CornersInSpace::kernel(&sides).expect("both have edges");
     kernel.update_candidates(&Outlook { q: &q, travel: Travel::UpTo(0.0), reach: 1.0, depth: 0.0 });
     kernel.begin_step(&q);
     let gaps = kernel.start_gap().into_iter().zip(kernel.weights().to_vec()).map(|(gap, weight)| gap / weight);

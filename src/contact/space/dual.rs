@@ -178,6 +178,11 @@ mod tests {
         below.chain(above).collect()
     }
 
+    /// Positions on a surface that is curved along the first axis, so that facets have profiles.
+    fn bent(q: &[f64], by: f64) -> Vec<f64> {
+        q.chunks_exact(3).flat_map(|x| [x[0], x[1], x[2] - by * x[0] * x[0]]).collect()
+    }
+
     fn kernel(reference: &[f64], q_0: &[f64]) -> Box<dyn ContactKernel> {
         let below = (0..9).map(|k| (k / 3) * 4 + k % 3).map(|k| vec![k, k + 1, k + 5, k + 4]).collect::<Vec<_>>();
         let above = SECONDARY.map(<[u32]>::to_vec);
@@ -245,9 +250,10 @@ mod tests {
         }
 
         #[test]
-        fn forces_are_balanced_and_conserve((q_0, q_1) in steps()) {
+        fn forces_are_balanced_and_conserve((q_0, q_1) in steps(), by in prop::sample::select(vec![0.0, 0.05, -0.05])) {
+            let [q_0, q_1] = [q_0, q_1].map(|q| bent(&q, by));
             let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
-            let (mut kernel, moved) = (kernel(&base(), &q_0), difference(&q_1, &q_0));
+            let (mut kernel, moved) = (kernel(&bent(&base(), by), &q_0), difference(&q_1, &q_0));
             for correction in [Correction::PerPatch, Correction::SteadyEnds, Correction::PerNode] {
                 kernel.set_correction(correction);
                 let out = evaluated(&*kernel, Derivative::DiscreteGradient, &q_1, &PRESSURES);
@@ -264,8 +270,13 @@ mod tests {
         /// Gradients and tangents along a random direction against differences, as far as these agree on both sides; with kinks in place of
         /// bands, in which a discrete gradient's tangent is not exact.
         #[test]
-        fn gradients_and_tangents_are_derivatives((q_0, q_1) in steps(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
-            let (mut kernel, mut compared) = (kernel(&base(), &q_0), 0);
+        fn gradients_and_tangents_are_derivatives(
+            (q_0, q_1) in steps(),
+            direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS),
+            by in prop::sample::select(vec![0.0, 0.05, -0.05]),
+        ) {
+            let [q_0, q_1] = [q_0, q_1].map(|q| bent(&q, by));
+            let (mut kernel, mut compared) = (kernel(&bent(&base(), by), &q_0), 0);
             kernel.set_correction(Correction::SteadyEnds);
             for derivative in Derivative::ALL {
                 let out = evaluated(&*kernel, derivative, &q_1, &PRESSURES);

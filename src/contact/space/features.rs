@@ -1,7 +1,8 @@
 //! Sharp vertices and edges of a surface in space, in the reference positions.
 
-use super::bulge::Bulges;
+use super::profiles::Profiles;
 use crate::contact::faces::{self, Vector};
+use crate::contact::facet_shape::FacetShape;
 use crate::contact::surface::{Edge, Surface};
 
 /// Cosine of the angle by which facets turn at an edge that is sharp: 10 degrees.
@@ -61,22 +62,31 @@ enum Bend {
 impl Features {
     /// The features of a surface. Where it ends, its body is taken to have a sharp edge.
     pub fn new(surface: &Surface, q: &[f64]) -> Features {
-        Features::with_edges(surface, q, &[], |bend| bend == Bend::Sharp)
+        Features::with_edges(surface, q, &[], |_| false, |bend| bend == Bend::Sharp)
     }
 
-    /// The same with its bumps among the vertices: nodes from which the surface turns away at an edge, where it is not a curve.
-    pub fn with_bumps(surface: &Surface, q: &[f64], bulges: &Bulges) -> Features {
-        Features::with_edges(surface, q, &bumps(surface, q, bulges), |bend| bend == Bend::Sharp)
+    /// Features of a surface with its bumps among the vertices: nodes from which the surface turns away at an edge, where it is not a curve.
+    /// Between facets with height profiles, edges of a curve are smooth.
+    pub fn with_bumps(surface: &Surface, q: &[f64], profiles: &Profiles, shape: FacetShape) -> Features {
+        let is_curve = |edge: &Edge| shape == FacetShape::Curved && profiles.is_curve(edge, surface);
+        Features::with_edges(surface, q, &bumps(surface, q, profiles), is_curve, |bend| bend == Bend::Sharp)
     }
 
     /// The same with its smooth edges among the sharp ones: for what lies across flat ground on a line.
     pub fn with_smooth_edges(surface: &Surface, q: &[f64]) -> Features {
-        Features::with_edges(surface, q, &[], |bend| bend != Bend::Concave)
+        Features::with_edges(surface, q, &[], |_| false, |bend| bend != Bend::Concave)
     }
 
-    fn with_edges(surface: &Surface, q: &[f64], bumps: &[u32], is_kept: impl Fn(Bend) -> bool) -> Features {
+    fn with_edges(
+        surface: &Surface,
+        q: &[f64],
+        bumps: &[u32],
+        is_curve: impl Fn(&Edge) -> bool,
+        is_kept: impl Fn(Bend) -> bool,
+    ) -> Features {
         let edges = surface.edges();
-        let bends: Vec<Bend> = edges.iter().map(|edge| bend(surface, edge.facets, edge.nodes, q)).collect();
+        let bend = |edge: &Edge| if is_curve(edge) { Bend::Smooth } else { bend(surface, edge.facets, edge.nodes, q) };
+        let bends: Vec<Bend> = edges.iter().map(bend).collect();
         let along = |nodes: [u32; 2]| (faces::at(nodes[1], q) - faces::at(nodes[0], q)).try_normalize(0.0).unwrap_or_default();
         let mut of_node: Vec<Vec<usize>> = vec![Vec::new(); surface.nodes().len()];
         for (index, edge) in edges.iter().enumerate() {
@@ -130,7 +140,7 @@ impl Features {
 }
 
 /// Ends of edges at which a surface turns away and beside which it is no curve.
-fn bumps(surface: &Surface, q: &[f64], bulges: &Bulges) -> Vec<u32> {
+fn bumps(surface: &Surface, q: &[f64], profiles: &Profiles) -> Vec<u32> {
     // How far the middle of the facet behind an edge is below the plane of the one in front of it.
     let drop = |edge: &Edge| {
         let [one, other] = edge.facets.map(|facet| facet.map(|facet| surface.facet(facet as usize)));
@@ -140,7 +150,7 @@ fn bumps(surface: &Surface, q: &[f64], bulges: &Bulges) -> Vec<u32> {
     };
     let is_curve = |node: u32, drop: f64| {
         let around = surface.index(node).map_or(&[][..], |index| surface.adjacent_facets(index));
-        around.iter().all(|&facet| bulges.height(facet as usize) > ROUND * drop)
+        around.iter().all(|&facet| profiles.height(facet as usize) > ROUND * drop)
     };
     let edges = surface.edges();
     let ends = edges.iter().filter_map(|edge| Some((edge.nodes, drop(edge)?)));
@@ -204,7 +214,7 @@ mod tests {
 
     #[test]
     fn bumps_stick_out_of_a_face_that_is_no_curve() {
-        let found = |(surface, q): (Surface, Vec<f64>)| bumps(&surface, &q, &Bulges::new(&surface, &q));
+        let found = |(surface, q): (Surface, Vec<f64>)| bumps(&surface, &q, &Profiles::new(&surface, &q));
         let waves = found(face(4, |x, y| 0.05 * (3.0 * x).sin() * (3.0 * y).sin()));
         // The nodes at (-0.5, -0.5) and (0.5, 0.5), where it is highest; at (-0.5, 0.5) it is lowest.
         assert!(waves.contains(&6) && waves.contains(&18) && !waves.contains(&16), "{waves:?}");

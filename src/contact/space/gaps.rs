@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! vertex v, facet y_1..y_k (mean point y):  g = n.(v - y),        n = N/|N|, N = (y_3 - y_1) x (y_4 - y_2)
-//! the same above one of the four triangles of y_k, y_k+1 and the mean point, of which that is the normal
+//! the same above a triangle, or one of the four of y_k, y_k+1 and the mean point, less the height profile B where v is seen
 //! edges a b, c d:                           g = sigma n.(c - a),  n = N/|N|, N = (b - a) x (d - c)
 //! ```
 //!
@@ -10,6 +10,7 @@
 //! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common
 //! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
 
+use super::profiles::{Form, Profile, derivatives, value};
 use super::vectors::{self, Frame, Gradient, Jet, Vec3, cross, diagonals, dot, scaled, sub};
 use crate::contact::numbers::Number;
 
@@ -24,8 +25,9 @@ pub const UNKNOWNS: usize = 3 * NODES;
 pub enum Measure {
     /// A vertex against a facet of so many nodes.
     Facet(usize),
-    /// A vertex against the triangle of a facet of four nodes that begins at this one of them: its shape functions carry the force.
-    Fan(usize),
+    /// A vertex against a triangle with a height profile: a facet of three nodes, or the triangle of a facet of four that begins at this one
+    /// of them. The triangle's shape functions carry the force.
+    Over(Option<usize>, Form),
     /// Two edges, with the sign of their normal.
     Edges(f64),
 }
@@ -71,7 +73,7 @@ impl Measure {
                 let middle: Vec3<f64> = std::array::from_fn(|i| y.iter().map(|y| y[i]).sum::<f64>() / count as f64);
                 dot(Spread::new(diagonals(y)).normal, sub(v, middle))
             }
-            Measure::Fan(k) => Measure::Facet(3).gap(&fan(z, k)),
+            Measure::Over(first, form) => over(triangle(z, first), &form).0,
             Measure::Edges(sign) => sign * dot(Spread::of_edges(z).normal, sub(z[2], z[0])),
         }
     }
@@ -103,8 +105,13 @@ impl Measure {
                     }
                 }
             }
-            Measure::Fan(k) => {
-                let [of_vertex, of_node, of_next, of_middle, _] = Measure::Facet(3).gradient(&fan(z, k));
+            Measure::Over(first, form) => {
+                let (_, of) = over(triangle(z, first), &form);
+                let Some(k) = first else {
+                    gradient[..4].copy_from_slice(&of);
+                    return gradient;
+                };
+                let [of_vertex, of_node, of_next, of_middle] = of;
                 gradient[0] = of_vertex;
                 for (place, force) in [(1 + k, of_node), (1 + (k + 1) % 4, of_next)] {
                     gradient[place] = force;
@@ -141,7 +148,7 @@ impl Measure {
     pub fn weights<T: Number>(self, z: &[Vec3<T>]) -> [T; NODES] {
         let mut weights = [T::from(0.0); NODES];
         match self {
-            Measure::Facet(_) | Measure::Fan(_) => {
+            Measure::Facet(_) | Measure::Over(..) => {
                 weights[0] = T::from(1.0);
                 foot(z[0], &z[1..]).1.into_iter().take(z.len() - 1).enumerate().for_each(|(k, weight)| weights[1 + k] = -weight);
             }
@@ -156,7 +163,7 @@ impl Measure {
     /// Two unit vectors across the direction of the gap, which go with the facet or with the first edge.
     pub fn tangents<T: Number>(self, z: &[Vec3<T>]) -> Option<[Vec3<T>; 2]> {
         match self {
-            Measure::Facet(_) | Measure::Fan(_) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
+            Measure::Facet(_) | Measure::Over(..) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
             Measure::Edges(_) => {
                 let Spread { first, normal, .. } = Spread::of_edges(z);
                 let first = scaled(first, dot(first, first).sqrt().recip());
@@ -165,9 +172,10 @@ impl Measure {
         }
     }
 
-    /// That of a vertex above the triangle of the facet where it is.
-    pub fn above(z: &[Vec3<f64>]) -> Measure {
-        if z.len() == 4 { Measure::Facet(3) } else { Measure::Fan(foot(z[0], &z[1..]).0) }
+    /// The measure of a vertex above the triangle of the facet where it is.
+    pub fn above(z: &[Vec3<f64>], profile: &Profile) -> Measure {
+        let first = (z.len() > 4).then(|| foot(z[0], &z[1..]).0);
+        Measure::Over(first, *profile.form(first.unwrap_or(0)))
     }
 
     /// Feet of the common perpendicular of two edges, and the sine of the angle between them.
@@ -185,12 +193,44 @@ impl Gradient<NODES> for Measure {
     }
 }
 
-/// A vertex and the triangle of a facet of four nodes that begins at one of them.
+/// A vertex and a triangle: a facet of three nodes, or that of a facet of four which begins at one of them.
 #[inline(always)]
-fn fan<T: Number>(z: &[Vec3<T>], k: usize) -> [Vec3<T>; 4] {
-    let y = &z[1..5];
+fn triangle<T: Number>(z: &[Vec3<T>], first: Option<usize>) -> [Vec3<T>; 4] {
+    let y = &z[1..];
+    let Some(k) = first else { return [z[0], y[0], y[1], y[2]] };
     let middle = std::array::from_fn(|i| (y[0][i] + y[1][i] + y[2][i] + y[3][i]) * 0.25);
     [z[0], y[k], y[(k + 1) % 4], middle]
+}
+
+/// Gap of a vertex above a triangle with a height profile, and its gradient. With the flat gap `g`, the dual vectors `e_a` of the sides
+/// `d_a` and the gradient `b` of the profile, `d gap = (n - b).(dv - sum M_k dy_k) - g sum (b.e_a) n.dd_a`.
+#[inline(always)]
+fn over<T: Number>([v, y_0, y_1, y_2]: [Vec3<T>; 4], form: &Form) -> (T, [Vec3<T>; 4]) {
+    let [first, second, arm] = [sub(y_1, y_0), sub(y_2, y_0), sub(v, y_0)];
+    let spread = Spread::new([first, second]);
+    let (n, inverse) = (spread.normal, spread.length.recip());
+    let duals = [scaled(cross(second, n), inverse), scaled(cross(n, first), inverse)];
+    let [of_first, of_second] = [dot(arm, duals[0]), dot(arm, duals[1])];
+    let shares = [-(of_first + of_second) + 1.0, of_first, of_second];
+    let (rises, flat) = (derivatives(form, &shares), dot(arm, n));
+    let slopes = [rises[1] - rises[0], rises[2] - rises[0]];
+    let (mut slope, mut push) = ([T::from(0.0); 3], n);
+    for i in 0..3 {
+        slope[i] = duals[0][i] * slopes[0] + duals[1][i] * slopes[1];
+        push[i] -= slope[i];
+    }
+    let mut gradient = [push; 4];
+    for k in 0..3 {
+        gradient[k + 1] = scaled(push, -shares[k]);
+    }
+    for a in 0..2 {
+        let turn = scaled(n, flat * dot(slope, duals[a]));
+        for i in 0..3 {
+            gradient[1][i] += turn[i];
+            gradient[2 + a][i] -= turn[i];
+        }
+    }
+    (flat - value(&rises, &shares), gradient)
 }
 
 /// Shares of a facet's nodes in the point below `v`, seen along its normal, linear on each of the triangles about its mean point; and the
@@ -235,9 +275,11 @@ mod tests {
         fn gradients_agree_with_differences(noise in prop::collection::vec(-0.25..0.25f64, 15)) {
             let facet = [[0.4, 0.5, 0.3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
             let edges = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, -0.5, 0.2], [0.5, 0.5, 0.2], [0.0; 3]];
-            let of_facets = [Measure::Facet(4), Measure::Facet(3), Measure::Fan(3)].map(|measure| (measure, facet));
+            let form = [0.1, -0.05, 0.02, 0.2, 0.1, 0.15];
+            let of_facets = [Measure::Facet(4), Measure::Facet(3), Measure::Over(Some(3), form), Measure::Over(None, form)];
+            let of_facets = of_facets.map(|measure| (measure, facet));
             for (measure, base) in of_facets.into_iter().chain([(Measure::Edges(-1.0), edges)]) {
-                let count = match measure { Measure::Facet(count) => count + 1, Measure::Fan(_) => 5, Measure::Edges(_) => 4 };
+                let count = match measure { Measure::Facet(count) => count + 1, Measure::Over(Some(_), _) => 5, _ => 4 };
                 let z: Vec<Vec3<f64>> =
                     base[..count].iter().enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + noise[3 * k + i])).collect();
                 let gradient = measure.gradient(&z);
@@ -246,6 +288,17 @@ mod tests {
                         let at = |step: f64| { let mut moved = z.clone(); moved[k][i] += step; measure.gap(&moved) };
                         let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
                         prop_assert!((gradient[k][i] - slope).abs() < 1e-7, "{measure:?} {k} {i}: {} {slope}", gradient[k][i]);
+                    }
+                }
+                let mut hessian = vec![0.0; 9 * count * count];
+                measure.hessian_into(z.as_flattened(), 2.0, &mut hessian);
+                for column in 0..3 * count {
+                    let at = |step: f64| { let mut moved = z.clone(); moved[column / 3][column % 3] += step; measure.gradient(&moved) };
+                    let (more, less) = (at(1e-5), at(-1e-5));
+                    for row in 0..3 * count {
+                        let slope = (more[row / 3][row % 3] - less[row / 3][row % 3]) / 1e-5;
+                        let exact = hessian[3 * count * row + column];
+                        prop_assert!((exact - slope).abs() < 1e-6 * (1.0 + slope.abs()), "{measure:?} {row} {column}: {exact} {slope}");
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! Contact in space: facets of three and four nodes, faces of second order that are split into them, and rigid obstacles.
 
-mod bulge;
+mod closing;
 mod corners;
 #[cfg(test)]
 mod depth_study;
@@ -15,12 +15,14 @@ mod obstacle;
 mod pair;
 mod polygon;
 mod press_fit;
+mod profiles;
 mod rigid;
 mod round;
 mod second_order;
 mod slip;
 mod tied;
 mod vectors;
+mod vertices;
 
 pub use corners::CornersInSpace;
 pub use facets::{Facets, FacetsError};

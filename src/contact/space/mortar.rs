@@ -4,28 +4,26 @@
 //! pair, projected off the rigid motions of the pair's nodes in mid-step, so that energy and both momenta are exact while facets slide over
 //! each other.
 
-use super::bulge::Raised;
 use super::dual::{Duals, Shape};
+use super::gaps::Measure;
 use super::pair::{CORNERS, Gradients, NODES, Pair};
+use super::profiles::Profile;
 use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
+use crate::contact::faces;
 use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
 use crate::contact::patches::{Evaluation, Place};
 use crate::contact::search::PairSearch;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::Sides;
-use crate::contact::window::Outlook;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 use crate::math::tolerances::{EDGES_MEET, PROJECTED_INCREMENT};
 use crate::math::workers::Workers;
 
 /// Margin beyond the need with which candidates are searched, in smallest secondary facets.
 const SPARE: f64 = 0.5;
-
-/// Motion of a pair's facets against each other, in smallest secondary facets, from which on it slides.
-const SLIDES: f64 = 0.1;
 
 /// Pairs that a thread takes at a time.
 const SHARED: usize = 32;
@@ -39,16 +37,15 @@ pub struct MortarInSpace {
     sides: Sides,
     search: PairSearch,
     start: Vec<Start>,
-    /// By how much the facets of both sides are raised.
-    raised: [Vec<Raised>; 2],
+    /// Height profiles of the facets of both sides, and heights of the curves above nodes.
+    profiles: [Vec<Profile>; 2],
+    heights: [Vec<f64>; 2],
     /// By facet and node, how tangents lie on the facet.
     turns: Vec<Vec<[f64; 2]>>,
     /// Threads among which pairs are shared.
     workers: Workers,
     /// Which discrete gradient is taken.
     correction: Correction,
-    /// Which pairs are expected to slide in this step.
-    slides: Vec<bool>,
     /// Dual functions of the secondary side, where multipliers have them.
     duals: Option<Duals>,
 }
@@ -96,7 +93,7 @@ impl MortarInSpace {
     }
 
     fn new(seen: &SeenInSpace) -> Self {
-        let SeenInSpace { secondary, primary, reference, raised, .. } = seen;
+        let SeenInSpace { secondary, primary, reference, profiles, .. } = seen;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);
@@ -104,19 +101,19 @@ impl MortarInSpace {
             sides,
             search,
             start: Vec::new(),
-            raised: raised.clone(),
+            profiles: profiles.clone(),
+            heights: [0, 1].map(|side| seen.heights(side)),
             turns,
             workers: Workers::default(),
             correction: Correction::default(),
-            slides: Vec::new(),
             duals: None,
         }
     }
 
-    /// By how much the facets of pair `p` are raised.
-    fn raised(&self, p: usize) -> [&Raised; 2] {
+    /// Height profiles of the facets of pair `p`.
+    fn profiles(&self, p: usize) -> [&Profile; 2] {
         let [own, other] = self.search.candidates.pairs()[p];
-        [&self.raised[0][own as usize], &self.raised[1][other as usize]]
+        [&self.profiles[0][own as usize], &self.profiles[1][other as usize]]
     }
 
     /// Shape functions of the multipliers of pair `p` in this step.
@@ -132,20 +129,12 @@ impl MortarInSpace {
 
     /// Pair `p` at the positions of its nodes.
     fn pair(&self, p: usize, z: &[f64]) -> Option<Pair<f64>> {
-        Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.raised(self.raised(p)))
+        Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.curved(self.profiles(p)))
     }
 
-    /// Within which forces pass from edges to others that nearly coincide with them, in pair `p`. Raised facets have gaps at their edges:
-    /// the correction that a band needs there may be as large as what it corrects, unless they slide in the step.
-    fn band(&self, p: usize, derivative: Derivative) -> f64 {
-        let slides = derivative == Derivative::DiscreteGradient && self.slides.get(p).is_some_and(|slides| *slides);
-        let is_raised = || self.raised(p).into_iter().flatten().any(|height| *height != 0.0);
-        let usual = if slides || !is_raised() { EDGES_MEET } else { 0.0 };
-        match self.correction {
-            Correction::PerPatch => usual,
-            Correction::SteadyEnds => EDGES_MEET - usual,
-            Correction::PerNode => EDGES_MEET,
-        }
+    /// Band within which forces pass from edges to others that nearly coincide with them.
+    fn band(&self) -> f64 {
+        if self.correction == Correction::SteadyEnds { 0.0 } else { EDGES_MEET }
     }
 
     /// Adds the corrections that pairs of a row share, `e_A = sum R / sum p.p` times each pair's projected increment `p`.
@@ -303,7 +292,7 @@ impl Scratch {
         out.tangent.fill(0.0);
         let weights: [f64; CORNERS] = std::array::from_fn(|k| rows.get(k).map_or(0.0, |&row| lambda[row as usize]));
         let is_pressed = weights != [0.0; CORNERS];
-        let band = kernel.band(p, derivative);
+        let band = kernel.band();
         let pressed = shape.back(weights);
         if derivative == Derivative::DiscreteGradient {
             projection.set(&start.positions, end_z);
@@ -382,12 +371,19 @@ impl CandidateSearch for MortarInSpace {
         Some((&mut self.search, &self.sides))
     }
 
-    fn look_ahead(&mut self, outlook: &Outlook) {
-        let Sides { secondary, primary, facet_size, .. } = &self.sides;
-        let slides = |&[own, other]: &[u32; 2]| {
-            outlook.travel::<3>(secondary.facet(own as usize), primary.facet(other as usize)) > SLIDES * facet_size
-        };
-        self.slides = self.search.candidates.pairs().iter().map(slides).collect();
+    fn deepest(&self, q: &[f64]) -> f64 {
+        let surfaces = [&self.sides.secondary, &self.sides.primary];
+        self.search.deepest_in_space(&self.sides, q, |[side, index], facet, flat| {
+            let profile = &self.profiles[1 - side][facet as usize];
+            let own = self.heights[side][index];
+            if profile.is_flat() {
+                return flat - own;
+            }
+            let node = surfaces[side].nodes()[index];
+            let nodes = std::iter::once(&node).chain(surfaces[1 - side].facet(facet as usize));
+            let z: Vec<Vec3<f64>> = nodes.map(|&node| faces::at(node, q).into()).collect();
+            Measure::above(&z, profile).gap(&z) - own
+        })
     }
 
     fn list_patches(&mut self) {

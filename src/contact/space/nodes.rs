@@ -1,7 +1,7 @@
 //! The node-to-segment method in space: one multiplier for each secondary node, its constraint the node's gap to one facet.
 //!
 //! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure, and the height `g` above
-//! the triangle, of those about the mean points of facets, that the node is opposite. In a step it is held by that of the start, which goes
+//! the height profile of the triangle, of those about the mean points of facets, that the node is opposite. In a step it is held by that of the start, which goes
 //! on as a plane, or else by that which it is opposite where it is predicted to end: so energy and momenta are exact (`corners.rs`, whose
 //! rows these are), and a node that slides from facet to facet finds the next one in the next step. Facets that look the same way as the
 //! surface at the node, the far side of a thin body, are no opposite.
@@ -10,6 +10,7 @@ use super::corners::CornersInSpace;
 use super::features::{Features, Vertex};
 use super::found::Found;
 use super::gaps::Measure;
+use super::profiles::NodalRows;
 use super::second_order::SeenInSpace;
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
@@ -24,7 +25,7 @@ const RIM: f64 = 0.01;
 impl CornersInSpace {
     /// The rows of the nodes of a surface against the facets of another one.
     pub(crate) fn of_nodes(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
-        let SeenInSpace { secondary, primary, reference, .. } = seen;
+        let SeenInSpace { secondary, primary, reference, profiles, .. } = seen;
         let vertex = |&node: &u32| Vertex { node, spokes: Vec::new(), is_bump: true };
         let owned = Features { vertices: secondary.nodes().iter().map(vertex).collect(), ..Features::new(secondary, reference) };
         let mut opposite = Features { vertices: Vec::new(), ..Features::new(primary, reference) };
@@ -33,21 +34,23 @@ impl CornersInSpace {
         let Sides { weights, facet_size, .. } = Sides::of(secondary.clone(), primary.clone(), reference);
         let partners = Surface::in_space((0..primary.count()).map(|facet| primary.facet(facet)));
         let mut made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
-        (made.sides.weights, made.partners, made.slots, made.of_nodes) = (weights, partners, 1, true);
+        (made.sides.weights, made.partners, made.slots) = (weights, partners, 1);
+        made.of_nodes = Some(NodalRows { heights: seen.heights(0), profiles: profiles[1].clone() });
         Box::new(made)
     }
 
     /// Which nodes have a row already, where each has one: at the start of the step.
     pub(super) fn settled(&self, chosen: &[Option<Found>]) -> Vec<bool> {
-        let mut settled = vec![false; if self.of_nodes { self.owners.count() } else { 0 }];
-        chosen.iter().flatten().filter(|_| self.of_nodes).for_each(|row| settled[self.owner(row.patch)] = true);
+        let mut settled = vec![false; if self.of_nodes.is_some() { self.owners.count() } else { 0 }];
+        chosen.iter().flatten().filter(|_| self.of_nodes.is_some()).for_each(|row| settled[self.owner(row.patch)] = true);
         settled
     }
 
     /// What measures the gap of a node, and the gap: the triangle below it alone, so that a node on another one has its whole force.
-    pub(super) fn measure(&self, nodes: &[u32], q: &[f64]) -> Option<(Measure, f64)> {
-        let z: Vec<Vec3<f64>> = nodes.iter().filter(|_| self.of_nodes).map(|&node| faces::at(node, q).into()).collect();
-        let measure = z.first().map(|_| Measure::above(&z))?;
+    pub(super) fn measure(&self, facet: usize, nodes: &[u32], q: &[f64]) -> Option<(Measure, f64)> {
+        let rows = self.of_nodes.as_ref()?;
+        let z: Vec<Vec3<f64>> = nodes.iter().map(|&node| faces::at(node, q).into()).collect();
+        let measure = Measure::above(&z, &rows.profiles[facet]);
         Some((measure, measure.gap(&z)))
     }
 
@@ -55,7 +58,7 @@ impl CornersInSpace {
     pub(super) fn faces(&self, vertex: usize, normal: Vector, q: &[f64]) -> bool {
         let surface = &self.sides.secondary;
         let looks = || surface.adjacent_facets(vertex).iter().map(|&facet| faces::normal(surface.facet(facet as usize), q)).sum::<Vector>();
-        !self.of_nodes || looks().dot(&normal) < 0.0
+        self.of_nodes.is_none() || looks().dot(&normal) < 0.0
     }
 
     /// Whether a node without a row comes to be deeper than this behind a facet in a step.

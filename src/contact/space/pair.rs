@@ -12,18 +12,20 @@
 //! quadrature instead; a value that depends on how a polygon is cut jumps where a vertex appears). The value is continuous everywhere, the
 //! gradient where vertices come and go; it has kinks where edges of the two facets coincide.
 //!
-//! Heights may have constants added (`bulge.rs`), which change gaps and no derivatives of heights. The frame turns with the secondary
+//! Facets may have height profiles (`profiles.rs`), which close a part of the gap (`closing.rs`). The frame turns with the secondary
 //! facet: with the moment `m` of the derivatives with respect to plane coordinates and heights, as forces, the turn of `n` adds
 //! `b = -m x n / |N|`, `d N.b`.
 //!
-//! A polygon depends on twelve plane coordinates, and linearly on heights: one pass over it with derivatives by these gives its part of
-//! the Hessian, which is then carried to the positions of the nodes by the derivatives of the view.
+//! A polygon depends on twelve plane coordinates, and linearly on heights without profiles: one pass over it with derivatives by plane
+//! coordinates gives its part of the Hessian, which is then carried to the positions of the nodes by the derivatives of the view.
 
 use std::ops::Mul;
 
-use super::bulge::Raised;
-use super::polygon::{Forces, OfBoth, Polygon, VERTICES};
+use super::closing::Closing;
+use super::polygon::{Polygon, VERTICES};
+use super::profiles::{Form, Profile, turned};
 use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
+use super::vertices::{Forces, OfBoth};
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
@@ -47,6 +49,8 @@ struct View<T> {
     /// Plane coordinates and heights of the points.
     p: [[T; 2]; POINTS],
     h: [T; POINTS],
+    /// Height profiles of both facets, unless both are flat.
+    profiles: Option<[Profile; 2]>,
 }
 
 /// A pair as it is seen along the secondary normal.
@@ -75,7 +79,7 @@ impl<T: Number> View<T> {
                 middle[i] += x[i] * (1.0 / own as f64);
             }
         }
-        let mut view = View { counts, frame, arms: [[zero; 3]; NODES], p: [[zero; 2]; POINTS], h: [zero; POINTS] };
+        let mut view = View { counts, frame, arms: [[zero; 3]; NODES], p: [[zero; 2]; POINTS], h: [zero; POINTS], profiles: None };
         for (k, x) in x.iter().enumerate() {
             let arm = sub(*x, middle);
             let [first, second, normal] = view.frame.axes;
@@ -104,6 +108,14 @@ impl<T: Number> View<T> {
             _ if point == NODES + 1 => (own..own + other, 1.0 / other as f64),
             _ => (point..point + 1, 1.0),
         }
+    }
+
+    /// Height profiles of the triangles with these corners; nothing where both facets are flat.
+    #[inline(always)]
+    fn forms(&self, [[first, ..], [_, second, _]]: &OfBoth<usize>) -> Option<[Form; 2]> {
+        let [own, other] = self.profiles.as_ref()?;
+        // Triangles of a facet begin at its corners in turn; primary ones are listed from their second corner back.
+        Some([*own.form(*first), turned(other.form(second - self.counts[0]))])
     }
 
     /// Places of the corners of triangles.
@@ -187,19 +199,10 @@ impl<T: Number> Pair<T> {
         Some(Pair { view, polygons })
     }
 
-    /// The pair between surfaces that lie above the facets by so much.
+    /// The pair between the height profiles of both facets.
     #[inline(always)]
-    pub fn raised(mut self, sides: [&Raised; 2]) -> Self {
-        let [own, other] = self.view.counts;
-        let h = &mut self.view.h;
-        // Outwards is up on the secondary side and down on the other one.
-        for (raised, first, count, middle, up) in [(sides[0], 0, own, NODES, 1.0), (sides[1], own, other, NODES + 1, -1.0)] {
-            for (k, raised) in raised[..count].iter().enumerate() {
-                h[first + k] += T::from(up * raised);
-                h[middle] += T::from(up * raised / count as f64);
-            }
-            h[middle] += T::from(up * raised[CORNERS]);
-        }
+    pub fn curved(mut self, profiles: [&Profile; 2]) -> Self {
+        self.view.profiles = profiles.iter().any(|profile| !profile.is_flat()).then(|| profiles.map(|profile| *profile));
         self
     }
 
@@ -263,7 +266,12 @@ impl Pair<f64> {
     pub fn values(&self) -> [f64; CORNERS] {
         let mut values = [0.0; CORNERS];
         for polygon in &self.polygons {
-            let integrals = polygon.integrals(&polygon.counting(&polygon.gaps(&self.heights(&polygon.corners))), 0);
+            let (places, heights) = (self.view.places(&polygon.corners), self.heights(&polygon.corners));
+            let mut integrals = polygon.integrals(&polygon.counting(&polygon.gaps(&heights)), 0);
+            if let Some(forms) = self.view.forms(&polygon.corners) {
+                let closing = Closing::new(&polygon.areas, &places, &heights, forms);
+                integrals.iter_mut().zip(closing.closed(polygon.vertices())).for_each(|(open, closed)| *open -= closed);
+            }
             for (integral, point) in integrals.into_iter().zip(polygon.corners[0]) {
                 let (nodes, share) = self.view.shares(point);
                 nodes.for_each(|node| values[node] += integral * share);
@@ -287,7 +295,8 @@ impl Pair<f64> {
         for polygon in &self.polygons {
             let corners = &polygon.corners;
             let (places, heights) = (self.view.places(corners), self.heights(corners));
-            let forces: Forces<R> = polygon.forces(&places, &heights, &self.view.weights(corners[0], weights), band);
+            let closing = self.view.forms(corners).map(|forms| Closing::new(&polygon.areas, &places, &heights, forms));
+            let forces: Forces<R> = polygon.forces(&places, &heights, &closing, &self.view.weights(corners[0], weights), band);
             for side in 0..2 {
                 for j in 0..3 {
                     let (point, [x, y]) = (corners[side][j], forces.of_p[side][j]);
@@ -368,7 +377,9 @@ impl Stiffness {
         if !jets.set(*corners, &unknowns) {
             return;
         }
-        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, weights, band);
+        let forms = pair.view.forms(corners);
+        let closing = forms.map(|forms| Closing::new(&jets.areas, &unknowns, &heights, forms));
+        let Forces { of_p, of_h } = jets.forces(&unknowns, &heights, &closing, weights, band);
         let points = corners.as_flattened();
         for (&point, (p, h)) in points.iter().zip(of_p.as_flattened().iter().zip(of_h.as_flattened())) {
             for (i, force) in [p[0], p[1], *h].into_iter().enumerate() {
@@ -382,8 +393,14 @@ impl Stiffness {
                 }
             }
         }
+        let closing = forms.map(|forms| Closing::new(&polygon.areas, &places, &heights, forms));
+        if let Some(closing) = &closing {
+            for (&row, derivatives) in corners[1].iter().zip(closing.by_heights(polygon.vertices(), weights)) {
+                corners[1].iter().zip(derivatives).for_each(|(&column, derivative)| self.rows[3 * row + 2][3 * column + 2] += derivative);
+            }
+        }
         if band > 0.0 {
-            for (row, derivatives) in polygon.passed(weights, band).into_iter().enumerate() {
+            for (row, derivatives) in polygon.passed(&closing, weights, band).into_iter().enumerate() {
                 for (&point, derivative) in points.iter().zip(derivatives) {
                     self.rows[3 * points[row / 2] + row % 2][3 * point + 2] += derivative;
                 }
@@ -469,8 +486,30 @@ mod tests {
         })
     }
 
-    fn values(x: &[Vec3<f64>], counts: [usize; 2]) -> [f64; CORNERS] {
-        Pair::new(x, counts).map_or([0.0; CORNERS], |pair| pair.values())
+    /// Profiles of both facets: flat, round, hollow against round.
+    fn profiles(kind: usize, counts: [usize; 2]) -> [Profile; 2] {
+        let made = |side: usize, by: f64| {
+            let (corners, sagittas) = ([0.02, -0.01, 0.03, 0.0], [0.1, 0.02, 0.06, 0.04]);
+            let of = |values: [f64; 4]| values.map(|value| by * value)[..counts[side]].to_vec();
+            Profile::new(&of(corners), &of(sagittas))
+        };
+        match kind {
+            0 => Default::default(),
+            1 => [made(0, 1.0), Profile::default()],
+            _ => [made(0, 1.0), made(1, -0.8)],
+        }
+    }
+
+    fn pair(x: &[Vec3<f64>], counts: [usize; 2], kind: usize) -> Pair<f64> {
+        Pair::new(x, counts).expect("facets have areas").curved(profiles(kind, counts).each_ref())
+    }
+
+    fn values(x: &[Vec3<f64>], counts: [usize; 2], kind: usize) -> [f64; CORNERS] {
+        Pair::new(x, counts).map_or([0.0; CORNERS], |pair| pair.curved(profiles(kind, counts).each_ref()).values())
+    }
+
+    fn kinds() -> impl Strategy<Value = usize> {
+        prop::sample::select(vec![0, 1, 2])
     }
 
     /// Gradient of the weighted sum of the functions, kinks included.
@@ -486,8 +525,9 @@ mod tests {
         fn gradients_agree_with_differences(
             (counts, x) in prop::sample::select(vec![[4, 4], [4, 3], [3, 4], [3, 3]])
                 .prop_flat_map(|counts| nodes(counts).prop_map(move |x| (counts, x))),
+            kind in kinds(),
         ) {
-            let pair = Pair::new(&x, counts).expect("facets have areas");
+            let pair = pair(&x, counts, kind);
             for row in 0..counts[0] {
                 let mut weights = [0.0; CORNERS];
                 weights[row] = 1.0;
@@ -497,7 +537,7 @@ mod tests {
                         let at = |step: f64| {
                             let mut moved = x.clone();
                             moved[node][i] += step;
-                            values(&moved, counts)[row]
+                            values(&moved, counts, kind)[row]
                         };
                         let [fine, coarse] = [1e-5, 2e-5].map(|step| (at(step) - at(-step)) / (2.0 * step));
                         // At a kink differences of different widths disagree.
@@ -514,9 +554,10 @@ mod tests {
             (counts, x) in prop::sample::select(vec![[4, 4], [4, 3], [3, 4], [3, 3]])
                 .prop_flat_map(|counts| nodes(counts).prop_map(move |x| (counts, x))),
             band in prop::sample::select(vec![0.0, EDGES_MEET, 0.3]),
+            kind in kinds(),
         ) {
             let weights = [1.0, -0.5, 2.0, 0.25];
-            let (at, unknowns) = (|x: &[Vec3<f64>]| Pair::new(x, counts).expect("facets have areas"), 3 * x.len());
+            let (at, unknowns) = (|x: &[Vec3<f64>]| pair(x, counts, kind), 3 * x.len());
             let mut hessian = vec![0.0; unknowns * unknowns];
             at(&x).hessian_into(&weights, band, 2.0, &mut hessian);
             for column in 0..unknowns {
@@ -541,21 +582,25 @@ mod tests {
 
         /// Invariant: no resultant and no moment, the same value after a rigid motion, and after renumbering a facet.
         #[test]
-        fn values_do_not_change_with_rigid_motions(x in nodes([4, 4]), angles in prop::array::uniform3(-3.0..3.0f64)) {
+        fn values_do_not_change_with_rigid_motions(
+            x in nodes([4, 4]),
+            angles in prop::array::uniform3(-3.0..3.0f64),
+            kind in kinds(),
+        ) {
             let counts = [4, 4];
-            let before = values(&x, counts);
+            let before = values(&x, counts, kind);
             let rotation = nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
             let turned: Vec<Vec3<f64>> = x.iter().map(|x| (rotation * nalgebra::Vector3::from(*x)).add_scalar(3.0).into()).collect();
-            for (a, b) in before.iter().zip(values(&turned, counts)) {
+            for (a, b) in before.iter().zip(values(&turned, counts, kind)) {
                 prop_assert!((a - b).abs() < 1e-14, "{a} {b}");
             }
             let order = [1, 2, 3, 0, 6, 7, 4, 5];
             let renumbered: Vec<Vec3<f64>> = order.iter().map(|&k| x[k]).collect();
-            let after = values(&renumbered, counts);
-            for (k, a) in before.iter().enumerate() {
+            let after = values(&renumbered, counts, 0);
+            for (k, a) in values(&x, counts, 0).iter().enumerate() {
                 prop_assert!((a - after[(k + 3) % 4]).abs() < 1e-14);
             }
-            let (pair, weights) = (Pair::new(&x, counts).expect("it has an area"), [1.0, -0.5, 2.0, 0.25]);
+            let (pair, weights) = (pair(&x, counts, kind), [1.0, -0.5, 2.0, 0.25]);
             for gradient in [gradient(&pair, &weights), pair.gradient(&weights, EDGES_MEET)] {
                 let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
                 for (x, g) in x.iter().zip(gradient) {
@@ -605,13 +650,44 @@ mod tests {
                 let other = square.iter().rev().map(|&[x, y]| [x + shift, y, 0.3]);
                 let x: Vec<Vec3<f64>> =
                     own.chain(other).enumerate().map(|(k, x)| std::array::from_fn(|i| x[i] + size * noise[3 * k + i])).collect();
-                values(&x, [4, 4])
+                values(&x, [4, 4], 2)
             };
             let there = at(0.0);
             for size in [1e-2, 1e-4, 1e-6, 1e-8] {
                 for (a, b) in at(size).iter().zip(there) {
                     prop_assert!((a - b).abs() < 10.0 * size, "{size:e}: {a} {b}");
                 }
+            }
+        }
+    }
+
+    /// Closed form: a circle of radius 1 in one of radius 1.001 with other facets, at any place: the mean gap is 0.001.
+    #[test]
+    fn concentric_cylinders_have_the_gap_of_their_radii() {
+        let facet = |radius: f64, from: f64, to: f64| {
+            let at = |angle: f64, z: f64| [radius * angle.cos(), radius * angle.sin(), z];
+            [at(from, 0.0), at(to, 0.0), at(to, 1.0), at(from, 1.0)]
+        };
+        let profile = |radius: f64, width: f64, out: f64| {
+            let segment = 0.375 * radius * (width - width.sin()) / (0.5 * width).sin() * out;
+            Profile::new(&[0.0; 4], &[segment, 0.0, segment, 0.0])
+        };
+        for (inner, outer, tolerance) in [(7, 5, 0.02), (12, 10, 0.004), (24, 20, 0.001)] {
+            let widths = [inner, outer].map(|count| std::f64::consts::FRAC_PI_2 / f64::from(count));
+            let profiles = [profile(1.0, widths[0], 1.0), profile(1.001, widths[1], -1.0)];
+            for shift in [0.0, 0.3, 0.7] {
+                let (mut volume, mut area) = (0.0, 0.0);
+                for k in -3..=3 {
+                    let from = (shift + f64::from(k)) * widths[1];
+                    let mut other = facet(1.001, from, from + widths[1]);
+                    other.reverse();
+                    let x: Vec<Vec3<f64>> = facet(1.0, 0.0, widths[0]).into_iter().chain(other).collect();
+                    let pair = Pair::new(&x, [4, 4]).expect("it has an area").curved(profiles.each_ref());
+                    volume += pair.values().iter().sum::<f64>();
+                    area += pair.covered().iter().sum::<f64>();
+                }
+                let error = volume / area / 0.001 - 1.0;
+                assert!(error.abs() < tolerance, "{inner}/{outer} at {shift}: {error}");
             }
         }
     }

@@ -15,7 +15,8 @@
 
 use std::ops::Mul;
 
-use super::vectors::sub;
+use super::closing::Closing;
+use super::vertices::{Border, Forces, OfBoth, Vertex, sides, slope};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -29,26 +30,6 @@ struct Corner<T> {
     border: Border,
 }
 
-/// A corner of a polygon with the shape functions of both triangles there, and twice the area between it, the next and the first one.
-#[derive(Clone, Copy)]
-pub struct Vertex<T> {
-    pub p: [T; 2],
-    pub of_secondary: [T; 3],
-    pub of_primary: [T; 3],
-    pub border: Border,
-    pub fan: T,
-}
-
-/// What an edge of a polygon lies on.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Border {
-    Secondary,
-    Primary,
-}
-
-/// Of the corners of both triangles, the secondary one first.
-pub type OfBoth<T> = [[T; 3]; 2];
-
 /// A secondary triangle cut out of a primary one.
 #[derive(Clone)]
 pub struct Polygon<T> {
@@ -58,12 +39,6 @@ pub struct Polygon<T> {
     pub areas: [T; 2],
     vertices: [Vertex<T>; VERTICES],
     count: usize,
-}
-
-/// Derivatives with respect to plane coordinates and heights of the corners.
-pub struct Forces<R> {
-    pub of_p: OfBoth<[R; 2]>,
-    pub of_h: OfBoth<R>,
 }
 
 /// Twice the area of a triangle, positive counter-clockwise.
@@ -102,19 +77,6 @@ fn shares<T: Number>([a, b, c]: &[[T; 2]; 3], inverse: T, p: &[T; 2]) -> [T; 3] 
     [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse]
 }
 
-/// Sides of a triangle opposite to its corners: turned by a quarter, over twice the area, they are the gradients of its shape functions.
-#[inline(always)]
-fn sides<T: Number>([a, b, c]: &[[T; 2]; 3]) -> [[T; 2]; 3] {
-    [sub(*c, *b), sub(*a, *c), sub(*b, *a)]
-}
-
-/// Gradient of an affine function on a triangle, by its sides and one over twice its area, from its values at the corners.
-#[inline(always)]
-fn slope<T: Number, W: Copy + Mul<T, Output = R>, R: Number + Mul<T, Output = R>>(sides: &[[T; 2]; 3], inverse: T, at: &[W; 3]) -> [R; 2] {
-    let along = |i: usize| at[0] * sides[0][i] + at[1] * sides[1][i] + at[2] * sides[2][i];
-    [-along(1) * inverse, along(0) * inverse]
-}
-
 /// Integrals of `W g f` over an edge for an affine `f`, over the edge's length: one share for its value at either end.
 #[inline(always)]
 fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 2]) -> [R; 2] {
@@ -127,14 +89,6 @@ fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 
 pub struct Bearer<T> {
     side: usize,
     share: Option<T>,
-}
-
-impl<T: Copy> Vertex<T> {
-    /// Shape functions of the secondary (0) or the primary triangle (1).
-    #[inline(always)]
-    fn shape(&self, side: usize) -> &[T; 3] {
-        if side == 0 { &self.of_secondary } else { &self.of_primary }
-    }
 }
 
 /// The normal of an edge, as long as the edge is.
@@ -299,7 +253,14 @@ impl<T: Number> Polygon<T> {
 
     /// What it gives to the derivatives, from places and heights of the triangles' corners and weights at those of the secondary one.
     #[inline(always)]
-    pub fn forces<W, R>(&self, places: &OfBoth<[T; 2]>, heights: &OfBoth<f64>, weights: &[W; 3], band: f64) -> Forces<R>
+    pub fn forces<W, R>(
+        &self,
+        places: &OfBoth<[T; 2]>,
+        heights: &OfBoth<f64>,
+        closing: &Option<Closing<T>>,
+        weights: &[W; 3],
+        band: f64,
+    ) -> Forces<R>
     where
         W: Copy + Mul<T, Output = R>,
         R: Number + Mul<T, Output = R>,
@@ -322,10 +283,18 @@ impl<T: Number> Polygon<T> {
                 forces.of_p[1][j][i] = -(on_other[j] * rises[1][i]);
             }
         }
+        if let Some(closing) = closing {
+            closing.forces_into(self.vertices(), weights, &mut forces);
+        }
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
             let outward = outward(ends);
-            let edge = along_edge([weight[a], weight[b]], [gap[a], gap[b]]);
+            let mut edge = along_edge([weight[a], weight[b]], [gap[a], gap[b]]);
+            if let Some(closing) = closing {
+                let closed = closing.along_edge(ends, [weight[a], weight[b]]);
+                edge[0] -= closed[0];
+                edge[1] -= closed[1];
+            }
             let Bearer { side, share } = self.bearer(ends, band);
             match share {
                 Some(share) => {
@@ -343,7 +312,7 @@ impl<T: Number> Polygon<T> {
 impl Polygon<f64> {
     /// How what passes from edge to edge within a band changes with heights: derivatives of the forces in the plane, corner by corner, with
     /// respect to the heights of the corners.
-    pub fn passed(&self, weights: &[f64; 3], band: f64) -> [[f64; 6]; 12] {
+    pub fn passed(&self, closing: &Option<Closing<f64>>, weights: &[f64; 3], band: f64) -> [[f64; 6]; 12] {
         let mut passed = [[0.0; 6]; 12];
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {
@@ -351,7 +320,11 @@ impl Polygon<f64> {
             let Bearer { side, share: Some(share) } = self.bearer(ends, band) else { continue };
             for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
                 let gap = ends.map(|end| up * end.shape(from)[column % 3]);
-                let edge = along_edge([weight[a], weight[b]], gap);
+                let mut edge = along_edge([weight[a], weight[b]], gap);
+                if let (Some(closing), 1) = (closing, from) {
+                    let closed = closing.along_edge_by_height(ends, [weight[a], weight[b]], column % 3);
+                    (0..2).for_each(|end| edge[end] -= share * closed[end]);
+                }
                 for (side, edge) in [(side, edge.map(|part| -part)), (1 - side, edge)] {
                     let mut of_p = [[0.0; 2]; 3];
                     push(&mut of_p, ends, side, outward(ends), edge);

@@ -1,10 +1,10 @@
 //! Press fits of facets in space that are too coarse for them: facets of a curve that turn too far are taken for what they are
-//! (`bulge.rs`), and what the curve rises above them is missed.
+//! (`profiles.rs`), and what the curve rises above them is missed.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::bulge::Bulges;
+use super::profiles::Profiles;
 use crate::contact::faces::{self, Vector};
 use crate::contact::polygon_fit::{DISTORTED, FEW, fit_each_other};
 use crate::contact::surface::Surface;
@@ -34,7 +34,7 @@ impl PressFit {
 /// at its corners, up to its height elsewhere. So the interference is the least depth where the primary side is hollow, the largest where
 /// it is not.
 pub fn press_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<PressFit> {
-    let of = |surface| [Bulges::of_curve(surface, q, CURVE), Bulges::new(surface, q)];
+    let of = |surface| [Profiles::of_curve(surface, q, CURVE), Profiles::new(surface, q)];
     let [own, other] = [of(secondary), of(primary)];
     let point = |x: Vector| [x.x, x.y, x.z];
     let middles = (0..primary.count()).map(|facet| GeomWithData::new(point(faces::middle(primary.facet(facet), q)), facet));

@@ -13,6 +13,7 @@ use nalgebra::Vector3;
 
 use super::facets::Distance;
 use super::obstacle::{ObstacleInSpace, Shape, StepGradient};
+use super::second_order::SeenInSpace;
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
@@ -42,6 +43,8 @@ pub struct RigidInSpace {
     sides: Sides,
     shape: Shape,
     slots: usize,
+    /// Height of the curve above each node or point `[length]`.
+    heights: Vec<f64>,
     translations: [[f64; 3]; 3],
     /// How far it carries along what sticks to it, and by which angle about its axis.
     carried: ([f64; 3], f64),
@@ -54,6 +57,11 @@ pub struct RigidInSpace {
 
 impl RigidInSpace {
     /// Contact of a surface with an obstacle, sized in the reference positions.
+    pub fn of_curve(seen: &SeenInSpace, obstacle: &ObstacleInSpace) -> Self {
+        RigidInSpace { heights: seen.heights(0), ..Self::new(seen.secondary.clone(), obstacle, &seen.reference) }
+    }
+
+    /// Contact of a surface whose nodes are on the curve with an obstacle, sized in the reference positions.
     pub fn new(secondary: Surface, obstacle: &ObstacleInSpace, reference: &[f64]) -> Self {
         let shape = Shape::new(obstacle);
         let slots = match &shape {
@@ -76,8 +84,17 @@ impl RigidInSpace {
                 neighbors[b].push(a);
             }
         }
-        let mut contact =
-            RigidInSpace { sides, shape, slots, translations: [[0.0; 3]; 3], carried: ([0.0; 3], 0.0), start, neighbors, felt: Vec::new() };
+        let mut contact = RigidInSpace {
+            heights: vec![0.0; sides.secondary.nodes().len()],
+            sides,
+            shape,
+            slots,
+            translations: [[0.0; 3]; 3],
+            carried: ([0.0; 3], 0.0),
+            start,
+            neighbors,
+            felt: Vec::new(),
+        };
         contact.feel();
         contact
     }
@@ -171,7 +188,7 @@ impl PatchFunctions for RigidInSpace {
     fn start_gap(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for (row, index, shape) in self.rows_felt() {
-            gaps[row] = self.sides.weights[row] * shape.distance(self.begins(index)).gap;
+            gaps[row] = self.sides.weights[row] * (shape.distance(self.begins(index)).gap - self.heights[index]);
         }
         gaps
     }
@@ -184,7 +201,7 @@ impl PatchFunctions for RigidInSpace {
             let end = shape.distance(self.position(index, q_1, self.translations[2]));
             let step = self.step_gradient(shape, derivative, index, q_1);
             out.live[index] = true;
-            (out.gap[row], out.coverage[row]) = (weight * end.gap, f64::from(u8::from(end.covered)));
+            (out.gap[row], out.coverage[row]) = (weight * (end.gap - self.heights[index]), f64::from(u8::from(end.covered)));
             let pressure = weight * lambda[row];
             for i in 0..3 {
                 out.gradient_end[3 * row + i] = weight * end.normal[i];
@@ -205,7 +222,7 @@ impl PatchFunctions for RigidInSpace {
         // A row stands for the whole obstacle at places where its step does not lead.
         for (index, distance) in self.distances(q).enumerate() {
             let row = self.slots * index;
-            gaps[row] = self.sides.weights[row] * distance.gap;
+            gaps[row] = self.sides.weights[row] * (distance.gap - self.heights[index]);
         }
         gaps
     }
@@ -242,7 +259,8 @@ impl SlipsInSpace for RigidInSpace {
 
 impl CandidateSearch for RigidInSpace {
     fn deepest(&self, q: &[f64]) -> f64 {
-        self.distances(q).filter(|distance| distance.covered).map(|distance| -distance.gap).fold(0.0, f64::max)
+        let depths = self.distances(q).zip(&self.heights).filter(|(distance, _)| distance.covered);
+        depths.map(|(distance, height)| height - distance.gap).fold(0.0, f64::max)
     }
 }
 

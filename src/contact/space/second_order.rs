@@ -24,9 +24,10 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::bulge::{Bulges, Raised};
+use super::profiles::{Profile, profiles};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
+use crate::contact::facet_shape::FacetShape;
 use crate::contact::kernel::ContactKernel;
 use crate::contact::on_curves::OnCurves;
 use crate::contact::surface::{Sides, Surface};
@@ -49,10 +50,14 @@ pub struct SeenInSpace<'a> {
     pub primary: Surface,
     /// Reference positions of the nodes or points `[length]`.
     pub reference: Cow<'a, [f64]>,
+    /// Reference positions of the points of the curve that the nodes or points stand for `[length]`.
+    pub(super) curve: Cow<'a, [f64]>,
     /// A node within the body behind each primary facet, where they were asked for.
     pub inner: Vec<u32>,
-    /// By how much the facets of both sides are raised, whose points are not.
-    pub(super) raised: [Vec<Raised>; 2],
+    /// Height profiles of the facets of both sides.
+    pub(super) profiles: [Vec<Profile>; 2],
+    /// Shape of the facets.
+    pub(super) shape: FacetShape,
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
@@ -64,11 +69,21 @@ impl<'a> SeenInSpace<'a> {
 
     /// The same with a node within the body behind each primary face.
     pub fn with_inner(sides: [&[Vec<u32>]; 2], inner: &[u32], reference: &'a [f64]) -> Self {
+        let shape = FacetShape::default();
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
-            let raised = [&secondary, &primary].map(|surface| Bulges::new(surface, reference).raised);
-            return SeenInSpace { secondary, primary, reference: reference.into(), inner: inner.to_vec(), raised, on_faces: None };
+            let profiles = [&secondary, &primary].map(|surface| profiles(surface, reference, reference));
+            return SeenInSpace {
+                secondary,
+                primary,
+                reference: reference.into(),
+                curve: reference.into(),
+                inner: inner.to_vec(),
+                profiles,
+                shape,
+                on_faces: None,
+            };
         }
         let mut proxies = Proxies::new(sides, inner, reference);
         for _ in 0..ROUNDS {
@@ -80,13 +95,34 @@ impl<'a> SeenInSpace<'a> {
         let seen = points.points(3, reference);
         let behind = |(face, node): (&Vec<u32>, &u32)| vec![proxies.point_of[node]; proxies.pieces(face).len()];
         let inner = sides[1].iter().zip(inner).flat_map(behind).collect();
-        let raised = [(&secondary, sides[0]), (&primary, sides[1])].map(|(surface, faces)| {
-            let is_flat = faces.iter().flat_map(|face| std::iter::repeat_n(face.len() <= 4, if face.len() <= 4 { 1 } else { 4 }));
-            let raised = Bulges::new(surface, &seen).raised;
-            raised.into_iter().zip(is_flat).map(|(raised, is_flat)| if is_flat { raised } else { [0.0; 5] }).collect()
-        });
+        let truth = proxies.nodes(&seen, reference);
+        let profiles = [&secondary, &primary].map(|surface| profiles(surface, &seen, &truth));
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
-        SeenInSpace { secondary, primary, reference: seen.into(), inner, raised, on_faces }
+        SeenInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, shape, on_faces }
+    }
+
+    /// These surfaces with facets of another shape.
+    pub fn of_shape(mut self, shape: FacetShape) -> Self {
+        if shape == FacetShape::Straight {
+            self.profiles.iter_mut().flatten().for_each(|profile| *profile = Profile::default());
+        }
+        SeenInSpace { shape, ..self }
+    }
+
+    /// Height of the curve above each node or point of a side, the mean over its facets with profiles `[length]`.
+    pub(super) fn heights(&self, side: usize) -> Vec<f64> {
+        let (surface, profiles) = ([&self.secondary, &self.primary][side], &self.profiles[side]);
+        let of_node = |node: usize| {
+            let curved = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).filter(|&facet| !profiles[facet].is_flat());
+            let heights = curved.map(|facet| {
+                let nodes = surface.local_facet(facet);
+                let place = nodes.iter().position(|&other| other as usize == node).unwrap_or(0);
+                profiles[facet].corner(place, nodes.len())
+            });
+            let (count, sum) = heights.fold((0, 0.0), |(count, sum), height| (count + 1, sum + height));
+            sum / f64::from(count.max(1))
+        };
+        (0..surface.nodes().len()).map(of_node).collect()
     }
 
     /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
@@ -304,6 +340,18 @@ impl Proxies {
             homes.push(proxy.homes.iter().copied());
         }
         (points, homes)
+    }
+
+    /// The places of the nodes that the points stand for, and those of the centers of faces of eight nodes.
+    fn nodes(&self, seen: &[f64], q: &[f64]) -> Vec<f64> {
+        let mut places = seen.to_vec();
+        let mut set = |point: u32, place: Vector| places[3 * point as usize..][..3].copy_from_slice(place.as_slice());
+        self.point_of.iter().for_each(|(&node, &point)| set(point, faces::at(node, q)));
+        for (face, &point) in self.center_of.iter().filter(|(face, _)| face.len() == 8) {
+            let mean = |nodes: &[u32]| nodes.iter().map(|&node| faces::at(node, q)).sum::<Vector>();
+            set(point, 0.5 * mean(&face[4..]) - 0.25 * mean(&face[..4]));
+        }
+        places
     }
 
     /// Chooses `r` and `g` for the areas that the points have in the reference positions.

@@ -308,12 +308,11 @@ mod tests {
     }
 
     fn kernels(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
-        let below = || Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
-        let above = || Surface::in_space([&[9u32, 10, 11, 12][..]]);
         let faces = [FACETS.map(|facet| facet.to_vec()).to_vec(), vec![vec![9, 10, 11, 12]]];
         let base = base();
-        let mut kernels = vec![MortarInSpace::kernel(&SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base))];
-        kernels.extend(CornersInSpace::kernel(below(), above(), &base));
+        let seen = SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base);
+        let mut kernels = vec![MortarInSpace::kernel(&seen)];
+        kernels.extend(CornersInSpace::kernel(&seen));
         // The facet above lies wholly over those below.
         kernels.push(MortarInSpace::dual_kernel(&SeenInSpace::new([&faces[1], &faces[0]], &base)));
         for kernel in &mut kernels {

@@ -102,14 +102,14 @@ impl Pairing<'_> {
     /// The sides of a contact in space; an obstacle is none.
     fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
-        SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference)
+        SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facets)
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
             let seen = self.in_space(interaction);
-            let kernel = RigidInSpace::new(seen.secondary.clone(), shape, &seen.reference);
+            let kernel = RigidInSpace::of_curve(&seen, shape);
             let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
@@ -223,7 +223,9 @@ impl Pairing<'_> {
             }
             if self.model.dimension() == 3 {
                 let seen = self.in_space(interaction);
-                let kernel = CornersInSpace::kernel(seen.secondary.clone(), seen.primary.clone(), &seen.reference);
+                // Without edges of its own, the primary side would enter between secondary nodes.
+                let seen = if interaction.method.is_nodal { seen.of_shape(FacetShape::Straight) } else { seen };
+                let kernel = CornersInSpace::kernel(&seen);
                 if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, kernel) {
                     add(of, PairKind::Surfaces, interaction.secondary.body, SLACK_IN_SPACE, seen.on_nodes(kernel, false));
                 }

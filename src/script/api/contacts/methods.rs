@@ -64,12 +64,13 @@ pub fn facets_parameter() -> Parameter {
         Kind::Choice(&["curved", "straight"]),
         "the geometry between nodes: the curve, or curved surface, through them, or straight lines and flat facets",
     )
-    .or(Absent::Means("`\"curved\"`, with `node_to_segment()` `\"straight\"`"))
+    .or(Absent::Means("`\"curved\"`, with `node_to_segment()` in the plane `\"straight\"`"))
 }
 
-/// The facet geometry that options name for a method.
-pub fn facets_of(options: &Options, method: &ContactMethod) -> Result<FacetShape, Failure> {
-    let is_straight = if options.argument("facets").is_given() { options.text("facets")? == "straight" } else { method.is_nodal };
+/// The facet geometry that options name for a method in as many dimensions.
+pub fn facets_of(options: &Options, method: &ContactMethod, dimension: usize) -> Result<FacetShape, Failure> {
+    let is_given = options.argument("facets").is_given();
+    let is_straight = if is_given { options.text("facets")? == "straight" } else { method.is_nodal && dimension == 2 };
     Ok(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
 }
 

@@ -1,0 +1,394 @@
+//! How far the curved surface that facets of three and four nodes stand for lies above them.
+//!
+//! At a node the surface has the normal of the sphere through its neighbors where there is one (N. Max, J. Graphics Tools 4, 1999), over
+//! the facets that go on smoothly from the one in question; of cylinders it is exact on facets of four nodes along the axis. Between
+//! triangles it is the first guess `n_0` of a normal `n = n_0 + t` which satisfies, with the second fundamental form `k`, over the neighbors
+//! at the ways `r` and in the sense of least squares
+//!
+//! ```text
+//! n.r/|r|^2 = -k(r, r)/(2 |r|^2)
+//! ```
+//!
+//! of which spheres and circles are exact solutions. Of what few neighbors at a rim leave open `t` and `k` are the least. Along an edge `e` of a facet with the normal `n` from node `i` to node `j` the
+//! turns `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean angle `a`, limited to twice the lesser and zero where their signs
+//! differ: so a single bend is none of a curve. At a rim one of them stands for both. The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` keeps the
+//! area of the circle's segment. The surface is quadratic over the facet, with the mean height `sum_e s_e/3`: heights are constant in the
+//! facet's coordinates, so that the surface moves with the facet.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::contact::faces::{self, Vector};
+use crate::contact::numbers::Number;
+use crate::contact::surface::{Edge, Surface};
+use crate::math::tolerances::STRAIGHT;
+
+/// Cosine of the turn between two facets up to which a curve goes on from one to the other: 25 degrees, so that spheres of 24 cells
+/// around are round, whose facets turn by 15 and, over corners, 21 degrees.
+const SMOOTH: f64 = 0.906_307_787_036_65;
+
+/// Cosine of the angle between an edge and the way to a neighbor with which the surface goes on along the edge.
+const ONWARDS: f64 = 0.3;
+
+/// Singular value of a fit, over the largest one, below which its direction is left open.
+const OPEN: f64 = 0.05;
+
+/// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
+/// outwards.
+pub type Form = [f64; 6];
+
+/// The form of a triangle whose first two corners change places.
+pub fn turned(&[a, b, c, ab, bc, ca]: &Form) -> Form {
+    [b, a, c, ab, ca, bc]
+}
+
+/// Derivatives of a form with respect to the shape functions.
+#[inline(always)]
+pub fn derivatives<T: Number>(form: &Form, l: &[T; 3]) -> [T; 3] {
+    let [a, b, c, ab, bc, ca] = form.map(|coefficient| 2.0 * coefficient);
+    [l[0] * a + l[1] * ab + l[2] * ca, l[0] * ab + l[1] * b + l[2] * bc, l[0] * ca + l[1] * bc + l[2] * c]
+}
+
+/// Value of a form by its derivatives.
+#[inline(always)]
+pub fn value<T: Number>(derivatives: &[T; 3], l: &[T; 3]) -> T {
+    (derivatives[0] * l[0] + derivatives[1] * l[1] + derivatives[2] * l[2]) * 0.5
+}
+
+/// Height profile of a facet of three nodes, or of the four triangles about the mean point of a facet of four `[length]`, outwards.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Profile {
+    forms: [Form; 4],
+    is_curved: bool,
+}
+
+impl Profile {
+    /// The profile of a facet that follows a curve, from heights of the curve above its corners and from sagittas along its sides, by the
+    /// corner at which they begin. Over a facet of four nodes the height is that of the quadratic serendipity functions, of which the
+    /// triangles have the values at the corners, in the middle of the sides and of the spokes, and at the mean point.
+    pub fn new(corners: &[f64], sagittas: &[f64]) -> Self {
+        let form = |[a, b, c]: [f64; 3], [ab, bc, ca]: [f64; 3]| {
+            [a, b, c, 2.0 * ab + 0.5 * (a + b), 2.0 * bc + 0.5 * (b + c), 2.0 * ca + 0.5 * (c + a)]
+        };
+        let mut profile = Profile { forms: [[0.0; 6]; 4], is_curved: true };
+        if let (&[a, b, c], &[ab, bc, ca]) = (corners, sagittas) {
+            profile.forms[0] = form([a, b, c], [ab, bc, ca]);
+            return profile;
+        }
+        let (count, sum) = (corners.len(), sagittas.iter().sum::<f64>());
+        let middle = corners.iter().sum::<f64>() / count as f64 + 0.5 * sum;
+        // A quarter of the way from a corner the height is 3/4 (3/4 (s + s) + 1/4 (s + s)) above the corners', with the sagittas of the sides
+        // that meet there and of the others.
+        let spoke = |k: usize| {
+            let near = sagittas[k] + sagittas[(k + count - 1) % count];
+            0.1875 * sum + 0.375 * near - 0.25 * sum
+        };
+        for (k, of) in profile.forms[..count].iter_mut().enumerate() {
+            let next = (k + 1) % count;
+            *of = form([corners[k], corners[next], middle], [sagittas[k], spoke(next), spoke(k)]);
+        }
+        profile
+    }
+
+    /// Whether the facet is its own surface.
+    #[inline(always)]
+    pub fn is_flat(&self) -> bool {
+        !self.is_curved
+    }
+
+    /// Height of the curve above a corner of the facet, which has so many.
+    pub fn corner(&self, k: usize, count: usize) -> f64 {
+        if count == 3 { self.forms[0][k] } else { self.forms[k][0] }
+    }
+
+    /// Height over the triangle of that number.
+    #[inline(always)]
+    pub fn form(&self, triangle: usize) -> &Form {
+        &self.forms[triangle]
+    }
+}
+
+/// Rows of all nodes of the secondary side, one each.
+#[derive(Clone, Debug)]
+pub struct NodalRows {
+    /// Height of the curve above each secondary node `[length]`.
+    pub heights: Vec<f64>,
+    /// Height profiles of the primary facets.
+    pub profiles: Vec<Profile>,
+}
+
+/// Curved surface that the facets of a surface stand for.
+#[derive(Clone, Debug, Default)]
+pub struct Profiles {
+    /// Sagittas along the sides of each facet, by the corner at which they begin; zero where the facet is flat `[length]`.
+    sagittas: Vec<[f64; 4]>,
+    /// Mean height of the surface above each facet `[length]`.
+    heights: Vec<f64>,
+}
+
+impl Profiles {
+    /// The profiles of a surface at the positions `q`.
+    pub fn new(surface: &Surface, q: &[f64]) -> Self {
+        Self::of_curve(surface, q, SMOOTH)
+    }
+
+    /// Profiles with another cosine of the turn between two facets up to which a curve goes on.
+    pub fn of_curve(surface: &Surface, q: &[f64], smooth: f64) -> Self {
+        let facets = Facets::new(surface, q, smooth);
+        let sagittas: Vec<[f64; 4]> = (0..surface.count()).map(|facet| facets.sagittas(facet)).collect();
+        let heights = sagittas.iter().map(|sagittas| sagittas.iter().sum::<f64>() / 3.0).collect();
+        Profiles { sagittas, heights }
+    }
+
+    /// Mean height of the surface above a facet, 0 where it is flat `[length]`.
+    pub fn height(&self, facet: usize) -> f64 {
+        self.heights[facet]
+    }
+
+    /// Whether a round surface goes on across an edge: both facets have sagittas outwards along the sides that meet the edge.
+    pub fn is_curve(&self, edge: &Edge, surface: &Surface) -> bool {
+        let is_round = |facet: u32| {
+            let (nodes, sagittas) = (surface.facet(facet as usize), &self.sagittas[facet as usize]);
+            let is_on = |node: u32| edge.nodes.contains(&node);
+            let side = |k: usize| [nodes[k], nodes[(k + 1) % nodes.len()]].map(is_on);
+            (0..nodes.len()).all(|k| side(k) == [true; 2] || side(k) == [false; 2] || sagittas[k] > 0.0)
+        };
+        matches!(edge.facets, [Some(one), Some(other)] if is_round(one) && is_round(other))
+    }
+
+    /// By how much the points of some facets may be raised above a round surface `[length]`.
+    pub fn raised_by(&self, facets: &[u32]) -> f64 {
+        facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::max)
+    }
+
+    /// How far the middles of some facets lie above a hollow `[length]`: its bottom is deeper by half than the mean of a parabola.
+    pub fn hollow(&self, facets: &[u32]) -> f64 {
+        -1.5 * facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::min)
+    }
+}
+
+/// The facets of a surface.
+struct Facets<'a> {
+    surface: &'a Surface,
+    q: &'a [f64],
+    normals: Vec<Vector>,
+    smooth: f64,
+    /// Normals of the surface at nodes where all facets go on smoothly from each other.
+    at_nodes: Vec<Option<Vector>>,
+}
+
+/// Height profiles of the facets of a surface between the points `seen`, which stand for points of the curve at `truth`.
+pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64]) -> Vec<Profile> {
+    let facets = Facets::new(surface, truth, SMOOTH);
+    (0..surface.count()).map(|facet| facets.profile(facet, seen)).collect()
+}
+
+impl<'a> Facets<'a> {
+    fn new(surface: &'a Surface, q: &'a [f64], smooth: f64) -> Self {
+        let normals: Vec<Vector> = (0..surface.count()).map(|facet| faces::normal(surface.facet(facet), q)).collect();
+        let mut facets = Facets { surface, q, normals, smooth, at_nodes: vec![None; surface.nodes().len()] };
+        let of_node = |node: usize| {
+            let around: Vec<usize> = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).collect();
+            let is_smooth = |&one: &usize| around.iter().all(|&other| facets.normals[one].dot(&facets.normals[other]) >= smooth);
+            around.iter().all(is_smooth).then(|| facets.fitted(surface.nodes()[node], &around))
+        };
+        let at_nodes = (0..surface.nodes().len()).map(of_node).collect();
+        facets.at_nodes = at_nodes;
+        facets
+    }
+
+    /// Facets that meet at the corner `k` of a facet and go on smoothly from it, itself among them.
+    fn around(&self, facet: usize, k: usize) -> impl Iterator<Item = usize> {
+        let node = self.surface.local_facet(facet)[k] as usize;
+        let goes_on = move |&other: &usize| self.normals[other].dot(&self.normals[facet]) >= self.smooth;
+        self.surface.adjacent_facets(node).iter().map(|&other| other as usize).filter(goes_on)
+    }
+
+    /// The edges of a facet that meet at one of its nodes, away from it.
+    fn sides(&self, facet: usize, node: u32) -> [Vector; 2] {
+        let nodes = self.surface.facet(facet);
+        let place = nodes.iter().position(|&other| other == node).unwrap_or(0);
+        [place + 1, place + nodes.len() - 1].map(|k| faces::at(nodes[k % nodes.len()], self.q) - faces::at(node, self.q))
+    }
+
+    /// Normal of the surface at the corner `k` of a facet.
+    fn normal(&self, facet: usize, k: usize) -> Vector {
+        let node = self.surface.local_facet(facet)[k] as usize;
+        self.at_nodes[node].unwrap_or_else(|| self.fitted(self.surface.facet(facet)[k], &self.around(facet, k).collect::<Vec<_>>()))
+    }
+
+    /// Normal at a node of the quadric that fits the nodes of some facets about it.
+    fn fitted(&self, node: u32, around: &[usize]) -> Vector {
+        let weighted = |&other: &usize| {
+            let [a, b] = self.sides(other, node);
+            self.normals[other] * (a.cross(&b).norm() / (a.norm_squared() * b.norm_squared()))
+        };
+        let normal = around.iter().map(weighted).sum::<Vector>().try_normalize(0.0).unwrap_or_default();
+        if around.iter().all(|&facet| self.surface.facet(facet).len() == 4) {
+            return normal;
+        }
+        let ring = self.ring(node, around);
+        let size = ring.iter().map(|r| r.norm()).sum::<f64>() / ring.len() as f64;
+        let Some(first) = ring.first().and_then(|r| (r - normal * normal.dot(r)).try_normalize(0.0)) else { return normal };
+        let second = normal.cross(&first);
+        let row = |r: &Vector| {
+            let across = first.dot(r).hypot(second.dot(r)).max(f64::MIN_POSITIVE);
+            let [x, y] = [first.dot(r), second.dot(r)].map(|along| along / across);
+            [size * x / r.norm(), size * y / r.norm(), 0.5 * x * x, FRAC_1_SQRT_2 * x * y, 0.5 * y * y]
+        };
+        let rows = DMatrix::from_row_iterator(ring.len(), 5, ring.iter().flat_map(row));
+        let heights = DVector::from_iterator(ring.len(), ring.iter().map(|r| -normal.dot(r) / r.norm_squared()));
+        let fit = rows.svd(true, true);
+        let least = OPEN * fit.singular_values.max();
+        let Ok(found) = fit.solve(&heights, least) else { return normal };
+        (normal + (first * found[0] + second * found[1]) * size).normalize()
+    }
+
+    /// Ways from a node to the other nodes of some facets about it.
+    fn ring(&self, node: u32, around: &[usize]) -> Vec<Vector> {
+        let mut nodes: Vec<u32> =
+            around.iter().flat_map(|&facet| self.surface.facet(facet)).copied().filter(|&other| other != node).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let ways = nodes.into_iter().map(|other| faces::at(other, self.q) - faces::at(node, self.q));
+        ways.filter(|way| way.norm_squared() > 0.0).collect()
+    }
+
+    /// Angle by which the surface turns from a facet's middle to its corner `k` along `way`, which leads from there on; nothing where the
+    /// surface ends.
+    fn turn(&self, facet: usize, k: usize, way: Vector) -> Option<f64> {
+        let around: Vec<usize> = self.around(facet, k).collect();
+        let goes_on = |r: &Vector| r.dot(&way) > ONWARDS * r.norm() * way.norm();
+        let sine = || way.dot(&(self.normal(facet, k) - self.normals[facet])) / way.norm();
+        self.ring(self.surface.facet(facet)[k], &around).iter().any(goes_on).then(|| sine().clamp(-1.0, 1.0).asin())
+    }
+
+    /// Height profile over a facet between other points, which stand for its nodes.
+    fn profile(&self, facet: usize, seen: &[f64]) -> Profile {
+        let nodes = self.surface.facet(facet);
+        let sagittas = self.sagittas(facet);
+        if sagittas == [0.0; 4] {
+            return Profile::default();
+        }
+        let normal = faces::normal(nodes, seen);
+        let apart = |k: usize| faces::at(nodes[k], self.q) - faces::at(nodes[k], seen);
+        // Along the normal of the facet to the plane that touches the surface at the node.
+        let height = |k: usize| {
+            let of_curve = self.normal(facet, k);
+            apart(k).dot(&of_curve) / of_curve.dot(&normal)
+        };
+        let stretched = |k: usize| {
+            let [from, to] = [nodes[k], nodes[(k + 1) % nodes.len()]];
+            let [is, was] = [seen, self.q].map(|q| (faces::at(to, q) - faces::at(from, q)).norm_squared());
+            sagittas[k] * is / was
+        };
+        let corners: Vec<f64> = (0..nodes.len()).map(height).collect();
+        Profile::new(&corners, &(0..nodes.len()).map(stretched).collect::<Vec<_>>())
+    }
+
+    /// Sagittas along the sides of a facet; zero where the mean height is negligible.
+    fn sagittas(&self, facet: usize) -> [f64; 4] {
+        let nodes = self.surface.facet(facet);
+        let mut sagittas = [0.0; 4];
+        for (k, sagitta) in sagittas[..nodes.len()].iter_mut().enumerate() {
+            let next = (k + 1) % nodes.len();
+            let edge = faces::at(nodes[next], self.q) - faces::at(nodes[k], self.q);
+            let angle: f64 = match [self.turn(facet, k, -edge), self.turn(facet, next, edge)] {
+                [Some(a), Some(b)] if a * b > 0.0 => a.signum() * (0.5 * (a + b)).abs().min(2.0 * a.abs().min(b.abs())),
+                [Some(a), None] | [None, Some(a)] => a,
+                _ => 0.0,
+            };
+            *sagitta = 0.25 * edge.norm() * angle * (1.0 + angle * angle * (2.0 / 15.0 + 2.0 / 105.0 * angle * angle));
+        }
+        let height = sagittas.iter().sum::<f64>() / 3.0;
+        if height.abs() > STRAIGHT * self.surface.facet_size(facet, self.q) { sagittas } else { [0.0; 4] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of a cylinder of radius 1 with so many facets in a quarter, round or hollow.
+    fn strip(count: u32, is_hollow: bool) -> (Surface, Vec<f64>) {
+        let angle = |k: u32| std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(count);
+        let q = (0..=count).flat_map(|k| [0.0, 0.3].map(|z| [angle(k).cos(), angle(k).sin(), z])).flatten().collect();
+        let facet = |k: u32| {
+            let mut nodes = [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1];
+            if is_hollow {
+                nodes.reverse();
+            }
+            nodes
+        };
+        let facets: Vec<[u32; 4]> = (0..count).map(facet).collect();
+        (Surface::in_space(facets.iter().map(|facet| &facet[..])), q)
+    }
+
+    /// Two triangles for each facet of four nodes.
+    fn split(surface: &Surface) -> Surface {
+        let of = |facet: usize| match surface.facet(facet) {
+            &[a, b, c, d] => [[a, b, c], [a, c, d]],
+            _ => [[0; 3]; 2],
+        };
+        let facets: Vec<[u32; 3]> = (0..surface.count()).flat_map(of).collect();
+        Surface::in_space(facets.iter().map(|facet| &facet[..]))
+    }
+
+    /// Closed form: sides around a cylinder and diagonals have the sagittas of its circle, sides along the axis none.
+    #[test]
+    fn triangles_of_a_cylinder_have_its_sagittas() {
+        let (surface, q) = strip(8, true);
+        let triangles = split(&surface);
+        let exact = Profiles::new(&surface, &q).height(3) * 1.5;
+        let found = Profiles::new(&triangles, &q);
+        for facet in 0..triangles.count() {
+            let nodes = triangles.facet(facet);
+            for k in 0..3 {
+                // Ends of the strip apart, nodes 2 k and 2 k + 1 are at the same angle.
+                let around = if nodes[k] / 2 == nodes[(k + 1) % 3] / 2 { 0.0 } else { exact };
+                if nodes.iter().all(|&node| (2..16).contains(&node)) {
+                    let sagitta = found.sagittas[facet][k];
+                    assert!((sagitta - around).abs() < 0.02 * exact.abs(), "{facet} {k}: {sagitta} {around}");
+                }
+            }
+        }
+    }
+
+    /// Closed form: the mean height of the segment of a circle, at rims too.
+    #[test]
+    fn heights_keep_the_area_of_segments() {
+        for (count, is_hollow) in [(5, false), (12, true)] {
+            let (surface, q) = strip(count, is_hollow);
+            let profiles = Profiles::new(&surface, &q);
+            let half = std::f64::consts::FRAC_PI_4 / f64::from(count);
+            let exact = (half - half.sin() * half.cos()) / (2.0 * half.sin()) * if is_hollow { -1.0 } else { 1.0 };
+            for facet in 0..count as usize {
+                assert!((profiles.height(facet) / exact - 1.0).abs() < 1e-4, "{facet} of {count}: {} {exact}", profiles.height(facet));
+            }
+        }
+    }
+
+    /// The profile of a curved strip is the parabola over the whole facet; facets of a plane, of an isolated kink and of a fold have none.
+    #[test]
+    fn profiles_are_those_of_curves() {
+        let profile = Profile::new(&[0.0; 4], &[0.1, 0.0, 0.1, 0.0]);
+        for (k, x) in [0.0, 1.0, 1.0, 0.0].into_iter().enumerate() {
+            let next = [1.0, 1.0, 0.0, 0.0][k];
+            for l in [[0.2, 0.3, 0.5], [0.6, 0.1, 0.3], [0.0, 0.5, 0.5]] {
+                let [a, b, c, ab, bc, ca] = *profile.form(k);
+                let height =
+                    a * l[0] * l[0] + b * l[1] * l[1] + c * l[2] * l[2] + 2.0 * (ab * l[0] * l[1] + bc * l[1] * l[2] + ca * l[2] * l[0]);
+                let place = l[0] * x + l[1] * next + l[2] * 0.5;
+                assert!((height - 0.4 * place * (1.0 - place)).abs() < 1e-15, "{k} {l:?}: {height}");
+            }
+        }
+        let (coarse, q) = strip(3, false);
+        assert!((0..3).all(|facet| Profiles::new(&coarse, &q).height(facet) == 0.0), "facets turn by 30 degrees");
+        let kink: Vec<f64> =
+            (0..5).flat_map(|k| [0.0, 1.0].map(|y| [f64::from(k), y, -0.2 * f64::from(k - 2).max(0.0)])).flatten().collect();
+        let facets: Vec<[u32; 4]> = (0..4).map(|k| [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1]).collect();
+        let profiles = Profiles::new(&Surface::in_space(facets.iter().map(|facet| &facet[..])), &kink);
+        assert!((0..4).all(|facet| profiles.height(facet) == 0.0), "a single kink is no curve");
+    }
+}
