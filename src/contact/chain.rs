@@ -305,8 +305,8 @@ impl Chain {
 /// Derivatives of `t = y_2 - y_1` and `d = x - y_1` with respect to `x`, `y_1`, `y_2`.
 const OF_VARIABLES: [[f64; 2]; 3] = [[0.0, 1.0], [-1.0, -1.0], [1.0, 0.0]];
 
-/// Normal distance of a point from a facet less the height of its curve, which goes on along its tangents beyond the ends; variables are the
-/// vector `t` along the facet and the vector `d` from its first node to the point.
+/// Normal distance of a point from a facet less the height of its curve, which continues along its tangents beyond the ends; variables are
+/// the vector `t` along the facet and the vector `d` from its first node to the point.
 fn gap_to_curve<T: Number>(profile: &Profile, variables: SVector<T, 4>) -> T {
     let [t_x, t_y, d_x, d_y] = variables.data.0[0];
     let square = t_x * t_x + t_y * t_y;

@@ -86,8 +86,8 @@ impl PairSearch {
         deepest
     }
 
-    /// Largest depth in space. A node that is beside the facet closest to it is in front of an edge. `gap` is the gap of a node, by its side
-    /// and its index there, to a facet of the other side, from the gap to the flat facet.
+    /// Largest depth of a node in space. A node that is beside the facet closest to it is in front of an edge. `gap` is the gap of a
+    /// node, by side and index, to a facet of the other side, from the gap to the flat facet.
     pub(super) fn deepest_in_space(&self, sides: &Sides, q: &[f64], gap: impl Fn([usize; 2], u32, f64) -> f64) -> f64 {
         let surfaces = [&sides.secondary, &sides.primary];
         let mut deepest = 0.0f64;

@@ -11,6 +11,7 @@
 
 mod averaged;
 mod averaged_overlap;
+mod bends;
 mod chain;
 mod checks;
 mod clearance;
@@ -35,6 +36,7 @@ mod numbers;
 mod on_curves;
 mod pair;
 mod pair_profiles;
+mod pair_step;
 mod patches;
 mod points;
 mod polygon_fit;

@@ -12,15 +12,16 @@ use super::method::ContactMethod;
 use super::multiplier_shapes::{DUAL, STANDARD, Shape, dual_around_axis};
 use super::numbers::Number;
 use super::pair::{Invariants, Offsets, Overlap, PerNode, invariants, offsets, overlaps, pull_back, slip_weights, tangent_into};
+use super::pair_step::{Differentiated, Functions, Start, combined, covered_length, dot, gradient, value};
 use super::patches::Evaluation;
 use super::profile::{PairProfiles, Profile};
 use super::search::PairSearch;
 use super::slip::{self, SlipRows, SlipStep};
 use super::space::MortarInSpace;
 use super::surface::Sides;
-use crate::integrators::{Configuration, Derivative, Placement, discrete_gradient};
+use crate::integrators::{Configuration, Derivative};
 use crate::math::norms::largest_size;
-use crate::math::tolerances::{INVARIANT_INCREMENT, POSITION, REMAINDER, WHOLE};
+use crate::math::tolerances::{INVARIANT_INCREMENT, POSITION, WHOLE};
 
 /// Mortar method with standard Lagrange multipliers on the secondary nodes.
 pub static MORTAR: ContactMethod = ContactMethod {
@@ -64,18 +65,6 @@ pub struct Mortar {
     correction: Correction,
     /// Height profiles of each candidate pair; `None` where both facets are straight.
     pair_profiles: Vec<Option<PairProfiles>>,
-}
-
-/// What a pair keeps of the start of the step.
-#[derive(Clone, Copy, Debug)]
-struct Start {
-    offsets: Offsets,
-    invariants: Invariants,
-    value: PerNode<f64>,
-    overlaps: bool,
-    /// Which nodes set the ends of the overlap, if there is one.
-    steady_ends: Option<[bool; 2]>,
-    shape: Shape,
 }
 
 impl Mortar {
@@ -201,140 +190,6 @@ impl Mortar {
             }
         }
         sums
-    }
-}
-
-/// Sum of products.
-#[inline(always)]
-fn dot(a: &Invariants, b: &Invariants) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
-}
-
-/// Covered length of each node's shape function in one pair.
-#[inline(always)]
-fn covered_length(shape: &Shape, pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
-    combined(shape, &overlap.coverage()).map(|share| share * pi[0].sqrt())
-}
-
-/// Functions of the standard shapes combined to those of others.
-#[inline(always)]
-fn combined(shape: &Shape, of_standard: &PerNode<f64>) -> PerNode<f64> {
-    shape.map(|row| row[0] * of_standard[0] + row[1] * of_standard[1])
-}
-
-/// Values at an overlap; zero without one.
-#[inline(always)]
-fn value(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<f64> {
-    overlap.as_ref().map_or([0.0; 2], |overlap| combined(shape, &overlap.value()))
-}
-
-/// Gradients at an overlap; zero without one.
-#[inline(always)]
-fn gradient(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<Invariants> {
-    overlap.as_ref().map_or([[0.0; 5]; 2], |overlap| {
-        let standard = overlap.gradient();
-        shape.map(|row| weighted(&standard, row))
-    })
-}
-
-/// Weighted Hessian at an overlap; zero without one.
-#[inline(always)]
-fn hessian(shape: &Shape, overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
-    let standard = [0, 1].map(|k| shape[0][k] * weights[0] + shape[1][k] * weights[1]);
-    overlap.as_ref().map_or([[0.0; 5]; 5], |overlap| overlap.hessian(standard))
-}
-
-/// `weights[0] f[0] + weights[1] f[1]`.
-#[inline(always)]
-fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invariants {
-    std::array::from_fn(|k| weights[0] * f[0][k] + weights[1] * f[1][k])
-}
-
-/// The functions of a pair in a step, as its discrete gradients need them.
-struct Functions<'a> {
-    start: &'a Start,
-    end_pi: &'a Invariants,
-    end_value: PerNode<f64>,
-    end_gradient: &'a PerNode<Invariants>,
-    middle: &'a Option<Overlap<'a>>,
-    /// Multipliers.
-    weights: PerNode<f64>,
-    /// Round-off of the invariants `[length^2]`.
-    round_off: f64,
-}
-
-/// A pair's functions differentiated across a step, with respect to its invariants.
-struct Differentiated {
-    /// Algorithmic gradients.
-    bar: PerNode<Invariants>,
-    /// Their sum weighted by the multipliers, and its derivative.
-    weighted_bar: Invariants,
-    slope: [Invariants; 5],
-}
-
-impl Functions<'_> {
-    /// Increment of the invariants.
-    #[inline(always)]
-    fn increment(&self) -> Invariants {
-        std::array::from_fn(|k| self.end_pi[k] - self.start.invariants[k])
-    }
-
-    /// By a discrete gradient with corrections `a` that were found for the nodes' sums; their derivative is left out.
-    #[inline(always)]
-    fn with_correction(&self, a: PerNode<f64>) -> Differentiated {
-        let (d, weights) = (self.increment(), self.weights);
-        let middle_gradient = gradient(&self.start.shape, self.middle);
-        let bar: PerNode<Invariants> = [0, 1].map(|k| std::array::from_fn(|l| middle_gradient[k][l] + a[k] * d[l]));
-        let mut slope = hessian(&self.start.shape, self.middle, weights.map(|weight| 0.5 * weight));
-        for k in 0..5 {
-            slope[k][k] += weights[0] * a[0] + weights[1] * a[1];
-        }
-        Differentiated { weighted_bar: weighted(&bar, weights), bar, slope }
-    }
-
-    /// By a discrete gradient with this pair's own correction.
-    #[inline(always)]
-    fn with_own_correction(&self) -> Differentiated {
-        let (d, weights, end_value, start) = (self.increment(), self.weights, self.end_value, self.start);
-        let middle_gradient = gradient(&start.shape, self.middle);
-        let square = dot(&d, &d);
-        let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
-        // In a small step only kinks have a remainder that is more than round-off.
-        let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(self.end_pi, self.end_pi);
-        let is_round_off = |k: usize| {
-            let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
-            let steepness: f64 = middle_gradient[k].iter().map(|g| g.abs()).sum();
-            remainder[k].abs() <= REMAINDER * (end_value[k].abs() + start.value[k].abs() + sizes) + self.round_off * steepness
-        };
-        let threshold = if is_doubtful && is_round_off(0) && is_round_off(1) { f64::INFINITY } else { 0.0 };
-        let mut bar = middle_gradient;
-        if square > threshold {
-            for k in 0..2 {
-                let a = remainder[k] / square;
-                bar[k] = std::array::from_fn(|l| middle_gradient[k][l] + a * d[l]);
-            }
-        }
-        let (weighted_bar, slope) = if weights != [0.0; 2] {
-            discrete_gradient(
-                &d,
-                &weighted(&middle_gradient, weights),
-                &hessian(&start.shape, self.middle, weights),
-                &weighted(self.end_gradient, weights),
-                weights[0] * remainder[0] + weights[1] * remainder[1],
-                threshold,
-            )
-        } else {
-            ([0.0; 5], [[0.0; 5]; 5])
-        };
-        Differentiated { bar, weighted_bar, slope }
-    }
-
-    /// By the gradient at one configuration, where the pair overlaps so.
-    #[inline(always)]
-    fn plain(&self, overlap: &Option<Overlap>, placement: Placement) -> Differentiated {
-        let bar = if placement.trial == Configuration::End { *self.end_gradient } else { gradient(&self.start.shape, overlap) };
-        let slope = hessian(&self.start.shape, overlap, self.weights.map(|weight| placement.share * weight));
-        Differentiated { weighted_bar: weighted(&bar, self.weights), bar, slope }
     }
 }
 

@@ -11,14 +11,14 @@
 //! that are admitted, with their neighbors, take part: how far the search has looked does not matter. The method fails the contact patch
 //! test, and two polygons that are pressed into each other lock with the nodes in the corners: mortar is the default for a reason.
 
+use super::bends::Bends;
 use super::chain::Chain;
 use super::depth::Seen;
-use super::facet_shape::FacetShape;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::node_patch::{self, Start};
 use super::patches::Evaluation;
-use super::profile::{FacetCurves, Profile};
+use super::profile::Profile;
 use super::search::{Candidates, within_the_body};
 use super::slip::{self, SlipStep};
 use super::space::CornersInSpace;
@@ -42,26 +42,8 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
 /// Margin beyond the need with which candidates are searched, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Cosine of the turn of a surface above which it has a corner, 20 degrees: a constraint of a node at a smooth bend would keep the surfaces
-/// apart that weighted gaps bring together.
-const CORNER: f64 = 0.9397;
-
-/// The same for a bend that weighted gaps let in too far where another one lies opposite, 12 degrees: two of 20 meet with a depth of a
-/// seventh of a facet. Their constraints leave alone what weighted gaps let in at one of them, so that smooth answers are as they were.
-const BEND: f64 = 0.978;
-const BEND_SLACK: f64 = 3.5;
-
-/// The same, 10 degrees, where the contact itself holds single nodes: no weighted gap sees those of its other side.
-const CORNER_BESIDE_NODES: f64 = 0.985;
-
-/// The same, 2 degrees, for what is a corner in the reference positions: it stays one while the body gives way.
-const BENT: f64 = 0.9994;
-
 /// Cosine of the turn of a rigid chain above which a point is one, a tenth of a degree: nothing but its points holds it between two nodes.
 const RIGID_CORNER: f64 = 0.999_998;
-
-/// Cosine of the turn from which on a smooth node of a curve has become a corner by deformation, 45 degrees.
-const FOLDED: f64 = 0.7071;
 
 /// Depth in shortest facets beyond which a node has no constraint of a corner: where bodies overlap at the start, the constraints of the
 /// surfaces hold them, and these would depend on those.
@@ -95,53 +77,14 @@ pub struct NodeToSegment {
 /// Which nodes count as corners.
 #[derive(Clone, Debug)]
 enum Corners {
-    /// Where both sides are bent, sharply or bluntly.
+    /// Where the sides are bent.
     Bends {
-        sharp: Bends,
-        blunt: Bends,
+        bends: Bends,
         /// Whether the corners of the other side have constraints as these.
         is_mutual: bool,
     },
     /// These points of the secondary side.
     Points(Vec<bool>),
-}
-
-/// Where the sides are bent, in the reference positions and at the start of the step.
-#[derive(Clone, Debug)]
-struct Bends {
-    /// Cosine of the turn above which they are.
-    cosine: f64,
-    /// Bends that are there from the beginning.
-    reference: [Vec<bool>; 2],
-    /// Those of this step.
-    now: [Vec<bool>; 2],
-    /// Nodes between two facets of a curve in the reference positions, which are no corners.
-    smooth: [Vec<bool>; 2],
-}
-
-impl Bends {
-    fn new(sides: [&Surface; 2], reference: &[f64], cosine: f64, smooth: [Vec<bool>; 2]) -> Self {
-        let mut bends = sides.map(|side| side.bends(reference, cosine));
-        for (bends, smooth) in bends.iter_mut().zip(&smooth) {
-            bends.iter_mut().zip(smooth).for_each(|(bent, smooth)| *bent &= !smooth);
-        }
-        Bends { cosine, now: bends.clone(), reference: bends, smooth }
-    }
-
-    fn find(&mut self, sides: [&Surface; 2], q: &[f64]) {
-        for (side, surface) in sides.into_iter().enumerate() {
-            let [is_corner, is_bent] = [self.cosine, BENT].map(|cosine| surface.bends(q, cosine));
-            let is_sharp = surface.bends(q, FOLDED);
-            let is_corner = |node: usize| is_corner[node] && (!self.smooth[side][node] || is_sharp[node]);
-            self.now[side] = (0..is_bent.len()).map(|node| is_corner(node) || is_bent[node] && self.reference[side][node]).collect();
-        }
-    }
-
-    /// Whether a point is at one, or some facets of the other side are.
-    fn are_at(&self, point: usize, facets: &[u32], other: &Surface) -> bool {
-        let [own, others] = &self.now;
-        own[point] || facets.iter().any(|&facet| other.local_facets()[facet as usize].iter().any(|&node| others[node as usize]))
-    }
 }
 
 impl NodeToSegment {
@@ -166,24 +109,12 @@ impl NodeToSegment {
     ///
     /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose
     /// distances are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
-    pub fn of_corners(
-        [secondary, primary]: [&[[u32; 2]]; 2],
-        reference: &[f64],
-        facet_size: f64,
-        is_beside_nodes: bool,
-        facets: FacetShape,
-    ) -> Option<Self> {
-        let cosines = if is_beside_nodes { [CORNER_BESIDE_NODES; 2] } else { [CORNER, BEND] };
+    pub fn of_corners([secondary, primary]: [&[[u32; 2]]; 2], reference: &[f64], facet_size: f64, is_beside_nodes: bool) -> Option<Self> {
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
         let both = [&sides.secondary, &sides.primary];
-        let smooth = both.map(|side| match facets {
-            FacetShape::Curved => FacetCurves::new(side, reference).smooth_nodes(),
-            FacetShape::Straight => vec![false; side.nodes().len()],
-        });
-        let [sharp, blunt] = cosines.map(|cosine| Bends::new(both, reference, cosine, smooth.clone()));
-        let within = |(side, bends): (&Surface, &Vec<bool>)| bends.iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
-        let corners = if both.into_iter().zip(&blunt.reference).any(within) {
-            Corners::Bends { sharp, blunt, is_mutual: !is_beside_nodes }
+        let bends = Bends::new(both, reference, is_beside_nodes);
+        let corners = if bends.has_inner_corner(both) {
+            Corners::Bends { bends, is_mutual: !is_beside_nodes }
         } else if sides.secondary.is_closed() {
             return None;
         } else {
@@ -251,20 +182,16 @@ impl NodeToSegment {
 
     /// Finds which nodes are bent at `q`, if that matters.
     fn find_bends(&mut self, q: &[f64]) {
-        let Some(Corners::Bends { sharp, blunt, .. }) = &mut self.corners else { return };
-        let sides = [&self.sides.secondary, &self.sides.primary];
-        sharp.find(sides, q);
-        blunt.find(sides, q);
+        if let Some(Corners::Bends { bends, .. }) = &mut self.corners {
+            bends.find([&self.sides.secondary, &self.sides.primary], q);
+        }
     }
 
     /// Slack of the constraint that a point has beside these facets in this step, over that of a corner; nothing where it has none.
     fn slack_beside(&self, point: usize, facets: &[u32]) -> Option<f64> {
-        let primary = &self.sides.primary;
         match &self.corners {
             Some(Corners::Points(points)) if !points[point] => None,
-            Some(Corners::Bends { sharp, blunt, .. }) if !sharp.are_at(point, facets, primary) => {
-                blunt.are_at(point, facets, primary).then_some(BEND_SLACK)
-            }
+            Some(Corners::Bends { bends, .. }) => bends.slack_beside(point, facets, &self.sides.primary),
             _ => Some(1.0),
         }
     }

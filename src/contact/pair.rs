@@ -441,7 +441,8 @@ mod tests {
                 for k in 0..5 {
                     let expected: [f64; 5] = difference(gradient, &pi, k, STEP);
                     for l in 0..5 {
-                        prop_assert!((hessian[k][l] - expected[l]).abs() < 1e-6 * (1.0 + expected[l].abs()), "{k} {l}: {} {}", hessian[k][l], expected[l]);
+                        let tolerance = 1e-6 * (1.0 + expected[l].abs());
+                        prop_assert!((hessian[k][l] - expected[l]).abs() < tolerance, "{k} {l}: {} {}", hessian[k][l], expected[l]);
                     }
                 }
             }

@@ -10,9 +10,10 @@
 //!
 //! With `mu = m` this is exact: the point `xi` of the primary curve lies at `eta = xi - m p(xi)` as seen along the secondary normal, and is
 //! higher than its facet there by `E (1 + m^2) p(xi)`. So the depth is continuous where two primary facets meet: a bound of `m` of lower
-//! order, such as `m/(1 + m^2/2)`, leaves jumps there that hold edges of second order in place. The bounded `mu` keeps steep pairs regular. `D` is a function of the invariants alone and homogeneous of first degree in them, as `h` is, so that
-//! discrete gradient, momenta and objectivity need nothing else. Five Gauss points on the overlap integrate polynomials of ninth degree in
-//! `s` exactly; `N_k D` is one of fifth degree and terms of higher order in `mu p`.
+//! order, such as `m/(1 + m^2/2)`, leaves jumps there that hold edges of second order in place. The bounded `mu` keeps steep pairs regular.
+//! `D` is a function of the invariants alone and homogeneous of first degree in them, as `h` is, so that discrete gradient, momenta and
+//! objectivity need nothing else. Five Gauss points on the overlap integrate polynomials of ninth degree in `s` exactly; `N_k D` is one of
+//! fifth degree and terms of higher order in `mu p`.
 //!
 //! Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)`, `w_m = (0, -m, m, 0, 1)` and `J = 1 - mu p'(xi)`:
 //!

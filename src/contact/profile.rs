@@ -1,8 +1,8 @@
 //! Height profiles: the curve through the nodes of a plane surface as a height over each straight facet.
 //!
-//! A facet of length `l` has the height `l p(xi)` at the facet coordinate `xi` in [0, 1], positive outwards, with a quartic `p` that is taken
-//! from the reference configuration and stays constant in facet coordinates. Displacements are linear on a facet, so that the curve moves
-//! with the facet consistently with them, and rigid motions leave it unchanged.
+//! A facet of length `l` has the height `l p(xi)` at the facet coordinate `xi` in [0, 1], positive outwards, with a quartic `p` that is
+//! taken from the reference configuration and stays constant in facet coordinates. Displacements are linear on a facet, so that the curve
+//! moves with the facet consistently with them, and rigid motions leave it unchanged.
 //!
 //! The quartic has the heights and slopes of the curve at both ends, so that curves of neighboring facets meet without a kink, and its mean
 //! height `A`, so that a press fit is as large as the curves say. Edges of first order take `p` from the neighboring facets. The circle
@@ -74,8 +74,8 @@ impl Profile {
     /// Facet coordinate at which a line of sight meets the curve: the line crosses the facet at `eta`, and moves along the facet by `tilt`
     /// for each unit of height.
     ///
-    /// Three Newton iterations for `xi = eta + tilt p(xi)` reach round-off, because slopes of profiles are below 0.3; so do derivatives that
-    /// `T` carries.
+    /// Three Newton iterations for `xi = eta + tilt p(xi)` reach round-off, because slopes of profiles are below 0.3; so do derivatives
+    /// that `T` carries.
     #[inline(always)]
     pub fn seen_at<T: Number>(&self, eta: T, tilt: T) -> T {
         let mut xi = eta;
@@ -167,15 +167,6 @@ impl<'a> FacetCurves<'a> {
             [Turn::Smooth(_), Turn::Sharp] | [Turn::Sharp, Turn::Smooth(_)] => true,
             _ => false,
         }
-    }
-
-    /// For each node whether the surface is smooth there: a node between two facets of a curve.
-    pub fn smooth_nodes(&self) -> Vec<bool> {
-        let is_smooth = |node: usize| {
-            let facets = self.surface.adjacent_facets(node);
-            matches!(self.turns[node], Turn::Smooth(_)) && facets.iter().all(|&facet| self.is_curved(facet as usize))
-        };
-        (0..self.turns.len()).map(is_smooth).collect()
     }
 
     /// Height profiles of all facets.

@@ -45,9 +45,9 @@ fn every_method_with_every_enforcement_and_rule_keeps_what_it_promises() {
                 // Newton's tolerance.
                 let defect = worst(&rows, |row| row.energy_defect);
                 assert!(defect < 1e-11 * energy, "{case}: defect {defect:.1e} of {energy:.1e}");
-                // Momenta are of order 2e-2: density 1e-3, area 2, speed 8.
+                // 1e-11 of the momenta, which are of order 2e-2: density 1e-3, area 2, speed 8.
                 let (linear, angular) = (drift(&rows, |row| row.momentum), drift(&rows, |row| row.angular_momentum));
-                assert!(linear < 1e-13 && angular < 1e-13, "{case}: momenta drift by {linear:.1e}, {angular:.1e}");
+                assert!(linear < 2e-13 && angular < 2e-13, "{case}: momenta drift by {linear:.1e}, {angular:.1e}");
                 if !update.keeps_energy && !penalty {
                     for pair in rows.windows(2) {
                         assert!(pair[1].total() <= pair[0].total() + 1e-11 * energy, "{case}: energy grows at {}", pair[1].time);

@@ -4,6 +4,7 @@
 //! independent code, the project's prototype in NumPy, SciPy and JAX (`bearing.py --T 0.5`), written before this program from the same
 //! formulas.
 
+use conserva::contact::FacetShape;
 use conserva::dynamics::{GAP, Hat, LedgerRow, LoadKind, Simulation};
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::materials::NeoHookean;
@@ -31,6 +32,7 @@ fn bearing(held: bool, dt: f64) -> Simulation {
     builder.contact((inner, "outer"), (outer, "inner"));
     // The prototype's rule.
     builder.model.interactions[0].update = Some(&GAP);
+    builder.model.interactions[0].facets = Some(FacetShape::Straight);
     builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
     builder.simulate(&ENERGY_MOMENTUM, dt)
 }

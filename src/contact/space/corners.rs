@@ -7,7 +7,7 @@
 //! A row with an overlap goes where a shallower one near by parts the bodies along another direction (`found.rs`). Rows stand in a few
 //! slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
 
-use super::features::{self, Features, Vertex};
+use super::features::{self, Features};
 use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
 use super::profiles::{NodalRows, Profiles};
@@ -25,8 +25,8 @@ use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// Rows of a feature, as of a vertex in a pocket; those of a ball on all facets around a node, and its largest radius in facets.
-const SLOTS: usize = 3;
-const OF_BALL: (usize, f64) = (6, 3.0);
+pub(super) const SLOTS: usize = 3;
+pub(super) const OF_BALL: (usize, f64) = (6, 3.0);
 
 /// Margin beyond the need with which candidates are searched, in smallest facets.
 const SPARE: f64 = 1.0;
@@ -67,9 +67,9 @@ pub struct CornersInSpace {
     pub(super) rows: Vec<Option<(usize, Measure)>>,
     start: Vec<Vec<f64>>,
     /// Whether vertices of the secondary side have rows of their own elsewhere.
-    has_nodal_rows: bool,
+    pub(super) has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
-    radius: f64,
+    pub(super) radius: f64,
     pub(super) slots: usize,
     /// What the facets of either side are of a curve.
     profiles: [Profiles; 2],
@@ -96,28 +96,6 @@ impl CornersInSpace {
         let warps = [warps(&secondary), warps(&primary)];
         let made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
         Some(Box::new(CornersInSpace { profiles, warps, ..made }))
-    }
-
-    /// The rows of a surface and a rigid obstacle, whose nodes are in these positions, too; nothing where the obstacle has nothing sharp.
-    /// The surface's vertices have rows elsewhere. `facet_size` is that of the whole contact.
-    pub(crate) fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
-        let features = [Features::with_smooth_edges(&surface, positions), Features::new(&obstacle, positions)];
-        if features[1].vertices.is_empty() {
-            return None;
-        }
-        let made = CornersInSpace::new(surface, obstacle, features, positions, facet_size);
-        Some(Box::new(CornersInSpace { has_nodal_rows: true, ..made }))
-    }
-
-    /// The rows of a rigid ball against the facets of a surface, or of the tip of a cone as one of no radius.
-    pub(crate) fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
-        let center_alone = Vertex { node: center, spokes: Vec::new(), is_bump: false };
-        let alone = Features { vertices: vec![center_alone], edges: Vec::new(), laps: vec![Vec::new()] };
-        let features = [Features::new(&surface, positions), alone];
-        let mut made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);
-        made.slots = if radius > 0.0 && radius <= OF_BALL.1 * facet_size { OF_BALL.0 } else { SLOTS };
-        made.sides.weights.resize(made.slots * made.owners.count(), facet_size * facet_size);
-        Box::new(CornersInSpace { has_nodal_rows: true, radius, ..made })
     }
 
     pub(super) fn new(secondary: Surface, primary: Surface, features: [Features; 2], reference: &[f64], facet_size: f64) -> Self {

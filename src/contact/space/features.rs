@@ -65,7 +65,7 @@ impl Features {
         Features::with_edges(surface, q, &[], |_| false, |bend| bend == Bend::Sharp)
     }
 
-    /// Features of a surface with its bumps among the vertices: nodes from which the surface turns away at an edge, where it is not a curve.
+    /// Features of a surface with its bumps among the vertices: nodes from which the surface turns away at an edge that is no curve.
     /// Between facets with height profiles, edges of a curve are smooth.
     pub fn with_bumps(surface: &Surface, q: &[f64], profiles: &Profiles, shape: FacetShape) -> Features {
         let is_curve = |edge: &Edge| shape == FacetShape::Curved && profiles.is_curve(edge, surface);

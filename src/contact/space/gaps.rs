@@ -25,8 +25,8 @@ pub const UNKNOWNS: usize = 3 * NODES;
 pub enum Measure {
     /// A vertex against a facet of so many nodes.
     Facet(usize),
-    /// A vertex against a triangle with a height profile: a facet of three nodes, or the triangle of a facet of four that begins at this one
-    /// of them. The triangle's shape functions carry the force.
+    /// A vertex against a triangle with a height profile: a facet of three nodes, or the triangle of a facet of four nodes that begins at
+    /// the given node. The triangle's shape functions carry the force.
     Over(Option<usize>, Form),
     /// Two edges, with the sign of their normal.
     Edges(f64),

@@ -2,6 +2,7 @@
 
 mod closing;
 mod corners;
+mod corners_of_obstacles;
 #[cfg(test)]
 mod depth_study;
 mod dual;

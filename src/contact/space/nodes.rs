@@ -1,9 +1,9 @@
 //! The node-to-segment method in space: one multiplier for each secondary node, its constraint the node's gap to one facet.
 //!
 //! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure, and the height `g` above
-//! the height profile of the triangle, of those about the mean points of facets, that the node is opposite. In a step it is held by that of the start, which goes
-//! on as a plane, or else by that which it is opposite where it is predicted to end: so energy and momenta are exact (`corners.rs`, whose
-//! rows these are), and a node that slides from facet to facet finds the next one in the next step. Facets that look the same way as the
+//! the height profile of the opposite triangle; facets of four nodes are triangles about their mean points. A step keeps the triangle of
+//! its start, continued as a plane, or the triangle opposite the predicted end: so energy and momenta are exact (`corners.rs`, whose rows these
+//! are), and a node that slides from facet to facet finds the next one in the next step. Facets that look the same way as the
 //! surface at the node, the far side of a thin body, are no opposite.
 
 use super::corners::CornersInSpace;

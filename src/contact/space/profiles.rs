@@ -2,18 +2,18 @@
 //!
 //! At a node the surface has the normal of the sphere through its neighbors where there is one (N. Max, J. Graphics Tools 4, 1999), over
 //! the facets that go on smoothly from the one in question; of cylinders it is exact on facets of four nodes along the axis. Between
-//! triangles it is the first guess `n_0` of a normal `n = n_0 + t` which satisfies, with the second fundamental form `k`, over the neighbors
-//! at the ways `r` and in the sense of least squares
+//! triangles it is the first guess `n_0` of a normal `n = n_0 + t` which satisfies, with the second fundamental form `k`, for the vectors
+//! `r` to the neighbors and in the sense of least squares
 //!
 //! ```text
 //! n.r/|r|^2 = -k(r, r)/(2 |r|^2)
 //! ```
 //!
-//! of which spheres and circles are exact solutions. Of what few neighbors at a rim leave open `t` and `k` are the least. Along an edge `e` of a facet with the normal `n` from node `i` to node `j` the
-//! turns `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean angle `a`, limited to twice the lesser and zero where their signs
-//! differ: so a single bend is none of a curve. At a rim one of them stands for both. The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` keeps the
-//! area of the circle's segment. The surface is quadratic over the facet, with the mean height `sum_e s_e/3`: heights are constant in the
-//! facet's coordinates, so that the surface moves with the facet.
+//! of which spheres and circles are exact solutions. Where neighbors at a rim are too few, `t` and `k` are those of least norm. Along an
+//! edge `e` of a facet with the normal `n` from node `i` to node `j` the turns `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the
+//! mean angle `a`, limited to twice the lesser and zero where their signs differ: a single bend is no curve. At a rim one turn stands for
+//! both. The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` keeps the area of the circular segment. The surface is quadratic over the facet,
+//! with the mean height `sum_e s_e/3`: heights are constant in the facet's coordinates, so that the surface moves with the facet.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -78,8 +78,8 @@ impl Profile {
         }
         let (count, sum) = (corners.len(), sagittas.iter().sum::<f64>());
         let middle = corners.iter().sum::<f64>() / count as f64 + 0.5 * sum;
-        // A quarter of the way from a corner the height is 3/4 (3/4 (s + s) + 1/4 (s + s)) above the corners', with the sagittas of the sides
-        // that meet there and of the others.
+        // A quarter of the way from a corner the height above the corners is 3/4 (3/4 (s + s) + 1/4 (s + s)), with the sagittas of the two
+        // sides that meet there, and of the other two.
         let spoke = |k: usize| {
             let near = sagittas[k] + sagittas[(k + count - 1) % count];
             0.1875 * sum + 0.375 * near - 0.25 * sum

@@ -44,7 +44,8 @@ impl Model {
         };
         let mut findings: Vec<(String, Finding)> = Vec::new();
         let mut add = |name: &String, found: Vec<Finding>| findings.extend(found.into_iter().map(|finding| (name.clone(), finding)));
-        for (index, Interaction { name, secondary, partner, facets: shape, .. }) in self.interactions.iter().enumerate() {
+        for (index, interaction) in self.interactions.iter().enumerate() {
+            let Interaction { name, secondary, partner, .. } = interaction;
             let primary = match partner {
                 Partner::Surfaces(primary) => primary,
                 Partner::Itself | Partner::Obstacle { .. } => std::slice::from_ref(secondary),
@@ -60,7 +61,7 @@ impl Model {
             }
             add(name, found);
             if let Partner::Surfaces(primary) = partner {
-                add(name, press_fits(secondary, primary, *shape));
+                add(name, press_fits(secondary, primary, interaction.facet_shape(2)));
             }
             add(name, self.away_from_obstacle(&self.interactions[index]).into_iter().collect());
             let Partner::Tied { to, reach } = partner else { continue };

@@ -81,8 +81,8 @@ pub struct Interaction {
     pub partner: Partner,
     /// Discretisation between two surfaces.
     pub method: &'static ContactMethod,
-    /// Geometry of the facets of both sides.
-    pub facets: FacetShape,
+    /// Geometry of the facets of both sides; `None`: that of the method ([`Interaction::facet_shape`]).
+    pub facets: Option<FacetShape>,
     /// Condition over a step; `None`: that of the time integrator ([`default_rule`](super::update_rules::default_rule)).
     pub update: Option<&'static UpdateRule>,
     /// What keeps nodes from penetrating.
@@ -130,7 +130,7 @@ impl Interaction {
             secondary,
             partner,
             method: &MORTAR,
-            facets: FacetShape::default(),
+            facets: None,
             update: None,
             enforcement: Enforcement::Multiplier,
             equality: false,
@@ -162,6 +162,13 @@ impl Interaction {
             Partner::Obstacle { .. } => &[],
             Partner::Tied { to, .. } => slice::from_ref(to),
         }
+    }
+
+    /// Geometry of the facets of both sides: curved by default; straight with node-to-segment contact in the plane, which seldom has an
+    /// equilibrium between curves at rest.
+    pub fn facet_shape(&self, dimension: usize) -> FacetShape {
+        let is_straight = self.method.is_nodal && dimension == 2;
+        self.facets.unwrap_or(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
     }
 
     /// Whether it is a tie, and no contact.

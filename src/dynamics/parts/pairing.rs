@@ -102,7 +102,7 @@ impl Pairing<'_> {
     /// The sides of a contact in space; an obstacle is none.
     fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
-        SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facets)
+        SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3))
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
@@ -140,7 +140,7 @@ impl Pairing<'_> {
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
                 let seen = self.middles.seen([&facets, &others], self.reference, rows);
                 let mut kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
-                if interaction.facets == FacetShape::Curved {
+                if interaction.facet_shape(2) == FacetShape::Curved {
                     kernel.set_profiles(seen.profiles());
                 }
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
@@ -244,8 +244,8 @@ impl Pairing<'_> {
                 let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes);
                 let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
                 let is_nodal = pairs[of].kernel.is_nodal();
-                if let Some(mut kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal, interaction.facets) {
-                    if interaction.facets == FacetShape::Curved {
+                if let Some(mut kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal) {
+                    if interaction.facet_shape(2) == FacetShape::Curved {
                         kernel.set_profiles(seen.profiles());
                     }
                     add(of, PairKind::Surfaces, on[0].body, 1.0, seen.on_nodes(Box::new(kernel)));

@@ -67,11 +67,10 @@ pub fn facets_parameter() -> Parameter {
     .or(Absent::Means("`\"curved\"`, with `node_to_segment()` in the plane `\"straight\"`"))
 }
 
-/// The facet geometry that options name for a method in as many dimensions.
-pub fn facets_of(options: &Options, method: &ContactMethod, dimension: usize) -> Result<FacetShape, Failure> {
-    let is_given = options.argument("facets").is_given();
-    let is_straight = if is_given { options.text("facets")? == "straight" } else { method.is_nodal && dimension == 2 };
-    Ok(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
+/// The facet geometry that options name.
+pub fn facets_of(options: &Options) -> Result<Option<FacetShape>, Failure> {
+    let shape = |word: String| if word == "straight" { FacetShape::Straight } else { FacetShape::Curved };
+    if options.argument("facets").is_given() { options.text("facets").map(shape).map(Some) } else { Ok(None) }
 }
 
 /// The options `update`, `penalty` and `augmented_lagrange`.

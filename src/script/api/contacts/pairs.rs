@@ -77,8 +77,7 @@ fn add_contact() -> Function {
             let (name, options) = (call.name("name")?, call.options("options")?);
             let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
-            let method = method_of(&options)?;
-            let facets = facets_of(&options, method, model.0.borrow().model.dimension())?;
+            let (method, facets) = (method_of(&options)?, facets_of(&options)?);
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
             let argument = options.argument("method");
             if matches!(partner, Partner::Obstacle { .. }) && argument.is_given() {
@@ -125,8 +124,7 @@ fn add_self_contact() -> Function {
             let model = call.receiver::<ModelHandle>();
             let (name, options) = (call.name("name")?, call.options("options")?);
             let surface = boundary_of(&options.argument("surface"), &model)?;
-            let method = method_of(&options)?;
-            let facets = facets_of(&options, method, model.0.borrow().model.dimension())?;
+            let (method, facets) = (method_of(&options)?, facets_of(&options)?);
             let ((update, enforcement), friction) = (rules_of(&options)?, friction_of(&options)?);
             let touching = Interaction::new(&name, surface, Partner::Itself);
             add(call, &model, Interaction { method, facets, update, enforcement, friction, ..touching })?;

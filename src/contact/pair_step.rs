@@ -1,0 +1,152 @@
+//! The two functions of a facet pair across a step: values, gradients and Hessians in a pair's shape functions, and discrete gradients.
+
+use super::multiplier_shapes::Shape;
+use super::pair::{Invariants, Offsets, Overlap, PerNode};
+use crate::integrators::{Configuration, Placement, discrete_gradient};
+use crate::math::tolerances::{INVARIANT_INCREMENT, REMAINDER};
+
+/// What a pair keeps of the start of the step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    pub(super) offsets: Offsets,
+    pub(super) invariants: Invariants,
+    pub(super) value: PerNode<f64>,
+    pub(super) overlaps: bool,
+    /// Which nodes set the ends of the overlap, if there is one.
+    pub(super) steady_ends: Option<[bool; 2]>,
+    pub(super) shape: Shape,
+}
+
+/// Sum of products.
+#[inline(always)]
+pub(super) fn dot(a: &Invariants, b: &Invariants) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
+}
+
+/// Covered length of each node's shape function in one pair.
+#[inline(always)]
+pub(super) fn covered_length(shape: &Shape, pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
+    combined(shape, &overlap.coverage()).map(|share| share * pi[0].sqrt())
+}
+
+/// Functions of the standard shapes combined to those of others.
+#[inline(always)]
+pub(super) fn combined(shape: &Shape, of_standard: &PerNode<f64>) -> PerNode<f64> {
+    shape.map(|row| row[0] * of_standard[0] + row[1] * of_standard[1])
+}
+
+/// Values at an overlap; zero without one.
+#[inline(always)]
+pub(super) fn value(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<f64> {
+    overlap.as_ref().map_or([0.0; 2], |overlap| combined(shape, &overlap.value()))
+}
+
+/// Gradients at an overlap; zero without one.
+#[inline(always)]
+pub(super) fn gradient(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<Invariants> {
+    overlap.as_ref().map_or([[0.0; 5]; 2], |overlap| {
+        let standard = overlap.gradient();
+        shape.map(|row| weighted(&standard, row))
+    })
+}
+
+/// Weighted Hessian at an overlap; zero without one.
+#[inline(always)]
+pub(super) fn hessian(shape: &Shape, overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
+    let standard = [0, 1].map(|k| shape[0][k] * weights[0] + shape[1][k] * weights[1]);
+    overlap.as_ref().map_or([[0.0; 5]; 5], |overlap| overlap.hessian(standard))
+}
+
+/// `weights[0] f[0] + weights[1] f[1]`.
+#[inline(always)]
+pub(super) fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invariants {
+    std::array::from_fn(|k| weights[0] * f[0][k] + weights[1] * f[1][k])
+}
+
+/// The functions of a pair in a step, as its discrete gradients need them.
+pub(super) struct Functions<'a> {
+    pub(super) start: &'a Start,
+    pub(super) end_pi: &'a Invariants,
+    pub(super) end_value: PerNode<f64>,
+    pub(super) end_gradient: &'a PerNode<Invariants>,
+    pub(super) middle: &'a Option<Overlap<'a>>,
+    /// Multipliers.
+    pub(super) weights: PerNode<f64>,
+    /// Round-off of the invariants `[length^2]`.
+    pub(super) round_off: f64,
+}
+
+/// A pair's functions differentiated across a step, with respect to its invariants.
+pub(super) struct Differentiated {
+    /// Algorithmic gradients.
+    pub(super) bar: PerNode<Invariants>,
+    /// Their sum weighted by the multipliers, and its derivative.
+    pub(super) weighted_bar: Invariants,
+    pub(super) slope: [Invariants; 5],
+}
+
+impl Functions<'_> {
+    /// Increment of the invariants.
+    #[inline(always)]
+    fn increment(&self) -> Invariants {
+        std::array::from_fn(|k| self.end_pi[k] - self.start.invariants[k])
+    }
+
+    /// By a discrete gradient with corrections `a` that were found for the nodes' sums; their derivative is left out.
+    #[inline(always)]
+    pub(super) fn with_correction(&self, a: PerNode<f64>) -> Differentiated {
+        let (d, weights) = (self.increment(), self.weights);
+        let middle_gradient = gradient(&self.start.shape, self.middle);
+        let bar: PerNode<Invariants> = [0, 1].map(|k| std::array::from_fn(|l| middle_gradient[k][l] + a[k] * d[l]));
+        let mut slope = hessian(&self.start.shape, self.middle, weights.map(|weight| 0.5 * weight));
+        for k in 0..5 {
+            slope[k][k] += weights[0] * a[0] + weights[1] * a[1];
+        }
+        Differentiated { weighted_bar: weighted(&bar, weights), bar, slope }
+    }
+
+    /// By a discrete gradient with this pair's own correction.
+    #[inline(always)]
+    pub(super) fn with_own_correction(&self) -> Differentiated {
+        let (d, weights, end_value, start) = (self.increment(), self.weights, self.end_value, self.start);
+        let middle_gradient = gradient(&start.shape, self.middle);
+        let square = dot(&d, &d);
+        let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
+        // In a small step only kinks have a remainder that is more than round-off.
+        let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(self.end_pi, self.end_pi);
+        let is_round_off = |k: usize| {
+            let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
+            let steepness: f64 = middle_gradient[k].iter().map(|g| g.abs()).sum();
+            remainder[k].abs() <= REMAINDER * (end_value[k].abs() + start.value[k].abs() + sizes) + self.round_off * steepness
+        };
+        let threshold = if is_doubtful && is_round_off(0) && is_round_off(1) { f64::INFINITY } else { 0.0 };
+        let mut bar = middle_gradient;
+        if square > threshold {
+            for k in 0..2 {
+                let a = remainder[k] / square;
+                bar[k] = std::array::from_fn(|l| middle_gradient[k][l] + a * d[l]);
+            }
+        }
+        let (weighted_bar, slope) = if weights != [0.0; 2] {
+            discrete_gradient(
+                &d,
+                &weighted(&middle_gradient, weights),
+                &hessian(&start.shape, self.middle, weights),
+                &weighted(self.end_gradient, weights),
+                weights[0] * remainder[0] + weights[1] * remainder[1],
+                threshold,
+            )
+        } else {
+            ([0.0; 5], [[0.0; 5]; 5])
+        };
+        Differentiated { bar, weighted_bar, slope }
+    }
+
+    /// By the gradient at one configuration, where the pair overlaps so.
+    #[inline(always)]
+    pub(super) fn plain(&self, overlap: &Option<Overlap>, placement: Placement) -> Differentiated {
+        let bar = if placement.trial == Configuration::End { *self.end_gradient } else { gradient(&self.start.shape, overlap) };
+        let slope = hessian(&self.start.shape, overlap, self.weights.map(|weight| placement.share * weight));
+        Differentiated { weighted_bar: weighted(&bar, self.weights), bar, slope }
+    }
+}

@@ -1,0 +1,32 @@
+//! Constraints of sharp vertices and edges against rigid obstacles in space, and of rigid balls.
+
+use super::corners::{CornersInSpace, OF_BALL, SLOTS};
+use super::features::{Features, Vertex};
+use crate::contact::kernel::ContactKernel;
+use crate::contact::surface::Surface;
+
+impl CornersInSpace {
+    /// Constraints of a surface against a rigid obstacle, whose nodes are in `positions`, too; `None` where the obstacle has nothing sharp.
+    /// Vertices of the surface have constraints elsewhere. `facet_size` is that of the whole contact `[length]`.
+    pub(crate) fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
+        let features = [Features::with_smooth_edges(&surface, positions), Features::new(&obstacle, positions)];
+        if features[1].vertices.is_empty() {
+            return None;
+        }
+        let mut made = CornersInSpace::new(surface, obstacle, features, positions, facet_size);
+        made.has_nodal_rows = true;
+        Some(Box::new(made))
+    }
+
+    /// Constraints of a rigid ball against the facets of a surface; the tip of a cone is a ball of radius 0.
+    pub(crate) fn of_ball(surface: Surface, center: u32, radius: f64, positions: &[f64], facet_size: f64) -> Box<dyn ContactKernel> {
+        let center_alone = Vertex { node: center, spokes: Vec::new(), is_bump: false };
+        let alone = Features { vertices: vec![center_alone], edges: Vec::new(), laps: vec![Vec::new()] };
+        let features = [Features::new(&surface, positions), alone];
+        let mut made = CornersInSpace::new(surface, Surface::in_space([&[center][..]]), features, positions, facet_size);
+        made.slots = if radius > 0.0 && radius <= OF_BALL.1 * facet_size { OF_BALL.0 } else { SLOTS };
+        made.sides.weights.resize(made.slots * made.owners.count(), facet_size * facet_size);
+        (made.has_nodal_rows, made.radius) = (true, radius);
+        Box::new(made)
+    }
+}
