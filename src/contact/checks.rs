@@ -242,11 +242,10 @@ impl Finding {
                 format!("make \"{primary}\" the secondary surface, or refine \"{secondary}\": the finer side carries the multipliers")
             }
             Finding::Interlocking { .. } => {
-                "use cells of second order, whose contact follows the curve, or more facets: half as long stand off a quarter as much"
-                    .into()
+                "let contact follow the curve, or take more facets: half as long stand off a quarter as much".into()
             }
             Finding::DistortedFit { .. } => {
-                "use cells of second order, whose contact follows the curve, facets of one length on both sides, or more of them".into()
+                "let contact follow the curve, or take facets of one length on both sides, or more of them".into()
             }
             Finding::CoarseFit { .. } => "make facets half as long, which rise a quarter as much, or use cells of second order".into(),
             Finding::Untied { .. } => "name boundaries that lie on each other, or give a larger `reach`".into(),

@@ -84,9 +84,9 @@ pub struct CornersInSpace {
 impl CornersInSpace {
     /// The rows of two surfaces; nothing where neither has anything sharp.
     pub fn kernel(seen: &SeenInSpace) -> Option<Box<dyn ContactKernel>> {
-        let SeenInSpace { secondary, primary, reference, curve, shape, .. } = seen;
+        let SeenInSpace { secondary, primary, reference, curve, .. } = seen;
         let profiles = [secondary, primary].map(|surface| Profiles::new(surface, curve));
-        let of = |(side, profiles): (&Surface, &Profiles)| Features::with_bumps(side, curve, profiles, *shape);
+        let of = |(side, profiles): (&Surface, &Profiles)| Features::with_bumps(side, curve, profiles);
         let features = [(secondary, &profiles[0]), (primary, &profiles[1])].map(of);
         if features.iter().all(|features| features.vertices.is_empty()) {
             return None;

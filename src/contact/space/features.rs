@@ -2,7 +2,6 @@
 
 use super::profiles::Profiles;
 use crate::contact::faces::{self, Vector};
-use crate::contact::facet_shape::FacetShape;
 use crate::contact::surface::{Edge, Surface};
 
 /// Cosine of the angle by which facets turn at an edge that is sharp: 10 degrees.
@@ -62,31 +61,22 @@ enum Bend {
 impl Features {
     /// The features of a surface. Where it ends, its body is taken to have a sharp edge.
     pub fn new(surface: &Surface, q: &[f64]) -> Features {
-        Features::with_edges(surface, q, &[], |_| false, |bend| bend == Bend::Sharp)
+        Features::with_edges(surface, q, &[], |bend| bend == Bend::Sharp)
     }
 
     /// Features of a surface with its bumps among the vertices: nodes from which the surface turns away at an edge that is no curve.
-    /// Between facets with height profiles, edges of a curve are smooth.
-    pub fn with_bumps(surface: &Surface, q: &[f64], profiles: &Profiles, shape: FacetShape) -> Features {
-        let is_curve = |edge: &Edge| shape == FacetShape::Curved && profiles.is_curve(edge, surface);
-        Features::with_edges(surface, q, &bumps(surface, q, profiles), is_curve, |bend| bend == Bend::Sharp)
+    pub fn with_bumps(surface: &Surface, q: &[f64], profiles: &Profiles) -> Features {
+        Features::with_edges(surface, q, &bumps(surface, q, profiles), |bend| bend == Bend::Sharp)
     }
 
     /// The same with its smooth edges among the sharp ones: for what lies across flat ground on a line.
     pub fn with_smooth_edges(surface: &Surface, q: &[f64]) -> Features {
-        Features::with_edges(surface, q, &[], |_| false, |bend| bend != Bend::Concave)
+        Features::with_edges(surface, q, &[], |bend| bend != Bend::Concave)
     }
 
-    fn with_edges(
-        surface: &Surface,
-        q: &[f64],
-        bumps: &[u32],
-        is_curve: impl Fn(&Edge) -> bool,
-        is_kept: impl Fn(Bend) -> bool,
-    ) -> Features {
+    fn with_edges(surface: &Surface, q: &[f64], bumps: &[u32], is_kept: impl Fn(Bend) -> bool) -> Features {
         let edges = surface.edges();
-        let bend = |edge: &Edge| if is_curve(edge) { Bend::Smooth } else { bend(surface, edge.facets, edge.nodes, q) };
-        let bends: Vec<Bend> = edges.iter().map(bend).collect();
+        let bends: Vec<Bend> = edges.iter().map(|edge| bend(surface, edge.facets, edge.nodes, q)).collect();
         let along = |nodes: [u32; 2]| (faces::at(nodes[1], q) - faces::at(nodes[0], q)).try_normalize(0.0).unwrap_or_default();
         let mut of_node: Vec<Vec<usize>> = vec![Vec::new(); surface.nodes().len()];
         for (index, edge) in edges.iter().enumerate() {

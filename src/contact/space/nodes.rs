@@ -2,8 +2,8 @@
 //!
 //! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure, and the height `g` above
 //! the height profile of the opposite triangle; facets of four nodes are triangles about their mean points. A step keeps the triangle of
-//! its start, continued as a plane, or the triangle opposite the predicted end: so energy and momenta are exact (`corners.rs`, whose rows these
-//! are), and a node that slides from facet to facet finds the next one in the next step. Facets that look the same way as the
+//! its start, continued as a plane, or the triangle opposite the predicted end: so energy and momenta are exact (`corners.rs`, whose rows
+//! these are), and a node that slides from facet to facet finds the next one in the next step. Facets that look the same way as the
 //! surface at the node, the far side of a thin body, are no opposite.
 
 use super::corners::CornersInSpace;

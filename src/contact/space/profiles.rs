@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::contact::faces::{self, Vector};
 use crate::contact::numbers::Number;
-use crate::contact::surface::{Edge, Surface};
+use crate::contact::surface::Surface;
 use crate::math::tolerances::STRAIGHT;
 
 /// Cosine of the turn between two facets up to which a curve goes on from one to the other: 25 degrees, so that spheres of 24 cells
@@ -121,8 +121,6 @@ pub struct NodalRows {
 /// Curved surface that the facets of a surface stand for.
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
-    /// Sagittas along the sides of each facet, by the corner at which they begin; zero where the facet is flat `[length]`.
-    sagittas: Vec<[f64; 4]>,
     /// Mean height of the surface above each facet `[length]`.
     heights: Vec<f64>,
 }
@@ -136,25 +134,13 @@ impl Profiles {
     /// Profiles with another cosine of the turn between two facets up to which a curve goes on.
     pub fn of_curve(surface: &Surface, q: &[f64], smooth: f64) -> Self {
         let facets = Facets::new(surface, q, smooth);
-        let sagittas: Vec<[f64; 4]> = (0..surface.count()).map(|facet| facets.sagittas(facet)).collect();
-        let heights = sagittas.iter().map(|sagittas| sagittas.iter().sum::<f64>() / 3.0).collect();
-        Profiles { sagittas, heights }
+        let heights = (0..surface.count()).map(|facet| facets.sagittas(facet).iter().sum::<f64>() / 3.0).collect();
+        Profiles { heights }
     }
 
     /// Mean height of the surface above a facet, 0 where it is flat `[length]`.
     pub fn height(&self, facet: usize) -> f64 {
         self.heights[facet]
-    }
-
-    /// Whether a round surface goes on across an edge: both facets have sagittas outwards along the sides that meet the edge.
-    pub fn is_curve(&self, edge: &Edge, surface: &Surface) -> bool {
-        let is_round = |facet: u32| {
-            let (nodes, sagittas) = (surface.facet(facet as usize), &self.sagittas[facet as usize]);
-            let is_on = |node: u32| edge.nodes.contains(&node);
-            let side = |k: usize| [nodes[k], nodes[(k + 1) % nodes.len()]].map(is_on);
-            (0..nodes.len()).all(|k| side(k) == [true; 2] || side(k) == [false; 2] || sagittas[k] > 0.0)
-        };
-        matches!(edge.facets, [Some(one), Some(other)] if is_round(one) && is_round(other))
     }
 
     /// By how much the points of some facets may be raised above a round surface `[length]`.
@@ -341,14 +327,14 @@ mod tests {
         let (surface, q) = strip(8, true);
         let triangles = split(&surface);
         let exact = Profiles::new(&surface, &q).height(3) * 1.5;
-        let found = Profiles::new(&triangles, &q);
+        let found = Facets::new(&triangles, &q, SMOOTH);
         for facet in 0..triangles.count() {
             let nodes = triangles.facet(facet);
             for k in 0..3 {
                 // Ends of the strip apart, nodes 2 k and 2 k + 1 are at the same angle.
                 let around = if nodes[k] / 2 == nodes[(k + 1) % 3] / 2 { 0.0 } else { exact };
                 if nodes.iter().all(|&node| (2..16).contains(&node)) {
-                    let sagitta = found.sagittas[facet][k];
+                    let sagitta = found.sagittas(facet)[k];
                     assert!((sagitta - around).abs() < 0.02 * exact.abs(), "{facet} {k}: {sagitta} {around}");
                 }
             }

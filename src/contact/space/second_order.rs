@@ -56,8 +56,6 @@ pub struct SeenInSpace<'a> {
     pub inner: Vec<u32>,
     /// Height profiles of the facets of both sides.
     pub(super) profiles: [Vec<Profile>; 2],
-    /// Shape of the facets.
-    pub(super) shape: FacetShape,
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
@@ -69,7 +67,6 @@ impl<'a> SeenInSpace<'a> {
 
     /// The same with a node within the body behind each primary face.
     pub fn with_inner(sides: [&[Vec<u32>]; 2], inner: &[u32], reference: &'a [f64]) -> Self {
-        let shape = FacetShape::default();
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
@@ -81,7 +78,6 @@ impl<'a> SeenInSpace<'a> {
                 curve: reference.into(),
                 inner: inner.to_vec(),
                 profiles,
-                shape,
                 on_faces: None,
             };
         }
@@ -98,7 +94,7 @@ impl<'a> SeenInSpace<'a> {
         let truth = proxies.nodes(&seen, reference);
         let profiles = [&secondary, &primary].map(|surface| profiles(surface, &seen, &truth));
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
-        SeenInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, shape, on_faces }
+        SeenInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, on_faces }
     }
 
     /// These surfaces with facets of another shape.
@@ -106,7 +102,7 @@ impl<'a> SeenInSpace<'a> {
         if shape == FacetShape::Straight {
             self.profiles.iter_mut().flatten().for_each(|profile| *profile = Profile::default());
         }
-        SeenInSpace { shape, ..self }
+        self
     }
 
     /// Height of the curve above each node or point of a side, the mean over its facets with profiles `[length]`.
