@@ -73,7 +73,7 @@ pub struct CornersInSpace {
     pub(super) slots: usize,
     /// What the facets of either side are of a curve.
     profiles: [Profiles; 2],
-    /// Height at rest of the nodes of each facet of either side above and below its plane.
+    /// Height at rest of the nodes of each facet of either side above and below its plane, 0 with a height profile `[length]`.
     warps: [Vec<f64>; 2],
     /// For each patch what is added to its gap.
     clearances: Vec<f64>,
@@ -92,8 +92,11 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        let warps = |side: &Surface| (0..side.count()).map(|facet| faces::warp(side.facet(facet), reference)).collect();
-        let warps = [warps(&secondary), warps(&primary)];
+        // Facets with a height profile are measured to the curve.
+        let warps = [(secondary, &profiles[0]), (primary, &profiles[1])].map(|(side, profiles)| {
+            let warp = |facet: usize| if profiles.height(facet) == 0.0 { faces::warp(side.facet(facet), reference) } else { 0.0 };
+            (0..side.count()).map(warp).collect()
+        });
         let made = CornersInSpace::new(secondary.clone(), primary.clone(), features, reference, facet_size);
         Some(Box::new(CornersInSpace { profiles, warps, ..made }))
     }

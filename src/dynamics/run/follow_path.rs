@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::engine::Engine;
 use super::ledger::LedgerRow;
 use super::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
-use super::settle::Care;
+use super::settle_progress::Care;
 use super::steps::Steps;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Outlook, Travel};

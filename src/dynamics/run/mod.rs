@@ -40,6 +40,7 @@ pub mod rigid_impacts;
 pub mod rows;
 pub mod run_findings;
 pub mod settle;
+mod settle_progress;
 pub mod simulation;
 pub mod slip_memory;
 pub mod stable_step;

@@ -19,6 +19,7 @@ use super::engine::Engine;
 use super::options::SettleReport;
 use super::quantities::Touching;
 use super::report::{FailureCause, Missing};
+use super::settle_progress::{Care, Progress};
 use super::slip_memory::slipped;
 use super::state::State;
 use crate::bodies::{Elements, Space};
@@ -49,14 +50,12 @@ const FALL: f64 = 0.5;
 const FLIGHT: f64 = 10.0;
 const GONE: f64 = 95.0;
 
-/// Growth of the damping after a step that was refused, and its decay after one that was not.
+/// Growth of the damping after a step that was refused, and in a mechanism.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPING_OF_MECHANISMS: f64 = 10.0;
-const LESS_DAMPING: f64 = 0.1;
 
-/// Change of the share of a prescribed motion after a step that failed, and after one that did not.
+/// Change of the share of a prescribed motion after a step that failed.
 const SHORTER: f64 = 0.25;
-const LONGER: f64 = 2.0;
 
 /// How far prescribed nodes are moved in a step, in facets, once all at once has led astray.
 pub(super) const STRIDE: f64 = 0.5;
@@ -82,45 +81,8 @@ const TRIFLE: f64 = 1e3;
 /// keep them moving.
 const MAX_STOOD: usize = 3;
 
-/// How an equilibrium is looked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Care {
-    /// With all remedies where a step is refused.
-    Patient,
-    /// Given up where a step is refused: there is another way.
-    Exact,
-    /// The same, and less exact: it is one on the way to another one.
-    Coarse,
-}
-
 /// Imbalance over what is tolerated, 1e-6 of the forces, that is enough on the way.
 const COARSE: f64 = 1e5;
-
-/// What the steps so far tell of the next one.
-struct Progress {
-    care: Care,
-    steps: usize,
-    /// Those among them that did a part of what is to be done, and how much of it they do.
-    parts: usize,
-    closing: Closing,
-    share: f64,
-    /// How far prescribed nodes may go in a step.
-    stride: f64,
-    /// Times that the present step was tried again.
-    tries: usize,
-    /// How much more damping than the forces ask for, and more motion than expected.
-    excess: f64,
-    leeway: f64,
-    /// The last step, and the largest displacement of each component in it.
-    motion: Vec<f64>,
-    travelled: Option<Vec<f64>>,
-    stood: usize,
-    /// The least imbalance, and how many steps with more damping have not reduced it.
-    least: f64,
-    stuck: usize,
-    /// A state at which only round-off was left, and its imbalance: of sums, of nodes.
-    best: Option<(Arc<State>, [f64; 2])>,
-}
 
 /// The present state as `settle` sees it.
 struct Present {
@@ -164,6 +126,9 @@ where
         let at = loop {
             let present = self.look(&balance, &progress)?;
             if present.is_closed && present.imbalance.excess() <= if care == Care::Coarse { COARSE } else { 1.0 } {
+                break present.at;
+            }
+            if present.is_closed && progress.is_left_with_ripples(present.imbalance.excess()) {
                 break present.at;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut progress.best) {
@@ -445,43 +410,6 @@ where
         let cause = FailureCause::NoEquilibrium { steps: progress.steps, unbalanced, body, how, missing };
         let report = self.evidence(0.0, 0).report_of(cause);
         self.given_up(report)
-    }
-}
-
-impl Progress {
-    fn new(unknowns: usize, closing: Closing, stride: f64, care: Care) -> Self {
-        Progress {
-            care,
-            steps: 0,
-            parts: 0,
-            closing,
-            share: 1.0,
-            stride,
-            tries: 0,
-            excess: 1.0,
-            leeway: 1.0,
-            motion: vec![0.0; unknowns],
-            travelled: None,
-            stood: 0,
-            least: f64::INFINITY,
-            stuck: 0,
-            best: None,
-        }
-    }
-
-    /// A step was taken from a state with that imbalance, with that motion and largest displacements of the components.
-    fn accepted(&mut self, imbalance: f64, travelled: Vec<f64>, motion: Vec<f64>, stands: f64) {
-        if imbalance < 0.9 * self.least {
-            (self.least, self.stuck) = (imbalance, 0);
-        } else if self.excess > 1.0 {
-            self.stuck += 1;
-        }
-        self.stood += usize::from(travelled.iter().all(|&travelled| travelled < stands));
-        (self.travelled, self.motion) = (Some(travelled), motion);
-        (self.steps, self.tries) = (self.steps + 1, 0);
-        self.closing.succeeded();
-        self.share = (LONGER * self.share).min(1.0);
-        (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 }
 

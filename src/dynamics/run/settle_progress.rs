@@ -1,0 +1,100 @@
+//! Progress of `settle`: damping, shares and limits of its next step by the outcome of the steps before.
+
+use std::sync::Arc;
+
+use super::closing::Closing;
+use super::state::State;
+
+/// Decay of the damping after a step that was accepted.
+const LESS_DAMPING: f64 = 0.1;
+
+/// Growth of the share of a prescribed motion after a step that was accepted.
+const LONGER: f64 = 2.0;
+
+/// Imbalance over what is tolerated, 1e-8 of the forces, and the number of steps within it without an end, after which it is accepted: in a
+/// smooth race without friction a ring is in balance at any angle but for ripples of the facets, and Newton's method finds no rest there.
+const RIPPLE: f64 = 1e3;
+const MAX_RIPPLES: usize = 8;
+
+/// How an equilibrium is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Care {
+    /// With all remedies where a step is refused.
+    Patient,
+    /// Given up where a step is refused: there is another way.
+    Exact,
+    /// The same, and less exact: it is one on the way to another one.
+    Coarse,
+}
+
+/// What the steps so far tell of the next one.
+pub(super) struct Progress {
+    pub(super) care: Care,
+    pub(super) steps: usize,
+    /// Those among them that did a part of what is to be done, and how much of it they do.
+    pub(super) parts: usize,
+    pub(super) closing: Closing,
+    pub(super) share: f64,
+    /// How far prescribed nodes may go in a step.
+    pub(super) stride: f64,
+    /// Times that the present step was tried again.
+    pub(super) tries: usize,
+    /// How much more damping than the forces ask for, and more motion than expected.
+    pub(super) excess: f64,
+    pub(super) leeway: f64,
+    /// The last step, and the largest displacement of each component in it.
+    pub(super) motion: Vec<f64>,
+    pub(super) travelled: Option<Vec<f64>>,
+    pub(super) stood: usize,
+    /// The least imbalance, and how many steps with more damping have not reduced it.
+    pub(super) least: f64,
+    pub(super) stuck: usize,
+    /// Steps at whose start no more than ripples were left.
+    pub(super) ripples: usize,
+    /// A state at which only round-off was left, and its imbalance: of sums, of nodes.
+    pub(super) best: Option<(Arc<State>, [f64; 2])>,
+}
+
+impl Progress {
+    pub(super) fn new(unknowns: usize, closing: Closing, stride: f64, care: Care) -> Self {
+        Progress {
+            care,
+            steps: 0,
+            parts: 0,
+            closing,
+            share: 1.0,
+            stride,
+            tries: 0,
+            excess: 1.0,
+            leeway: 1.0,
+            motion: vec![0.0; unknowns],
+            travelled: None,
+            stood: 0,
+            least: f64::INFINITY,
+            stuck: 0,
+            ripples: 0,
+            best: None,
+        }
+    }
+
+    /// A step was taken from a state with that imbalance, with that motion and largest displacements of the components.
+    pub(super) fn accepted(&mut self, imbalance: f64, travelled: Vec<f64>, motion: Vec<f64>, stands: f64) {
+        if imbalance < 0.9 * self.least {
+            (self.least, self.stuck) = (imbalance, 0);
+        } else if self.excess > 1.0 {
+            self.stuck += 1;
+        }
+        self.stood += usize::from(travelled.iter().all(|&travelled| travelled < stands));
+        (self.travelled, self.motion) = (Some(travelled), motion);
+        (self.steps, self.tries) = (self.steps + 1, 0);
+        self.closing.succeeded();
+        self.share = (LONGER * self.share).min(1.0);
+        (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
+    }
+
+    /// True if states like the present one, closed and with this imbalance, have been left with no more than ripples for some steps.
+    pub(super) fn is_left_with_ripples(&mut self, imbalance: f64) -> bool {
+        self.ripples += usize::from(imbalance <= RIPPLE);
+        imbalance <= RIPPLE && self.ripples > MAX_RIPPLES
+    }
+}
