@@ -148,8 +148,8 @@ pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2], profi
     let primary = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
     for Point { measure, shapes, normal: n, mut alpha, opposite } in overlap.points(profiles.is_some()) {
         if let Some(PairProfiles([own, other])) = profiles {
-            alpha = alpha - distance_to_curve(own, overlap.t, shapes[1], n);
-            alpha = alpha - distance_to_curve(&other.reversed(), primary, opposite, [-n[0], -n[1]]);
+            alpha -= distance_to_curve(own, overlap.t, shapes[1], n);
+            alpha -= distance_to_curve(&other.reversed(), primary, opposite, [-n[0], -n[1]]);
         }
         let gap = alpha * (n[0] * n[0] + n[1] * n[1]);
         for (k, shape) in shapes.into_iter().enumerate() {

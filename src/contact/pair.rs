@@ -414,7 +414,7 @@ mod tests {
         #[test]
         fn gradients_agree_with_differences(x in nodes(), is_curved: bool) {
             let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
-            prop_assume!(!near_limit(&pi, STEP) && !(is_curved && is_steep(&pi)));
+            prop_assume!(!(near_limit(&pi, STEP) || is_curved && is_steep(&pi)));
             if let Some(overlap) = Overlap::new(&pi, profiles) {
                 let gradient = overlap.gradient();
                 for k in 0..5 {
@@ -431,7 +431,7 @@ mod tests {
         #[test]
         fn hessian_agrees_with_differences_of_the_gradient(x in nodes(), w_1 in -1.0..2.0, w_2 in -1.0..2.0, is_curved: bool) {
             let (pi, profiles) = (of(x), is_curved.then_some(&CURVED));
-            prop_assume!(!near_limit(&pi, STEP) && !(is_curved && is_steep(&pi)));
+            prop_assume!(!(near_limit(&pi, STEP) || is_curved && is_steep(&pi)));
             if let Some(overlap) = Overlap::new(&pi, profiles) {
                 let hessian = overlap.hessian([w_1, w_2]);
                 let gradient = |pi: &Invariants| {

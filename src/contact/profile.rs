@@ -21,8 +21,8 @@ use super::numbers::Number;
 use super::surface::Surface;
 use crate::math::tolerances::STRAIGHT;
 
-/// Largest turn between two facets of a curve, 25 degrees: a circle of sixteen facets is a curve, one of twelve is a polygon. Disks of twelve
-/// facets that are taken for circles find no way out of each other in `tests/scripts/attack/energy.rhai`.
+/// Largest turn between two facets of a curve, 25 degrees: a circle of sixteen facets is a curve, one of twelve is a polygon. Disks of
+/// twelve facets that are taken for circles find no way out of each other in `tests/scripts/attack/energy.rhai`.
 const LARGEST_TURN: f64 = 25.0 * PI / 180.0;
 
 /// Largest ratio of the curvatures at neighboring nodes of a curve, and of the slopes at both ends of a facet.
