@@ -79,8 +79,10 @@ fn add_contact() -> Function {
             let partner = partner_of(call, &options.argument("primary"), &model)?;
             let (method, facets) = (method_of(&options)?, facets_of(&options)?);
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
-            let argument = options.argument("method");
-            if matches!(partner, Partner::Obstacle { .. }) && argument.is_given() {
+            let is_plane = model.0.borrow().model.dimension() == 2;
+            let idle = if is_plane { &["method", "facets"][..] } else { &["method"] };
+            let given = idle.iter().map(|name| options.argument(name)).find(Argument::is_given);
+            if let (Partner::Obstacle { .. }, Some(argument)) = (&partner, given) {
                 let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title()));
                 let failure = failure.cause("an obstacle has no facets to integrate over: the gap of a node is its distance");
                 return Err(failure.hint("leave the option out").into());

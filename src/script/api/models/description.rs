@@ -1,7 +1,7 @@
 //! A model in words, as `print` shows it.
 
 use super::data::ModelData;
-use crate::contact::{Obstacle, ObstacleInSpace};
+use crate::contact::{FacetShape, Obstacle, ObstacleInSpace};
 use crate::dynamics::{
     Amplitude, BodyBoundary, BodyDefinition, Coordinate, Coupling, CouplingKind, Gear, Interaction, JointKind, Model, Partner,
     Prescription, Turn,
@@ -97,9 +97,10 @@ fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
             }
             Partner::Tied { to, .. } => format!("  tie \"{name}\": secondary {secondary}, primary {}", named(to)),
         };
+        let facets = if interaction.facets == Some(FacetShape::Straight) { ", with straight facets" } else { "" };
         let friction = if friction.is_some() { ", with friction" } else { "" };
         let restitution = restitution.map_or_else(String::new, |restitution| format!(", restitution {}", number_text(restitution)));
-        format!("{line}{friction}{restitution}")
+        format!("{line}{facets}{friction}{restitution}")
     })
 }
 
