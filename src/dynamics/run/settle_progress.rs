@@ -11,10 +11,12 @@ const LESS_DAMPING: f64 = 0.1;
 /// Growth of the share of a prescribed motion after a step that was accepted.
 const LONGER: f64 = 2.0;
 
-/// Imbalance over what is tolerated, 1e-8 of the forces, and the number of steps within it without an end, after which it is accepted: in a
-/// smooth race without friction a ring is in balance at any angle but for ripples of the facets, and Newton's method finds no rest there.
+/// Imbalance over what is tolerated, 1e-8 of the forces, that is accepted after so many steps that did not reduce it to a share of the least
+/// one: in a smooth race without friction a ring is in balance at any angle but for ripples of the facets, and Newton's method finds no rest
+/// there.
 const RIPPLE: f64 = 1e3;
-const MAX_RIPPLES: usize = 8;
+const NEARER: f64 = 0.9;
+const MAX_RIPPLES: usize = 40;
 
 /// How an equilibrium is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +51,9 @@ pub(super) struct Progress {
     /// The least imbalance, and how many steps with more damping have not reduced it.
     pub(super) least: f64,
     pub(super) stuck: usize,
-    /// Steps at whose start no more than ripples were left.
+    /// Steps at whose start no more than ripples were left that did not come nearer to balance, and the least imbalance of them.
     pub(super) ripples: usize,
+    pub(super) least_ripple: f64,
     /// A state at which only round-off was left, and its imbalance: of sums, of nodes.
     pub(super) best: Option<(Arc<State>, [f64; 2])>,
 }
@@ -73,6 +76,7 @@ impl Progress {
             least: f64::INFINITY,
             stuck: 0,
             ripples: 0,
+            least_ripple: f64::INFINITY,
             best: None,
         }
     }
@@ -92,9 +96,13 @@ impl Progress {
         (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 
-    /// True if states like the present one, closed and with this imbalance, have been left with no more than ripples for some steps.
+    /// True if closed states with no more imbalance than ripples, this one among them, no longer come nearer to balance.
     pub(super) fn is_left_with_ripples(&mut self, imbalance: f64) -> bool {
-        self.ripples += usize::from(imbalance <= RIPPLE);
-        imbalance <= RIPPLE && self.ripples > MAX_RIPPLES
+        if imbalance > RIPPLE {
+            return false;
+        }
+        self.ripples += usize::from(imbalance > NEARER * self.least_ripple);
+        self.least_ripple = self.least_ripple.min(imbalance);
+        self.ripples > MAX_RIPPLES
     }
 }
