@@ -72,7 +72,7 @@ struct Pair {
     profiles: Option<PairProfiles>,
 }
 
-/// What a pair keeps of the start of the step.
+/// State of a facet pair at the start of the step.
 #[derive(Clone, Debug)]
 struct Start {
     positions: Vec<f64>,

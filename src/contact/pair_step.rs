@@ -5,14 +5,14 @@ use super::pair::{Invariants, Offsets, Overlap, PerNode};
 use crate::integrators::{Configuration, Placement, discrete_gradient};
 use crate::math::tolerances::{INVARIANT_INCREMENT, REMAINDER};
 
-/// What a pair keeps of the start of the step.
+/// State of a facet pair at the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start {
     pub(super) offsets: Offsets,
     pub(super) invariants: Invariants,
     pub(super) value: PerNode<f64>,
     pub(super) overlaps: bool,
-    /// Which nodes set the ends of the overlap, if there is one.
+    /// Ends of the overlap that primary nodes set; `None` without overlap.
     pub(super) steady_ends: Option<[bool; 2]>,
     pub(super) shape: Shape,
 }

@@ -139,7 +139,7 @@ impl HistoryCsv {
         Some((stream.length(), self.sum.clone()?.finalize()))
     }
 
-    /// Whether nothing is written, because the rows are those of an earlier program.
+    /// True while no row is written because the file still holds the rows of an interrupted program.
     pub fn is_recalled(&self) -> bool {
         self.stream.is_none()
     }

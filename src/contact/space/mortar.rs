@@ -50,7 +50,7 @@ pub struct MortarInSpace {
     duals: Option<Duals>,
 }
 
-/// What a pair keeps of the start of the step.
+/// State of a facet pair at the start of the step.
 #[derive(Clone, Debug)]
 struct Start {
     positions: Vec<f64>,

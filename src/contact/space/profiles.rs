@@ -1,4 +1,4 @@
-//! How far the curved surface that facets of three and four nodes stand for lies above them.
+//! Height profiles in space: the curved surface through the nodes as a height over each facet of three or four nodes.
 //!
 //! At a node the surface has the normal of the sphere through its neighbors where there is one (N. Max, J. Graphics Tools 4, 1999), over
 //! the facets that go on smoothly from the one in question; of cylinders it is exact on facets of four nodes along the axis. Between
@@ -91,7 +91,7 @@ impl Profile {
         profile
     }
 
-    /// Whether the facet is its own surface.
+    /// True for a facet without curvature, whose profile is zero.
     #[inline(always)]
     pub fn is_flat(&self) -> bool {
         !self.is_curved
@@ -143,12 +143,12 @@ impl Profiles {
         self.heights[facet]
     }
 
-    /// By how much the points of some facets may be raised above a round surface `[length]`.
+    /// Largest mean height of a convex surface over some facets, by which sub-facet points may lie above it `[length]`.
     pub fn raised_by(&self, facets: &[u32]) -> f64 {
         facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::max)
     }
 
-    /// How far the middles of some facets lie above a hollow `[length]`: its bottom is deeper by half than the mean of a parabola.
+    /// Largest distance of the middles of facets from a hollow surface below them `[length]`: 1.5 times the mean height, by a parabola.
     pub fn hollow(&self, facets: &[u32]) -> f64 {
         -1.5 * facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::min)
     }

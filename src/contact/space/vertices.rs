@@ -15,14 +15,14 @@ pub struct Vertex<T> {
     pub fan: T,
 }
 
-/// What an edge of a polygon lies on.
+/// Triangle on whose border an edge of a polygon lies.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Border {
     Secondary,
     Primary,
 }
 
-/// Of the corners of both triangles, the secondary one first.
+/// Values at the corners of both triangles, those of the secondary triangle first.
 pub type OfBoth<T> = [[T; 3]; 2];
 
 /// Derivatives with respect to plane coordinates and heights of the corners.

@@ -18,38 +18,45 @@ const RIPPLE: f64 = 1e3;
 const NEARER: f64 = 0.9;
 const MAX_RIPPLES: usize = 40;
 
-/// How an equilibrium is looked for.
+/// Effort and accuracy of the search for an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Care {
-    /// With all remedies where a step is refused.
+    /// All remedies where a damped step is refused.
     Patient,
-    /// Given up where a step is refused: there is another way.
+    /// Search that ends where a damped step is refused, because the caller has another method.
     Exact,
-    /// The same, and less exact: it is one on the way to another one.
+    /// Search like `Exact` with a larger tolerance, for an intermediate equilibrium on a load path.
     Coarse,
 }
 
-/// What the steps so far tell of the next one.
+/// Damping, increments and counters that the damped steps so far determine for the next one.
 pub(super) struct Progress {
     pub(super) care: Care,
+    /// Number of accepted damped steps.
     pub(super) steps: usize,
-    /// Those among them that did a part of what is to be done, and how much of it they do.
+    /// Number of steps that closed a part of an overlap or followed a part of a prescribed motion.
     pub(super) parts: usize,
+    /// Closing of initial overlaps in parts.
     pub(super) closing: Closing,
+    /// Share of the remaining prescribed motion in the next step.
     pub(super) share: f64,
-    /// How far prescribed nodes may go in a step.
+    /// Largest displacement of a prescribed node in a step `[length]`.
     pub(super) stride: f64,
-    /// Times that the present step was tried again.
+    /// Number of refused attempts at the present step.
     pub(super) tries: usize,
-    /// How much more damping than the forces ask for, and more motion than expected.
+    /// Factor of the damping over that which the unbalanced forces require.
     pub(super) excess: f64,
+    /// Factor of the search horizon over the predicted motion.
     pub(super) leeway: f64,
-    /// The last step, and the largest displacement of each component in it.
+    /// Displacements of the last step `[length]`.
     pub(super) motion: Vec<f64>,
+    /// Largest displacement of each connected component in the last step `[length]`.
     pub(super) travelled: Option<Vec<f64>>,
+    /// Number of steps in which no component moved.
     pub(super) stood: usize,
-    /// The least imbalance, and how many steps with more damping have not reduced it.
+    /// Least imbalance so far, over what is tolerated.
     pub(super) least: f64,
+    /// Number of steps with increased damping that did not reduce the least imbalance.
     pub(super) stuck: usize,
     /// Steps at whose start no more than ripples were left that did not come nearer to balance, and the least imbalance of them.
     pub(super) ripples: usize,

@@ -24,12 +24,12 @@ pub const SPURIOUS: f64 = 0.01;
 /// times the size of the body, as what small strains leave out.
 const LEAST_TURN: f64 = 0.001;
 
-/// A body whose law is used beyond its range.
+/// Body whose material law is used outside its range of validity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Excess {
     /// The body.
     pub body: String,
-    /// How the law is used beyond its range.
+    /// Kind of use outside the range of validity.
     pub kind: ExcessKind,
     /// The angle of a rotation, a share, or the least stretch.
     pub value: f64,
@@ -39,7 +39,7 @@ pub struct Excess {
     pub angle: f64,
 }
 
-/// How a law is used beyond its range.
+/// Kind of use of a law outside its range of validity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExcessKind {
     /// A cell of a linear law has turned; the value is the angle.

@@ -13,7 +13,7 @@ pub struct SchemeMemory {
     pub dt: f64,
     /// Static forces.
     pub force: Lagging,
-    /// Of these the loads, and the forces of obstacles and of the ground: what changes the momenta in the next step.
+    /// External part of the static forces, which changes the momenta in the next step: loads, and forces of obstacles and of the ground.
     pub outside: [Lagging; 2],
     /// Accelerations at the end of the step.
     pub acceleration: Vec<f64>,

@@ -208,7 +208,7 @@ impl Watched {
         Watched { inner, asked: AtomicBool::new(false), acted: AtomicBool::new(false) }
     }
 
-    /// Whether the function was other than zero so far.
+    /// True if the function has returned a value other than zero.
     pub fn has_acted(&self) -> bool {
         self.acted.load(Ordering::Relaxed)
     }

@@ -23,9 +23,9 @@ struct Known {
     body: String,
     /// Its step size when it was made.
     dt: f64,
-    /// Its contact, if it has one.
+    /// Name of the contact; `None` for a model without contact.
     contact: Option<&'static str>,
-    /// Whether something holds it, so that it has an equilibrium.
+    /// True for a supported model, which has an equilibrium.
     is_held: bool,
     /// Variables with states of it.
     states: Vec<String>,

@@ -10,9 +10,9 @@ pub struct Scene {
     pub model: &'static str,
     /// Integrators that it may have.
     pub integrators: &'static [&'static str],
-    /// Its contact, if it has one.
+    /// Name of the contact; `None` for a model without contact.
     pub contact: Option<&'static str>,
-    /// Whether something holds it, so that it has an equilibrium.
+    /// True for a supported model, which has an equilibrium.
     pub is_held: bool,
     /// Statements that read its simulation, each possible at any time after the first step.
     pub readers: &'static [&'static str],

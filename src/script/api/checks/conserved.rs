@@ -106,7 +106,7 @@ struct Drift {
     first: f64,
     step: usize,
     time: f64,
-    /// Whether friction, loads, contact and viscosity did work.
+    /// True for each of friction, loads, contact and viscosity that did work.
     acted: [bool; 4],
 }
 

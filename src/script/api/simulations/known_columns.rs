@@ -79,7 +79,7 @@ pub fn register_column_cells(engine: &mut Engine) {
     });
 }
 
-/// What the text of a script says of a call.
+/// Text of a script with the result of its inspection at a call.
 struct Found {
     text: Arc<str>,
     is_indexed: bool,
@@ -90,7 +90,7 @@ struct Found {
 pub struct CellPlaces(RefCell<HashMap<(String, Position), Found>>);
 
 impl CellPlaces {
-    /// Whether the value of a call, which stands at a dot or a bracket, is indexed at once.
+    /// True if the script indexes the value of this property access immediately.
     pub fn has(call: &Call) -> bool {
         let (host, key) = (call.host, (call.source(), call.position()));
         let name = if key.0.is_empty() { host.main.borrow().clone() } else { key.0.clone() };
