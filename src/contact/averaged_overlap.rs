@@ -2,6 +2,7 @@
 
 use super::numbers::Number;
 use super::profile::{PairProfiles, Profile};
+use crate::elements::GAUSS;
 use crate::math::tolerances::FACING;
 
 /// Differences that the functions depend on: the facet before, the facet, the facet after, both primary nodes from `x_1`.
@@ -11,14 +12,16 @@ pub(super) const VARIABLES: usize = 2 * DIFFERENCES;
 /// Three Gauss points on `[-1, 1]` with weights, for straight facets.
 const THREE: [(f64, f64); 3] = [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// Five Gauss points, for facets with height profiles: with three, forces jump by 1e-8 where nodes of both sides pass each other.
-const FIVE: [(f64, f64); 5] = [
-    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
-    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-    (0.0, 128.0 / 225.0),
-    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
-];
+/// Five Gauss points on `[-1, 1]` with weights, for facets with height profiles.
+const FIVE: [(f64, f64); 5] = {
+    let mut points = GAUSS;
+    let mut k = 0;
+    while k < points.len() {
+        points[k] = (2.0 * points[k].0 - 1.0, 2.0 * points[k].1);
+        k += 1;
+    }
+    points
+};
 
 /// Values of the two functions of a pair.
 pub(super) type Values<T> = [T; 2];
@@ -108,7 +111,7 @@ impl<T: Number> Opposite<T> {
         Some(Opposite { t, y: [y_1, y_2], normal: n_1, turn, length, middle: (a + b) * 0.5, half: (b - a) * 0.5 })
     }
 
-    /// Gauss points of the overlap, more of them where facets are curved.
+    /// Gauss points of the overlap: three between straight facets, five between curved ones, whose gaps are of higher degree.
     pub(super) fn points(&self, is_curved: bool) -> impl Iterator<Item = Point<T>> {
         let [y_1, y_2] = self.y;
         let along = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
@@ -146,10 +149,12 @@ pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2], profi
     let overlap = Opposite::new(z, has)?;
     let [y_1, y_2] = overlap.y;
     let primary = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
+    // Profiles of primary facets begin at the second node.
+    let curves = profiles.map(|PairProfiles([own, other])| [*own, other.reversed()]);
     for Point { measure, shapes, normal: n, mut alpha, opposite } in overlap.points(profiles.is_some()) {
-        if let Some(PairProfiles([own, other])) = profiles {
+        if let Some([own, other]) = &curves {
             alpha -= distance_to_curve(own, overlap.t, shapes[1], n);
-            alpha -= distance_to_curve(&other.reversed(), primary, opposite, [-n[0], -n[1]]);
+            alpha -= distance_to_curve(other, primary, opposite, [-n[0], -n[1]]);
         }
         let gap = alpha * (n[0] * n[0] + n[1] * n[1]);
         for (k, shape) in shapes.into_iter().enumerate() {

@@ -58,11 +58,6 @@ impl Chain {
         Chain { profiles, ..self }
     }
 
-    /// Height profile of a facet, where it is curved.
-    fn profile(&self, facet: usize) -> Option<&Profile> {
-        self.profiles.get(facet).filter(|profile| !profile.is_flat())
-    }
-
     /// The facets.
     pub fn facets(&self) -> &[[u32; 2]] {
         &self.facets
@@ -195,17 +190,18 @@ impl Chain {
 
     /// Normal distance of the point from a facet, less the height of its curve.
     fn gap(&self, facet: usize, z: &[f64]) -> f64 {
-        let (t, d) = self.offsets(facet, z);
-        match self.profile(facet) {
-            Some(profile) => gap_to_curve(profile, SVector::from([t[0], t[1], d[0], d[1]])),
-            None => (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1]),
+        if let Some((profile, variables)) = self.curve(facet, z) {
+            return gap_to_curve(profile, variables);
         }
+        let (t, d) = self.offsets(facet, z);
+        (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1])
     }
 
-    /// The function [`gap_to_curve`] of a facet at the positions `z`, with its arguments in terms of the nodes `(x, y_1, y_2)`.
+    /// Arguments of [`gap_to_curve`] for a curved facet at the positions `z`; `None` for a straight one.
     fn curve(&self, facet: usize, z: &[f64]) -> Option<(&Profile, SVector<f64, 4>)> {
+        let profile = self.profiles.get(facet).filter(|profile| !profile.is_flat())?;
         let (t, d) = self.offsets(facet, z);
-        Some((self.profile(facet)?, SVector::from([t[0], t[1], d[0], d[1]])))
+        Some((profile, SVector::from([t[0], t[1], d[0], d[1]])))
     }
 
     /// Adds `weight` times the gradient of what a measure measures to `out`.

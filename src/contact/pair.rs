@@ -69,7 +69,7 @@ pub struct Overlap<'a> {
     pub(super) moves: [bool; 2],
     /// `b - a`; shape functions at the middle; distance of the middle from the middle of the primary facet; all in units of `s`.
     pub(super) length: f64,
-    pub(super) middle: PerNode<f64>,
+    middle: PerNode<f64>,
     shift: f64,
     /// `pi_2 - pi_3` and the slope `pi_5 / (pi_2 - pi_3)` of the primary facet against the secondary one.
     pub(super) extent: f64,

@@ -29,15 +29,7 @@
 
 use super::pair::{Invariants, Overlap, PerNode};
 use super::profile::PairProfiles;
-
-/// Abscissas and weights of five Gauss points on [-1/2, 1/2].
-const GAUSS: [[f64; 2]; 5] = [
-    [-0.453_089_922_969_332, 0.118_463_442_528_094_54],
-    [-0.269_234_655_052_841_55, 0.239_314_335_249_683_23],
-    [0.0, 64.0 / 225.0],
-    [0.269_234_655_052_841_55, 0.239_314_335_249_683_23],
-    [0.453_089_922_969_332, 0.118_463_442_528_094_54],
-];
+use crate::elements::GAUSS;
 
 /// Depth `D` that height profiles add at a point of the secondary facet, with derivatives.
 struct AddedDepth {
@@ -91,7 +83,7 @@ impl Overlap<'_> {
     /// Gauss points of the overlap with their weights.
     #[inline(always)]
     fn points(&self) -> [[f64; 2]; 5] {
-        GAUSS.map(|[place, weight]| [self.middle[1] + self.length * place, self.length * weight])
+        GAUSS.map(|(place, weight)| [self.ends[0] + self.length * place, self.length * weight])
     }
 
     /// Adds `- int N_k D ds`.

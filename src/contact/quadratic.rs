@@ -26,6 +26,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::combinations::Combinations;
+use super::facet_shape::FacetShape;
 use super::kernel::ContactKernel;
 use super::on_curves::OnCurves;
 use super::profile::{FacetCurves, Profile};
@@ -71,7 +72,13 @@ impl ProxyNodes {
     /// Two surfaces, given by their facets between nodes, as a contact method sees them.
     pub fn seen<'a>(&self, [secondary, primary]: [&'a [[u32; 2]]; 2], reference: &'a [f64], rows: RowsOf) -> Seen<'a> {
         if !secondary.iter().chain(primary).any(|facet| self.edge(facet[1]).is_some()) {
-            return Seen { secondary: secondary.into(), primary: primary.into(), reference: reference.into(), on_curves: None };
+            return Seen {
+                secondary: secondary.into(),
+                primary: primary.into(),
+                reference: reference.into(),
+                on_curves: None,
+                profiles: Default::default(),
+            };
         }
         let curves = Curves::new(self, [secondary, primary], reference);
         let mut sides = Sides::new(secondary, primary, reference);
@@ -86,6 +93,7 @@ impl ProxyNodes {
             primary: if is_nodal && is_same { curves.halves(primary) } else { curves.fine(primary) }.into(),
             reference: curves.points.points(2, reference).into(),
             on_curves: Some((curves, sides, rows)),
+            profiles: Default::default(),
         }
     }
 
@@ -131,20 +139,28 @@ pub struct Seen<'a> {
     /// Reference positions of the nodes or points `[length]`.
     pub reference: Cow<'a, [f64]>,
     on_curves: Option<(Curves, Sides, RowsOf)>,
+    /// Height profiles of the facets of both sides; empty for straight facets.
+    profiles: [Vec<Profile>; 2],
 }
 
 impl Seen<'_> {
-    /// Height profiles of the facets of both sides.
-    pub fn profiles(&self) -> [Vec<Profile>; 2] {
-        [&self.secondary, &self.primary].map(|facets| {
-            let between_nodes = FacetCurves::new(&Surface::new(facets), &self.reference).profiles();
-            let Some((curves, ..)) = &self.on_curves else { return between_nodes };
-            facets.iter().zip(between_nodes).map(|(facet, profile)| curves.profiles.get(facet).copied().unwrap_or(profile)).collect()
-        })
+    /// These surfaces with facets of another shape than straight lines.
+    pub fn of_shape(mut self, shape: FacetShape) -> Self {
+        if shape == FacetShape::Curved {
+            self.profiles = [&self.secondary, &self.primary].map(|facets| {
+                let between_nodes = FacetCurves::new(&Surface::new(facets), &self.reference).profiles();
+                let Some((curves, ..)) = &self.on_curves else { return between_nodes };
+                facets.iter().zip(between_nodes).map(|(facet, profile)| curves.profiles.get(facet).copied().unwrap_or(profile)).collect()
+            });
+        }
+        self
     }
 
     /// A method made for these facets, on the nodes of the model.
-    pub fn on_nodes(self, kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
+    pub fn on_nodes(self, mut kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
+        if !self.profiles[0].is_empty() {
+            kernel.set_profiles(self.profiles);
+        }
         let Some((curves, mut sides, rows)) = self.on_curves else { return kernel };
         if rows == RowsOf::Nodes || kernel.row_nodes().is_empty() {
             // Corners have the size of their contact.

@@ -3,8 +3,8 @@
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::contact::{
-    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, PatchFunctions, ProxyNodes, RigidContact,
-    RigidCorners, RigidInSpace, RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
+    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners,
+    RigidInSpace, RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -138,11 +138,8 @@ impl Pairing<'_> {
             Partner::Surfaces(_) | Partner::Itself => {
                 let others = facets_of_all(interaction.primary(), self.facets);
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
-                let seen = self.middles.seen([&facets, &others], self.reference, rows);
-                let mut kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
-                if interaction.facet_shape(2) == FacetShape::Curved {
-                    kernel.set_profiles(seen.profiles());
-                }
+                let seen = self.middles.seen([&facets, &others], self.reference, rows).of_shape(interaction.facet_shape(2));
+                let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion, turn } => {
@@ -241,13 +238,10 @@ impl Pairing<'_> {
             }
             for (on, against) in cornered(interaction) {
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
-                let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes);
+                let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes).of_shape(interaction.facet_shape(2));
                 let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
                 let is_nodal = pairs[of].kernel.is_nodal();
-                if let Some(mut kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal) {
-                    if interaction.facet_shape(2) == FacetShape::Curved {
-                        kernel.set_profiles(seen.profiles());
-                    }
+                if let Some(kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal) {
                     add(of, PairKind::Surfaces, on[0].body, 1.0, seen.on_nodes(Box::new(kernel)));
                 }
             }

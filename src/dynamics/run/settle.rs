@@ -128,7 +128,7 @@ where
             if present.is_closed && present.imbalance.excess() <= if care == Care::Coarse { COARSE } else { 1.0 } {
                 break present.at;
             }
-            if present.is_closed && progress.is_left_with_ripples(present.imbalance.excess()) {
+            if present.is_closed && progress.has_only_ripples(present.imbalance.excess()) {
                 break present.at;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut progress.best) {

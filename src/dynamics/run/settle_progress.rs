@@ -15,8 +15,10 @@ const LONGER: f64 = 2.0;
 /// [`NEARER`] of the least one: in a smooth race without friction a ring is in balance at any angle but for ripples of the facets, and
 /// Newton's method finds no rest there. Eight steps in place of forty leave the patch test of dual multipliers in space at 5e-9.
 const RIPPLE: f64 = 1e3;
-const NEARER: f64 = 0.9;
 const MAX_RIPPLES: usize = 40;
+
+/// Share of the least imbalance from which on a step counts as progress towards balance.
+const NEARER: f64 = 0.9;
 
 /// Effort and accuracy of the search for an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,9 +60,10 @@ pub(super) struct Progress {
     pub(super) least: f64,
     /// Number of steps with increased damping that did not reduce the least imbalance.
     pub(super) stuck: usize,
-    /// Steps at whose start no more than ripples were left that did not come nearer to balance, and the least imbalance of them.
-    pub(super) ripples: usize,
-    pub(super) least_ripple: f64,
+    /// Number of closed states with no more imbalance than ripples that came no nearer to balance.
+    ripples: usize,
+    /// Least imbalance of a closed state with no more than ripples, over what is tolerated.
+    least_ripple: f64,
     /// A state at which only round-off was left, and its imbalance: of sums, of nodes.
     pub(super) best: Option<(Arc<State>, [f64; 2])>,
 }
@@ -90,7 +93,7 @@ impl Progress {
 
     /// A step was taken from a state with that imbalance, with that motion and largest displacements of the components.
     pub(super) fn accepted(&mut self, imbalance: f64, travelled: Vec<f64>, motion: Vec<f64>, stands: f64) {
-        if imbalance < 0.9 * self.least {
+        if imbalance < NEARER * self.least {
             (self.least, self.stuck) = (imbalance, 0);
         } else if self.excess > 1.0 {
             self.stuck += 1;
@@ -103,8 +106,8 @@ impl Progress {
         (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 
-    /// True if closed states with no more imbalance than ripples, this one among them, no longer come nearer to balance.
-    pub(super) fn is_left_with_ripples(&mut self, imbalance: f64) -> bool {
+    /// Counts a closed state that has this imbalance; true if states with no more imbalance than ripples no longer come nearer to balance.
+    pub(super) fn has_only_ripples(&mut self, imbalance: f64) -> bool {
         if imbalance > RIPPLE {
             return false;
         }
