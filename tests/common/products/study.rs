@@ -117,6 +117,15 @@ impl Study {
         }
     }
 
+    /// Books a judged product, and prints one that is wrong in a way that is not known.
+    fn book_and_print(&mut self, catalogue: &Catalogue, product: &Product, judged: &Judged, known: &[Known]) {
+        let before = self.wrong.len();
+        self.book(catalogue, product, judged, known);
+        if let Some((product, verdict)) = self.wrong.get(before) {
+            println!("{}: {verdict:?}", Named { catalogue, product });
+        }
+    }
+
     /// Every pair of rows that is allowed together; `refusals` is the table of what was refused when it was made.
     pub fn cover<'a>(
         catalogue: &'a Catalogue,
@@ -170,14 +179,10 @@ impl Study {
         for some in products.chunks(64) {
             let judged = judge_all(catalogue, home, program, threads, some, false);
             for (product, judged) in some.iter().zip(&judged) {
-                let before = study.wrong.len();
-                study.book(catalogue, product, judged, known);
+                study.book_and_print(catalogue, product, judged, known);
                 match &judged.verdict {
                     Verdict::Refused(code, title) => println!("refused: {}: {code} {title}", Named { catalogue, product }),
                     _ => cover.drawn(product),
-                }
-                if let Some((product, verdict)) = study.wrong.get(before) {
-                    println!("{}: {verdict:?}", Named { catalogue, product });
                 }
             }
         }
@@ -201,11 +206,7 @@ impl Study {
         for some in products.chunks(64) {
             let judged = judge_all(catalogue, home, program, threads, some, false);
             for (product, judged) in some.iter().zip(&judged) {
-                let before = study.wrong.len();
-                study.book(catalogue, product, judged, known);
-                if let Some((product, verdict)) = study.wrong.get(before) {
-                    println!("{}: {verdict:?}", Named { catalogue, product });
-                }
+                study.book_and_print(catalogue, product, judged, known);
             }
         }
         study
