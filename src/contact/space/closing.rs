@@ -100,7 +100,7 @@ fn shapes<T: Number>(corners: [&Vertex<T>; 3], at: &[f64; 3]) -> OfBoth<T> {
 }
 
 impl<T: Number> Closing<T> {
-    /// The profiles of the triangles of a polygon with these areas, places and heights of their corners.
+    /// Height profiles of the two triangles of a polygon, from areas of the triangles and places and heights of their corners.
     #[inline(always)]
     pub fn new(areas: &[T; 2], places: &OfBoth<[T; 2]>, heights: &OfBoth<f64>, forms: [Form; 2]) -> Self
     where
