@@ -63,6 +63,16 @@ pub trait PatchFunctions {
         self.secondary().nodes()
     }
 
+    /// The node at which output shows what a row does, where its force acts between nodes that are no part of the contact.
+    fn shown_at(&self, _row: usize) -> Option<u32> {
+        None
+    }
+
+    /// Nodes whose mass a row moves, where these are not the node that owns it.
+    fn carriers(&self, _row: usize) -> &[u32] {
+        &[]
+    }
+
     /// Number of constraint rows.
     fn rows(&self) -> usize {
         self.weights().len()

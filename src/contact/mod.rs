@@ -45,7 +45,9 @@ mod quadratic;
 mod rigid;
 mod rigid_corners;
 mod rigid_shape;
+mod rolling;
 mod round;
+mod round_parts;
 mod search;
 mod slip;
 #[cfg(test)]
@@ -77,6 +79,8 @@ pub use quadratic::{ProxyNodes, RowsOf, Seen};
 pub use rigid::RigidContact;
 pub use rigid_corners::RigidCorners;
 pub use rigid_shape::Obstacle;
+pub use rolling::rolling_contact;
+pub use round_parts::{RoundPart, round_parts};
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
 pub use solid::{Solid, Sunk};

@@ -33,6 +33,8 @@ pub struct RigidContact {
     /// How far, and by which angle, it carries along what sticks to it.
     carried: ([f64; 2], f64),
     start: Vec<[f64; 2]>,
+    /// Which nodes have no rows: those inside of round parts of a rigid body, which has rows of its own (`rolling.rs`).
+    is_hidden: Vec<bool>,
     /// For nodes that start at a convex corner of a polyline: the line of the side that they are on, which is theirs for the step. A node
     /// that a side pushes past the corner, and that comes back without the push, would find no solution.
     lines: Vec<Option<Shape>>,
@@ -49,12 +51,24 @@ impl RigidContact {
         let nodes = sides.secondary.nodes().iter();
         let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
         let lines = vec![None; sides.weights.len()];
-        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], carried: Default::default(), start, lines }
+        let is_hidden = vec![false; sides.weights.len()];
+        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], carried: Default::default(), start, is_hidden, lines }
     }
 
     /// The obstacle as the node of that row feels it in this step.
     fn felt(&self, row: usize) -> &Shape {
         self.lines[row].as_ref().unwrap_or(&self.shape)
+    }
+
+    /// Without rows of these nodes of the surface, given by their model numbers.
+    pub fn without(mut self, nodes: &[u32]) -> Self {
+        nodes.iter().filter_map(|&node| self.sides.secondary.index(node)).for_each(|row| self.is_hidden[row] = true);
+        self
+    }
+
+    /// The nodes that have rows, by their index.
+    fn rows_felt(&self) -> impl Iterator<Item = usize> {
+        (0..self.sides.patches.len()).filter(|&row| !self.is_hidden[row])
     }
 
     /// With other lengths that belong to the nodes, in ascending order of these `[length]`.
@@ -95,12 +109,13 @@ impl RigidContact {
 
     /// Weighted distances from `shape` of each row when the obstacle is displaced by `translation`.
     fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a Shape, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
-        let gap = |row: usize| {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        for row in self.rows_felt() {
             let x = position(row);
             let distance = shape(row).distance([x[0] - translation[0], x[1] - translation[1]]);
-            self.sides.weights[row] * distance.map_or(0.0, |distance| distance.gap)
-        };
-        (0..self.sides.weights.len()).map(gap).collect()
+            gaps[row] = self.sides.weights[row] * distance.map_or(0.0, |distance| distance.gap);
+        }
+        gaps
     }
 }
 
@@ -127,6 +142,10 @@ impl PatchFunctions for RigidContact {
         assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
         out.prepare(&self.sides.patches, self.sides.secondary.nodes().len());
         for row in 0..self.sides.patches.len() {
+            if self.is_hidden[row] {
+                out.clear_patch(&self.sides.patches, row);
+                continue;
+            }
             let weight = self.sides.weights[row];
             let (end, step) =
                 (self.felt(row).distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
@@ -156,7 +175,7 @@ impl PatchFunctions for RigidContact {
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let covered = |row: usize| {
-            let distance = self.shape.distance(self.position(row, q, self.translations[2]));
+            let distance = self.shape.distance(self.position(row, q, self.translations[2])).filter(|_| !self.is_hidden[row]);
             f64::from(u8::from(distance.is_some_and(|distance| distance.covered)))
         };
         (0..self.sides.weights.len()).map(covered).collect()
@@ -165,9 +184,9 @@ impl PatchFunctions for RigidContact {
 
 /// Slip of nodes on the obstacle, as it translates.
 impl SlipRows for RigidContact {
-    fn places(&self, _p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
+    fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
         places.push(0);
-        true
+        !self.is_hidden[p]
     }
 
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
@@ -190,8 +209,7 @@ impl SlipRows for RigidContact {
     }
 
     fn other_side(&self) -> Carrier {
-        let ((shift, angle), center, middle) = (self.carried, self.shape.center(), self.translations[1]);
-        Carrier { shift, turn: 2.0 * (0.5 * angle).tan(), center: std::array::from_fn(|i| center[i] + middle[i]) }
+        self.shape.carrier(self.carried, self.translations[1])
     }
 }
 
@@ -201,7 +219,7 @@ impl CandidateSearch for RigidContact {
             let distance = self.shape.distance(self.position(row, q, self.translations[2]));
             distance.filter(|distance| distance.covered).map_or(0.0, |distance| -distance.gap)
         };
-        (0..self.sides.weights.len()).map(depth).fold(0.0, f64::max)
+        self.rows_felt().map(depth).fold(0.0, f64::max)
     }
 }
 
@@ -211,7 +229,7 @@ impl RigidObstacle for RigidContact {
     }
 
     fn carry(&mut self, shift: [f64; 3], angle: f64) {
-        self.carried = ([shift[0], shift[1]], if matches!(self.shape, Shape::Circle { .. }) { angle } else { 0.0 });
+        self.carried = ([shift[0], shift[1]], angle);
     }
 
     fn obstacle_translation(&self) -> [f64; 3] {
@@ -226,7 +244,7 @@ impl RigidObstacle for RigidContact {
         }
         let ([start, _, end], size) = (self.translations, self.sides.facet_size);
         let (mut swing, mut crossing) = (0.0f64, 0.0f64);
-        for row in 0..self.sides.patches.len() {
+        for row in self.rows_felt() {
             let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
             let x_1 = self.position(row, q_1, end);
             let near = size.max(self.sides.weights[row]);
@@ -242,7 +260,7 @@ impl RigidObstacle for RigidContact {
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [start, _, end] = self.translations;
         let mut work = 0.0;
-        for row in 0..self.sides.patches.len() {
+        for row in self.rows_felt() {
             let node = 2 * self.sides.secondary.nodes()[row] as usize;
             let step = self.step_gradient(derivative, row, q_1);
             let at_start = if before[row] == 0.0 {

@@ -1,11 +1,17 @@
 //! Shapes of rigid obstacles: distance, normal, curvature and discrete gradient at points in the obstacle's frame.
 
+use nalgebra::{Matrix2, Vector2};
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::chain::Chain;
+use super::rolling::{Felt, Local};
+use super::slip::Carrier;
 use super::space::ObstacleInSpace;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
+
+/// How many sides of a polyline a round part of a body may touch at once.
+const SIDES: usize = 2;
 
 /// At how many places on a node's way its distance is looked at, at most.
 const LOOKS: f64 = 64.0;
@@ -151,9 +157,41 @@ impl Shape {
         Some(Shape::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
     }
 
-    /// Center of a circle, the origin for others.
-    pub(super) fn center(&self) -> [f64; 2] {
-        if let Shape::Circle { center, .. } = self { *center } else { [0.0; 2] }
+    /// How it moves what sticks to it when it is displaced by a shift and, if it is round, has turned by an angle about its center;
+    /// `middle` is where it is displaced to in mid-step.
+    pub(super) fn carrier(&self, (shift, angle): ([f64; 2], f64), middle: [f64; 2]) -> Carrier {
+        let Shape::Circle { center, .. } = self else { return Carrier { shift, ..Carrier::default() } };
+        Carrier { shift, turn: 2.0 * (0.5 * angle).tan(), center: std::array::from_fn(|i| center[i] + middle[i]) }
+    }
+
+    /// The sides of a polyline nearest to a point within `reach`, two at most, as lines in the order of the points; and, where the nearest
+    /// place of all is a convex corner, that corner as a circle without a radius. A point behind the polyline has the polyline itself.
+    fn nearest_sides(&self, x: [f64; 2], reach: f64) -> Vec<Shape> {
+        let Shape::Polyline { tree, .. } = self else { return vec![self.clone()] };
+        let (Some(nearest), Some(distance)) = (tree.nearest_neighbor(x), self.distance(x)) else { return Vec::new() };
+        if distance.gap <= 0.0 || !distance.covered {
+            return vec![self.clone()];
+        }
+        let reach = reach.max(distance.gap * (1.0 + PROJECTED_INCREMENT));
+        let mut sides: Vec<(f64, usize, Shape)> = Vec::new();
+        for side in tree.locate_within_distance(x, reach * reach) {
+            let Line { from, to } = *side.geom();
+            let (along, arm) = ([to[0] - from[0], to[1] - from[1]], [x[0] - from[0], x[1] - from[1]]);
+            let square = along[0] * along[0] + along[1] * along[1];
+            let share = (arm[0] * along[0] + arm[1] * along[1]) / square;
+            let gap = (arm[0] * along[1] - arm[1] * along[0]) / square.sqrt();
+            if (0.0..=1.0).contains(&share) && gap > 0.0 {
+                let normal = [along[1] / square.sqrt(), -along[0] / square.sqrt()];
+                sides.push((gap, side.data, Shape::HalfPlane { point: from, normal }));
+            } else if side.data == nearest.data {
+                let center = if share < 0.0 { from } else { to };
+                sides.push((0.0, side.data, Shape::Circle { center, radius: 0.0, sign: 1.0 }));
+            }
+        }
+        sides.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        sides.truncate(SIDES);
+        sides.sort_by_key(|side| side.1);
+        sides.into_iter().map(|(.., shape)| shape).collect()
     }
 
     /// Second derivative of the distance at a point.
@@ -258,5 +296,36 @@ impl Shape {
                 gradient
             }
         }
+    }
+}
+
+impl Felt<2> for Shape {
+    fn sides(&self) -> usize {
+        if matches!(self, Shape::Polyline { .. }) { SIDES } else { 1 }
+    }
+
+    fn near(&self, x: Vector2<f64>, radius: f64, spare: f64) -> Vec<Self> {
+        self.nearest_sides(x.into(), radius + spare)
+    }
+
+    fn at(&self, x: Vector2<f64>) -> Local<2> {
+        let of = |Distance { gap, normal, covered }: Distance| {
+            let bend = self.curvature(x.into());
+            Local { gap, normal: normal.into(), curvature: Matrix2::from_fn(|i, k| bend[i][k]), covered }
+        };
+        self.distance(x.into()).map_or_else(Local::none, of)
+    }
+
+    fn between(&self, x_0: Vector2<f64>, x_1: Vector2<f64>, size: f64) -> (Vector2<f64>, Matrix2<f64>) {
+        let StepGradient { bar, tangent } = self.step_gradient(x_0.into(), x_1.into(), size);
+        (bar.into(), Matrix2::from_fn(|i, k| tangent[i][k]))
+    }
+
+    fn passage(&self, x_0: Vector2<f64>, x_1: Vector2<f64>, near: f64) -> (f64, bool) {
+        if matches!(self, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
+            // There is no other side.
+            return (0.0, false);
+        }
+        (self.swing(x_0.into(), x_1.into(), near), self.is_crossed(x_0.into(), x_1.into()))
     }
 }

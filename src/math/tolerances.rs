@@ -1,8 +1,10 @@
 //! Every tolerance of the program, with its name, its meaning and the reason of its size.
 
 mod friction;
+mod surfaces;
 
 pub use friction::*;
+pub use surfaces::*;
 
 /// Newton's default: the energy `|r.dq| + |lambda.Phi|` that the residual can still move, relative to the energy scale.
 /// Well above round-off (1e-16) and a hundred times below the promised defect of 1e-11 per step.
@@ -332,10 +334,6 @@ pub const PIERCED: f64 = 1e-6;
 /// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh
 /// generator leave.
 pub const PLANE: f64 = 1e-12;
-
-/// Offset of the middle of an edge of second order from its chord, relative to the chord, below which the edge is straight: round-off of
-/// meshes that are read from files with few digits, and no curve that anything could slide on.
-pub const STRAIGHT: f64 = 1e-7;
 
 /// Angle by which a boundary may turn at once on the way to an equilibrium `[rad]`.
 pub const EIGHTH_TURN: f64 = std::f64::consts::FRAC_PI_4;

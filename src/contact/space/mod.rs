@@ -18,6 +18,7 @@ mod polygon;
 mod press_fit;
 mod profiles;
 mod rigid;
+mod rolling;
 mod round;
 mod second_order;
 mod slip;

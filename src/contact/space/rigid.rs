@@ -51,6 +51,8 @@ pub struct RigidInSpace {
     start: Vec<Vector3<f64>>,
     /// Nodes at the other ends of the edges of each node.
     neighbors: Vec<Vec<usize>>,
+    /// Which nodes or points have no rows: those inside of round parts of a rigid body, which has rows of its own (`contact/rolling.rs`).
+    is_hidden: Vec<bool>,
     /// What each row feels in this step; `None`: it is not there.
     felt: Vec<Option<Shape>>,
 }
@@ -86,6 +88,7 @@ impl RigidInSpace {
         }
         let mut contact = RigidInSpace {
             heights: vec![0.0; sides.secondary.nodes().len()],
+            is_hidden: vec![false; sides.secondary.nodes().len()],
             sides,
             shape,
             slots,
@@ -99,11 +102,18 @@ impl RigidInSpace {
         contact
     }
 
+    /// Without rows of the nodes or points of these indices.
+    pub fn without(mut self, is_hidden: Vec<bool>) -> Self {
+        self.is_hidden = is_hidden;
+        self.feel();
+        self
+    }
+
     /// Decides what each row feels of the obstacle, where the step starts.
     fn feel(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
         let mut felt = vec![None; self.sides.weights.len()];
-        for (index, of_node) in felt.chunks_exact_mut(self.slots).enumerate() {
+        for (index, of_node) in felt.chunks_exact_mut(self.slots).enumerate().filter(|(index, _)| !self.is_hidden[*index]) {
             let x = self.start[index] - shift;
             of_node[0] = Some(self.shape.clone());
             let Shape::Facets(facets) = &self.shape else { continue };
@@ -160,10 +170,11 @@ impl RigidInSpace {
         self.felt.iter().enumerate().filter_map(move |(row, felt)| Some((row, row / slots, felt.as_ref()?)))
     }
 
-    /// Distance of each node from the whole obstacle where the step ends, for nodes at `q`.
-    fn distances(&self, q: &[f64]) -> impl Iterator<Item = Distance> {
+    /// Distance of each node that has rows from the whole obstacle where the step ends, for nodes at `q`, with the node's index.
+    fn distances(&self, q: &[f64]) -> impl Iterator<Item = (usize, Distance)> {
         let end = self.translations[2];
-        (0..self.start.len()).map(move |index| self.shape.distance(self.position(index, q, end)))
+        let shown = (0..self.start.len()).filter(|&index| !self.is_hidden[index]);
+        shown.map(move |index| (index, self.shape.distance(self.position(index, q, end))))
     }
 }
 
@@ -220,7 +231,7 @@ impl PatchFunctions for RigidInSpace {
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         // A row stands for the whole obstacle at places where its step does not lead.
-        for (index, distance) in self.distances(q).enumerate() {
+        for (index, distance) in self.distances(q) {
             let row = self.slots * index;
             gaps[row] = self.sides.weights[row] * (distance.gap - self.heights[index]);
         }
@@ -229,7 +240,7 @@ impl PatchFunctions for RigidInSpace {
 
     fn coverage(&self, q: &[f64]) -> Vec<f64> {
         let mut coverage = vec![0.0; self.sides.weights.len()];
-        for (index, distance) in self.distances(q).enumerate() {
+        for (index, distance) in self.distances(q) {
             coverage[self.slots * index] = f64::from(u8::from(distance.covered));
         }
         coverage
@@ -259,8 +270,8 @@ impl SlipsInSpace for RigidInSpace {
 
 impl CandidateSearch for RigidInSpace {
     fn deepest(&self, q: &[f64]) -> f64 {
-        let depths = self.distances(q).zip(&self.heights).filter(|(distance, _)| distance.covered);
-        depths.map(|(distance, height)| height - distance.gap).fold(0.0, f64::max)
+        let depths = self.distances(q).filter(|(_, distance)| distance.covered);
+        depths.map(|(index, distance)| self.heights[index] - distance.gap).fold(0.0, f64::max)
     }
 }
 
@@ -280,7 +291,7 @@ impl RigidObstacle for RigidInSpace {
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
         let (end, size) = (self.translations[2], self.sides.facet_size);
         let (mut swing, mut crossing) = (0.0f64, 0.0f64);
-        for index in 0..self.start.len() {
+        for index in (0..self.start.len()).filter(|&index| !self.is_hidden[index]) {
             let (x_0, x_1) = (self.begins(index), self.position(index, q_1, end));
             let near = size.max(self.sides.weights[self.slots * index].sqrt());
             let moved = (x_1 - x_0).norm();

@@ -105,6 +105,12 @@ impl<'a> SeenInSpace<'a> {
         self
     }
 
+    /// For each node or point of the secondary side true if it belongs to one of these nodes of the model, ascending.
+    pub fn belongs_to(&self, nodes: &[u32]) -> Vec<bool> {
+        let home = |&point: &u32| self.on_faces.as_ref().map_or(point, |(_, homes, _)| homes.parts(point as usize)[0].0);
+        self.secondary.nodes().iter().map(|point| nodes.binary_search(&home(point)).is_ok()).collect()
+    }
+
     /// Height of the curve above each node or point of a side, the mean over its facets with profiles `[length]`.
     pub(super) fn heights(&self, side: usize) -> Vec<f64> {
         let (surface, profiles) = ([&self.secondary, &self.primary][side], &self.profiles[side]);

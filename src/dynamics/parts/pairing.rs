@@ -2,15 +2,17 @@
 
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
+use crate::bodies::Frame;
 use crate::contact::{
     ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners,
-    RigidInSpace, RoundInSpace, RowsOf, SeenInSpace, Surface, Tie,
+    RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::math::norms::largest_size;
+use crate::mesh::pieces_of;
 use crate::math::tolerances;
 
 /// All pairs of a model, whose bodies' nodes are numbered from where `first` says, `middles` those of edges of second order;
@@ -38,7 +40,9 @@ pub fn contact_pairs(
     };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
+    let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of)).collect();
     pairs.extend(corners);
+    pairs.extend(rolling);
     pairs.extend(points);
     let mut first = 0;
     for pair in &mut pairs {
@@ -109,7 +113,7 @@ impl Pairing<'_> {
         let Interaction { name, secondary, partner, .. } = interaction;
         if let Partner::Obstacle { shape: Obstacle::InSpace(shape), motion, turn } = partner {
             let seen = self.in_space(interaction);
-            let kernel = RigidInSpace::of_curve(&seen, shape);
+            let kernel = RigidInSpace::of_curve(&seen, shape).without(seen.belongs_to(&self.nodes_inside(interaction)));
             let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
@@ -143,7 +147,7 @@ impl Pairing<'_> {
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
             Partner::Obstacle { shape, motion, turn } => {
-                let kernel = RigidContact::new(&facets, shape, self.reference);
+                let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.nodes_inside(interaction));
                 // Nodes are seen where they are.
                 let kernel = match self.middles.lengths(&facets, self.reference) {
                     Some(lengths) => kernel.with_weights(lengths),
@@ -189,6 +193,52 @@ impl Pairing<'_> {
     fn restitution(&self, interaction: &Interaction, pair: &ContactPair) -> Option<f64> {
         let is_rigid = pair.is_unilateral() && self.model.is_rigid_contact(interaction);
         is_rigid.then(|| interaction.restitution.unwrap_or(pair.update.restitution()))
+    }
+
+    /// The secondary side of a contact between its own nodes.
+    fn surface(&self, secondary: &BodyBoundary) -> Surface {
+        if self.model.dimension() == 2 {
+            return Surface::new(&(self.facets)(secondary));
+        }
+        // Without the centers of faces of nine nodes, which lie beside the surface that their sides follow.
+        let pieces: Vec<Vec<u32>> = (self.faces)(secondary).iter().flat_map(|face| pieces_of(&face[..face.len().min(8)])).collect();
+        Surface::in_space(pieces.iter().map(|piece| &piece[..]))
+    }
+
+    /// Parts of a rigid body's boundary that roll on an obstacle as arcs or spheres: none of straight facets, of bodies that deform, and
+    /// where nodes are asked for one by one.
+    fn round_parts(&self, interaction: &Interaction) -> Vec<RoundPart> {
+        let is_rigid = self.model.bodies[interaction.secondary.body].rigid.is_some();
+        let is_curved = interaction.facet_shape(self.model.dimension()) == FacetShape::Curved;
+        if !is_rigid || !is_curved || interaction.equality || !matches!(interaction.partner, Partner::Obstacle { .. }) {
+            return Vec::new();
+        }
+        round_parts(&self.surface(&interaction.secondary), self.reference)
+    }
+
+    /// Nodes of a boundary that the arcs and spheres of a rigid body stand for, ascending.
+    fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
+        let mut nodes: Vec<u32> = self.round_parts(interaction).into_iter().flat_map(|part| part.inside).collect();
+        nodes.sort_unstable();
+        nodes
+    }
+
+    /// The pair in which arcs and spheres of a rigid body roll on the obstacle of the contact of that number.
+    fn rolling(&self, of: usize) -> Option<ContactPair> {
+        let interaction = &self.model.interactions[of];
+        let (parts, body) = (self.round_parts(interaction), interaction.secondary.body);
+        let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { return None };
+        let mesh = &self.model.bodies[body].mesh;
+        let frame = Frame::new(mesh).filter(|_| !parts.is_empty())?;
+        let first = (self.first)(body) as u32;
+        let shares_of = |point| frame.masters.iter().map(|node| node + first).zip(frame.shares(point)).collect();
+        let kernel = rolling_contact(self.surface(&interaction.secondary), parts, shape, &shares_of, self.reference);
+        let mut pair = match shape {
+            Obstacle::InSpace(shape) => self.obstacle_pair(&interaction.name, shape, body, kernel),
+            _ => self.pair(&interaction.name, PairKind::Obstacle, body, kernel),
+        };
+        (pair.motion, pair.turn, pair.corners) = (motion.clone(), turn.clone(), Some(CornersOf { pair: of, slack: 0.0 }));
+        Some(self.held(pair, interaction, false))
     }
 
     /// The pairs of the corners that the weighted gaps of other pairs do not see.

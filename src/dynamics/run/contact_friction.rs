@@ -30,8 +30,8 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
     let (mut of_corners, mut largest) = (vec![[0.0; 3]; count], vec![0.0f64; count]);
     for corners in corners {
         let Some(tangential) = corners.tangential else { continue };
-        corners.for_each_pull::<D>(tangential.lambda, |node, own, multiplier, force| {
-            all.push((node, force));
+        corners.for_each_pull::<D>(tangential.lambda, |node, _, _, force| all.push((node, force)));
+        corners.for_each_shown_pull::<D>(tangential.lambda, |node, own, multiplier, force| {
             if (!with_itself || own)
                 && let Some(index) = secondary.index(node)
             {
@@ -47,7 +47,9 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
             let local = row.row - corners.pair.rows.start;
             if corners.lambda[local] > 0.0 {
                 let ratio = shear[local].abs() / corners.lambda[local];
-                row.nodes.iter().filter_map(|&node| secondary.index(node)).for_each(|index| largest[index] = largest[index].max(ratio));
+                let shown = corners.pair.kernel.shown_at(local);
+                let nodes = shown.as_ref().map_or(row.nodes, std::slice::from_ref);
+                nodes.iter().filter_map(|&node| secondary.index(node)).for_each(|index| largest[index] = largest[index].max(ratio));
             }
         }
     }
@@ -155,9 +157,12 @@ fn rows_between(contact: Loaded, corners: &Loaded) -> Vec<Vec<(usize, f64)>> {
     let (patches, stride) = (pair.kernel.patches(), pair.kernel.rows_per_node());
     let mut nodes = vec![Vec::new(); corners.active.len()];
     let belongs = |row: usize| corner_node(contact, corners, row / stride).is_some();
+    for (row, nodes) in nodes.iter_mut().enumerate() {
+        nodes.extend(pair.kernel.shown_at(row).and_then(|node| Some((secondary.index(node)?, 1.0))));
+    }
     for row in pair.live_rows(corners.evaluation) {
         let local = row.row - pair.rows.start;
-        if belongs(local) {
+        if belongs(local) || pair.kernel.shown_at(local).is_some() {
             continue;
         }
         let gradients = corners.evaluation.gradient_end[row.gradient.clone()].chunks_exact(patches.dimension());

@@ -38,8 +38,8 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     forces.mean = means::<D>(contact, contact.lambda, &forces.own, q, |lambda, visit| contact.for_each_force::<D>(lambda, visit));
     let mut more = vec![[0.0; 3]; count];
     for corners in corners {
-        corners.for_each_force::<D>(corners.lambda, |node, own, _, force| {
-            forces.all.push((node, force));
+        corners.for_each_force::<D>(corners.lambda, |node, _, _, force| forces.all.push((node, force)));
+        corners.for_each_shown_force::<D>(corners.lambda, |node, own, _, force| {
             // On a surface that touches itself, the corner's side.
             if (!with_itself || own)
                 && let Some(index) = secondary.index(node)

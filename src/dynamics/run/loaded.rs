@@ -39,34 +39,65 @@ impl Loaded<'_> {
     /// Tells the force of every row that presses with its multiplier on every node of its patches: the node, whether it owns a row of the
     /// patch, the multiplier, the force.
     pub(super) fn for_each_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        self.visit::<D>(lambda, self.pair.rows.start, self.pair.live_rows(self.evaluation), &self.evaluation.gradient_end, visit);
+        self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, false, visit);
+    }
+
+    /// As `for_each_force`; where rows act between nodes, with their whole force at the node where output shows them.
+    pub(super) fn for_each_shown_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, true, visit);
     }
 
     /// Calls `visit` with the force of every tangential constraint on every node of its facets, with the arguments of `for_each_force`.
-    pub(super) fn for_each_pull<const D: usize>(&self, lambda: &[f64], mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
-        let Some(Tangential { evaluation, .. }) = self.tangential else { return };
+    pub(super) fn for_each_pull<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.pulls::<D>(lambda, false, visit);
+    }
+
+    /// As `for_each_pull`; where rows act between nodes, with their whole force at the node where output shows them.
+    pub(super) fn for_each_shown_pull<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        self.pulls::<D>(lambda, true, visit);
+    }
+
+    fn pulls<const D: usize>(&self, lambda: &[f64], is_shown: bool, mut visit: impl FnMut(u32, bool, f64, [f64; 3])) {
+        let Some(Tangential { evaluation, count, .. }) = self.tangential else { return };
         for block in self.pair.blocks([self.evaluation, evaluation]).filter(RowBlock::is_slip) {
-            self.visit::<D>(lambda, block.rows.start, block.live_rows(), &evaluation.gradient_bar, &mut visit);
+            let first = block.rows.start;
+            let rows = block.live_rows().map(|row| (row.row - first, (row.row - first) / count, row));
+            self.visit::<D>(lambda, rows, &evaluation.gradient_bar, is_shown, &mut visit);
         }
     }
 
+    /// The rows that press, with their numbers among those of the pair.
+    fn pressing(&self) -> impl Iterator<Item = (usize, usize, PatchRow<'_>)> {
+        let first = self.pair.rows.start;
+        self.pair.live_rows(self.evaluation).map(move |row| (row.row - first, row.row - first, row))
+    }
+
+    /// Forces of rows, each with the number of its multiplier and that of the row that presses beside it.
     fn visit<'a, const D: usize>(
         &self,
         lambda: &[f64],
-        first: usize,
-        rows: impl Iterator<Item = PatchRow<'a>>,
+        rows: impl Iterator<Item = (usize, usize, PatchRow<'a>)>,
         gradients: &[f64],
+        is_shown: bool,
         mut visit: impl FnMut(u32, bool, f64, [f64; 3]),
     ) {
-        for row in rows {
-            let factor = lambda[row.row - first];
+        for (multiplier, pressing, row) in rows {
+            let factor = lambda[multiplier];
             if factor == 0.0 {
                 continue;
             }
+            let shown_at = if is_shown { self.pair.kernel.shown_at(pressing) } else { None };
+            let mut whole = [0.0; 3];
             for (&node, gradient) in row.nodes.iter().zip(gradients[row.gradient].chunks_exact(D)) {
                 let mut force = [0.0; 3];
                 (0..D).for_each(|i| force[i] = factor * gradient[i]);
-                visit(node, self.pair.owns_row(row.patch, node), factor, force);
+                match shown_at {
+                    Some(_) => (0..D).for_each(|i| whole[i] += force[i]),
+                    None => visit(node, self.pair.owns_row(row.patch, node), factor, force),
+                }
+            }
+            if let Some(node) = shown_at {
+                visit(node, true, factor, whole);
             }
         }
     }

@@ -69,7 +69,7 @@ impl<const D: usize> Equations<D> {
             let (nodes, stride) = (kernel.row_nodes(), kernel.rows_per_node());
             let place = |row: usize| {
                 let mut point = [0.0; 3];
-                if let Some(&node) = nodes.get(row / stride) {
+                if let Some(node) = nodes.get(row / stride).copied().or_else(|| kernel.shown_at(row)) {
                     point[..D].copy_from_slice(&q[node as usize * D..(node as usize + 1) * D]);
                 }
                 point
@@ -122,11 +122,10 @@ impl<const D: usize> Equations<D> {
         let mut stiffness = Vec::with_capacity(self.multipliers);
         for pair in &self.pairs {
             stiffness.extend(pair.rows.clone().zip(pair.kernel.weights()).map(|(row, weight)| {
-                let inertia = pair.node_of(row).map_or(0.0, |node| {
-                    let node = node as usize;
-                    start.inertia(self.body_of(node)) * self.nodes.lumped_mass[node] / weight.powi(2)
-                });
-                pair.c + inertia
+                let own = pair.node_of(row);
+                let carriers = pair.kernel.carriers(row - pair.rows.start);
+                let inertia = |&node: &u32| start.inertia(self.body_of(node as usize)) * self.nodes.lumped_mass[node as usize];
+                pair.c + own.as_slice().iter().chain(carriers).map(inertia).sum::<f64>() / weight.powi(2)
             }));
         }
         stiffness.resize(self.multipliers, 0.0);

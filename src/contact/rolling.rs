@@ -1,0 +1,459 @@
+//! Contact of the round parts of a rigid body with a rigid obstacle: a disk, a ball, a rounded edge rolls on its circle, not on facets.
+//!
+//! A part of radius `R` about the point `C` of the body touches where the obstacle is nearest to `C`, so its gap is the distance of that
+//! point less the radius. The center follows from the positions `z_k` of the body's masters (`bodies/rigid.rs`), and with the obstacle's
+//! signed distance `g`, its normal `n` and its translation `u`
+//!
+//! ```text
+//! Phi = w (g(C - u) - R),    C = sum_k c_k z_k,    dPhi/dz_k = w c_k n
+//! ```
+//!
+//! The discrete gradient is that of the distance between the places of the center, so it keeps what the distance of a node keeps. The force
+//! acts at the point of the surface that touches, `x = C - R n`, as its line of action contains both. Friction works on the slip of that
+//! material point: its shares `a_k` of the masters are found in mid-step, `x = sum_k a_k z_k`.
+//!
+//! A row is there in a step whose start finds the part turned towards the obstacle. The nodes inside of a part have no rows of their own:
+//! they are never nearer than its circle. Each part has as many rows as sides of the obstacle may touch it at once.
+
+use std::ops::Range;
+
+use nalgebra::{SMatrix, SVector};
+
+use super::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
+use super::numbers::Number;
+use super::patches::Evaluation;
+use super::rigid_shape::{Obstacle, Shape};
+use super::round_parts::RoundPart;
+use super::slip::{self, SlipRows, SlipStep};
+use super::space::ShapeInSpace;
+use super::surface::{Sides, Surface};
+use crate::integrators::{Configuration, Derivative};
+use crate::math::tolerances::CROSSING;
+
+/// Contact of round parts of a surface of a rigid body with an obstacle; `shares_of` gives the masters of a point at rest, in model numbers,
+/// with their shares of it.
+pub fn rolling_contact(
+    surface: Surface,
+    parts: Vec<RoundPart>,
+    obstacle: &Obstacle,
+    shares_of: &dyn Fn([f64; 3]) -> Vec<(u32, f64)>,
+    reference: &[f64],
+) -> Box<dyn ContactKernel> {
+    match obstacle {
+        Obstacle::InSpace(shape) => Box::new(RollingContact::new(surface, parts, ShapeInSpace::new(shape), shares_of, reference)),
+        _ => Box::new(RollingContact::new(surface, parts, Shape::new(obstacle), shares_of, reference)),
+    }
+}
+
+/// Distance from an obstacle of a point, its gradient and second derivative.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Local<const D: usize> {
+    pub gap: f64,
+    pub normal: SVector<f64, D>,
+    pub curvature: SMatrix<f64, D, D>,
+    /// True where the point is opposite the obstacle.
+    pub covered: bool,
+}
+
+impl<const D: usize> Local<D> {
+    /// That of nothing.
+    pub fn none() -> Self {
+        Local { gap: 0.0, normal: SVector::zeros(), curvature: SMatrix::zeros(), covered: false }
+    }
+}
+
+/// A rigid obstacle, or a side of it, as the rows of round parts feel it. Points are in the frame of the obstacle.
+pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
+    /// How many sides of it may touch a round part at once.
+    fn sides(&self) -> usize;
+    /// The sides that a round part of this radius about `x` may touch: at most [`Self::sides`], in an order that does not depend on which
+    /// is nearer.
+    fn near(&self, x: SVector<f64, D>, radius: f64, spare: f64) -> Vec<Self>;
+    /// Distance at a point.
+    fn at(&self, x: SVector<f64, D>) -> Local<D>;
+    /// Discrete gradient between two points and its derivative with respect to the second; `size` is that of facets.
+    fn between(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, size: f64) -> (SVector<f64, D>, SMatrix<f64, D, D>);
+    /// By how much the distance changes on the way between two points, in lengths of `near`, and whether the way leads through it.
+    fn passage(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, near: f64) -> (f64, bool);
+}
+
+/// A round part with the masters that move it.
+#[derive(Clone, Debug)]
+struct Roller {
+    part: RoundPart,
+    /// Masters in model numbers, each with its share of the center.
+    masters: Vec<(u32, f64)>,
+}
+
+/// Contact of the round parts of a rigid body with a rigid obstacle.
+#[derive(Clone, Debug)]
+pub(super) struct RollingContact<const D: usize, S> {
+    sides: Sides,
+    rollers: Vec<Roller>,
+    pub(super) shape: S,
+    pub(super) translations: [[f64; 3]; 3],
+    /// How far the obstacle carries along what sticks to it, and by which angle about its center or axis.
+    pub(super) carried: ([f64; 3], f64),
+    /// Centers at the start of the step.
+    start: Vec<SVector<f64, D>>,
+    /// The node of each part that was nearest to the obstacle at the start of the step.
+    nearest: Vec<u32>,
+    /// What each row feels in this step; `None`: it is not there.
+    felt: Vec<Option<S>>,
+}
+
+impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
+    fn new(
+        surface: Surface,
+        parts: Vec<RoundPart>,
+        shape: S,
+        shares_of: &dyn Fn([f64; 3]) -> Vec<(u32, f64)>,
+        reference: &[f64],
+    ) -> Self {
+        let mut sides = Sides::of(surface, if D == 2 { Surface::new(&[]) } else { Surface::in_space([]) }, reference);
+        let count = shape.sides();
+        sides.weights = vec![sides.facet_size.powi(D as i32 - 1); count * parts.len()];
+        let roller = |part: RoundPart| {
+            Roller { masters: shares_of(part.center.into()), part }
+        };
+        let rollers: Vec<Roller> = parts.into_iter().map(roller).collect();
+        for (p, roller) in rollers.iter().enumerate() {
+            let nodes: Vec<u32> = roller.masters.iter().map(|(node, _)| *node).collect();
+            let rows: Vec<u32> = (count * p..count * (p + 1)).map(|row| row as u32).collect();
+            sides.patches.push(&nodes, &rows);
+        }
+        if D == 3 {
+            sides.list_slips();
+        }
+        let nearest = rollers.iter().map(|roller| roller.part.inside[0]).collect();
+        let felt = vec![None; sides.weights.len()];
+        let start = vec![SVector::zeros(); rollers.len()];
+        RollingContact { sides, rollers, shape, translations: [[0.0; 3]; 3], carried: Default::default(), start, nearest, felt }
+    }
+
+    pub(super) fn own_sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn moved(&self, time: usize) -> SVector<f64, D> {
+        SVector::from_fn(|i, _| self.translations[time][i])
+    }
+
+    /// The center of a part in the frame of the obstacle at its place at the start, in the middle or at the end of the step.
+    fn center(&self, roller: usize, q: &[f64], time: usize) -> SVector<f64, D> {
+        let shares = self.rollers[roller].masters.iter();
+        shares.map(|&(node, share)| place::<D>(node, q) * share).sum::<SVector<f64, D>>() - self.moved(time)
+    }
+
+    /// The node of a part that is nearest to the obstacle in a direction from the center, if the part is turned that way.
+    fn facing(&self, roller: usize, q: &[f64], direction: SVector<f64, D>) -> (u32, bool) {
+        let part = &self.rollers[roller].part;
+        let along = |node: u32| place::<D>(node, q).dot(&direction);
+        let farthest = |nodes: &mut dyn Iterator<Item = u32>| nodes.map(|node| (along(node), node)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let inside = farthest(&mut part.inside.iter().copied()).map_or((f64::NEG_INFINITY, part.inside[0]), |found| found);
+        match farthest(&mut part.rim.iter().map(|(node, _)| *node)) {
+            Some((most, node)) if most > inside.0 => {
+                let beside = part.rim.iter().filter(|(other, _)| *other == node).flat_map(|(_, inner)| inner);
+                let inward: SVector<f64, D> = beside.map(|&other| place::<D>(other, q) - place::<D>(node, q)).sum();
+                let center: SVector<f64, D> = self.center(roller, q, 0) + self.moved(0);
+                let out = (place::<D>(node, q) - center).normalize();
+                // Beside the rim node, along the surface.
+                (node, (direction - out * direction.dot(&out)).dot(&inward) > 0.0)
+            }
+            _ => (inside.1, true),
+        }
+    }
+
+    /// Force gradient of a step and its tangent for the center of a part, without its weight.
+    fn step_gradient(&self, felt: &S, derivative: Derivative, roller: usize, q_1: &[f64]) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
+        let plain = |x: SVector<f64, D>, at: Configuration| {
+            let Local { normal, curvature, .. } = felt.at(x);
+            (normal, curvature * at.share())
+        };
+        match derivative {
+            Derivative::DiscreteGradient => {
+                felt.between(self.start[roller] - self.moved(0), self.center(roller, q_1, 2), self.sides.facet_size)
+            }
+            Derivative::Gradient(at @ Configuration::Middle) => {
+                plain(0.5 * (self.start[roller] + self.center(roller, q_1, 2) + self.moved(2)) - self.moved(1), at)
+            }
+            Derivative::Gradient(at @ Configuration::End) => plain(self.center(roller, q_1, 2), at),
+        }
+    }
+
+    fn rows_of(&self, roller: usize) -> Range<usize> {
+        let count = self.shape.sides();
+        count * roller..count * (roller + 1)
+    }
+
+    /// The rows that are there: their number, their part and what they feel.
+    fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &S)> {
+        let count = self.shape.sides();
+        self.felt.iter().enumerate().filter_map(move |(row, felt)| Some((row, row / count, felt.as_ref()?)))
+    }
+
+    /// Distance of each part from the whole obstacle where the step ends, for those turned towards it.
+    fn distances(&self, q: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        (0..self.rollers.len()).filter_map(move |roller| {
+            let local = self.shape.at(self.center(roller, q, 2));
+            let is_there = local.covered && self.facing(roller, q, -local.normal).1;
+            is_there.then(|| (roller, local.gap - self.rollers[roller].part.radius))
+        })
+    }
+
+    /// Shares of the masters in the material point that touches, where these are at `z` in mid-step and the row feels `felt`; and the
+    /// normal there.
+    pub(super) fn touching<T: Number>(&self, roller: usize, felt: &S, z: &[[T; D]]) -> ([T; 4], [T; D]) {
+        let Roller { masters, part } = &self.rollers[roller];
+        let mut center = [T::from(0.0); D];
+        for (&(_, share), z) in masters.iter().zip(z) {
+            (0..D).for_each(|i| center[i] += z[i] * share);
+        }
+        let middle = self.moved(1);
+        let Local { normal, curvature, .. } = felt.at(SVector::from_fn(|i, _| center[i].re() - middle[i]));
+        let normal: [T; D] = std::array::from_fn(|i| {
+            (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)])
+        });
+        // The arm from the center to the point, in the edges between masters.
+        let edge = |k: usize| -> [T; D] { std::array::from_fn(|i| z[k][i] - z[0][i]) };
+        let arm = coordinates(&std::array::from_fn(|k| edge(k + 1)), normal.map(|n| n * -part.radius));
+        let mut shares = [T::from(0.0); 4];
+        for (k, (share, &(_, of_center))) in shares.iter_mut().zip(masters).enumerate() {
+            *share = if k == 0 { arm.iter().fold(T::from(of_center), |sum, &a| sum - a) } else { arm[k - 1] + of_center };
+        }
+        (shares, normal)
+    }
+
+    pub(super) fn weight(&self, row: usize) -> f64 {
+        self.sides.weights[row]
+    }
+
+    /// What the rows of a part feel.
+    pub(super) fn felt_by(&self, roller: usize) -> &[Option<S>] {
+        &self.felt[self.rows_of(roller)]
+    }
+
+    /// The place of a part's center where the step starts, in the frame of the obstacle.
+    pub(super) fn begins(&self, roller: usize) -> SVector<f64, D> {
+        self.start[roller] - self.moved(0)
+    }
+}
+
+fn place<const D: usize>(node: u32, q: &[f64]) -> SVector<f64, D> {
+    SVector::from_fn(|i, _| q[D * node as usize + i])
+}
+
+/// Coordinates `b` of a vector in the directions `e_k`, `sum_k b_k e_k = r`, by Cramer's rule.
+fn coordinates<T: Number, const D: usize>(e: &[[T; D]; D], r: [T; D]) -> [T; D] {
+    let with = |k: usize| -> [[T; D]; D] { std::array::from_fn(|j| if j == k { r } else { e[j] }) };
+    let inverse = determinant(e).recip();
+    std::array::from_fn(|k| determinant(&with(k)) * inverse)
+}
+
+fn determinant<T: Number, const D: usize>(m: &[[T; D]; D]) -> T {
+    let minor = |i: usize, k: usize| m[1][i] * m[D - 1][k] - m[1][k] * m[D - 1][i];
+    match D {
+        2 => m[0][0] * m[1][1] - m[0][1] * m[1][0],
+        _ => m[0][0] * minor(1, 2) + m[0][1] * minor(2, 0) + m[0][2] * minor(0, 1),
+    }
+}
+
+impl<const D: usize, S: Felt<D>> PatchFunctions for RollingContact<D, S>
+where
+    Self: Slips,
+{
+    fn sides(&self) -> &Sides {
+        &self.sides
+    }
+
+    fn rows_per_node(&self) -> usize {
+        self.shape.sides()
+    }
+
+    fn row_nodes(&self) -> &[u32] {
+        // Parts are no nodes.
+        &[]
+    }
+
+    fn shown_at(&self, row: usize) -> Option<u32> {
+        Some(self.nearest[row / self.shape.sides()])
+    }
+
+    fn carriers(&self, row: usize) -> &[u32] {
+        self.sides.patches.nodes(row / self.shape.sides())
+    }
+
+    fn begin_step(&mut self, q_0: &[f64]) {
+        let from = self.moved(0);
+        self.start = (0..self.rollers.len()).map(|roller| self.center(roller, q_0, 0) + from).collect();
+        for roller in 0..self.rollers.len() {
+            let (x, radius, spare) = (self.begins(roller), self.rollers[roller].part.radius, self.sides.facet_size);
+            let Local { normal, .. } = self.shape.at(x);
+            self.nearest[roller] = self.facing(roller, q_0, -normal).0;
+            let near = self.shape.near(x, radius, spare);
+            let is_there = |side: &S| {
+                let local = side.at(x);
+                local.covered && self.facing(roller, q_0, -local.normal).1
+            };
+            let felt: Vec<Option<S>> = near.into_iter().map(|side| is_there(&side).then_some(side)).collect();
+            for (place, row) in self.rows_of(roller).enumerate() {
+                self.felt[row] = felt.get(place).cloned().flatten();
+            }
+        }
+    }
+
+    fn start_gap(&self) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        for (row, roller, felt) in self.rows_felt() {
+            gaps[row] = self.sides.weights[row] * (felt.at(self.begins(roller)).gap - self.rollers[roller].part.radius);
+        }
+        gaps
+    }
+
+    fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
+        let patches = &self.sides.patches;
+        out.prepare(patches, self.sides.weights.len());
+        (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
+        for (row, p, felt) in self.rows_felt() {
+            let (weight, Roller { masters, part }) = (self.sides.weights[row], &self.rollers[p]);
+            let end = felt.at(self.center(p, q_1, 2));
+            let (bar, tangent) = self.step_gradient(felt, derivative, p, q_1);
+            out.live[p] = true;
+            (out.gap[row], out.coverage[row]) = (weight * (end.gap - part.radius), f64::from(u8::from(end.covered)));
+            let width = patches.unknowns(p);
+            let first = patches.gradient_range(p).start + (row - self.rows_of(p).start) * width;
+            let block = patches.tangent_range(p).start;
+            for (k, (_, share)) in masters.iter().enumerate() {
+                for i in 0..D {
+                    out.gradient_end[first + D * k + i] = weight * share * end.normal[i];
+                    out.gradient_bar[first + D * k + i] = weight * share * bar[i];
+                    for (l, (_, other)) in masters.iter().enumerate() {
+                        for j in 0..D {
+                            out.tangent[block + (D * k + i) * width + D * l + j] += lambda[row] * weight * share * other * tangent[(i, j)];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        self.slips(step, lambda, out);
+    }
+
+    fn gap(&self, q: &[f64]) -> Vec<f64> {
+        let mut gaps = vec![0.0; self.sides.weights.len()];
+        // The first row of a part stands for the whole obstacle.
+        for (roller, gap) in self.distances(q) {
+            let row = self.rows_of(roller).start;
+            gaps[row] = self.sides.weights[row] * gap;
+        }
+        gaps
+    }
+
+    fn coverage(&self, q: &[f64]) -> Vec<f64> {
+        let mut coverage = vec![0.0; self.sides.weights.len()];
+        self.distances(q).for_each(|(roller, _)| coverage[self.rows_of(roller).start] = 1.0);
+        coverage
+    }
+}
+
+/// Slips, which the plane and space make differently.
+pub(super) trait Slips {
+    /// Slips of a step into `out` ([`PatchFunctions::evaluate_slips`]).
+    fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);
+}
+
+impl<const D: usize, S: Felt<D>> CandidateSearch for RollingContact<D, S>
+where
+    Self: Slips,
+{
+    fn deepest(&self, q: &[f64]) -> f64 {
+        self.distances(q).map(|(_, gap)| -gap).fold(0.0, f64::max)
+    }
+}
+
+impl<const D: usize, S: Felt<D>> RigidObstacle for RollingContact<D, S>
+where
+    Self: Slips,
+{
+    fn move_obstacle(&mut self, translations: &[[f64; 3]; 3]) {
+        self.translations = *translations;
+    }
+
+    fn carry(&mut self, shift: [f64; 3], angle: f64) {
+        self.carried = (shift, angle);
+    }
+
+    fn obstacle_translation(&self) -> [f64; 3] {
+        self.translations[2]
+    }
+
+    fn passage(&self, q_1: &[f64]) -> [f64; 2] {
+        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
+        for roller in 0..self.rollers.len() {
+            let near = self.rollers[roller].part.radius.max(self.sides.facet_size);
+            let (x_0, x_1) = (self.begins(roller), self.center(roller, q_1, 2));
+            let (changes, is_crossed) = self.shape.passage(x_0, x_1, near);
+            swing = swing.max(changes / near);
+            if is_crossed {
+                crossing = crossing.max((x_1 - x_0).norm());
+            }
+        }
+        let crossing = crossing / self.sides.facet_size;
+        [swing, if crossing > CROSSING { crossing } else { 0.0 }]
+    }
+
+    fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
+        let way = self.moved(2) - self.moved(0);
+        let mut work = 0.0;
+        for (row, roller, felt) in self.rows_felt().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
+            let of_step = self.step_gradient(felt, derivative, roller, q_1).0 * lambda[row];
+            let f = (of_step + felt.at(self.begins(roller)).normal * before[row]) * self.sides.weights[row];
+            for (node, share) in &self.rollers[roller].masters {
+                (0..D).for_each(|i| force[D * *node as usize + i] += share * f[i]);
+            }
+            work += f.dot(&way);
+        }
+        work
+    }
+}
+
+/// Slip of round parts in the plane on the obstacle, as it translates and turns.
+impl SlipRows for RollingContact<2, Shape> {
+    fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
+        places.extend(0..self.rollers[p].masters.len());
+        self.felt_by(p).iter().any(Option::is_some)
+    }
+
+    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+        let (first, z) = (self.rows_of(p).start, z.as_chunks().0);
+        for (m, felt) in self.felt_by(p).iter().enumerate() {
+            let Some(felt) = felt else { continue };
+            let (shares, normal) = self.touching(p, felt, z);
+            let weight = self.weight(first + m);
+            for (k, share) in shares[..z.len()].iter().enumerate() {
+                rows[2 * (m * z.len() + k)] = normal[1] * *share * weight;
+                rows[2 * (m * z.len() + k) + 1] = -(normal[0] * *share * weight);
+            }
+            covered[m] = 1.0;
+        }
+        true
+    }
+
+    fn is_relative(&self, _p: usize) -> bool {
+        false
+    }
+
+    fn other_side(&self) -> slip::Carrier {
+        let ([x, y, _], angle) = self.carried;
+        let [a, b, _] = self.translations[1];
+        self.shape.carrier(([x, y], angle), [a, b])
+    }
+}
+
+impl Slips for RollingContact<2, Shape> {
+    fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate(self, &self.sides.patches, step, lambda, out);
+    }
+}

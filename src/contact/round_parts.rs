@@ -1,0 +1,146 @@
+//! Round parts of a surface: arcs of circles in the plane, parts of spheres in space, found from the nodes.
+//!
+//! A node is *inside* of a round part if it and its neighbors lie on one circle or sphere, convex outwards, with neighbors at most
+//! [`LARGEST_TURN`] apart as seen from the center. Inside nodes with the same circle that are neighbors make a part; its *rim* are their
+//! neighbors that are not inside. With the node at the origin, the center `c` follows from its neighbors `y` by `2 c.y = y.y`, in space by
+//! least squares.
+
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::surface::Surface;
+use crate::math::tolerances::ROUND_PART;
+
+/// Largest angle between neighbors as seen from the center of a round part, in the plane and in space: a circle of twelve facets is round,
+/// an octagon is not; a sphere of as many facets around has diagonals of 43 degrees where these are triangles, an icosahedron of 63.
+const LARGEST_TURN: [f64; 2] = [30.5 * PI / 180.0, 45.0 * PI / 180.0];
+
+/// Smallest angle of this kind: what is flatter is taken for a plane, of which round-off makes any radius.
+const SMALLEST_TURN: f64 = 1e-3;
+
+/// Least number of inside nodes of a part: a corner that two facets bevel is no arc.
+const LEAST_INSIDE: usize = 2;
+
+/// An arc of a circle, or a part of a sphere, on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoundPart {
+    /// Center `[length]`.
+    pub center: Vector3<f64>,
+    /// Radius `[length]`.
+    pub radius: f64,
+    /// Model numbers of the nodes inside, ascending.
+    pub inside: Vec<u32>,
+    /// Model numbers of the nodes of the rim, each with its neighbors inside.
+    pub rim: Vec<(u32, Vec<u32>)>,
+}
+
+/// Circle or sphere through a node and its neighbors: vector from the node to the center, and the radius.
+type Fit = (Vector3<f64>, f64);
+
+/// The round parts of a surface at positions `q`.
+pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
+    let count = surface.nodes().len();
+    let neighbors: Vec<Vec<usize>> = (0..count).map(|index| neighbors_of(surface, index)).collect();
+    let fits: Vec<Option<Fit>> = (0..count).map(|index| fit(surface, &neighbors[index], index, q)).collect();
+    let mut is_taken = vec![false; count];
+    let mut parts = Vec::new();
+    for first in 0..count {
+        let (false, Some(circle)) = (is_taken[first], fits[first]) else { continue };
+        let center = at(surface, first, q) + circle.0;
+        let is_same = |index: usize| {
+            fits[index].is_some_and(|(to, radius)| {
+                let off = (at(surface, index, q) + to - center).norm().max((radius - circle.1).abs());
+                off <= ROUND_PART * circle.1
+            })
+        };
+        let mut inside = vec![first];
+        is_taken[first] = true;
+        let mut next = 0;
+        while let Some(&index) = inside.get(next) {
+            next += 1;
+            for &other in &neighbors[index] {
+                if !is_taken[other] && is_same(other) {
+                    is_taken[other] = true;
+                    inside.push(other);
+                }
+            }
+        }
+        if inside.len() >= LEAST_INSIDE {
+            inside.sort_unstable();
+            parts.push(part(surface, &neighbors, &inside, (center, circle.1)));
+        }
+    }
+    parts
+}
+
+/// The part with these nodes inside.
+fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, radius): Fit) -> RoundPart {
+    let is_inside = |index: &usize| inside.binary_search(index).is_ok();
+    let mut rim: Vec<usize> = inside.iter().flat_map(|&index| &neighbors[index]).copied().filter(|index| !is_inside(index)).collect();
+    rim.sort_unstable();
+    rim.dedup();
+    let number = |index: &usize| surface.nodes()[*index];
+    let with_neighbors = |index: &usize| (number(index), neighbors[*index].iter().filter(|other| is_inside(other)).map(number).collect());
+    RoundPart {
+        center,
+        radius,
+        inside: inside.iter().map(number).collect(),
+        rim: rim.iter().map(with_neighbors).collect(),
+    }
+}
+
+/// Position of the node of that index; in the plane with a third coordinate 0.
+fn at(surface: &Surface, index: usize, q: &[f64]) -> Vector3<f64> {
+    let dimension = surface.dimension();
+    let first = dimension * surface.nodes()[index] as usize;
+    Vector3::from_fn(|i, _| if i < dimension { q[first + i] } else { 0.0 })
+}
+
+/// Nodes that share a side of a facet with the node of that index; none where its facets do not surround it.
+fn neighbors_of(surface: &Surface, index: usize) -> Vec<usize> {
+    let facets = surface.adjacent_facets(index);
+    let mut sides: Vec<usize> = Vec::new();
+    for &facet in facets {
+        let nodes = surface.local_facet(facet as usize);
+        let Some(place) = nodes.iter().position(|&node| node as usize == index) else { continue };
+        let count = nodes.len();
+        sides.push(nodes[(place + 1) % count] as usize);
+        if count > 2 {
+            sides.push(nodes[(place + count - 1) % count] as usize);
+        }
+    }
+    sides.sort_unstable();
+    let all = sides.len();
+    sides.dedup();
+    let surrounded = if surface.dimension() == 2 { facets.len() == 2 && sides.len() == 2 } else { all == 2 * sides.len() };
+    if surrounded { sides } else { Vec::new() }
+}
+
+/// The circle or sphere of a node that is inside of a round part.
+fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Option<Fit> {
+    if neighbors.is_empty() {
+        return None;
+    }
+    let place = |index: usize| at(surface, index, q);
+    let node = place(index);
+    let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    let around = surface.adjacent_facets(index).iter().flat_map(|&facet| surface.local_facet(facet as usize));
+    let ring: Vec<Vector3<f64>> = around.filter(|&&other| other as usize != index).map(|&other| place(other as usize) - node).collect();
+    for y in &ring {
+        matrix += y * y.transpose() * 2.0;
+        right += y * y.norm_squared();
+    }
+    if surface.dimension() == 2 {
+        matrix[(2, 2)] = 1.0;
+    }
+    let center = matrix.try_inverse()? * right;
+    let radius = center.norm();
+    let is_on_it = ring.iter().all(|y| ((y - center).norm() - radius).abs() <= ROUND_PART * radius);
+    let largest = LARGEST_TURN[surface.dimension() - 2];
+    let turns = neighbors.iter().map(|&other| 2.0 * (0.5 * (place(other) - node).norm() / radius).min(1.0).asin());
+    let is_curve = turns.into_iter().all(|turn| (SMALLEST_TURN..=largest).contains(&turn));
+    let outward = |facet: &u32| surface.outward(*facet as usize, q).iter().zip(center.iter()).map(|(n, c)| n * c).sum::<f64>();
+    let is_convex = surface.adjacent_facets(index).iter().all(|facet| outward(facet) < 0.0);
+    (is_on_it && is_curve && is_convex).then_some((center, radius))
+}
