@@ -321,6 +321,10 @@ impl Felt<2> for Shape {
         (bar.into(), Matrix2::from_fn(|i, k| tangent[i][k]))
     }
 
+    fn takes_rims(&self) -> bool {
+        false
+    }
+
     fn passage(&self, x_0: Vector2<f64>, x_1: Vector2<f64>, near: f64) -> (f64, bool) {
         if matches!(self, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
             // There is no other side.

@@ -8,6 +8,16 @@
 //! Phi = w (g(C - u) - R),    C = sum_k c_k z_k,    dPhi/dz_k = w c_k n
 //! ```
 //!
+//! A cylinder touches with the points of its rims. The point of a circle about `C` across the unit vector `a` that is nearest to a plane is
+//! nearer by `R h`,
+//!
+//! ```text
+//! Phi = w (g(C - u) - R h(n.a)),    h(s) = sqrt(1 - s^2),    a = sum_k a_k z_k
+//! ```
+//!
+//! with the normal `n` at the start of the step; `h` has the discrete derivative `-(s_0 + s_1)/(h_0 + h_1)`. So planes, facets and parallel
+//! cylinders are obstacles of rims; other ones, and ends that lie flat, have the nodes' own rows, which rims do not replace.
+//!
 //! The discrete gradient is that of the distance between the places of the center, so it keeps what the distance of a node keeps. The force
 //! acts at the point of the surface that touches, `x = C - R n`, as its line of action contains both. Friction works on the slip of that
 //! material point: its shares `a_k` of the masters are found in mid-step, `x = sum_k a_k z_k`.
@@ -45,6 +55,12 @@ pub fn rolling_contact(
     }
 }
 
+/// Height over the radius below which a rim lies flat, twelve degrees: its nodes hold it. Where a rim comes to lie, `h` has a cusp.
+const FLAT: f64 = 0.2;
+
+/// Least height over the radius of a rim that comes to lie flat within a step.
+const LEAST_HEIGHT: f64 = 1e-3;
+
 /// Distance from an obstacle of a point, its gradient and second derivative.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Local<const D: usize> {
@@ -73,6 +89,8 @@ pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
     fn at(&self, x: SVector<f64, D>) -> Local<D>;
     /// Discrete gradient between two points and its derivative with respect to the second; `size` is that of facets.
     fn between(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, size: f64) -> (SVector<f64, D>, SMatrix<f64, D, D>);
+    /// True if rims of cylinders touch it where a plane in its place would.
+    fn takes_rims(&self) -> bool;
     /// By how much the distance changes on the way between two points, in lengths of `near`, and whether the way leads through it.
     fn passage(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, near: f64) -> (f64, bool);
 }
@@ -83,6 +101,8 @@ struct Roller {
     part: RoundPart,
     /// Masters in model numbers, each with its share of the center.
     masters: Vec<(u32, f64)>,
+    /// Shares of the masters in the axis of a rim.
+    axis: Option<Vec<f64>>,
 }
 
 /// Contact of the round parts of a rigid body with a rigid obstacle.
@@ -96,10 +116,47 @@ pub(super) struct RollingContact<const D: usize, S> {
     pub(super) carried: ([f64; 3], f64),
     /// Centers at the start of the step.
     start: Vec<SVector<f64, D>>,
+    /// The tilt of each row's part at the start of the step.
+    at_start: Vec<Tilt>,
     /// The node of each part that was nearest to the obstacle at the start of the step.
     nearest: Vec<u32>,
-    /// What each row feels in this step; `None`: it is not there.
-    felt: Vec<Option<S>>,
+    /// What each row feels in this step, with the normal at its start; `None`: it is not there.
+    felt: Vec<Option<(S, SVector<f64, D>)>>,
+}
+
+/// How far a rim is tilted: `s = n.a`, `h(s)` and `h'(s)`.
+#[derive(Clone, Copy, Debug)]
+struct Tilt {
+    sine: f64,
+    height: f64,
+    slope: f64,
+}
+
+impl Tilt {
+    fn of(sine: f64) -> Self {
+        // A rim that comes to lie flat within a step keeps a small height.
+        let height = (1.0 - sine * sine).max(LEAST_HEIGHT * LEAST_HEIGHT).sqrt();
+        Tilt { sine, height, slope: -sine / height }
+    }
+
+    /// Derivative of `h` for the forces of a step from here, discrete or at a configuration, and its derivative with respect to `s` at the
+    /// end.
+    fn to(self, end: Tilt, derivative: Derivative) -> [f64; 2] {
+        let plain = |at: Tilt, share: f64| [at.slope, -share / at.height.powi(3)];
+        match derivative {
+            Derivative::DiscreteGradient => {
+                let sum = self.height + end.height;
+                if end.height == LEAST_HEIGHT {
+                    let way = end.sine - self.sine;
+                    return [(end.height - self.height) / way, 0.0];
+                }
+                let slope = -(self.sine + end.sine) / sum;
+                [slope, (-1.0 - slope * end.slope) / sum]
+            }
+            Derivative::Gradient(Configuration::Middle) => plain(Tilt::of(0.5 * (self.sine + end.sine)), Configuration::Middle.share()),
+            Derivative::Gradient(Configuration::End) => plain(end, Configuration::End.share()),
+        }
+    }
 }
 
 impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
@@ -114,7 +171,10 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         let count = shape.sides();
         sides.weights = vec![sides.facet_size.powi(D as i32 - 1); count * parts.len()];
         let roller = |part: RoundPart| {
-            Roller { masters: shares_of(part.center.into()), part }
+            let masters = shares_of(part.center.into());
+            let to = part.axis.map(|axis| shares_of((part.center + axis).into()));
+            let axis = to.map(|to| to.iter().zip(&masters).map(|(to, from)| to.1 - from.1).collect());
+            Roller { masters, axis, part }
         };
         let rollers: Vec<Roller> = parts.into_iter().map(roller).collect();
         for (p, roller) in rollers.iter().enumerate() {
@@ -127,8 +187,9 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         }
         let nearest = rollers.iter().map(|roller| roller.part.inside[0]).collect();
         let felt = vec![None; sides.weights.len()];
+        let at_start = vec![Tilt::of(0.0); sides.weights.len()];
         let start = vec![SVector::zeros(); rollers.len()];
-        RollingContact { sides, rollers, shape, translations: [[0.0; 3]; 3], carried: Default::default(), start, nearest, felt }
+        RollingContact { sides, rollers, shape, translations: [[0.0; 3]; 3], carried: Default::default(), start, at_start, nearest, felt }
     }
 
     pub(super) fn own_sides(&self) -> &Sides {
@@ -143,6 +204,17 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
     fn center(&self, roller: usize, q: &[f64], time: usize) -> SVector<f64, D> {
         let shares = self.rollers[roller].masters.iter();
         shares.map(|&(node, share)| place::<D>(node, q) * share).sum::<SVector<f64, D>>() - self.moved(time)
+    }
+
+    /// Axis of a rim, where the masters are at `q`.
+    fn axis(&self, roller: usize, q: &[f64]) -> Option<SVector<f64, D>> {
+        let Roller { masters, axis, .. } = &self.rollers[roller];
+        axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
+    }
+
+    /// By how much the nearest point of a part is nearer than its center, over the radius, and its derivative with respect to the axis.
+    fn nearer(&self, roller: usize, normal: SVector<f64, D>, q: &[f64]) -> Tilt {
+        self.axis(roller, q).map_or(Tilt::of(0.0), |axis| Tilt::of(axis.dot(&normal)))
     }
 
     /// The node of a part that is nearest to the obstacle in a direction from the center, if the part is turned that way.
@@ -186,25 +258,32 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         count * roller..count * (roller + 1)
     }
 
-    /// The rows that are there: their number, their part and what they feel.
-    fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &S)> {
+    /// The rows that are there: their number, their part, what they feel and the normal at the start of the step.
+    fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &S, SVector<f64, D>)> {
         let count = self.shape.sides();
-        self.felt.iter().enumerate().filter_map(move |(row, felt)| Some((row, row / count, felt.as_ref()?)))
+        self.felt.iter().enumerate().filter_map(move |(row, felt)| felt.as_ref().map(|(felt, normal)| (row, row / count, felt, *normal)))
     }
 
     /// Distance of each part from the whole obstacle where the step ends, for those turned towards it.
     fn distances(&self, q: &[f64]) -> impl Iterator<Item = (usize, f64)> {
         (0..self.rollers.len()).filter_map(move |roller| {
             let local = self.shape.at(self.center(roller, q, 2));
-            let is_there = local.covered && self.facing(roller, q, -local.normal).1;
-            is_there.then(|| (roller, local.gap - self.rollers[roller].part.radius))
+            let tilt = self.nearer(roller, local.normal, q);
+            let is_there = self.touches(roller, &self.shape, &local, tilt, q);
+            is_there.then(|| (roller, local.gap - self.rollers[roller].part.radius * tilt.height))
         })
+    }
+
+    /// True if a part is turned so that it may touch what it feels.
+    fn touches(&self, roller: usize, felt: &S, local: &Local<D>, tilt: Tilt, q: &[f64]) -> bool {
+        let is_rim = self.rollers[roller].axis.is_some();
+        local.covered && (!is_rim || felt.takes_rims() && tilt.height > FLAT) && self.facing(roller, q, -local.normal).1
     }
 
     /// Shares of the masters in the material point that touches, where these are at `z` in mid-step and the row feels `felt`; and the
     /// normal there.
     pub(super) fn touching<T: Number>(&self, roller: usize, felt: &S, z: &[[T; D]]) -> ([T; 4], [T; D]) {
-        let Roller { masters, part } = &self.rollers[roller];
+        let Roller { masters, part, axis } = &self.rollers[roller];
         let mut center = [T::from(0.0); D];
         for (&(_, share), z) in masters.iter().zip(z) {
             (0..D).for_each(|i| center[i] += z[i] * share);
@@ -216,7 +295,17 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         });
         // The arm from the center to the point, in the edges between masters.
         let edge = |k: usize| -> [T; D] { std::array::from_fn(|i| z[k][i] - z[0][i]) };
-        let arm = coordinates(&std::array::from_fn(|k| edge(k + 1)), normal.map(|n| n * -part.radius));
+        let mut direction = normal;
+        if let Some(shares) = axis {
+            // Across the axis of a rim.
+            let axis: [T; D] = std::array::from_fn(|i| shares.iter().zip(z).fold(T::from(0.0), |sum, (&share, z)| sum + z[i] * share));
+            let dot = |a: &[T; D], b: &[T; D]| a.iter().zip(b).fold(T::from(0.0), |sum, (&a, &b)| sum + a * b);
+            let along = dot(&normal, &axis) / dot(&axis, &axis);
+            let across: [T; D] = std::array::from_fn(|i| normal[i] - axis[i] * along);
+            let length = dot(&across, &across).sqrt().recip();
+            direction = across.map(|x| x * length);
+        }
+        let arm = coordinates(&std::array::from_fn(|k| edge(k + 1)), direction.map(|n| n * -part.radius));
         let mut shares = [T::from(0.0); 4];
         for (k, (share, &(_, of_center))) in shares.iter_mut().zip(masters).enumerate() {
             *share = if k == 0 { arm.iter().fold(T::from(of_center), |sum, &a| sum - a) } else { arm[k - 1] + of_center };
@@ -229,7 +318,7 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
     }
 
     /// What the rows of a part feel.
-    pub(super) fn felt_by(&self, roller: usize) -> &[Option<S>] {
+    pub(super) fn felt_by(&self, roller: usize) -> &[Option<(S, SVector<f64, D>)>] {
         &self.felt[self.rows_of(roller)]
     }
 
@@ -291,21 +380,25 @@ where
             let Local { normal, .. } = self.shape.at(x);
             self.nearest[roller] = self.facing(roller, q_0, -normal).0;
             let near = self.shape.near(x, radius, spare);
-            let is_there = |side: &S| {
+            let of_side = |side: S| {
                 let local = side.at(x);
-                local.covered && self.facing(roller, q_0, -local.normal).1
+                let tilt = self.nearer(roller, local.normal, q_0);
+                self.touches(roller, &side, &local, tilt, q_0).then_some((side, local.normal))
             };
-            let felt: Vec<Option<S>> = near.into_iter().map(|side| is_there(&side).then_some(side)).collect();
+            let felt: Vec<Option<(S, SVector<f64, D>)>> = near.into_iter().map(of_side).collect();
             for (place, row) in self.rows_of(roller).enumerate() {
                 self.felt[row] = felt.get(place).cloned().flatten();
+                let normal = self.felt[row].as_ref().map_or(normal, |(_, normal)| *normal);
+                self.at_start[row] = self.nearer(roller, normal, q_0);
             }
         }
     }
 
     fn start_gap(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (row, roller, felt) in self.rows_felt() {
-            gaps[row] = self.sides.weights[row] * (felt.at(self.begins(roller)).gap - self.rollers[roller].part.radius);
+        for (row, roller, felt, _) in self.rows_felt() {
+            let nearer = self.rollers[roller].part.radius * self.at_start[row].height;
+            gaps[row] = self.sides.weights[row] * (felt.at(self.begins(roller)).gap - nearer);
         }
         gaps
     }
@@ -314,22 +407,29 @@ where
         let patches = &self.sides.patches;
         out.prepare(patches, self.sides.weights.len());
         (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
-        for (row, p, felt) in self.rows_felt() {
-            let (weight, Roller { masters, part }) = (self.sides.weights[row], &self.rollers[p]);
+        for (row, p, felt, normal) in self.rows_felt() {
+            let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[p]);
             let end = felt.at(self.center(p, q_1, 2));
             let (bar, tangent) = self.step_gradient(felt, derivative, p, q_1);
+            let tilt = self.nearer(p, normal, q_1);
+            let [of_step, bend] = self.at_start[row].to(tilt, derivative).map(|x| x * part.radius);
             out.live[p] = true;
-            (out.gap[row], out.coverage[row]) = (weight * (end.gap - part.radius), f64::from(u8::from(end.covered)));
+            let gap = weight * (end.gap - part.radius * tilt.height);
+            (out.gap[row], out.coverage[row]) = (gap, f64::from(u8::from(end.covered)));
+            let turn = |k: usize| axis.as_ref().map_or(0.0, |axis| axis[k]);
             let width = patches.unknowns(p);
             let first = patches.gradient_range(p).start + (row - self.rows_of(p).start) * width;
             let block = patches.tangent_range(p).start;
             for (k, (_, share)) in masters.iter().enumerate() {
                 for i in 0..D {
-                    out.gradient_end[first + D * k + i] = weight * share * end.normal[i];
-                    out.gradient_bar[first + D * k + i] = weight * share * bar[i];
+                    let [at_end, mean] = [part.radius * tilt.slope, of_step].map(|slope| turn(k) * slope * normal[i]);
+                    out.gradient_end[first + D * k + i] = weight * (share * end.normal[i] - at_end);
+                    out.gradient_bar[first + D * k + i] = weight * (share * bar[i] - mean);
                     for (l, (_, other)) in masters.iter().enumerate() {
                         for j in 0..D {
-                            out.tangent[block + (D * k + i) * width + D * l + j] += lambda[row] * weight * share * other * tangent[(i, j)];
+                            let turned = turn(k) * turn(l) * bend * normal[i] * normal[j];
+                            out.tangent[block + (D * k + i) * width + D * l + j] +=
+                                lambda[row] * weight * (share * other * tangent[(i, j)] - turned);
                         }
                     }
                 }
@@ -407,11 +507,15 @@ where
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let way = self.moved(2) - self.moved(0);
         let mut work = 0.0;
-        for (row, roller, felt) in self.rows_felt().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
+        for (row, roller, felt, normal) in self.rows_felt().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
+            let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[roller]);
             let of_step = self.step_gradient(felt, derivative, roller, q_1).0 * lambda[row];
-            let f = (of_step + felt.at(self.begins(roller)).normal * before[row]) * self.sides.weights[row];
-            for (node, share) in &self.rollers[roller].masters {
-                (0..D).for_each(|i| force[D * *node as usize + i] += share * f[i]);
+            let f = (of_step + felt.at(self.begins(roller)).normal * before[row]) * weight;
+            let [slope, _] = self.at_start[row].to(self.nearer(roller, normal, q_1), derivative);
+            let couple = normal * (-weight * part.radius * (slope * lambda[row] + self.at_start[row].slope * before[row]));
+            for (k, (node, share)) in masters.iter().enumerate() {
+                let turn = axis.as_ref().map_or(0.0, |axis| axis[k]);
+                (0..D).for_each(|i| force[D * *node as usize + i] += share * f[i] + turn * couple[i]);
             }
             work += f.dot(&way);
         }
@@ -429,7 +533,7 @@ impl SlipRows for RollingContact<2, Shape> {
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let (first, z) = (self.rows_of(p).start, z.as_chunks().0);
         for (m, felt) in self.felt_by(p).iter().enumerate() {
-            let Some(felt) = felt else { continue };
+            let Some((felt, _)) = felt else { continue };
             let (shares, normal) = self.touching(p, felt, z);
             let weight = self.weight(first + m);
             for (k, share) in shares[..z.len()].iter().enumerate() {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::surface::Surface;
+use super::surface::{Edge, Surface};
 use crate::math::tolerances::ROUND_PART;
 
 /// Largest angle between neighbors as seen from the center of a round part, in the plane and in space: a circle of twelve facets is round,
@@ -19,17 +19,22 @@ const LARGEST_TURN: [f64; 2] = [30.5 * PI / 180.0, 45.0 * PI / 180.0];
 /// Smallest angle of this kind: what is flatter is taken for a plane, of which round-off makes any radius.
 const SMALLEST_TURN: f64 = 1e-3;
 
+/// Least part of the normals of a cylinder's side, in the mean of their squares, in any direction across its axis.
+const ALL_AROUND: f64 = 0.2;
+
 /// Least number of inside nodes of a part: a corner that two facets bevel is no arc.
 const LEAST_INSIDE: usize = 2;
 
-/// An arc of a circle, or a part of a sphere, on a surface.
+/// An arc of a circle, a part of a sphere, or the rim of a cylinder on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoundPart {
     /// Center `[length]`.
     pub center: Vector3<f64>,
     /// Radius `[length]`.
     pub radius: f64,
-    /// Model numbers of the nodes inside, ascending.
+    /// Unit vector along the axis of a cylinder of which this is a rim; `None`: an arc or a part of a sphere.
+    pub axis: Option<Vector3<f64>>,
+    /// Model numbers of the nodes inside, ascending; of a rim its nodes.
     pub inside: Vec<u32>,
     /// Model numbers of the nodes of the rim, each with its neighbors inside.
     pub rim: Vec<(u32, Vec<u32>)>,
@@ -38,7 +43,7 @@ pub struct RoundPart {
 /// Circle or sphere through a node and its neighbors: vector from the node to the center, and the radius.
 type Fit = (Vector3<f64>, f64);
 
-/// The round parts of a surface at positions `q`.
+/// The arcs, parts of spheres and rims of cylinders of a surface at positions `q`.
 pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
     let count = surface.nodes().len();
     let neighbors: Vec<Vec<usize>> = (0..count).map(|index| neighbors_of(surface, index)).collect();
@@ -71,6 +76,7 @@ pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
             parts.push(part(surface, &neighbors, &inside, (center, circle.1)));
         }
     }
+    parts.extend(rims(surface, q));
     parts
 }
 
@@ -85,6 +91,7 @@ fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, 
     RoundPart {
         center,
         radius,
+        axis: None,
         inside: inside.iter().map(number).collect(),
         rim: rim.iter().map(with_neighbors).collect(),
     }
@@ -143,4 +150,106 @@ fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Optio
     let outward = |facet: &u32| surface.outward(*facet as usize, q).iter().zip(center.iter()).map(|(n, c)| n * c).sum::<f64>();
     let is_convex = surface.adjacent_facets(index).iter().all(|facet| outward(facet) < 0.0);
     (is_on_it && is_curve && is_convex).then_some((center, radius))
+}
+
+/// The two rims of each whole cylinder of a surface in space.
+fn rims(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
+    smooth_regions(surface, q).iter().filter_map(|region| rims_of(surface, region, q)).flatten().collect()
+}
+
+/// Facets that are joined by sides at which the surface turns by no more than a round part may: each region's facets.
+fn smooth_regions(surface: &Surface, q: &[f64]) -> Vec<Vec<usize>> {
+    let mut beside = vec![Vec::new(); surface.count()];
+    for Edge { facets, .. } in surface.edges() {
+        let [Some(one), Some(other)] = facets else { continue };
+        let [a, b] = [one, other].map(|facet| outward(surface, facet as usize, q));
+        if a.dot(&b) >= LARGEST_TURN[1].cos() {
+            beside[one as usize].push(other as usize);
+            beside[other as usize].push(one as usize);
+        }
+    }
+    let mut is_taken = vec![false; surface.count()];
+    let mut regions = Vec::new();
+    for first in 0..surface.count() {
+        if is_taken[first] {
+            continue;
+        }
+        is_taken[first] = true;
+        let mut region = vec![first];
+        let mut next = 0;
+        while let Some(&facet) = region.get(next) {
+            next += 1;
+            for &other in &beside[facet] {
+                if !is_taken[other] {
+                    is_taken[other] = true;
+                    region.push(other);
+                }
+            }
+        }
+        regions.push(region);
+    }
+    regions
+}
+
+fn outward(surface: &Surface, facet: usize, q: &[f64]) -> Vector3<f64> {
+    Vector3::from_column_slice(&surface.outward(facet, q)).normalize()
+}
+
+/// The rims of a region that is the whole side of a cylinder: all normals are across one axis, all nodes on one circle around it.
+fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart; 2]> {
+    let count = region.len() as f64;
+    let spread: Matrix3<f64> = region.iter().map(|&facet| outward(surface, facet, q)).map(|n| n * n.transpose()).sum();
+    let eigen = spread.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let [least, next] = [order[0], order[1]].map(|k| eigen.eigenvalues[k]);
+    if least > (ROUND_PART * count).powi(2) || next < ALL_AROUND * count {
+        return None;
+    }
+    let axis: Vector3<f64> = eigen.eigenvectors.column(order[0]).into();
+    let mut nodes: Vec<usize> = region.iter().flat_map(|&facet| surface.local_facet(facet)).map(|&node| node as usize).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let origin = at(surface, nodes[0], q);
+    // 2 c.y = y.y of the parts across the axis, with the first node at the origin.
+    let across = |x: Vector3<f64>| (x - origin) - axis * axis.dot(&(x - origin));
+    let (mut matrix, mut right) = (axis * axis.transpose(), Vector3::zeros());
+    for y in nodes.iter().map(|&node| across(at(surface, node, q))) {
+        matrix += y * y.transpose() * 2.0;
+        right += y * y.norm_squared();
+    }
+    let center = matrix.try_inverse()? * right;
+    let radius = center.norm();
+    let height = |node: usize| axis.dot(&(at(surface, node, q) - origin));
+    let arm = |node: usize| across(at(surface, node, q)) - center;
+    let is_round = nodes.iter().all(|&node| (arm(node).norm() - radius).abs() <= ROUND_PART * radius);
+    let is_convex = region.iter().all(|&facet| {
+        let node = surface.local_facet(facet)[0] as usize;
+        outward(surface, facet, q).dot(&arm(node)) > 0.0
+    });
+    if !is_round || !is_convex {
+        return None;
+    }
+    let ends = [f64::min, f64::max].map(|pick| nodes.iter().map(|&node| height(node)).reduce(pick).unwrap_or(0.0));
+    let rim = |end: f64| {
+        let on_it: Vec<usize> = nodes.iter().copied().filter(|&node| (height(node) - end).abs() <= ROUND_PART * radius).collect();
+        is_whole(on_it.iter().map(|&node| arm(node)), axis).then(|| RoundPart {
+            center: origin + center + axis * end,
+            radius,
+            axis: Some(axis),
+            inside: on_it.iter().map(|&node| surface.nodes()[node]).collect(),
+            rim: Vec::new(),
+        })
+    };
+    Some([rim(ends[0])?, rim(ends[1])?])
+}
+
+/// True if arms across an axis go all around it, with steps of a round part at most.
+fn is_whole(arms: impl Iterator<Item = Vector3<f64>>, axis: Vector3<f64>) -> bool {
+    let arms: Vec<Vector3<f64>> = arms.collect();
+    let Some(&first) = arms.first() else { return false };
+    let mut angles: Vec<f64> = arms.iter().map(|arm| axis.dot(&first.cross(arm)).atan2(first.dot(arm))).collect();
+    angles.sort_by(f64::total_cmp);
+    let closing = angles[0] + 2.0 * PI - angles[angles.len() - 1];
+    angles.windows(2).map(|pair| pair[1] - pair[0]).fold(closing, f64::max) <= LARGEST_TURN[1]
 }

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::facets::Distance;
-use super::obstacle::{Shape, StepGradient};
+use super::obstacle::{Profile, Shape, StepGradient};
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::numbers::Number;
@@ -47,6 +47,14 @@ impl Felt<3> for Shape {
         (bar, tangent)
     }
 
+    fn takes_rims(&self) -> bool {
+        match self {
+            Shape::Plane { .. } | Shape::Facets(_) | Shape::Side(..) => true,
+            Shape::Revolved { profile, .. } => matches!(profile, Profile::Cylinder { .. }),
+            Shape::Sphere { .. } => false,
+        }
+    }
+
     fn passage(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> (f64, bool) {
         (self.swing(x_0, x_1, near), self.is_crossed(x_0, x_1, near))
     }
@@ -56,10 +64,10 @@ impl Felt<3> for Shape {
 impl SlipsInSpace for RollingContact<3, Shape> {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let first = self.felt_by(p).len() * p;
-        let group = |(place, felt): (usize, &Option<Shape>)| {
-            let felt = felt.as_ref()?;
+        let group = |(place, felt): (usize, &Option<(Shape, Vector3<f64>)>)| {
+            let (felt, at_start) = felt.as_ref()?;
             let (shares, normal) = self.touching(p, felt, z);
-            let axis = slip::farthest_axis(felt.at(self.begins(p)).normal.into());
+            let axis = slip::farthest_axis((*at_start).into());
             let mut weights = [T::from(0.0); slip::NODES];
             for (weight, share) in weights.iter_mut().zip(shares) {
                 *weight = share * self.weight(first + place);

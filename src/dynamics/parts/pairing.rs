@@ -216,9 +216,9 @@ impl Pairing<'_> {
         round_parts(&self.surface(&interaction.secondary), self.reference)
     }
 
-    /// Nodes of a boundary that the arcs and spheres of a rigid body stand for, ascending.
+    /// Nodes of a boundary that the arcs and spheres of a rigid body stand for, ascending. Those of a rim hold a cylinder that stands.
     fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
-        let mut nodes: Vec<u32> = self.round_parts(interaction).into_iter().flat_map(|part| part.inside).collect();
+        let mut nodes: Vec<u32> = self.round_parts(interaction).into_iter().filter(|part| part.axis.is_none()).flat_map(|part| part.inside).collect();
         nodes.sort_unstable();
         nodes
     }

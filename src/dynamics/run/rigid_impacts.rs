@@ -44,6 +44,9 @@ struct Outcome {
     lost: f64,
     /// Work of friction contact by contact, that of the step in the same contacts taken away.
     friction: Vec<f64>,
+    /// Sum of the sizes of the momenta that the contacts of the impact give and take, those of the step among them: what is left of them
+    /// is known to their round-off.
+    exchanged: f64,
     /// Work of all impulses, as seen from obstacles, with what closings in the step have done beyond their targets.
     work: f64,
 }
@@ -79,7 +82,7 @@ where
         let before: Vec<f64> = rows.iter().zip(&powers).map(|(&row, power)| rates[row] + power).collect();
         let outcome = self.outcome(motion, solution, conditions, &law, &touches, &rows, before);
         let push = self.system.response_to(&solution.at, evaluated, &responses, &rows, &outcome.impulses, &rates);
-        let push = self.checked(motion, solution, push)?;
+        let push = self.checked(motion, solution, push, tolerances::PUSH * outcome.exchanged)?;
         let mut jump = jump.unwrap_or_else(|| VelocityCorrection::none(v.len(), self.state.reserve.clone()));
         jump.add(1.0, &push, motion.dt);
         jump.impact += outcome.lost;
@@ -210,11 +213,11 @@ where
         if is_closing {
             law.compress(&mut course, |contact| touches[contact].was_closed);
         }
-        let kept = std::mem::replace(&mut course.impulses, vec![0.0; rows.len()]);
+        let before_closing = std::mem::replace(&mut course.impulses, vec![0.0; rows.len()]);
         course.pressing = 0.0;
         law.compress(&mut course, |_| true);
         let compressed = course;
-        let total = |course: &Course| -> Vec<f64> { (0..rows.len()).map(|i| taken[i] + kept[i] + course.impulses[i]).collect() };
+        let total = |course: &Course| -> Vec<f64> { (0..rows.len()).map(|i| taken[i] + before_closing[i] + course.impulses[i]).collect() };
         let work = |course: &Course| -> f64 {
             total(course).iter().zip(ending.iter().zip(&course.rates)).map(|(p, (before, after))| 0.5 * p * (before + after)).sum()
         };
@@ -238,6 +241,11 @@ where
         let kept = if dissipated < 0.0 { ((dissipated - rest) / dissipated).clamp(0.0, 1.0) } else { 1.0 };
         course.friction.iter_mut().for_each(|work| *work *= kept);
         let friction = course.friction.iter().zip(&slipped).map(|(work, slipped)| work - slipped).collect();
-        Outcome { impulses: total(&course), lost: lost(&course).max(0.0), friction, work: work(&course) + unbooked }
+        let given = |contact: &ImpactContact| {
+            let row = contact.first;
+            contact.weight * (taken[row].abs() + before_closing[row].abs() + course.impulses[row].abs())
+        };
+        let exchanged = law.contacts.iter().map(given).sum();
+        Outcome { impulses: total(&course), lost: lost(&course).max(0.0), friction, exchanged, work: work(&course) + unbooked }
     }
 }

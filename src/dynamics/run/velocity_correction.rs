@@ -142,7 +142,7 @@ where
         v
     }
 
-    /// An impulse response with the work of supports that move, if its momenta are balanced.
+    /// An impulse response with the work of supports that move, if its momenta are balanced; `beside`: a momentum that is none.
     ///
     /// # Errors
     /// Constraints depend on one another, exactly or as far as round-off of the momenta tells; or the run was interrupted.
@@ -151,11 +151,12 @@ where
         motion: &Motion,
         solution: &Solution,
         response: Result<ImpulseResponse, Failure>,
+        beside: f64,
     ) -> Result<ImpulseResponse, Failure> {
         let mut response = response.map_err(|failure| failure.or_end(self.state.row.time))?;
         let moving = self.system.supports.prescribed.iter().zip(motion.prescribed_v_1);
         response.work += moving.map(|(prescribed, v)| v * response.impulse[prescribed.unknown]).sum::<f64>();
-        match self.system.is_balanced(&response, &solution.at.q_1, 0.0) {
+        match self.system.is_balanced(&response, &solution.at.q_1, beside) {
             true => Ok(response),
             false => Err(Failure::Linear(LinearError::Singular { vertex: None })),
         }
@@ -184,7 +185,7 @@ where
             self.system.add_driven(&end.solution.at, &rates, &mut push);
             push
         });
-        self.checked(end.motion, end.solution, push)
+        self.checked(end.motion, end.solution, push, 0.0)
     }
 
     /// What a push gives.

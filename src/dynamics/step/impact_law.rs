@@ -170,6 +170,7 @@ impl ImpactLaw {
         let count = self.rows();
         let mut impulses = self.first_guess(part, rates, guess);
         let before = rates.to_vec();
+        let round_off = f64::EPSILON * before.iter().fold(0.0f64, |largest, rate| largest.max(rate.abs()));
         self.answer(&impulses, rates);
         for _ in 0..(PRODUCTS / (count * count).max(1)).clamp(SWEEPS[0], SWEEPS[1]) {
             let (mut largest, mut size) = (0.0f64, 0.0f64);
@@ -199,7 +200,7 @@ impl ImpactLaw {
                     rates.iter_mut().zip(column).for_each(|(rate, w)| *rate += w * change);
                 }
             }
-            if largest <= 10.0 * tolerances::IMPULSE * size {
+            if largest <= round_off.max(10.0 * tolerances::IMPULSE * size) {
                 break;
             }
         }
