@@ -52,7 +52,15 @@ impl RigidContact {
         let start = nodes.map(|&node| [reference[2 * node as usize], reference[2 * node as usize + 1]]).collect();
         let lines = vec![None; sides.weights.len()];
         let is_hidden = vec![false; sides.weights.len()];
-        RigidContact { sides, shape: Shape::new(obstacle), translations: [[0.0; 2]; 3], carried: Default::default(), start, is_hidden, lines }
+        RigidContact {
+            sides,
+            shape: Shape::new(obstacle),
+            translations: [[0.0; 2]; 3],
+            carried: Default::default(),
+            start,
+            is_hidden,
+            lines,
+        }
     }
 
     /// The obstacle as the node of that row feels it in this step.

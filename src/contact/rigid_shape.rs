@@ -5,7 +5,7 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::chain::Chain;
-use super::rolling::{Felt, Local};
+use super::felt::{Felt, Local};
 use super::slip::Carrier;
 use super::space::ObstacleInSpace;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};

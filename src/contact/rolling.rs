@@ -29,71 +29,16 @@ use std::ops::Range;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
+use super::felt::{Felt, Local};
+use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;
 use super::patches::Evaluation;
-use super::rigid_shape::{Obstacle, Shape};
 use super::round_parts::RoundPart;
-use super::slip::{self, SlipRows, SlipStep};
-use super::space::ShapeInSpace;
+use super::slip::SlipStep;
 use super::surface::{Sides, Surface};
+use super::tilt::Tilt;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
-
-/// Contact of round parts of a surface of a rigid body with an obstacle; `shares_of` gives the masters of a point at rest, in model numbers,
-/// with their shares of it.
-pub fn rolling_contact(
-    surface: Surface,
-    parts: Vec<RoundPart>,
-    obstacle: &Obstacle,
-    shares_of: &dyn Fn([f64; 3]) -> Vec<(u32, f64)>,
-    reference: &[f64],
-) -> Box<dyn ContactKernel> {
-    match obstacle {
-        Obstacle::InSpace(shape) => Box::new(RollingContact::new(surface, parts, ShapeInSpace::new(shape), shares_of, reference)),
-        _ => Box::new(RollingContact::new(surface, parts, Shape::new(obstacle), shares_of, reference)),
-    }
-}
-
-/// Height over the radius below which a rim lies flat, twelve degrees: its nodes hold it. Where a rim comes to lie, `h` has a cusp.
-const FLAT: f64 = 0.2;
-
-/// Least height over the radius of a rim that comes to lie flat within a step.
-const LEAST_HEIGHT: f64 = 1e-3;
-
-/// Distance from an obstacle of a point, its gradient and second derivative.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Local<const D: usize> {
-    pub gap: f64,
-    pub normal: SVector<f64, D>,
-    pub curvature: SMatrix<f64, D, D>,
-    /// True where the point is opposite the obstacle.
-    pub covered: bool,
-}
-
-impl<const D: usize> Local<D> {
-    /// That of nothing.
-    pub fn none() -> Self {
-        Local { gap: 0.0, normal: SVector::zeros(), curvature: SMatrix::zeros(), covered: false }
-    }
-}
-
-/// A rigid obstacle, or a side of it, as the rows of round parts feel it. Points are in the frame of the obstacle.
-pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
-    /// How many sides of it may touch a round part at once.
-    fn sides(&self) -> usize;
-    /// The sides that a round part of this radius about `x` may touch: at most [`Self::sides`], in an order that does not depend on which
-    /// is nearer.
-    fn near(&self, x: SVector<f64, D>, radius: f64, spare: f64) -> Vec<Self>;
-    /// Distance at a point.
-    fn at(&self, x: SVector<f64, D>) -> Local<D>;
-    /// Discrete gradient between two points and its derivative with respect to the second; `size` is that of facets.
-    fn between(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, size: f64) -> (SVector<f64, D>, SMatrix<f64, D, D>);
-    /// True if rims of cylinders touch it where a plane in its place would.
-    fn takes_rims(&self) -> bool;
-    /// By how much the distance changes on the way between two points, in lengths of `near`, and whether the way leads through it.
-    fn passage(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, near: f64) -> (f64, bool);
-}
 
 /// A round part with the masters that move it.
 #[derive(Clone, Debug)]
@@ -124,43 +69,8 @@ pub(super) struct RollingContact<const D: usize, S> {
     felt: Vec<Option<(S, SVector<f64, D>)>>,
 }
 
-/// How far a rim is tilted: `s = n.a`, `h(s)` and `h'(s)`.
-#[derive(Clone, Copy, Debug)]
-struct Tilt {
-    sine: f64,
-    height: f64,
-    slope: f64,
-}
-
-impl Tilt {
-    fn of(sine: f64) -> Self {
-        // A rim that comes to lie flat within a step keeps a small height.
-        let height = (1.0 - sine * sine).max(LEAST_HEIGHT * LEAST_HEIGHT).sqrt();
-        Tilt { sine, height, slope: -sine / height }
-    }
-
-    /// Derivative of `h` for the forces of a step from here, discrete or at a configuration, and its derivative with respect to `s` at the
-    /// end.
-    fn to(self, end: Tilt, derivative: Derivative) -> [f64; 2] {
-        let plain = |at: Tilt, share: f64| [at.slope, -share / at.height.powi(3)];
-        match derivative {
-            Derivative::DiscreteGradient => {
-                let sum = self.height + end.height;
-                if end.height == LEAST_HEIGHT {
-                    let way = end.sine - self.sine;
-                    return [(end.height - self.height) / way, 0.0];
-                }
-                let slope = -(self.sine + end.sine) / sum;
-                [slope, (-1.0 - slope * end.slope) / sum]
-            }
-            Derivative::Gradient(Configuration::Middle) => plain(Tilt::of(0.5 * (self.sine + end.sine)), Configuration::Middle.share()),
-            Derivative::Gradient(Configuration::End) => plain(end, Configuration::End.share()),
-        }
-    }
-}
-
 impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
-    fn new(
+    pub fn new(
         surface: Surface,
         parts: Vec<RoundPart>,
         shape: S,
@@ -253,7 +163,7 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         }
     }
 
-    fn rows_of(&self, roller: usize) -> Range<usize> {
+    pub(super) fn rows_of(&self, roller: usize) -> Range<usize> {
         let count = self.shape.sides();
         count * roller..count * (roller + 1)
     }
@@ -277,7 +187,7 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
     /// True if a part is turned so that it may touch what it feels.
     fn touches(&self, roller: usize, felt: &S, local: &Local<D>, tilt: Tilt, q: &[f64]) -> bool {
         let is_rim = self.rollers[roller].axis.is_some();
-        local.covered && (!is_rim || felt.takes_rims() && tilt.height > FLAT) && self.facing(roller, q, -local.normal).1
+        local.covered && (!is_rim || felt.takes_rims() && !tilt.is_flat()) && self.facing(roller, q, -local.normal).1
     }
 
     /// Shares of the masters in the material point that touches, where these are at `z` in mid-step and the row feels `felt`; and the
@@ -290,9 +200,8 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         }
         let middle = self.moved(1);
         let Local { normal, curvature, .. } = felt.at(SVector::from_fn(|i, _| center[i].re() - middle[i]));
-        let normal: [T; D] = std::array::from_fn(|i| {
-            (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)])
-        });
+        let normal: [T; D] =
+            std::array::from_fn(|i| (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)]));
         // The arm from the center to the point, in the edges between masters.
         let edge = |k: usize| -> [T; D] { std::array::from_fn(|i| z[k][i] - z[0][i]) };
         let mut direction = normal;
@@ -520,44 +429,5 @@ where
             work += f.dot(&way);
         }
         work
-    }
-}
-
-/// Slip of round parts in the plane on the obstacle, as it translates and turns.
-impl SlipRows for RollingContact<2, Shape> {
-    fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
-        places.extend(0..self.rollers[p].masters.len());
-        self.felt_by(p).iter().any(Option::is_some)
-    }
-
-    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
-        let (first, z) = (self.rows_of(p).start, z.as_chunks().0);
-        for (m, felt) in self.felt_by(p).iter().enumerate() {
-            let Some((felt, _)) = felt else { continue };
-            let (shares, normal) = self.touching(p, felt, z);
-            let weight = self.weight(first + m);
-            for (k, share) in shares[..z.len()].iter().enumerate() {
-                rows[2 * (m * z.len() + k)] = normal[1] * *share * weight;
-                rows[2 * (m * z.len() + k) + 1] = -(normal[0] * *share * weight);
-            }
-            covered[m] = 1.0;
-        }
-        true
-    }
-
-    fn is_relative(&self, _p: usize) -> bool {
-        false
-    }
-
-    fn other_side(&self) -> slip::Carrier {
-        let ([x, y, _], angle) = self.carried;
-        let [a, b, _] = self.translations[1];
-        self.shape.carrier(([x, y], angle), [a, b])
-    }
-}
-
-impl Slips for RollingContact<2, Shape> {
-    fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
-        slip::evaluate(self, &self.sides.patches, step, lambda, out);
     }
 }

@@ -10,14 +10,11 @@ use std::f64::consts::PI;
 use nalgebra::{Matrix3, Vector3};
 
 use super::surface::{Edge, Surface};
-use crate::math::tolerances::ROUND_PART;
+use crate::math::tolerances::{ROUND_PART, ROUND_PART_TURN};
 
 /// Largest angle between neighbors as seen from the center of a round part, in the plane and in space: a circle of twelve facets is round,
 /// an octagon is not; a sphere of as many facets around has diagonals of 43 degrees where these are triangles, an icosahedron of 63.
 const LARGEST_TURN: [f64; 2] = [30.5 * PI / 180.0, 45.0 * PI / 180.0];
-
-/// Smallest angle of this kind: what is flatter is taken for a plane, of which round-off makes any radius.
-const SMALLEST_TURN: f64 = 1e-3;
 
 /// Least part of the normals of a cylinder's side, in the mean of their squares, in any direction across its axis.
 const ALL_AROUND: f64 = 0.2;
@@ -76,7 +73,9 @@ pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
             parts.push(part(surface, &neighbors, &inside, (center, circle.1)));
         }
     }
-    parts.extend(rims(surface, q));
+    if surface.dimension() == 3 {
+        parts.extend(smooth_regions(surface, q).iter().filter_map(|region| rims_of(surface, region, q)).flatten());
+    }
     parts
 }
 
@@ -88,13 +87,7 @@ fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, 
     rim.dedup();
     let number = |index: &usize| surface.nodes()[*index];
     let with_neighbors = |index: &usize| (number(index), neighbors[*index].iter().filter(|other| is_inside(other)).map(number).collect());
-    RoundPart {
-        center,
-        radius,
-        axis: None,
-        inside: inside.iter().map(number).collect(),
-        rim: rim.iter().map(with_neighbors).collect(),
-    }
+    RoundPart { center, radius, axis: None, inside: inside.iter().map(number).collect(), rim: rim.iter().map(with_neighbors).collect() }
 }
 
 /// Position of the node of that index; in the plane with a third coordinate 0.
@@ -146,18 +139,13 @@ fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Optio
     let is_on_it = ring.iter().all(|y| ((y - center).norm() - radius).abs() <= ROUND_PART * radius);
     let largest = LARGEST_TURN[surface.dimension() - 2];
     let turns = neighbors.iter().map(|&other| 2.0 * (0.5 * (place(other) - node).norm() / radius).min(1.0).asin());
-    let is_curve = turns.into_iter().all(|turn| (SMALLEST_TURN..=largest).contains(&turn));
+    let is_curve = turns.into_iter().all(|turn| (ROUND_PART_TURN..=largest).contains(&turn));
     let outward = |facet: &u32| surface.outward(*facet as usize, q).iter().zip(center.iter()).map(|(n, c)| n * c).sum::<f64>();
     let is_convex = surface.adjacent_facets(index).iter().all(|facet| outward(facet) < 0.0);
     (is_on_it && is_curve && is_convex).then_some((center, radius))
 }
 
-/// The two rims of each whole cylinder of a surface in space.
-fn rims(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
-    smooth_regions(surface, q).iter().filter_map(|region| rims_of(surface, region, q)).flatten().collect()
-}
-
-/// Facets that are joined by sides at which the surface turns by no more than a round part may: each region's facets.
+/// Facets in space that are joined by sides at which the surface turns by no more than a round part may: each region's facets.
 fn smooth_regions(surface: &Surface, q: &[f64]) -> Vec<Vec<usize>> {
     let mut beside = vec![Vec::new(); surface.count()];
     for Edge { facets, .. } in surface.edges() {
@@ -191,11 +179,12 @@ fn smooth_regions(surface: &Surface, q: &[f64]) -> Vec<Vec<usize>> {
     regions
 }
 
+/// Outward unit normal of a facet in space.
 fn outward(surface: &Surface, facet: usize, q: &[f64]) -> Vector3<f64> {
     Vector3::from_column_slice(&surface.outward(facet, q)).normalize()
 }
 
-/// The rims of a region that is the whole side of a cylinder: all normals are across one axis, all nodes on one circle around it.
+/// The two rims of a region that is the whole side of a cylinder: all normals are across one axis, all nodes on one circle around it.
 fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart; 2]> {
     let count = region.len() as f64;
     let spread: Matrix3<f64> = region.iter().map(|&facet| outward(surface, facet, q)).map(|n| n * n.transpose()).sum();
@@ -252,4 +241,44 @@ fn is_whole(arms: impl Iterator<Item = Vector3<f64>>, axis: Vector3<f64>) -> boo
     angles.sort_by(f64::total_cmp);
     let closing = angles[0] + 2.0 * PI - angles[angles.len() - 1];
     angles.windows(2).map(|pair| pair[1] - pair[0]).fold(closing, f64::max) <= LARGEST_TURN[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts_of(points: &[[f64; 2]]) -> Vec<RoundPart> {
+        let count = points.len() as u32;
+        let facets: Vec<[u32; 2]> = (0..count).map(|k| [k, (k + 1) % count]).collect();
+        round_parts(&Surface::new(&facets), points.as_flattened())
+    }
+
+    fn polygon(count: u32) -> Vec<[f64; 2]> {
+        (0..count).map(|k| (f64::from(k) * 2.0 * PI / f64::from(count)).sin_cos()).map(|(sin, cos)| [1.0 + 2.0 * cos, 2.0 * sin]).collect()
+    }
+
+    #[test]
+    fn circles_of_twelve_facets_are_round_and_octagons_are_not() {
+        for count in [12, 40] {
+            let parts = parts_of(&polygon(count));
+            assert!(parts.len() == 1 && parts[0].rim.is_empty() && parts[0].inside.len() == count as usize, "{parts:?}");
+            assert!((parts[0].radius - 2.0).abs() < 1e-12 && (parts[0].center - Vector3::new(1.0, 0.0, 0.0)).norm() < 1e-12);
+        }
+        assert!(parts_of(&polygon(8)).is_empty());
+        let inside_out: Vec<[f64; 2]> = polygon(24).into_iter().rev().collect();
+        assert!(parts_of(&inside_out).is_empty(), "the wall of a hole is hollow");
+    }
+
+    /// A slot: two half circles and two straight sides.
+    #[test]
+    fn arcs_end_where_straight_sides_begin() {
+        let half =
+            |x: f64, from: f64| (0..=8).map(move |k| (from + f64::from(k) * PI / 8.0).sin_cos()).map(move |(sin, cos)| [x + cos, sin]);
+        let points: Vec<[f64; 2]> = half(2.0, -0.5 * PI).chain(half(-2.0, 0.5 * PI)).collect();
+        let parts = parts_of(&points);
+        assert_eq!(parts.len(), 2);
+        for (part, x) in parts.iter().zip([2.0, -2.0]) {
+            assert!(part.inside.len() == 7 && part.rim.len() == 2 && (part.center.x - x).abs() < 1e-12, "{part:?}");
+        }
+    }
 }

@@ -6,9 +6,10 @@ use super::facets::Distance;
 use super::obstacle::{Profile, Shape, StepGradient};
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
+use crate::contact::felt::{Felt, Local};
 use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
-use crate::contact::rolling::{Felt, Local, RollingContact, Slips};
+use crate::contact::rolling::{RollingContact, Slips};
 use crate::contact::slip::SlipStep;
 
 /// How many sides of an obstacle with pockets a round part may touch at once.

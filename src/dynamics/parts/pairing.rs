@@ -12,8 +12,8 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 use crate::dynamics::model::update_rules::UpdateRule;
 use crate::math::norms::largest_size;
-use crate::mesh::pieces_of;
 use crate::math::tolerances;
+use crate::mesh::pieces_of;
 
 /// All pairs of a model, whose bodies' nodes are numbered from where `first` says, `middles` those of edges of second order;
 /// `default_rule` is that of contacts that name none. Constraints of `points` come last. Ties hold the positions at the `start`.
@@ -218,7 +218,8 @@ impl Pairing<'_> {
 
     /// Nodes of a boundary that the arcs and spheres of a rigid body stand for, ascending. Those of a rim hold a cylinder that stands.
     fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
-        let mut nodes: Vec<u32> = self.round_parts(interaction).into_iter().filter(|part| part.axis.is_none()).flat_map(|part| part.inside).collect();
+        let mut nodes: Vec<u32> =
+            self.round_parts(interaction).into_iter().filter(|part| part.axis.is_none()).flat_map(|part| part.inside).collect();
         nodes.sort_unstable();
         nodes
     }

@@ -79,8 +79,11 @@ fn add_contact() -> Function {
             let partner = partner_of(call, &options.argument("primary"), &model)?;
             let (method, facets) = (method_of(&options)?, facets_of(&options)?);
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
-            let is_plane = model.0.borrow().model.dimension() == 2;
-            let idle = if is_plane { &["method", "facets"][..] } else { &["method"] };
+            let has_curves = {
+                let model = &model.0.borrow().model;
+                model.dimension() == 3 || model.bodies[secondary.body].rigid.is_some()
+            };
+            let idle = if has_curves { &["method"][..] } else { &["method", "facets"] };
             let given = idle.iter().map(|name| options.argument(name)).find(Argument::is_given);
             if let (Partner::Obstacle { .. }, Some(argument)) = (&partner, given) {
                 let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title()));

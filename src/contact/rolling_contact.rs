@@ -1,0 +1,221 @@
+//! Contact of the round parts of a rigid body (`rolling.rs`) with obstacles of the plane and of space.
+
+use super::kernel::ContactKernel;
+use super::numbers::Number;
+use super::patches::Evaluation;
+use super::rigid_shape::{Obstacle, Shape};
+use super::rolling::{RollingContact, Slips};
+use super::round_parts::RoundPart;
+use super::slip::{self, SlipRows, SlipStep};
+use super::space::ShapeInSpace;
+use super::surface::Surface;
+
+/// Contact of round parts of a surface of a rigid body with an obstacle; `shares_of` gives the masters of a point at rest, in the numbers of
+/// the model, with their shares of it.
+pub fn rolling_contact(
+    surface: Surface,
+    parts: Vec<RoundPart>,
+    obstacle: &Obstacle,
+    shares_of: &dyn Fn([f64; 3]) -> Vec<(u32, f64)>,
+    reference: &[f64],
+) -> Box<dyn ContactKernel> {
+    match obstacle {
+        Obstacle::InSpace(shape) => Box::new(RollingContact::new(surface, parts, ShapeInSpace::new(shape), shares_of, reference)),
+        _ => Box::new(RollingContact::new(surface, parts, Shape::new(obstacle), shares_of, reference)),
+    }
+}
+
+/// Slip of round parts in the plane on the obstacle, as it translates and turns.
+impl SlipRows for RollingContact<2, Shape> {
+    fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
+        places.extend(0..self.own_sides().patches.nodes(p).len());
+        self.felt_by(p).iter().any(Option::is_some)
+    }
+
+    fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
+        let (first, z) = (self.rows_of(p).start, z.as_chunks().0);
+        for (m, felt) in self.felt_by(p).iter().enumerate() {
+            let Some((felt, _)) = felt else { continue };
+            let (shares, normal) = self.touching(p, felt, z);
+            let weight = self.weight(first + m);
+            for (k, share) in shares[..z.len()].iter().enumerate() {
+                rows[2 * (m * z.len() + k)] = normal[1] * *share * weight;
+                rows[2 * (m * z.len() + k) + 1] = -(normal[0] * *share * weight);
+            }
+            covered[m] = 1.0;
+        }
+        true
+    }
+
+    fn is_relative(&self, _p: usize) -> bool {
+        false
+    }
+
+    fn other_side(&self) -> slip::Carrier {
+        let ([x, y, _], angle) = self.carried;
+        let [a, b, _] = self.translations[1];
+        self.shape.carrier(([x, y], angle), [a, b])
+    }
+}
+
+impl Slips for RollingContact<2, Shape> {
+    fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
+        slip::evaluate(self, &self.own_sides().patches, step, lambda, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+    use proptest::test_runner::RngSeed;
+
+    use super::super::fixtures::{dense_rows_of, difference, product, tangent_along};
+    use super::super::{Evaluation, ObstacleInSpace, round_parts};
+    use super::*;
+    use crate::integrators::{Configuration, Derivative};
+
+    /// Twelve nodes on a circle, whose first three nodes not in line are masters.
+    fn disk() -> (Surface, Vec<f64>) {
+        let at = |k: u32| (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
+        let q = (0..12).flat_map(|k| [0.5 * at(k).1 + 0.2, 0.5 * at(k).0 - 0.1]).collect();
+        let facets: Vec<[u32; 2]> = (0..12).map(|k| [k, (k + 1) % 12]).collect();
+        (Surface::new(&facets), q)
+    }
+
+    /// The side of a cylinder of two rings of twelve nodes, and a node at the end of an axis, for masters in general position.
+    fn cylinder() -> (Surface, Vec<f64>) {
+        let at = |k: u32| (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
+        let ring = |z: f64| (0..12).flat_map(move |k| [0.5 * at(k).1, 0.5 * at(k).0, z]);
+        let facets: Vec<[u32; 4]> = (0..12).map(|k| [k, (k + 1) % 12, 12 + (k + 1) % 12, 12 + k]).collect();
+        (Surface::in_space(facets.iter().map(|facet| &facet[..])), ring(0.0).chain(ring(0.8)).collect())
+    }
+
+    /// Shares of the masters 0, 4, 8 and, in space, 13 in a point, in the reference positions `q`.
+    fn shares_of(q: &[f64], dimension: usize, point: [f64; 3]) -> Vec<(u32, f64)> {
+        let masters = if dimension == 2 { vec![0, 4, 8] } else { vec![0, 4, 8, 13] };
+        let at = |node: u32| Vector3::from_fn(|i, _| if i < dimension { q[dimension * node as usize + i] } else { 0.0 });
+        let mut edges = nalgebra::Matrix3::identity();
+        (1..masters.len()).for_each(|k| edges.set_column(k - 1, &(at(masters[k]) - at(0))));
+        let b = edges.try_inverse().unwrap() * (Vector3::from(point) - at(0));
+        let rest = 1.0 - (1..masters.len()).map(|k| b[k - 1]).sum::<f64>();
+        std::iter::once((0, rest)).chain((1..masters.len()).map(|k| (masters[k], b[k - 1]))).collect()
+    }
+
+    /// Obstacles with the surface that touches them.
+    fn cases() -> Vec<(Obstacle, Surface, Vec<f64>)> {
+        let plane = [
+            Obstacle::HalfPlane { point: [0.0, -0.7], normal: [0.1, 1.0] },
+            Obstacle::Disk { center: [0.1, -1.8], radius: 1.1 },
+            Obstacle::Ring { center: [0.3, 0.4], radius: 1.2 },
+            Obstacle::Polyline { points: vec![[2.0, -0.6], [-0.2, -0.7], [-1.5, 0.4]] },
+        ];
+        let space = [
+            ObstacleInSpace::Plane { point: [0.0, -0.6, 0.0], normal: [0.1, 1.0, 0.3] },
+            ObstacleInSpace::Cylinder { point: [0.1, 0.3, 0.0], axis: [0.05, 0.0, 1.0], radius: 1.0, is_hollow: true },
+        ];
+        let of = |(surface, q): (Surface, Vec<f64>)| move |obstacle| (obstacle, surface.clone(), q.clone());
+        plane.into_iter().map(of(disk())).chain(space.into_iter().map(Obstacle::InSpace).map(of(cylinder()))).collect()
+    }
+
+    const LAMBDA: [f64; 8] = [1.5, 0.7, -0.4, 1.1, 0.3, -0.8, 0.6, 0.9];
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 100, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
+
+        /// The forces do the work of the multipliers on the gaps and that of the obstacle's motion; gradients and tangents of gaps and slips
+        /// are derivatives along a random direction.
+        #[test]
+        fn rows_of_round_parts_keep_the_contract(
+            motion in prop::collection::vec(-0.03..0.03f64, 72),
+            direction in prop::collection::vec(-1.0..1.0f64, 72),
+            shift in prop::array::uniform3(-0.05..0.05f64),
+        ) {
+            for (obstacle, surface, q_0) in cases() {
+                let d = surface.dimension();
+                let parts = round_parts(&surface, &q_0);
+                prop_assert_eq!(parts.len(), d - 1);
+                let mut kernel = rolling_contact(surface, parts, &obstacle, &|point| shares_of(&q_0, d, point), &q_0);
+                let to: [f64; 3] = std::array::from_fn(|i| if i < d { shift[i] } else { 0.0 });
+                kernel.move_obstacle(&[[0.0; 3], to.map(|x| 0.5 * x), to]);
+                kernel.begin_step(&q_0);
+                let lambda = &LAMBDA[..kernel.rows()];
+                let q_1: Vec<f64> = q_0.iter().zip(&motion).map(|(q, u)| q + u).collect();
+                let evaluated = |derivative, q: &[f64]| {
+                    let mut out = Evaluation::default();
+                    kernel.evaluate(derivative, q, lambda, &mut out);
+                    out
+                };
+                let out = evaluated(Derivative::DiscreteGradient, &q_1);
+                prop_assert!(out.live.contains(&true), "{obstacle:?}");
+                let mut force = vec![0.0; q_0.len()];
+                let none = vec![0.0; lambda.len()];
+                let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &none, lambda, &mut force);
+                let by_gaps = product(lambda, &difference(&out.gap, &kernel.start_gap()));
+                let work = product(&force, &difference(&q_1, &q_0));
+                prop_assert!((work - by_gaps - by_motion).abs() < 1e-13, "{obstacle:?}: {work} {by_gaps} {by_motion}");
+                let along = |width: f64| -> Vec<f64> { q_1.iter().zip(&direction).map(|(q, u)| q + width * u).collect() };
+                let slope = |of: &dyn Fn(&[f64]) -> Vec<f64>, width: f64| -> Vec<f64> {
+                    difference(&of(&along(width)), &of(&along(-width))).iter().map(|x| 0.5 * x / width).collect()
+                };
+                // A polyline has kinks in its distance, where differences of two widths disagree.
+                let agrees = |name: &str, exact: Vec<f64>, of: &dyn Fn(&[f64]) -> Vec<f64>| -> Result<(), TestCaseError> {
+                    for ((exact, fine), coarse) in exact.iter().zip(slope(of, 1e-5)).zip(slope(of, 2e-5)) {
+                        prop_assert!((fine - coarse).abs() > 1e-6 || (exact - fine).abs() < 1e-6, "{obstacle:?} {name}: {exact} {fine}");
+                    }
+                    Ok(())
+                };
+                let patches = kernel.patches();
+                let direction = &direction[..q_0.len()];
+                let rows = |gradients: &[f64], patches, count| dense_rows_of(patches, count, gradients, q_0.len());
+                let gaps = rows(&out.gradient_end, patches, lambda.len()).iter().map(|row| product(row, direction)).collect();
+                agrees("gap", gaps, &|q| evaluated(Derivative::DiscreteGradient, q).gap)?;
+                for derivative in Derivative::ALL {
+                    let out = evaluated(derivative, &q_1);
+                    let forces = |q: &[f64]| -> Vec<f64> {
+                        let rows = rows(&evaluated(derivative, q).gradient_bar, patches, lambda.len());
+                        (0..q.len()).map(|k| rows.iter().zip(lambda).map(|(row, lambda)| lambda * row[k]).sum()).collect()
+                    };
+                    agrees("force", tangent_along(patches, &out.tangent, direction), &forces)?;
+                }
+                let slips = |q: &[f64]| {
+                    let (moved, mut slips) = (difference(q, &q_0), Evaluation::default());
+                    let shears = &LAMBDA[..(d - 1) * lambda.len()];
+                    let step = SlipStep { q_0: &q_0, q_1: q, moved: &moved, test: Configuration::Middle, live: &out.live };
+                    kernel.evaluate_slips(step, shears, &mut slips);
+                    slips
+                };
+                let (at, count, of_slips) = (slips(&q_1), (d - 1) * lambda.len(), kernel.slip_patches());
+                let exact = rows(&at.gradient_end, of_slips, count).iter().map(|row| product(row, direction)).collect();
+                agrees("slip", exact, &|q| slips(q).gap)?;
+                let pulls = |q: &[f64]| -> Vec<f64> {
+                    let rows = rows(&slips(q).gradient_bar, of_slips, count);
+                    (0..q.len()).map(|k| rows.iter().zip(LAMBDA).map(|(row, shear)| shear * row[k]).sum()).collect()
+                };
+                agrees("friction", tangent_along(of_slips, &at.tangent, direction), &pulls)?;
+            }
+        }
+    }
+
+    /// Closed form: a disk that turns by an angle and goes on by 2 r tan(angle/2) does not slip.
+    #[test]
+    fn a_disk_that_rolls_does_not_slip() {
+        let (surface, q_0) = disk();
+        let plane = Obstacle::HalfPlane { point: [0.0, -0.6], normal: [0.0, 1.0] };
+        let parts = round_parts(&surface, &q_0);
+        let mut kernel = rolling_contact(surface, parts, &plane, &|point| shares_of(&q_0, 2, point), &q_0);
+        kernel.begin_step(&q_0);
+        assert!(kernel.start_gap()[0].abs() < 1e-16);
+        let (sin, cos) = (-0.3f64).sin_cos();
+        let turned =
+            |x: &[f64]| [0.2 + cos * (x[0] - 0.2) - sin * (x[1] + 0.1) + 0.15f64.tan(), sin * (x[0] - 0.2) + cos * (x[1] + 0.1) - 0.1];
+        let q_1: Vec<f64> = q_0.chunks_exact(2).flat_map(turned).collect();
+        let (moved, mut out) = (difference(&q_1, &q_0), Evaluation::default());
+        kernel.evaluate_slips(
+            SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, test: Configuration::Middle, live: &[true] },
+            &[1.0],
+            &mut out,
+        );
+        assert!(out.gap[0].abs() < 1e-16 && kernel.gap(&q_1)[0].abs() < 1e-16, "{:?}", out.gap);
+    }
+}

@@ -1,0 +1,44 @@
+//! Tilt of the rim of a cylinder: by how much its nearest point is nearer to a plane than its center.
+
+use crate::integrators::{Configuration, Derivative};
+use crate::math::tolerances::{RIM_FLAT, RIM_LEAST};
+
+/// How far a rim is tilted: `s = n.a`, `h(s)` and `h'(s)`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tilt {
+    sine: f64,
+    pub height: f64,
+    pub slope: f64,
+}
+
+impl Tilt {
+    pub fn of(sine: f64) -> Self {
+        // A rim that comes to lie flat within a step keeps a small height.
+        let height = (1.0 - sine * sine).max(RIM_LEAST * RIM_LEAST).sqrt();
+        Tilt { sine, height, slope: -sine / height }
+    }
+
+    /// True where the nodes of the rim hold it.
+    pub fn is_flat(&self) -> bool {
+        self.height <= RIM_FLAT
+    }
+
+    /// Derivative of `h` for the forces of a step from here, discrete or at a configuration, and its derivative with respect to `s` at the
+    /// end.
+    pub fn to(self, end: Tilt, derivative: Derivative) -> [f64; 2] {
+        let plain = |at: Tilt, share: f64| [at.slope, -share / at.height.powi(3)];
+        match derivative {
+            Derivative::DiscreteGradient => {
+                let sum = self.height + end.height;
+                if end.height == RIM_LEAST {
+                    let way = end.sine - self.sine;
+                    return [(end.height - self.height) / way, 0.0];
+                }
+                let slope = -(self.sine + end.sine) / sum;
+                [slope, (-1.0 - slope * end.slope) / sum]
+            }
+            Derivative::Gradient(Configuration::Middle) => plain(Tilt::of(0.5 * (self.sine + end.sine)), Configuration::Middle.share()),
+            Derivative::Gradient(Configuration::End) => plain(end, Configuration::End.share()),
+        }
+    }
+}
