@@ -75,7 +75,7 @@ impl RigidContact {
     }
 
     /// The nodes that have rows, by their index.
-    fn rows_felt(&self) -> impl Iterator<Item = usize> {
+    fn rows_there(&self) -> impl Iterator<Item = usize> {
         (0..self.sides.patches.len()).filter(|&row| !self.is_hidden[row])
     }
 
@@ -118,7 +118,7 @@ impl RigidContact {
     /// Weighted distances from `shape` of each row when the obstacle is displaced by `translation`.
     fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a Shape, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        for row in self.rows_felt() {
+        for row in self.rows_there() {
             let x = position(row);
             let distance = shape(row).distance([x[0] - translation[0], x[1] - translation[1]]);
             gaps[row] = self.sides.weights[row] * distance.map_or(0.0, |distance| distance.gap);
@@ -227,7 +227,7 @@ impl CandidateSearch for RigidContact {
             let distance = self.shape.distance(self.position(row, q, self.translations[2]));
             distance.filter(|distance| distance.covered).map_or(0.0, |distance| -distance.gap)
         };
-        self.rows_felt().map(depth).fold(0.0, f64::max)
+        self.rows_there().map(depth).fold(0.0, f64::max)
     }
 }
 
@@ -252,7 +252,7 @@ impl RigidObstacle for RigidContact {
         }
         let ([start, _, end], size) = (self.translations, self.sides.facet_size);
         let (mut swing, mut crossing) = (0.0f64, 0.0f64);
-        for row in self.rows_felt() {
+        for row in self.rows_there() {
             let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
             let x_1 = self.position(row, q_1, end);
             let near = size.max(self.sides.weights[row]);
@@ -268,7 +268,7 @@ impl RigidObstacle for RigidContact {
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let [start, _, end] = self.translations;
         let mut work = 0.0;
-        for row in self.rows_felt() {
+        for row in self.rows_there() {
             let node = 2 * self.sides.secondary.nodes()[row] as usize;
             let step = self.step_gradient(derivative, row, q_1);
             let at_start = if before[row] == 0.0 {
