@@ -10,8 +10,8 @@ use super::slip::{self, SlipRows, SlipStep};
 use super::space::ShapeInSpace;
 use super::surface::Surface;
 
-/// Contact of round parts of a surface of a rigid body with an obstacle; `shares_of` gives the masters of a point at rest, in the numbers of
-/// the model, with their shares of it.
+/// Contact of round parts of a surface of a rigid body with an obstacle; `shares_of` gives the masters of a point at rest, in the numbers
+/// of the model, with their shares of it.
 pub fn rolling_contact(
     surface: Surface,
     parts: Vec<RoundPart>,
@@ -123,8 +123,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 100, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// The forces do the work of the multipliers on the gaps and that of the obstacle's motion; gradients and tangents of gaps and slips
-        /// are derivatives along a random direction.
+        /// The forces do the work of the multipliers on the gaps and that of the obstacle's motion; gradients and tangents of gaps and
+        /// slips are derivatives along a random direction.
         #[test]
         fn rows_of_round_parts_keep_the_contract(
             motion in prop::collection::vec(-0.03..0.03f64, 72),
