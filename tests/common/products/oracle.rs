@@ -265,14 +265,17 @@ fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
         }
     }
     let joint = told::first(&ended.printed, "joint");
-    if let ([x, y, ..], false) = (&joint[..], numbers.is_joined) {
-        let [left, high] = script::joint_point(product);
+    if !joint.is_empty() && !numbers.is_joined {
+        let at = script::joint_point(product);
+        let away: Vec<f64> = joint.iter().zip(at).map(|(x, at)| x - at).collect();
+        let beside = away.iter().enumerate().filter(|(k, _)| *k != 1).fold(0.0, |sum: f64, (_, away)| sum.hypot(*away));
+        let length = beside.hypot(away[1] - 1.0);
         match product.row("joint") {
-            "point" | "hinge" | "weld" | "gear" => off("a joint", (x - left).abs().max((y - high).abs())),
-            "slider" | "slot" => off("a slide", (x - left).abs()),
-            "link" if product.is("drive", &["free"]) => off("a link", ((x - left).hypot(y - high - 1.0) - 1.0).abs()),
+            "point" | "hinge" | "weld" | "gear" => off("a joint", beside.hypot(away[1])),
+            "slider" | "slot" => off("a slide", beside),
+            "link" if product.is("drive", &["free"]) => off("a link", (length - 1.0).abs()),
             // It is taut within a step.
-            "cable" => off("a cable", ((x - left).hypot(y - high - 1.0) - 1.0 - 3.0 * numbers.dt).max(0.0)),
+            "cable" => off("a cable", (length - 1.0 - 3.0 * numbers.dt).max(0.0)),
             _ => {}
         }
     }

@@ -465,8 +465,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The point at which the joint of a product stands at rest, in the plane.
-pub fn joint_point(product: Named) -> [f64; 2] {
+/// The point at which the joint of a product stands at rest.
+pub fn joint_point(product: Named) -> [f64; 3] {
     Writer::new(product, Variant::Plain).joint_point()
 }
 
