@@ -343,6 +343,10 @@ pub const EIGHTH_TURN: f64 = std::f64::consts::FRAC_PI_4;
 /// Second singular value of how prescribed nodes lie and move, over the first, below which they determine no rotation.
 pub const TURNS: f64 = 1e-9;
 
+/// Smaller over larger component of the normal of a symmetry plane, around an axis, below which it counts as along or across the axis: the
+/// normal of a boundary that was turned by half a turn is off by round-off.
+pub const ALONG_AXIS: f64 = 1e-9;
+
 /// Range of the values of a plot or a picture, relative to their size, below which they are shown as one constant: their differences are
 /// round-off, and a scale stretched over them would show noise.
 pub const FLAT: f64 = 1e-9;
