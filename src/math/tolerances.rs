@@ -343,14 +343,6 @@ pub const EIGHTH_TURN: f64 = std::f64::consts::FRAC_PI_4;
 /// Second singular value of how prescribed nodes lie and move, over the first, below which they determine no rotation.
 pub const TURNS: f64 = 1e-9;
 
-/// Smaller over larger component of the normal of a symmetry plane, around an axis, below which it counts as along or across the axis: the
-/// normal of a boundary that was turned by half a turn is off by round-off.
-pub const ALONG_AXIS: f64 = 1e-9;
-
-/// Squared velocity that held components of a rigid body have in a motion of unit energy, over that of the motion with the most, below
-/// which they do not hold the motion: two nodes hold the rotation of a body a hundred thousand times as large.
-pub const HELD_MOTION: f64 = 1e-10;
-
 /// Range of the values of a plot or a picture, relative to their size, below which they are shown as one constant: their differences are
 /// round-off, and a scale stretched over them would show noise.
 pub const FLAT: f64 = 1e-9;

@@ -289,9 +289,9 @@ impl Shape {
         }
     }
 
-    /// True for a torus.
-    pub fn has_hole(&self) -> bool {
-        matches!(self, Shape::Revolved { profile: Profile::Torus { .. }, .. })
+    /// Number of points of an edge that may be deeper than their neighbors: an edge across the hole of a torus has two.
+    pub fn rows_per_edge(&self) -> usize {
+        if matches!(self, Shape::Revolved { profile: Profile::Torus { .. }, .. }) { 2 } else { 1 }
     }
 
     /// True if an edge comes nearer to the axis between its ends than the circle in the tube of a torus.

@@ -65,8 +65,7 @@ pub struct RoundInSpace {
     start: Vec<Ends>,
 }
 
-/// Stretch of an edge in which the deepest point is searched for. An edge across the hole of a torus has a deepest point on either side of
-/// the hole, and a row for each.
+/// Stretch of an edge that is searched for its deepest point. Across the hole of a torus there is one on either side, with a row for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stretch {
     Whole,
@@ -215,8 +214,7 @@ impl RoundInSpace {
             Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
             _ => surface.edges().iter().map(|edge| edge.nodes).collect(),
         };
-        let per_edge = if shape.has_hole() { 2 } else { 1 };
-        let edges: Vec<[u32; 2]> = edges.into_iter().flat_map(|nodes| std::iter::repeat_n(nodes, per_edge)).collect();
+        let edges: Vec<[u32; 2]> = edges.into_iter().flat_map(|nodes| std::iter::repeat_n(nodes, shape.rows_per_edge())).collect();
         let mut sides = Sides { facet_size, ..Sides::of(surface.clone(), Surface::in_space([]), reference) };
         sides.weights = vec![facet_size * facet_size; edges.len()];
         edges.iter().zip(0..).for_each(|(nodes, row)| sides.patches.push(nodes, &[row]));
@@ -241,14 +239,10 @@ impl RoundInSpace {
 
     /// Stretch of a row in a step that begins at `q`; `None` for the second row of an edge that is not across a hole.
     fn stretch(&self, row: usize, q: &[f64]) -> Option<Stretch> {
-        if !self.shape.has_hole() {
-            return Some(Stretch::Whole);
-        }
-        match (row % 2, self.shape.is_across_hole(self.ends(row, q, 0))) {
+        match (row % self.shape.rows_per_edge(), self.shape.is_across_hole(self.ends(row, q, 0))) {
             (0, false) => Some(Stretch::Whole),
             (0, true) => Some(Stretch::BeforeHole),
-            (_, true) => Some(Stretch::AfterHole),
-            (_, false) => None,
+            (_, is_across) => is_across.then_some(Stretch::AfterHole),
         }
     }
 
@@ -272,8 +266,7 @@ impl RoundInSpace {
         }
         let Deepest { at, share, kink, .. } = self.deepest_of(row, ends);
         // Above the hole there is no point that is deeper than its neighbors.
-        let is_at_hole = || (share - self.shape.nearest_to_axis(ends)).abs() < AT_END;
-        if self.stretches[row] != Stretch::Whole && is_at_hole() {
+        if self.stretches[row] != Stretch::Whole && (share - self.shape.nearest_to_axis(ends)).abs() < AT_END {
             return false;
         }
         if self.only_at_rim && kink.is_none() && !self.shape.is_at_rim(ends[0].lerp(&ends[1], share)) {

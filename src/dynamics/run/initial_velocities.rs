@@ -76,7 +76,7 @@ fn hold_rigid_body<const D: usize>(system: &Equations<D>, model: &Model, body: u
         right += scaled * velocities[k];
     }
     let eigen = normal.symmetric_eigen();
-    let least = tolerances::HELD_MOTION * eigen.eigenvalues.max();
+    let least = tolerances::TURNS * eigen.eigenvalues.max();
     let kept = root * given;
     let mut coordinates = DVector::zeros(motions.len());
     for (value, direction) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {

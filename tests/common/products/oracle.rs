@@ -20,6 +20,8 @@ use super::{Named, told};
 pub const DEFECT: f64 = 1e-11;
 /// Round-off of sums and signs, over the energy of the run.
 const ROUND_OFF: f64 = 1e-12;
+/// Least energy and momentum of a run that moves: masses, speeds and loads are of the order of one, and what rests has round-off of forces.
+const AT_REST: f64 = 1e-6;
 /// Depth over the size of a facet.
 const DEPTH: f64 = 0.15;
 /// Relative difference of the histories of a model in another numbering.
@@ -74,8 +76,8 @@ impl History {
         };
         let energy = largest(&["kinetic", "strain", "potential", "load_work", "contact_work", "friction_work", "dissipation"]);
         let momentum = largest(&["momentum_x", "momentum_y", "momentum_z"]).max((2.0 * 0.5 * energy).sqrt());
-        history.energy = energy.max(f64::MIN_POSITIVE);
-        history.momentum = momentum.max(f64::MIN_POSITIVE);
+        history.energy = energy.max(AT_REST);
+        history.momentum = momentum.max(AT_REST);
         Ok(history)
     }
 }
@@ -84,7 +86,7 @@ impl History {
 pub fn judge(product: Named, ended: &Ended, out: &Path) -> Vec<Fault> {
     let mut faults = Vec::new();
     if ended.is_endless {
-        return vec![Fault::new("endless", "stopped after 20 seconds")];
+        return vec![Fault::new("endless", "stopped after a minute")];
     }
     if let Some(error) = &ended.error {
         let kind = match error.class {

@@ -19,7 +19,7 @@ use super::script::{self, Variant};
 use super::{Named, oracle::compare_histories};
 
 /// Time after which a run is stopped and counts as endless.
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Code of the message that a joint asks for what a support forbids: such a model has no motion, which shows only when something moves.
 const CONTRADICTION: &str = "C0511";
