@@ -208,9 +208,9 @@ impl PairSearch {
         self.candidates.pairs().iter().map(of_pair).collect()
     }
 
-    /// Whether the facets of a listed pair are within a facet of each other at `q`, as every search sees.
+    /// True if the least gap of a listed pair at `q` is at most the length of a facet. Every search lists such a pair.
     pub fn is_beside(&self, p: usize, sides: &Sides, q: &[f64]) -> bool {
-        self.window.is_within(self.candidates.pairs()[p], sides, q, sides.facet_size)
+        self.window.is_beside(self.candidates.pairs()[p], sides, q)
     }
 
     /// Decides which pairs take part in a step.

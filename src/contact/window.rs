@@ -199,8 +199,14 @@ impl Window {
         if sides.secondary.dimension() == 2 { outlook.travel::<2>(own, other) } else { outlook.travel::<3>(own, other) }
     }
 
+    /// True if the least gap of a pair on its overlap at `q` is at most the shortest secondary facet: a measure that turns with the model,
+    /// which the distance of the boxes along the axes does not.
+    pub(super) fn is_beside(&self, pair: [u32; 2], sides: &Sides, q: &[f64]) -> bool {
+        self.gaps(pair, sides, q, 0.0).is_some_and(|gaps| gaps.least <= self.facet_size)
+    }
+
     /// Whether the boxes of a pair's facets are within `margin` of each other.
-    pub(super) fn is_within(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], margin: f64) -> bool {
+    fn is_within(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], margin: f64) -> bool {
         let (own, other) = (sides.secondary.facet(own as usize), sides.primary.facet(other as usize));
         let dimension = sides.secondary.dimension();
         (0..dimension).all(|axis| {

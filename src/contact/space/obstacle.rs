@@ -289,6 +289,26 @@ impl Shape {
         }
     }
 
+    /// Number of points of an edge that may be deeper than their neighbors: an edge across the hole of a torus has two.
+    pub fn rows_per_edge(&self) -> usize {
+        if matches!(self, Shape::Revolved { profile: Profile::Torus { .. }, .. }) { 2 } else { 1 }
+    }
+
+    /// True if an edge comes nearer to the axis between its ends than the circle in the tube of a torus.
+    pub fn is_across_hole(&self, ends: [Vector3<f64>; 2]) -> bool {
+        let Shape::Revolved { origin, axis, profile: Profile::Torus { radius, .. } } = self else { return false };
+        let share = self.nearest_to_axis(ends);
+        0.0 < share && share < 1.0 && axis.cross(&(ends[0].lerp(&ends[1], share) - origin)).norm() < *radius
+    }
+
+    /// Share of an edge at which it is nearest to the axis of what is revolved; 0 for other shapes and along the axis.
+    pub fn nearest_to_axis(&self, [a, b]: [Vector3<f64>; 2]) -> f64 {
+        let Shape::Revolved { origin, axis, .. } = self else { return 0.0 };
+        let [from, along] = [axis.cross(&(a - origin)), axis.cross(&(b - a))];
+        let square = along.norm_squared();
+        if square > 0.0 { (-from.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 }
+    }
+
     /// Whether it has sharp edges: two distances meet inside of them.
     pub fn has_edges(&self) -> bool {
         matches!(self, Shape::Revolved { profile: Profile::FiniteCylinder { .. }, .. })

@@ -58,10 +58,19 @@ pub struct RoundInSpace {
     carried: ([f64; 3], f64),
     /// Whether edges have rows at the rim alone: what else there is of the obstacle is large.
     only_at_rim: bool,
-    /// Which edges have a row in this step.
+    /// Which rows are there in this step, and the stretches of their edges.
     is_there: Vec<bool>,
+    stretches: Vec<Stretch>,
     /// Their ends at the start of the step as seen from the obstacle.
     start: Vec<Ends>,
+}
+
+/// Stretch of an edge that is searched for its deepest point. Across the hole of a torus there is one on either side, with a row for each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stretch {
+    Whole,
+    BeforeHole,
+    AfterHole,
 }
 
 /// The function of an edge at a configuration.
@@ -99,15 +108,19 @@ impl Kink {
 }
 
 impl Deepest {
-    fn new(shape: &Shape, [a, b]: Ends) -> Self {
+    fn new(shape: &Shape, [a, b]: Ends, stretch: Stretch) -> Self {
         let along = b - a;
         let slope = |share: f64| shape.distance(a + along * share).normal.dot(&along);
-        let (share, beside) = if slope(0.0) >= 0.0 {
+        let (share, beside) = if stretch != Stretch::AfterHole && slope(0.0) >= 0.0 {
             (0.0, None)
-        } else if slope(1.0) <= 0.0 {
+        } else if stretch != Stretch::BeforeHole && slope(1.0) <= 0.0 {
             (1.0, None)
         } else {
-            let (mut low, mut high) = (0.0, 1.0);
+            let (mut low, mut high) = match stretch {
+                Stretch::Whole => (0.0, 1.0),
+                Stretch::BeforeHole => (0.0, shape.nearest_to_axis([a, b])),
+                Stretch::AfterHole => (shape.nearest_to_axis([a, b]), 1.0),
+            };
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
                 if slope(middle) < 0.0 { low = middle } else { high = middle }
@@ -201,6 +214,7 @@ impl RoundInSpace {
             Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
             _ => surface.edges().iter().map(|edge| edge.nodes).collect(),
         };
+        let edges: Vec<[u32; 2]> = edges.into_iter().flat_map(|nodes| std::iter::repeat_n(nodes, shape.rows_per_edge())).collect();
         let mut sides = Sides { facet_size, ..Sides::of(surface.clone(), Surface::in_space([]), reference) };
         sides.weights = vec![facet_size * facet_size; edges.len()];
         edges.iter().zip(0..).for_each(|(nodes, row)| sides.patches.push(nodes, &[row]));
@@ -213,8 +227,23 @@ impl RoundInSpace {
             carried: ([0.0; 3], 0.0),
             only_at_rim,
             is_there,
+            stretches: vec![Stretch::Whole; edges.len()],
             start,
         })
+    }
+
+    /// Deepest point in the stretch of a row.
+    fn deepest_of(&self, row: usize, ends: Ends) -> Deepest {
+        Deepest::new(&self.shape, ends, self.stretches[row])
+    }
+
+    /// Stretch of a row in a step that begins at `q`; `None` for the second row of an edge that is not across a hole.
+    fn stretch(&self, row: usize, q: &[f64]) -> Option<Stretch> {
+        match (row % self.shape.rows_per_edge(), self.shape.is_across_hole(self.ends(row, q, 0))) {
+            (0, false) => Some(Stretch::Whole),
+            (0, true) => Some(Stretch::BeforeHole),
+            (_, is_across) => is_across.then_some(Stretch::AfterHole),
+        }
     }
 
     /// Ends of an edge as seen from the obstacle where it is at the start, in the middle or at the end of the step.
@@ -235,7 +264,11 @@ impl RoundInSpace {
         if ends.iter().all(|&end| self.shape.distance(end).gap > reach + length) {
             return false;
         }
-        let Deepest { at, share, kink, .. } = Deepest::new(&self.shape, ends);
+        let Deepest { at, share, kink, .. } = self.deepest_of(row, ends);
+        // Above the hole there is no point that is deeper than its neighbors.
+        if self.stretches[row] != Stretch::Whole && (share - self.shape.nearest_to_axis(ends)).abs() < AT_END {
+            return false;
+        }
         if self.only_at_rim && kink.is_none() && !self.shape.is_at_rim(ends[0].lerp(&ends[1], share)) {
             return false;
         }
@@ -252,7 +285,7 @@ impl RoundInSpace {
     fn step_gradient(&self, derivative: Derivative, row: usize, q_1: &[f64], end: &Deepest) -> (Six, SixBySix) {
         let (start, ends) = (self.start[row], self.ends(row, q_1, 2));
         let plain = |ends: Ends, at: Configuration| {
-            let found = Deepest::new(&self.shape, ends);
+            let found = self.deepest_of(row, ends);
             (found.gradient, found.hessian(ends) * at.share())
         };
         match derivative {
@@ -266,12 +299,12 @@ impl RoundInSpace {
         let middle = [0, 1].map(|k| 0.5 * (start[k] + ends[k]));
         let [a, b] = [0, 1].map(|k| ends[k] - start[k]);
         let d = Six::from_iterator(a.iter().chain(b.iter()).copied());
-        let found = Deepest::new(&self.shape, middle);
+        let found = self.deepest_of(row, middle);
         let hessian = found.hessian(middle);
         let (mut bar, mut tangent) = (found.gradient, hessian * 0.5);
         let (p, of_p) = beside(&self.shape.symmetries(), middle, d);
         let square = p.norm_squared();
-        let remainder = end.at.gap - Deepest::new(&self.shape, start).at.gap - found.gradient.dot(&d);
+        let remainder = end.at.gap - self.deepest_of(row, start).at.gap - found.gradient.dot(&d);
         let size = self.sides.facet_size;
         if square > 0.0 && (square > (PROJECTED_INCREMENT * size).powi(2) || remainder.abs() > REMAINDER * size) {
             let e = remainder / square;
@@ -343,7 +376,7 @@ impl PatchFunctions for RoundInSpace {
 
     fn start_gap(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        self.rows_there().for_each(|row| gaps[row] = self.sides.weights[row] * Deepest::new(&self.shape, self.start[row]).at.gap);
+        self.rows_there().for_each(|row| gaps[row] = self.sides.weights[row] * self.deepest_of(row, self.start[row]).at.gap);
         gaps
     }
 
@@ -355,7 +388,7 @@ impl PatchFunctions for RoundInSpace {
                 continue;
             }
             let weight = self.sides.weights[row];
-            let end = Deepest::new(&self.shape, self.ends(row, q_1, 2));
+            let end = self.deepest_of(row, self.ends(row, q_1, 2));
             let (bar, tangent) = self.step_gradient(derivative, row, q_1, &end);
             out.live[row] = true;
             (out.gap[row], out.coverage[row]) = (weight * end.at.gap, 1.0);
@@ -374,7 +407,7 @@ impl PatchFunctions for RoundInSpace {
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for row in self.rows_there() {
-            gaps[row] = self.sides.weights[row] * Deepest::new(&self.shape, self.ends(row, q, 2)).at.gap;
+            gaps[row] = self.sides.weights[row] * self.deepest_of(row, self.ends(row, q, 2)).at.gap;
         }
         gaps
     }
@@ -391,8 +424,8 @@ impl SlipsInSpace for RoundInSpace {
             return Vec::new();
         }
         let ends = [z[0], z[1]].map(|end| Vector3::from(end.map(|x| x.re())) - Vector3::from(self.translations[1]));
-        let found = Deepest::new(&self.shape, ends);
-        let axis = slip::farthest_axis(Deepest::new(&self.shape, self.start[p]).at.normal.into());
+        let found = self.deepest_of(p, ends);
+        let axis = slip::farthest_axis(self.deepest_of(p, self.start[p]).at.normal.into());
         let share = slip::linear(found.share, found.slide(ends).as_slice(), z);
         let weight = self.sides.weights[p];
         let mut weights = [T::from(0.0); slip::NODES];
@@ -414,9 +447,11 @@ impl CandidateSearch for RoundInSpace {
             Travel::Guessed { displacements: [first, _], .. } => Some(outlook.q.iter().zip(first).map(|(q, u)| q + u).collect()),
             _ => None,
         };
+        let stretches: Vec<Option<Stretch>> = (0..self.is_there.len()).map(|row| self.stretch(row, outlook.q)).collect();
+        self.stretches = stretches.iter().map(|stretch| stretch.unwrap_or(Stretch::Whole)).collect();
         let is_there =
             |row: usize| self.is_near(row, outlook.q, 0, outlook) || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, outlook));
-        self.is_there = (0..self.is_there.len()).map(is_there).collect();
+        self.is_there = stretches.iter().enumerate().map(|(row, stretch)| stretch.is_some() && is_there(row)).collect();
         // The list of patches is known and lasts.
         false
     }
@@ -449,9 +484,9 @@ impl RigidObstacle for RoundInSpace {
         let [start, _, end] = self.translations.map(Vector3::from);
         let mut work = 0.0;
         for row in self.rows_there().filter(|&row| before[row] != 0.0 || lambda[row] != 0.0) {
-            let at_end = Deepest::new(&self.shape, self.ends(row, q_1, 2));
+            let at_end = self.deepest_of(row, self.ends(row, q_1, 2));
             let of_step = self.step_gradient(derivative, row, q_1, &at_end).0 * lambda[row];
-            let of_start = Deepest::new(&self.shape, self.start[row]).gradient * before[row];
+            let of_start = self.deepest_of(row, self.start[row]).gradient * before[row];
             let f = (of_step + of_start) * self.sides.weights[row];
             for (k, &node) in self.sides.patches.nodes(row).iter().enumerate() {
                 let on_node = f.fixed_rows::<3>(3 * k);
@@ -480,6 +515,8 @@ mod tests {
             ObstacleInSpace::FiniteCylinder { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
             ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
+            // Under the edge from (0, 0) to (1, 0) twice.
+            ObstacleInSpace::Torus { center: [0.5, 0.1, 0.2], axis, radius: 0.3, tube: 0.25, is_hollow },
         ]
     }
 

@@ -100,7 +100,7 @@ impl Model {
                 if !(size.is_finite() && size > 0.0) {
                     return Err(format!("the normal {normal:?} has no length"));
                 }
-                if self.is_axisymmetric() && normal[0] != 0.0 && normal[1] != 0.0 {
+                if self.is_axisymmetric() && normal[0].abs().min(normal[1].abs()) > tolerances::QUARTER_TURN * size {
                     return Err("around an axis a plane lies across it, or contains it".into());
                 }
                 Ok(())

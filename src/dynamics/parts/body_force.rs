@@ -12,7 +12,7 @@ use crate::dynamics::model::amplitude::TimeFunctionError;
 use crate::dynamics::model::definitions::BodyDefinition;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
-use crate::linear::Pattern;
+use crate::linear::{Pattern, product};
 use crate::math::norms::largest_size;
 use crate::math::tolerances::{SMALL_TIME, TIME_DIFFERENCE};
 
@@ -25,17 +25,37 @@ pub trait BodyField: Send + Sync {
     fn value(&self, position: [f64; 3], velocity: [f64; 3], time: f64) -> Result<[f64; 3], TimeFunctionError>;
 }
 
-/// A field of accelerations in other units.
-struct Rescaled {
+/// A field of accelerations in a model that is moved, turned or in other units: `x' = length R x + offset`.
+struct Moved {
     inner: Arc<dyn BodyField>,
-    units: [f64; 2],
+    /// Images of the axes, the columns of `R`.
+    axes: [[f64; 3]; 3],
+    /// Image of the origin.
+    offset: [f64; 3],
+    length: f64,
+    time: f64,
 }
 
-impl BodyField for Rescaled {
+impl Moved {
+    fn new(inner: Arc<dyn BodyField>, change: &Change) -> Self {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(change.direction);
+        let [_, length, time] = change.units;
+        Moved { inner, axes, offset: (change.point)([0.0; 3]), length, time }
+    }
+
+    /// Components of a vector along the images of the axes.
+    fn before(&self, vector: [f64; 3], scale: f64) -> [f64; 3] {
+        self.axes.map(|axis| product(&axis, &vector) / scale)
+    }
+}
+
+impl BodyField for Moved {
     fn value(&self, position: [f64; 3], velocity: [f64; 3], time: f64) -> Result<[f64; 3], TimeFunctionError> {
-        let [length, of_time] = self.units;
-        let value = self.inner.value(position.map(|x| x / length), velocity.map(|v| v * of_time / length), time / of_time)?;
-        Ok(value.map(|b| b * length / (of_time * of_time)))
+        let from_offset = [0, 1, 2].map(|i| position[i] - self.offset[i]);
+        let (x, v) = (self.before(from_offset, self.length), self.before(velocity, self.length / self.time));
+        let value = self.inner.value(x, v, time / self.time)?;
+        let scale = self.length / (self.time * self.time);
+        Ok([0, 1, 2].map(|i| scale * (0..3).map(|k| self.axes[k][i] * value[k]).sum::<f64>()))
     }
 }
 
@@ -67,8 +87,7 @@ impl PartDefinition for BodyForceDefinition {
     }
 
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
-        let [_, length, time] = change.units;
-        let field = Arc::new(Rescaled { inner: self.field.clone(), units: [length, time] });
+        let field = Arc::new(Moved::new(self.field.clone(), change));
         Arc::new(BodyForceDefinition { definition: changed_mass(&self.definition, change), field, ..self.clone() })
     }
 

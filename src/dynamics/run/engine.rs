@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use super::halvings::Halvings;
+use super::initial_velocities::initial_velocities;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
 use super::pace::{Pace, time_of_sound};
@@ -182,41 +183,4 @@ fn inverted_at_start<const D: usize>(system: &Equations<D>, model: &Model, u: &[
         }
     }
     Ok(())
-}
-
-/// Velocities at the start: those of the bodies, of supports, of prescribed motions.
-fn initial_velocities<const D: usize>(system: &Equations<D>, model: &Model, positions: &[f64]) -> Vec<f64> {
-    let mut velocities = vec![0.0; system.nodes.reference.len()];
-    for initial in &model.initial_velocities {
-        let nodes = system.bodies[initial.body].nodes.clone();
-        let mut center = nalgebra::Vector3::zeros();
-        let mut mass = 0.0;
-        let position = |node: usize| {
-            let mut x = nalgebra::Vector3::zeros();
-            x.as_mut_slice()[..D].copy_from_slice(&positions[node * D..(node + 1) * D]);
-            x
-        };
-        for node in nodes.clone() {
-            mass += system.nodes.nodal_mass[node];
-            center += position(node) * system.nodes.nodal_mass[node];
-        }
-        center /= mass;
-        let (linear, angular) = (nalgebra::Vector3::from(initial.linear), nalgebra::Vector3::from(initial.angular));
-        for node in nodes {
-            let velocity = linear + angular.cross(&(position(node) - center));
-            velocities[node * D..(node + 1) * D].copy_from_slice(&velocity.as_slice()[..D]);
-        }
-    }
-    let supports = &system.supports;
-    for (velocity, _) in velocities.iter_mut().zip(&supports.fixed).filter(|(_, fixed)| **fixed) {
-        *velocity = 0.0;
-    }
-    // A time function that fails does so again, with its error, in the first step.
-    if let Ok((_, rates)) = supports.prescribed_motion(0.0) {
-        for (prescribed, rate) in supports.prescribed.iter().zip(rates) {
-            velocities[prescribed.unknown] = rate;
-        }
-    }
-    system.lead(&mut velocities);
-    velocities
 }

@@ -6,6 +6,7 @@ use super::pace::{Measure, Stepped, Touch};
 use super::state::State;
 use super::substeps::Substeps;
 use crate::bodies::{Elements, Space};
+use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::counters::Counters;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::system::System;
@@ -30,7 +31,12 @@ where
         let scheme = options.integrator.after(old.remembered.dt, dt);
         let chosen = old.pace.size(&control, options.dt);
         let is_cut = substeps.is_whole() && dt < chosen * (1.0 - tolerances::SAME_MOMENT);
-        let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| old.pace.is_open(contact, BOUNCE * self.sound));
+        // Ties and contacts that also pull hold from the start.
+        let is_open = |(contact, (_, pair)): (usize, (usize, &ContactPair))| {
+            !pair.law.is_bilateral() && old.pace.is_open(contact, BOUNCE * self.sound)
+        };
+        let open: Vec<bool> = self.system.contacts().enumerate().map(is_open).collect();
+        let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| open[contact]);
         let (u, v_0) = ([&old.displacements[..], &state.displacements], &old.velocities[..]);
         let reach = || largest_size(&state.positions).max(self.system.nodes.extent);
         let round_off = if self.system.sees_positions() { tolerances::STILL_AT * reach() } else { 0.0 };
@@ -74,9 +80,10 @@ fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl 
     let (mut depth, mut is_kept) = (0.0f64, false);
     for (index, now) in after.iter().enumerate() {
         let before = before.get(index).unwrap_or(&none);
-        if before.active == 0 && is_open(index) {
-            depth = depth.max(now.penetration - before.penetration);
-            is_kept |= now.active > 0 && before.penetration == 0.0;
+        // A corner may lie inside the other side while the mean gap of its facets is open: it has touched once.
+        if before.active == 0 && before.penetration == 0.0 && is_open(index) {
+            depth = depth.max(now.penetration);
+            is_kept |= now.active > 0;
         }
     }
     let passed = (depth > 0.0).then_some(Touch::Passed(depth));

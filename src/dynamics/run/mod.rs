@@ -23,6 +23,7 @@ pub mod halvings;
 pub mod harmonic;
 pub mod impact;
 pub mod increments;
+mod initial_velocities;
 pub mod joint_loads;
 pub mod judging;
 pub mod ledger;

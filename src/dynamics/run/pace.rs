@@ -153,7 +153,9 @@ impl Pace {
         let (order, smallest) = (scheme.promises.order as f64, control.smallest(first));
         // What the error may grow by in the step `[length]`.
         let still = (tolerances::STILL * measure.size(u_1, false)).max(round_off) + f64::MIN_POSITIVE;
-        let allowed = control.tolerance * speed * self.usual.max(dt) + still;
+        // A first touch in the first step shortens it, but not what steps usually have.
+        let usual = if self.usual > 0.0 { self.usual } else { self.size(control, first) };
+        let allowed = control.tolerance * speed * usual.max(dt) + still;
         let growth = self.growth(step, &velocity).map(|growth| growth.iter().map(|part| measure.size(part, true)).sum::<f64>());
         let ratio = growth.map_or(0.0, |growth| growth * dt / allowed);
         let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());
@@ -176,7 +178,7 @@ impl Pace {
         next.steps.extend(self.steps.first().cloned());
         if growth.is_none() {
             // The first one, of which nothing is known.
-            (next.dt, next.usual) = (self.dt.max(dt), self.usual.max(dt));
+            (next.dt, next.usual) = (self.dt.max(dt), usual.max(dt));
         } else if !is_cut || ratio > AIM {
             let relative = (ratio / AIM).clamp(tolerances::EXACT, 1.0 / AIM);
             let before = if self.ratio > 0.0 { (self.ratio / AIM).max(tolerances::EXACT) } else { relative };

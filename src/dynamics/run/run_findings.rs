@@ -364,7 +364,8 @@ impl Drift {
 /// Everything found about a run with these rows, in a fixed order.
 pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunFinding> {
     let Some(last) = rows.last_row() else { return Vec::new() };
-    let mut scale = f64::MIN_POSITIVE;
+    // What rests has no other energy than round-off.
+    let mut scale = (FORCE_FLOOR * measures.stiffness).max(f64::MIN_POSITIVE);
     rows.visit(0, &mut |row| scale = scale.max(row.kinetic + row.strain.abs() + row.potential.abs()));
     // Round-off of positions moves forces by this much of the stiffness, and they work on displacements of the size that the energy has.
     let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt();

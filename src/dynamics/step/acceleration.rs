@@ -33,7 +33,8 @@ where
         let clock = Instant::now();
         let unknowns = given.len();
         let mut hold = vec![false; self.multipliers];
-        for pair in self.pairs.iter().filter(|pair| pair.law.is_bilateral()) {
+        // The forces of contacts that act in their own step alone are not remembered.
+        for pair in self.pairs.iter().filter(|pair| pair.law.is_bilateral() && !pair.acts_alone()) {
             pair.rows.clone().for_each(|row| hold[row] = !self.redundant[row]);
         }
         let mut values = vec![0.0; self.matrix.pattern.values()];

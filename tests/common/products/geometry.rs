@@ -8,7 +8,7 @@ use conserva::output::{FieldsRead, Section, read_fields};
 
 use super::super::plane::{Outline, Point};
 use super::super::solids::{Skin, deepest};
-use super::script::RADII;
+use super::script::{RADII, TOP};
 use super::{Named, catalogue, script};
 
 /// Number of occurrences of a facet in the cells of a body, and the nodes of the facet, by its sorted nodes.
@@ -126,20 +126,21 @@ impl Frame {
 /// Distance of a point from an obstacle of `script.rs` at rest, negative inside.
 fn distance(product: Named, [x, y, z]: [f64; 3]) -> f64 {
     let is_round = product.is("shape", &["round"]);
+    let [x, z] = if product.is("partner", &["rigid_ring"]) { [x - 1.0, z] } else { [x - TOP[0], z - TOP[1]] };
     match product.row("partner") {
         "rigid_plane" | "rigid_box" | "rigid_surface" => y,
-        "rigid_disk" | "rigid_cylinder" => (x - 1.0).hypot(y + 0.5) - 0.5,
+        "rigid_disk" | "rigid_cylinder" => x.hypot(y + 0.5) - 0.5,
         "rigid_ring" => {
             let high = if is_round { 1.5 } else { (1.5f64.powi(2) - 0.25).sqrt() };
-            1.5 - (x - 1.0).hypot(y - high)
+            1.5 - x.hypot(y - high)
         }
-        "rigid_polyline" => (y + 0.1 * (x - 1.0).abs()) / 1.01f64.sqrt(),
-        "rigid_sphere" => ((x - 1.0).powi(2) + (y + 0.5).powi(2) + (z - 0.5).powi(2)).sqrt() - 0.5,
+        "rigid_polyline" => (y + 0.1 * x.abs()) / 1.01f64.sqrt(),
+        "rigid_sphere" => (x.powi(2) + (y + 0.5).powi(2) + z.powi(2)).sqrt() - 0.5,
         "rigid_cone" => {
             let angle = 70f64.to_radians();
-            (x - 1.0).hypot(z - 0.5) * angle.cos() + y * angle.sin()
+            x.hypot(z) * angle.cos() + y * angle.sin()
         }
-        "rigid_torus" => ((x - 1.0).hypot(z - 0.5) - 0.3).hypot(y + 0.2) - RADII[0],
+        "rigid_torus" => (x.hypot(z) - 0.3).hypot(y + 0.2) - RADII[0],
         _ => f64::INFINITY,
     }
 }

@@ -1,5 +1,6 @@
 //! A product as a script of the language.
 
+mod constants;
 mod pieces;
 
 use conserva::elements::CellKind;
@@ -8,6 +9,8 @@ use conserva::materials;
 use super::Named;
 use super::catalogue::{is_plane, is_quadratic};
 use super::numbers::Numbers;
+
+pub use constants::{TOP, friction_law, obstacle};
 
 /// Methods of a model that support it.
 pub const SUPPORTS: [&str; 4] = ["fix", "prescribe", "add_symmetry", "add_periodic"];
@@ -56,33 +59,6 @@ pub const MIDDLE: f64 = 1.0;
 /// Height of the ground point of links above the body's left end.
 const ABOVE: f64 = 1.0;
 
-/// The constants of an obstacle at rest.
-pub fn obstacle(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "rigid_plane" => "point: [1.0, 0.0@], normal: [0.0, 1.0@]",
-        "rigid_disk" => "center: [1.0, -0.5], radius: 0.5",
-        "rigid_ring" => "center: [1.0, HIGH], radius: 1.5",
-        "rigid_polyline" => "points: [[3.0, -0.2], [1.0, 0.0], [-1.0, -0.2]]",
-        "rigid_sphere" => "center: [1.0, -0.5, 0.5], radius: 0.5",
-        "rigid_cylinder" => "point: [1.0, -0.5, 0.5], axis: [0.0, 0.0, 1.0], radius: 0.5",
-        "rigid_cone" => "tip: [1.0, 0.0, 0.5], axis: [0.0, -1.0, 0.0], half_angle: deg(70)",
-        "rigid_torus" => "center: [1.0, -0.2, 0.5], axis: [0.0, 1.0, 0.0], radius: 0.3, tube_radius: 0.2",
-        "rigid_box" => "size: [3.0, 0.5, 3.0], origin: [-0.5, -0.5, -1.0]",
-        "rigid_surface" => "mesh: block(#{ size: [3.0, 0.5, 3.0], cells: [2, 1, 2], origin: [-0.5, -0.5, -1.0] })",
-        _ => return None,
-    })
-}
-
-/// A friction law with a coefficient.
-pub fn friction_law(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "coulomb" => "coulomb(#{ coefficient: MU, at_rest: 1.2, transition_speed: 0.01, viscosity: 0.1, most: 50.0 })",
-        "friction_curve" => "friction_curve([[0.0, 1.5 * MU], [0.05, MU], [1.0, 0.9 * MU]])",
-        "rough" => "rough()",
-        _ => return None,
-    })
-}
-
 struct Writer<'a> {
     product: Named<'a>,
     numbers: Numbers,
@@ -127,7 +103,7 @@ fn settles(product: Named) -> bool {
 pub fn gap(product: Named, numbers: &Numbers) -> f64 {
     if product.is("partner", &["tie"]) || product.is("enforcement", &["equality"]) {
         0.0
-    } else if settles(product) {
+    } else if settles(product) && !product.is("body", &["rigid", "rigid_numbers"]) {
         -0.3 * numbers.gap
     } else {
         numbers.gap
@@ -465,8 +441,8 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The point at which the joint of a product stands at rest, in the plane.
-pub fn joint_point(product: Named) -> [f64; 2] {
+/// The point at which the joint of a product stands at rest.
+pub fn joint_point(product: Named) -> [f64; 3] {
     Writer::new(product, Variant::Plain).joint_point()
 }
 

@@ -88,5 +88,23 @@ pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &
             rows.push((factor, whole.rows[factor]));
         }
     }
-    rows
+    general(catalogue, &judge, &product, rows)
+}
+
+/// Takes rows out of a refusal that only give a meaning to the others: without them these mean nothing, and every other row of their factor
+/// that gives a meaning is refused alike, as any partner is with friction that an integrator does not take.
+fn general(catalogue: &Catalogue, judge: &dyn Fn(&Product) -> Verdict, product: &Product, rows: Vec<Row>) -> Vec<Row> {
+    let verdict = judge(product);
+    let keeps = |candidate: &Product, factor: usize| rows.iter().all(|&(other, row)| other == factor || candidate.rows[other] == row);
+    let is_carrier = |&(factor, row): &Row| {
+        let with = |other: usize| {
+            let mut candidate = product.clone();
+            candidate.rows[factor] = other;
+            catalogue.normalized(&candidate)
+        };
+        let others = (1..catalogue.factors[factor].rows.len()).filter(|&other| other != row).map(with);
+        let mut meant = others.filter(|candidate| keeps(candidate, factor) && candidate.rows[factor] > 0).peekable();
+        row > 0 && !keeps(&with(0), factor) && meant.peek().is_some() && meant.all(|candidate| is_alike(&judge(&candidate), &verdict))
+    };
+    rows.iter().filter(|row| !is_carrier(row)).copied().collect()
 }

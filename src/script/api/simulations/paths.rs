@@ -6,6 +6,7 @@ use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
+use super::settling::push_equilibrium;
 use super::states::StateHandle;
 use crate::dynamics::{CriticalKind, LedgerRow, Path, PathEnd, PathError, PathOptions};
 use crate::math::catalogue::Interval;
@@ -249,6 +250,8 @@ fn state() -> Function {
                 return Err(failure.hint("`path.time.len()` is their number").into());
             };
             let mut history = path.before.clone();
+            // The path begins at the equilibrium of the present time, which the history before need not have.
+            push_equilibrium(&mut history, path.rows[0].clone());
             path.rows[1..=index].iter().for_each(|row| history.push(row.clone()));
             let state = path.path.points[index].state.clone();
             Ok(Dynamic::from(StateHandle { state, history, simulation: path.simulation }))

@@ -7,6 +7,7 @@ use rhai::{Dynamic, Engine, EvalAltResult, ImmutableString, Map};
 use super::handle::{SimulationHandle, busy, result_used};
 use super::recalling::go_on;
 use crate::dynamics::{LedgerRow, SettleReport, StepError};
+use crate::output::History;
 use crate::output::journal::{Computation, Outcome};
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
@@ -80,6 +81,15 @@ fn friction_of(call: &Call) -> Result<bool, Failure> {
     })
 }
 
+/// Adds the row of an equilibrium to a history. It replaces the only row of a history if this is the row of the start, which is no
+/// equilibrium, or of an equilibrium at the same time.
+pub(super) fn push_equilibrium(rows: &mut History, row: LedgerRow) {
+    if rows.len() == 1 && rows.last().is_some_and(|only| only.time == 0.0 || only.time == row.time) {
+        rows.clear();
+    }
+    rows.push(row);
+}
+
 impl SimulationHandle {
     /// Computes equilibrium, or takes it from what an earlier program has computed.
     fn settled(&self, call: &Call, time: Option<f64>, friction: bool) -> Result<SettleReport, Box<EvalAltResult>> {
@@ -145,11 +155,7 @@ impl SimulationHandle {
         self.note_contact();
         data.scale.set(data.scale.get().max(row.energy_scale()));
         let mut rows = data.history.borrow().clone();
-        // The first row gives way when it is that of the start, which was no equilibrium, or of an equilibrium at the same time.
-        if rows.len() == 1 && rows.last().is_some_and(|only| only.time == 0.0 || only.time == row.time) {
-            rows.clear();
-        }
-        rows.push(row);
+        push_equilibrium(&mut rows, row);
         self.replace_history(rows)?;
         if let (Some(artifacts), Ok(mut simulation)) = (data.artifacts.borrow_mut().as_mut(), data.simulation.try_borrow_mut()) {
             artifacts.settled(&mut simulation)?;

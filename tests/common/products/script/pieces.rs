@@ -43,8 +43,8 @@ impl Writer<'_> {
     }
 
     /// The point of the joint at rest.
-    pub fn joint_point(&self) -> [f64; 2] {
-        if self.is_round() { [MIDDLE - RADII[1], self.gap + RADII[1]] } else { [LEFT, self.gap + 0.5 * SIZE[1]] }
+    pub fn joint_point(&self) -> [f64; 3] {
+        if self.is_round() { [MIDDLE - RADII[1], self.gap + RADII[1], 0.5] } else { [LEFT, self.gap + 0.5 * SIZE[1], 0.1] }
     }
 
     pub(super) fn joint(&mut self) {
@@ -52,8 +52,7 @@ impl Writer<'_> {
         if kind == "none" {
             return;
         }
-        let [x, y] = self.joint_point();
-        let depth = if self.is_round() { 0.5 } else { 0.1 };
+        let [x, y, depth] = self.joint_point();
         let place = |x: f64, y: f64| if self.is_plane { format!("[{x:?}, {y:?}]") } else { format!("[{x:?}, {y:?}, {depth:?}]") };
         let (point, above) = (place(x, y), place(x, y + ABOVE));
         let turns = if self.is_plane { "point" } else { "hinge" };
