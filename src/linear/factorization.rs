@@ -331,6 +331,18 @@ impl Factorization {
         for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
             self.vertex_scale[v] = reciprocal_root(own_block(v));
         }
+        // A node in space with hardly a mass and stiffness of its own that constraints carry along is scaled as the nodes that carry it, so
+        // that its other constraints have responses of order one.
+        let carried: Vec<(usize, f64)> = (0..pattern.vertices())
+            .filter(|&v| pattern.size(v) == 3 && !pattern.is_multiplier(v))
+            .filter_map(|v| {
+                let rows = pattern.neighbors(v).iter().filter(|u| pattern.is_multiplier(**u as usize));
+                let others = rows.flat_map(|&u| pattern.neighbors(u as usize)).filter(|w| !pattern.is_multiplier(**w as usize));
+                let least = others.map(|&w| self.vertex_scale[w as usize]).fold(f64::INFINITY, f64::min);
+                (least < tolerances::LINEAR_CARRIED * self.vertex_scale[v]).then_some((v, least))
+            })
+            .collect();
+        carried.into_iter().for_each(|(v, scale)| self.vertex_scale[v] = scale);
         for v in (0..pattern.vertices()).filter(|&v| pattern.is_multiplier(v)) {
             let nodes = pattern.neighbors(v).iter().zip(pattern.column_blocks(v)).filter(|(u, _)| !pattern.is_multiplier(**u as usize));
             let constraint = largest(nodes.flat_map(|(&u, block)| {
@@ -375,6 +387,10 @@ impl Factorization {
             error = self.refined(values, right, size);
         }
         let residual = self.scaled_size(&self.residual) / size;
+        if std::env::var_os("DBG").is_some() {
+            let big = largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
+            eprintln!("    solve error {error:.1e} fallback {} size {size:.1e} x {big:.1e} residual {residual:.1e}", self.fallen_back);
+        }
         if error.is_nan() || error > tolerances::LINEAR_RESIDUAL || residual > tolerances::LINEAR_UNSOLVED {
             return Err(LinearError::Inaccurate { residual });
         }

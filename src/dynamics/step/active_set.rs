@@ -35,6 +35,7 @@ where
         let begun = set.clone();
         let most = if self.proximal.is_some() && !self.task.is_patient { 1 } else { MAX_SETS };
         let (is_solved, solution) = self.find_set(at, set, most, None)?;
+        self.is_damped = false;
         if is_solved {
             self.proximal = None;
             return Ok(solution);
@@ -43,6 +44,7 @@ where
         let factor = self.proximal.unwrap_or(PROXIMAL);
         let terms = self.proximal_terms(at, factor);
         let (is_solved, solution) = self.find_set(at, set, MAX_SETS, Some(&terms))?;
+        self.is_damped = is_solved;
         self.proximal = Some(if is_solved { factor / LESS_PROXIMAL } else { (MORE_PROXIMAL * factor).min(LARGEST_PROXIMAL) });
         Ok(solution)
     }
