@@ -387,10 +387,6 @@ impl Factorization {
             error = self.refined(values, right, size);
         }
         let residual = self.scaled_size(&self.residual) / size;
-        if std::env::var_os("DBG").is_some() {
-            let big = largest(self.solution.iter().zip(&self.scale).map(|(x, scale)| x / scale));
-            eprintln!("    solve error {error:.1e} fallback {} size {size:.1e} x {big:.1e} residual {residual:.1e}", self.fallen_back);
-        }
         if error.is_nan() || error > tolerances::LINEAR_RESIDUAL || residual > tolerances::LINEAR_UNSOLVED {
             return Err(LinearError::Inaccurate { residual });
         }

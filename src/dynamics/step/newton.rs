@@ -197,15 +197,6 @@ where
             at = attempt.without_slivers(at)?;
         }
         let mut record = attempt.measure(&at);
-        if std::env::var_os("DBG").is_some() {
-            let mut counts = std::collections::BTreeMap::new();
-            for place in slips_at(attempt.system, &at) {
-                *counts.entry(format!("{:?}", attempt.active[place.rows.start])).or_insert(0usize) += 1;
-            }
-            eprintln!("  it {iteration} t {:.6} dt {:.2e} res {:.2e} energy {:.2e} viol {:.2e} row {} of {} prox {:?} yield {:.1e} taken {:.2} {:?} changed {:?}",
-                task.start.time, task.conditions.dt, record.residual / record.target, record.energy, record.violation, record.worst_row, attempt.system.pressing,
-                attempt.proximal, attempt.yielding, attempt.taken, counts, trace.iterations.last().map(|r| r.changed.len()));
-        }
         match convergence.judge(iteration, task.at_least, &record) {
             Judgement::Done => {
                 // With a penalty every covered node is in the system: in contact are those that press.

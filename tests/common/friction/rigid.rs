@@ -107,7 +107,8 @@ fn braked(random: &mut Random) -> Case {
     let time = pace.time.min(v / (mu * G));
     let name = format!("n {n}, mu {mu:.4}, v {v:.3}, dt {}, {rule}", pace.text);
     // Within a step, the time of the stop is not resolved.
-    let expected = straight(v * time - 0.5 * mu * G * time * time, 0.25 * mu * G * pace.dt.powi(2));
+    let way = v * time - 0.5 * mu * G * time * time;
+    let expected = straight(way, if pace.dt > 0.0 { 0.5 * mu * G * pace.dt.powi(2) } else { 2.0 * SLIDE * way });
     Case { kind: "braked".into(), name, script, expected }
 }
 
@@ -193,7 +194,10 @@ fn plate(random: &mut Random) -> Case {
     let (slides, time) = (pace.time.min(stop), pace.time);
     let want = v * slides - 0.5 * mu * G * slides * slides + (time - slides) * v * 0.5 / 2.3;
     let name = format!("n {n} on {k}, mu {mu:.4}, v {v:.3}, dt {}, {rule}, {method}", pace.text);
-    Case { kind: "plate".into(), name, script, expected: straight(want, mu * G * pace.dt.powi(2)) }
+    let mut expected = straight(want, if pace.dt > 0.0 { mu * G * pace.dt.powi(2) } else { 2.0 * SLIDE * want });
+    // Pressures at nodes that lie unevenly on the facets of the plate turn the box.
+    expected[1].tolerance += SLIDE * want;
+    Case { kind: "plate".into(), name, script, expected }
 }
 
 /// Boxes on each other on a slope, which rest, or slide together on the lowest face.
