@@ -36,7 +36,8 @@ pub struct Case {
 }
 
 impl Case {
-    /// Deviations of the printed lines `figure NAME VALUE` from closed forms and laws of conservation: name, and amount over what is allowed.
+    /// Deviations of the printed lines `figure NAME VALUE` from closed forms and laws of conservation: name, and amount over what is
+    /// allowed.
     pub fn judge(&self, printed: &[String]) -> Vec<(String, f64)> {
         let figures: Vec<(&str, f64)> = printed
             .iter()

@@ -219,7 +219,8 @@ fn pile(random: &mut Random) -> Case {
             _ => (format!("b{}.boundary(\"front\")", k - 1), between),
         };
         script += &format!(
-            "m.add_contact(\"c{k}\", #{{ secondary: {name}.boundary(\"back\"), primary: {primary}, friction: {mu:e}, update: \"{rule}\" }});\n"
+            "m.add_contact(\"c{k}\", #{{ secondary: {name}.boundary(\"back\"), primary: {primary}, friction: {mu:e}, \
+             update: \"{rule}\" }});\n"
         );
     }
     script += &format!("{}{}{}", simulate(&pace), way(towards), figures(0.5 * count as f64));
@@ -239,12 +240,11 @@ fn arch(random: &mut Random) -> Case {
          end_angle: deg(180.0) * (k + 1) / {stones}, cells: [n, 1] }});\n    \
          let s = m.add_rigid_body(`s${{k}}`, face.extrude(#{{ height: 0.4, layers: n }}).rotate(deg(90.0), [0.0, 0.0, 0.0], \
          [1.0, 0.0, 0.0]), #{{ density: 1.0 }});\n    \
-         if k == 0 {{ m.add_contact(\"right\", #{{ secondary: s.boundary(\"start\"), primary: {GROUND}, friction: {mu:e}, update: \"{rule}\" \
-         }}); }}\n    \
-         else {{ m.add_contact(`c${{k}}`, #{{ secondary: s.boundary(\"start\"), primary: stones[k - 1].boundary(\"end\"), friction: {mu:e}, \
-         update: \"{rule}\" }}); }}\n    stones.push(s);\n}}\n\
-         m.add_contact(\"left\", #{{ secondary: stones[{stones} - 1].boundary(\"end\"), primary: {GROUND}, friction: {mu:e}, update: \"{rule}\" \
-         }});\n"
+         let below = if k == 0 {{ {GROUND} }} else {{ stones[k - 1].boundary(\"end\") }};\n    \
+         m.add_contact(`c${{k}}`, #{{ secondary: s.boundary(\"start\"), primary: below, friction: {mu:e}, update: \"{rule}\" }});\n    \
+         stones.push(s);\n}}\n\
+         m.add_contact(\"left\", #{{ secondary: stones[{stones} - 1].boundary(\"end\"), primary: {GROUND}, friction: {mu:e}, \
+         update: \"{rule}\" }});\n"
     );
     script += &format!("let b = stones[{}];\n{}{}", stones / 2, simulate(&pace), way(0.0));
     script += "print(`figure sag ${to[2] - from[2]}`);\n";

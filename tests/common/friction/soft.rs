@@ -52,7 +52,8 @@ fn cube(random: &mut Random) -> Scene {
         (std::array::from_fn(|_| whole(random, 1, 3)), element(random), law(random), contact(random));
     let (velocity, gap) = (velocity(random), pick(random, &[0.0, 1e-5, 1e-3]));
     let model = format!(
-        "let m = model(\"cube\");\nlet b = m.add_body(\"b\", block(#{{ size: [0.6, 0.5, 0.5], cells: {cells:?}, origin: [-0.3, -0.25, {gap:e}], \
+        "let m = model(\"cube\");\n\
+         let b = m.add_body(\"b\", block(#{{ size: [0.6, 0.5, 0.5], cells: {cells:?}, origin: [-0.3, -0.25, {gap:e}], \
          element: \"{element}\" }}), {law});\n{GRAVITY}m.initial_velocity(b, {velocity});\n\
          m.add_contact(\"c\", #{{ secondary: b.boundary_where(\"skin\", |x, y, z| true), \
          primary: rigid_plane(#{{ point: [0.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0] }}), {contact} }});\n"
@@ -91,7 +92,8 @@ fn pair(random: &mut Random) -> Scene {
     };
     let model = format!(
         "let m = model(\"pair\");\nlet b = {body};\n\
-         let p = m.add_body(\"p\", block(#{{ size: [1.2, 1.2, 0.3], cells: [{}, {}, 1], origin: [-0.6, -0.6, -0.3], element: \"{}\" }}), {});\n\
+         let p = m.add_body(\"p\", block(#{{ size: [1.2, 1.2, 0.3], cells: [{}, {}, 1], origin: [-0.6, -0.6, -0.3], \
+         element: \"{}\" }}), {});\n\
          m.fix(p.boundary(\"back\"));\n{GRAVITY}m.initial_velocity(b, {velocity});\n\
          m.add_contact(\"c\", #{{ secondary: b.boundary_where(\"skin\", |x, y, z| true), \
          primary: p.boundary_where(\"skin\", |x, y, z| true), {contact}, method: {method} }});\n",
