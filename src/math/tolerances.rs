@@ -295,10 +295,6 @@ pub const LINEAR_REFINED: f64 = 1e-13;
 /// 1e-14 to 1e-16, so this is a sign of growth in them.
 pub const LINEAR_FALLBACK: f64 = 1e-10;
 
-/// Scale of a node over that of nodes that share constraints with it, below which the node is carried by them: rigid bodies have their mass
-/// on a few nodes. Without it, piles of rigid bodies fail with pivots of 1e-12 in the rows of their contacts.
-pub const LINEAR_CARRIED: f64 = 0.1;
-
 /// Pivots below this, in a matrix scaled to entries of order one, are no pivots.
 pub const LINEAR_PIVOT: f64 = 1e-10;
 
