@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 pub enum Role {
     /// Coordinates of a node or a director, or any other numbers with an inertia or a stiffness of their own on the diagonal.
     Coordinates,
+    /// Coordinates of a node without inertia, which the constraints that are anchored to it make a combination of other coordinates.
+    Carried,
     /// Multipliers of the rows of one group of constraints; their diagonal block may be zero.
     Multipliers,
 }
@@ -30,6 +32,11 @@ impl Vertex {
     /// So many coordinates.
     pub const fn coordinates(size: u8) -> Self {
         Vertex { role: Role::Coordinates, size }
+    }
+
+    /// So many coordinates of a carried node.
+    pub const fn carried(size: u8) -> Self {
+        Vertex { role: Role::Carried, size }
     }
 
     /// So many multipliers.
@@ -246,6 +253,12 @@ impl Pattern {
     #[inline]
     pub fn size(&self, vertex: usize) -> usize {
         self.first[vertex + 1] - self.first[vertex]
+    }
+
+    /// Whether the unknowns of a vertex are coordinates of a carried node.
+    #[inline]
+    pub(crate) fn is_carried(&self, vertex: usize) -> bool {
+        self.roles[vertex] == Role::Carried
     }
 
     /// Whether the unknowns of a vertex are multipliers.

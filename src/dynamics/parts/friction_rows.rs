@@ -254,12 +254,13 @@ impl SlipRow<'_> {
                         gradient: by * self.film(),
                         diagonal: by,
                         right: -by * self.film() * self.slip,
+                        compliance: self.pressed.compliance,
                         ..Equation::OPEN
                     }
                 }
                 _ if self.is_held => self.kept(),
-                RowState::Stops => Equation::held(self.pressed.compliance, self.pressed.compliance * self.lambda - self.slip + self.rest),
-                _ => Equation::held(self.pressed.compliance, self.pressed.compliance * self.lambda - self.slip),
+                RowState::Stops => self.stuck(self.rest),
+                _ => self.stuck(0.0),
             };
         };
         // Slip leads against the multiplier; one that does not yet has no speed.
@@ -272,8 +273,15 @@ impl SlipRow<'_> {
             diagonal: by,
             normal: -by * sense * by_pressure,
             right: by * (sense * (shear - by_pressure * self.pressed.normal) - self.film() * self.slip),
+            compliance: self.pressed.compliance,
             ..Equation::OPEN
         }
+    }
+
+    /// The slip `at`.
+    fn stuck(&self, at: f64) -> Equation {
+        let compliance = self.pressed.compliance;
+        Equation { compliance, ..Equation::held(compliance, compliance * self.lambda - self.slip + at) }
     }
 
     /// The multiplier as it was, as far as the pressure bears it.

@@ -185,6 +185,7 @@ impl SlipVector<'_> {
                 normal: -pressing * e[i],
                 beside: [gradient[i][j], diagonal[i][j]],
                 right,
+                compliance,
             }
         })
     }

@@ -313,7 +313,7 @@ where
         self.system.supports.prescribed.iter().zip(place).for_each(|(one, place)| given[one.unknown] = place - u[one.unknown]);
         self.system.given = given;
         let set: Vec<RowState> = self.system.redundant.iter().map(|redundant| RowState::closed_if(!redundant)).collect();
-        let rows = constraint_rows(&self.system, &at, &self.conditions_at_rest(&start), &set, 0.0);
+        let rows = constraint_rows(&self.system, &at, &self.conditions_at_rest(&start), &set, 0.0, None);
         let modulus = self.system.nodes.modulus;
         let outcome = self.system.write_system(&start, &mut at, &rows);
         self.system.given.clear();

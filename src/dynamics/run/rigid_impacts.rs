@@ -98,6 +98,8 @@ where
     fn touches(&self, motion: &Motion, solution: &Solution, conditions: &Conditions, rates: &[f64]) -> Option<Vec<Touch>> {
         let (mut touches, mut is_impact, held) = (Vec::new(), false, self.system.closed_gaps());
         let mut before = None;
+        // Of closed contacts: the midpoint rule carries round-off of the positions in a short step on as a speed that alternates.
+        let floor = (2.0 * tolerances::IMPACT_FLOOR * self.state.row.energy_scale() / self.system.nodes.total_mass).sqrt();
         for (index, pair) in self.system.pairs.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
             let at = &solution.at.pairs[index];
             for (local, row) in pair.rows.clone().enumerate() {
@@ -107,8 +109,9 @@ where
                     continue;
                 }
                 // Speeds below that are what the tolerance of the gap leaves.
-                let slow = NOISE * pair.gap_tolerance / motion.dt;
                 let mut was_closed = conditions.gap_n[row] <= closed;
+                let carried_on = if was_closed { floor * at.coverage[local] * pair.kernel.weights()[local] } else { 0.0 };
+                let slow = (NOISE * pair.gap_tolerance / motion.dt).max(carried_on);
                 let approaches = rates[row] < -slow;
                 if was_closed && acts && approaches {
                     let evaluated = [&solution.at.pairs[..], &solution.at.slips[..]];

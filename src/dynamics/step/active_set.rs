@@ -6,7 +6,7 @@ use super::frozen::{Frozen, RowValues};
 use super::iterate::Linearization;
 use super::newton::{Attempt, Increment};
 use crate::bodies::{Elements, Space};
-use crate::dynamics::parts::laws::RowState;
+use crate::dynamics::parts::laws::{Equation, RowState};
 
 /// Sets that are tried on one linearisation: a solution is found within some, or not at all, and then the next linearisation is worth more
 /// than a further set.
@@ -35,6 +35,7 @@ where
         let begun = set.clone();
         let most = if self.proximal.is_some() && !self.task.is_patient { 1 } else { MAX_SETS };
         let (is_solved, solution) = self.find_set(at, set, most, None)?;
+        self.is_damped = false;
         if is_solved {
             self.proximal = None;
             return Ok(solution);
@@ -43,6 +44,7 @@ where
         let factor = self.proximal.unwrap_or(PROXIMAL);
         let terms = self.proximal_terms(at, factor);
         let (is_solved, solution) = self.find_set(at, set, MAX_SETS, Some(&terms))?;
+        self.is_damped = is_solved;
         self.proximal = Some(if is_solved { factor / LESS_PROXIMAL } else { (MORE_PROXIMAL * factor).min(LARGEST_PROXIMAL) });
         Ok(solution)
     }
@@ -90,9 +92,9 @@ where
         proximal: Option<&[f64]>,
         frozen: &mut Option<Frozen>,
     ) -> Result<RowValues, Failure> {
-        let mut rows = constraint_rows(self.system, at, self.task.conditions, set, self.yielding);
+        let mut rows = constraint_rows(self.system, at, self.task.conditions, set, self.yielding, proximal);
         if let Some(terms) = proximal {
-            rows.add_proximal(terms, &at.lambda);
+            rows.add_proximal(self.system.pressing, terms, &at.lambda);
         }
         let known = frozen.as_mut().and_then(|frozen| self.system.rows_with(frozen, self.task.start, at, &rows));
         let mut values = match known {
@@ -103,7 +105,12 @@ where
         let evaluated = at.pairs.iter().flat_map(|pair| &pair.gap).chain(slips);
         values.gaps.iter_mut().zip(evaluated).for_each(|(change, gap)| *change += gap);
         if let Some(terms) = proximal {
-            values.gaps.iter_mut().zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
+            let pressing = values.gaps[..self.system.pressing].iter_mut();
+            pressing.zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
+        }
+        // Slips with which the rows' compliance takes part in the choice of stick or slip.
+        for (row, Equation { compliance, .. }) in rows.0.iter().enumerate().filter(|(_, row)| row.compliance > 0.0) {
+            values.gaps[row] += compliance * (values.lambda[row] - at.lambda[row]);
         }
         Ok(values)
     }

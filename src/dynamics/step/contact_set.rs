@@ -181,13 +181,14 @@ pub fn starting_set<const D: usize>(
 }
 
 /// The constraint rows for a set of active nodes; `yielding` is how far rows with a compliance, and tangential rows of nodes with more rows
-/// than motions, give way, over what they do at first.
+/// than motions, give way, over what they do at first; tangential rows have the proximal terms besides.
 pub fn constraint_rows<const D: usize>(
     equations: &Equations<D>,
     at: &Linearization,
     conditions: &Conditions,
     set: &[RowState],
     yielding: f64,
+    proximal: Option<&[f64]>,
 ) -> ConstraintRows {
     let mut rows = ConstraintRows::open(equations.multipliers);
     for (pair, evaluation) in pairs_at(equations, at) {
@@ -200,7 +201,7 @@ pub fn constraint_rows<const D: usize>(
     let held = rows_of_nodes(equations, set);
     for place in slips_at(equations, at).filter(|place| set[place.rows.start].acts()) {
         let (mut group, first) = (place.at(conditions, at), place.rows.start);
-        group.set_compliance(conditions.eased(first, yielding));
+        group.set_compliance(conditions.eased(first, yielding) + proximal.map_or(0.0, |terms| terms[first]));
         // More rows than a node can move: those that stick give way, until the multipliers are found.
         if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
             group.yield_by(yielding / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));

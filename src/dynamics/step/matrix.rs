@@ -89,6 +89,10 @@ pub fn pattern_of<'a, const D: usize>(
     let nodes = fixed.len() / D;
     let mut vertices = vec![Vertex::coordinates(D as u8); nodes];
     vertices.resize(nodes + multipliers, Vertex::multipliers(1));
+    // In the plane the scaling of carried nodes is of no use: few rows press on one body.
+    for pair in pairs.iter().filter(|pair| D == 3 && pair.kind == PairKind::Rigidity) {
+        pair.kernel.row_nodes().iter().for_each(|&node| vertices[node as usize] = Vertex::carried(D as u8));
+    }
     // All in one piece: there are as many as cells.
     let (mut members, mut ends) = (Vec::new(), vec![0]);
     let mut add = |clique: &[u32]| {

@@ -149,6 +149,8 @@ pub(super) struct Attempt<'a, const D: usize> {
     taken: f64,
     /// Proximal term of the multipliers over the compliance of their nodes, where no set solved the last linearisation without one.
     pub(super) proximal: Option<f64>,
+    /// True if a set solved the last linearisation with a proximal term: such an increment goes a part of the way.
+    pub(super) is_damped: bool,
     /// How far tangential rows of nodes with more rows than motions give way: less and less while their set stays.
     pub(super) yielding: f64,
 }
@@ -180,6 +182,7 @@ where
         first_limit: limit,
         taken: 1.0,
         proximal: None,
+        is_damped: false,
         yielding: 1.0,
         system,
         task,
@@ -218,7 +221,7 @@ where
         (increment, new_lambda) = match strategy {
             Strategy::InnerLoop => attempt.finish_set(&mut at, &mut set)?,
             Strategy::Backtracking => {
-                let rows = constraint_rows(attempt.system, &at, task.conditions, &set, attempt.yielding);
+                let rows = constraint_rows(attempt.system, &at, task.conditions, &set, attempt.yielding, None);
                 attempt.system.solve(task.start, &mut at, &rows)?
             }
         };
@@ -228,7 +231,7 @@ where
         attempt.active = set;
         attempt.adapt_limit(trace.iterations.last(), &record);
         trace.iterations.push(record);
-        convergence.is_limited = largest_size(&increment) > attempt.limit;
+        convergence.is_limited = attempt.is_damped || largest_size(&increment) > attempt.limit;
         let searches = strategy == Strategy::Backtracking;
         at = attempt.moved(searches, at, &increment, &new_lambda, &mut trace.u_1)?;
     }

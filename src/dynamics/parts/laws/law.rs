@@ -147,11 +147,15 @@ pub struct Equation {
     pub beside: [f64; 2],
     /// `r`.
     pub right: f64,
+    /// Compliance of a tangential row within the iteration: its state is that of the slip `u + compliance (lambda - lambda_k)`, with the
+    /// multiplier `lambda_k` of the iterate.
+    pub compliance: f64,
 }
 
 impl Equation {
     /// `lambda = 0`.
-    pub const OPEN: Equation = Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, beside: [0.0; 2], right: 0.0 };
+    pub const OPEN: Equation =
+        Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, beside: [0.0; 2], right: 0.0, compliance: 0.0 };
 
     /// `G_1 dq + compliance lambda = right`.
     pub fn held(compliance: f64, right: f64) -> Equation {
