@@ -458,3 +458,30 @@ fn what_a_newcomer_types_is_answered() {
         assert!(found.status.success() && stdout(&found).contains(&format!("`{ours}`")), "{words}: {}", stdout(&found));
     }
 }
+
+#[test]
+fn a_deck_becomes_a_script_that_runs_and_a_picture() {
+    let home = folder("deck", "");
+    let deck = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/two_blocks.inp");
+    std::fs::copy(deck, home.join("two_blocks.inp")).unwrap();
+    let made = run(&home, &["new", "--from", "two_blocks.inp"]);
+    assert!(made.status.success() && stdout(&made).contains("two_blocks.rhai is written"), "{}", stderr(&made));
+    let script = std::fs::read_to_string(home.join("two_blocks.rhai")).unwrap();
+    for line in [
+        "let deck = read_deck(\"two_blocks.inp\");",
+        "let block_1 = scene.add_body(\"Block-1\", deck.parts[\"Block-1\"], deck.materials[\"Rubber\"]);",
+        "scene.fix(block_1.boundary(\"Ground\"));",
+        "scene.add_contact(\"contact 1\", #{ secondary: block_2.boundary(\"Foot\"), primary: block_1.boundary(\"Top\") });",
+    ] {
+        assert!(script.contains(line), "{script}");
+    }
+    let ran = run(&home, &["run", "two_blocks.rhai", "--quiet"]);
+    assert!(ran.status.success(), "{}", stderr(&ran));
+    let again = run(&home, &["new", "--from", "two_blocks.inp"]);
+    assert!(!again.status.success() && stderr(&again).contains("there already is a file two_blocks.rhai"));
+    let drawn = run(&home, &["info", "two_blocks.inp", "--picture"]);
+    assert!(stdout(&drawn).contains("picture: two_blocks.png"), "{}", stderr(&drawn));
+    assert!(std::fs::read(home.join("two_blocks.png")).unwrap().starts_with(b"\x89PNG"));
+    let no_mesh = run(&home, &["info", "two_blocks.rhai", "--picture", "a.svg"]);
+    assert!(stderr(&no_mesh).contains("is no mesh file"));
+}

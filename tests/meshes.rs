@@ -10,6 +10,10 @@ use conserva::mesh::{Boundary, Facet, Mesh, read_mesh, read_mesh_bytes};
 
 #[path = "common/mesh_damage.rs"]
 mod mesh_damage;
+#[path = "meshes/small.rs"]
+mod small;
+#[path = "meshes/surfaces.rs"]
+mod surfaces;
 
 fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -152,6 +156,7 @@ fn files_of_other_programs_are_what_their_geometry_says() {
     for Made { file, kind, cells, measure: (measure, tolerance), boundary: (name, extent) } in [
         made("plate_tri3_41_binary.msh", Tri3, 84, (1.7454415587728431, written), ("left", 1.0)),
         made("plate_tri3_22.msh", Tri3, 88, (1.7454415587728431, written), ("hole", 0.6 * PI)),
+        made("plate_quad4_partitioned_41.msh", Quad4, 112, (1.7244679286971352, written), ("hole", 0.6 * PI)),
         made("plate_tri3_meshio_22.msh", Tri3, 88, (1.7454415587728431, written), ("left", 1.0)),
         made("plate_tri3.inp", Tri3, 84, (1.7454415587728334, written), ("hole", 0.6 * PI)),
         made("plate_tri6_22_binary.msh", Tri6, 88, (plate, 1e-3), ("hole", 0.6 * PI)),
@@ -216,7 +221,6 @@ fn files_that_cannot_be_used_are_refused_with_place_and_cure() {
     let inverted = read_mesh(path).expect_err("cells inside out");
     assert_eq!(inverted.offset(), Some(5375));
     assert!(inverted.to_string().contains("is inside out") && inverted.to_string().ends_with("(34 of 56 cells are)"), "{inverted}");
-    refusal("plate_partitioned.msh", 27, "the mesh is partitioned (section $PartitionedEntities)", "`UnpartitionMesh;`");
 }
 
 #[test]

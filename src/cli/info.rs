@@ -13,9 +13,9 @@ use super::columns::{aligned, short, visible};
 use super::console::{Console, complain, ink};
 use super::diff::Format;
 use super::drawn_files;
+use super::mesh_files;
 use super::process::exit_code;
 use crate::machine::files;
-use crate::mesh;
 use crate::output::checkpoint::{Checkpoint, MAGIC};
 use crate::output::{
     FieldsRead, ReadError, RunFolder, Section, Table, read_fields, read_frames, read_parquet, read_rows, read_summary, read_table,
@@ -32,6 +32,9 @@ pub struct Arguments {
     /// How it is written
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    /// Draw a mesh file with its boundaries in colors and their names into a PNG or SVG file
+    #[arg(long, value_name = "FILE")]
+    picture: Option<Option<PathBuf>>,
 }
 
 /// What is said of a file, in this order.
@@ -65,7 +68,7 @@ const KINDS: &[Kind] = &[
     Kind {
         name: "mesh",
         fits: |ending, head| matches!(ending, "msh" | "inp") || head.starts_with(b"$MeshFormat") || head.starts_with(b"*"),
-        describe: mesh_file,
+        describe: mesh_files::mesh,
     },
 ];
 
@@ -74,8 +77,14 @@ const HEAD: usize = 4096;
 
 /// Describes a file or a folder; the exit code.
 pub fn info(arguments: Arguments) -> u8 {
-    let Arguments { path, format } = arguments;
-    let (kind, facts) = match facts_of(&path) {
+    let Arguments { path, format, picture } = arguments;
+    let found = facts_of(&path).and_then(|(kind, mut facts)| {
+        if let Some(picture) = picture {
+            facts.push(("picture", mesh_files::draw(&path, kind, picture)?.display().to_string().into()));
+        }
+        Ok((kind, facts))
+    });
+    let (kind, facts) = match found {
         Ok(found) => found,
         Err(error) => {
             complain(&error.render(ink()));
@@ -378,38 +387,6 @@ fn checkpoint_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     for saved in simulations {
         let (step, time) = saved.reached;
         facts.push(("simulation", format!("\"{}\": step {step}, t = {time}, {} unknowns", saved.name, saved.unknowns).into()));
-    }
-    Ok(facts)
-}
-
-fn mesh_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
-    let mesh = mesh::read_mesh(path).map_err(|error| {
-        let message = Diagnostic::error(Class::Script, format!("\"{}\": {error}", path.display())).code(error.code());
-        Box::new(message.hint(error.hint()))
-    })?;
-    let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for point in &mesh.points {
-        for i in 0..3 {
-            ends[0][i] = ends[0][i].min(point[i]);
-            ends[1][i] = ends[1][i].max(point[i]);
-        }
-    }
-    let box_of = |end: [f64; 3]| end[..mesh.dimension()].iter().map(|&x| short(x)).collect::<Vec<_>>().join(", ");
-    let mut facts: Facts = vec![
-        ("cells", format!("{} of {}", mesh.cell_count(), mesh.kind.row().name).into()),
-        ("nodes", mesh.points.len().into()),
-        ("box", format!("[{}] to [{}]", box_of(ends[0]), box_of(ends[1])).into()),
-        (if mesh.dimension() == 2 { "area" } else { "volume" }, mesh.measure().into()),
-    ];
-    let mut boundaries = vec![json!(["boundary", "facets", "nodes"])];
-    boundaries.extend(mesh.boundaries.iter().map(|of| json!([of.name, of.facets.len(), mesh.boundary_nodes(of).len()])));
-    if !mesh.boundaries.is_empty() {
-        facts.push(("boundaries", boundaries.into()));
-    }
-    let mut parts = vec![json!(["part", "cells"])];
-    parts.extend(mesh.parts.iter().map(|(name, cells)| json!([name, cells.len()])));
-    if !mesh.parts.is_empty() {
-        facts.push(("parts", parts.into()));
     }
     Ok(facts)
 }

@@ -4,6 +4,7 @@ mod check;
 mod columns;
 mod complaint;
 mod console;
+mod deck_script;
 mod diff;
 mod doc;
 mod drawn_files;
@@ -14,6 +15,7 @@ mod list;
 mod live;
 mod log;
 mod memory;
+mod mesh_files;
 mod new;
 mod process;
 mod repl;
@@ -54,7 +56,7 @@ enum Command {
     Test(test::Arguments),
     /// Show the reference of the language, or one entry of it
     Doc(doc::Arguments),
-    /// Start a scenario from a commented template
+    /// Start a scenario from a commented template, or from a deck of Abaqus or CalculiX
     New(new::Arguments),
     /// List the runs below a folder: parameters, outcome, steps, energy drift
     List(list::Arguments),

@@ -1,19 +1,25 @@
-//! `conserva new`: starts a scenario from a commented template.
+//! `conserva new`: starts a scenario from a commented template, or from a deck of Abaqus or CalculiX.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::console::{Console, complain, ink};
+use super::deck_script::script_of;
 use super::process::exit_code;
+use crate::mesh::{ReadOptions, below_folder_of, read_deck};
 use crate::script::{Class, Diagnostic};
 
 /// Arguments of `conserva new`.
 #[derive(Args)]
 pub struct Arguments {
     /// Name of the scenario; the script NAME.rhai is written
-    name: PathBuf,
+    #[arg(required_unless_present = "from")]
+    name: Option<PathBuf>,
+    /// An input file of Abaqus or CalculiX: the script has its bodies, materials, supports and contacts
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
 }
 
 /// The template; `NAME` stands for the scenario's name.
@@ -21,17 +27,27 @@ const TEMPLATE: &str = include_str!("template.rhai");
 
 /// Writes a new scenario; the exit code.
 pub fn new(arguments: Arguments) -> u8 {
-    let file = if arguments.name.extension().is_some_and(|ending| ending == "rhai") {
-        arguments.name
+    let name = arguments.name.or_else(|| arguments.from.as_ref()?.file_stem().map(PathBuf::from)).unwrap_or_default();
+    let file = if name.extension().is_some_and(|ending| ending == "rhai") {
+        name
     } else {
-        let mut name = arguments.name.into_os_string();
+        let mut name = name.into_os_string();
         name.push(".rhai");
         PathBuf::from(name)
     };
     let name: String = file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     // the name stands inside a string and a comment of the script
     let plain: String = name.chars().map(|letter| if letter.is_alphanumeric() || "-_. ".contains(letter) { letter } else { '_' }).collect();
-    let text = TEMPLATE.replace("NAME", &plain);
+    let text = match &arguments.from {
+        None => TEMPLATE.replace("NAME", &plain),
+        Some(deck) => match from_deck(deck, &file, &plain) {
+            Ok(text) => text,
+            Err(error) => {
+                complain(&error.render(ink()));
+                return exit_code(error.class);
+            }
+        },
+    };
     let written = std::fs::OpenOptions::new().write(true).create_new(true).open(&file).and_then(|mut file| file.write_all(text.as_bytes()));
     match written {
         Ok(()) => {
@@ -51,4 +67,22 @@ pub fn new(arguments: Arguments) -> u8 {
             exit_code(Class::Script)
         }
     }
+}
+
+/// The script of a deck, which is to stand in a file.
+fn from_deck(path: &Path, script: &Path, name: &str) -> Result<String, Box<Diagnostic>> {
+    let find = below_folder_of(path);
+    let deck = read_deck(path, ReadOptions::default(), Some(&find)).map_err(|error| {
+        let message = Diagnostic::error(Class::Script, format!("\"{}\": {error}", path.display())).code(error.code());
+        let message = error.place().into_iter().fold(message, |message, place| message.cause(format!("it shows {place}")));
+        Box::new(message.hint(error.hint()))
+    })?;
+    // a script reads files below its own folder by their path from there
+    let folder = script.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let below = match (path.canonicalize(), folder.canonicalize()) {
+        (Ok(path), Ok(folder)) => path.strip_prefix(folder).map(Path::to_path_buf).ok(),
+        _ => None,
+    };
+    let found = below.or_else(|| path.canonicalize().ok()).unwrap_or_else(|| path.to_path_buf());
+    Ok(script_of(&deck, &found.to_string_lossy(), name))
 }

@@ -87,7 +87,9 @@ pub use round_parts::{RoundPart, round_parts};
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
 pub use solid::{Solid, Sunk};
-pub use space::{CornersInSpace, Facets, FacetsError, ObstacleInSpace, PressFit, RigidInSpace, RoundInSpace, SeenInSpace, press_fit};
+pub use space::{
+    CornersInSpace, Facets, FacetsError, Mending, ObstacleInSpace, PressFit, RigidInSpace, RoundInSpace, SeenInSpace, press_fit,
+};
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;
 pub use window::{Outlook, Travel};

@@ -1,9 +1,11 @@
 //! Every tolerance of the program, with its name, its meaning and the reason of its size.
 
 mod friction;
+mod meshes;
 mod surfaces;
 
 pub use friction::*;
+pub use meshes::*;
 pub use surfaces::*;
 
 /// Newton's default: the energy `|r.dq| + |lambda.Phi|` that the residual can still move, relative to the energy scale.
@@ -313,27 +315,9 @@ pub const LINEAR_RESIDUAL: f64 = 1e-8;
 /// right-hand side that the matrix is as good as singular.
 pub const LINEAR_UNSOLVED: f64 = 1e-3;
 
-/// Jacobian determinant of a cell, relative to its longest edge to the power of the dimension, below which it has no area or volume:
-/// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).
-pub const DEGENERATE_CELL: f64 = 1e-12;
-
 /// Part of a tie's offset that a node within the body carries, over the weight of a node, below which it is round-off of positions and the
 /// tie joins the surfaces alone.
 pub const TIE_OFFSET: f64 = 1e-12;
-
-/// Distance of two nodes of meshes to be joined, relative to the largest coordinate, up to which they are at the same place.
-pub const SAME_PLACE: f64 = 1e-9;
-
-/// What the cosine of half the angle between two faces lacks of one, up to which they are one plane: normals of triangles have round-off.
-pub const COPLANAR: f64 = 1e-12;
-
-/// Share of each corner, in a point of a facet that an edge goes through, above which the point is inside and not on the facet's rim: edges
-/// that only touch meet the rim to round-off, 1e-15.
-pub const PIERCED: f64 = 1e-6;
-
-/// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh
-/// generator leave.
-pub const PLANE: f64 = 1e-12;
 
 /// Angle by which a boundary may turn at once on the way to an equilibrium `[rad]`.
 pub const EIGHTH_TURN: f64 = std::f64::consts::FRAC_PI_4;

@@ -353,7 +353,7 @@ impl Mesh {
     }
 
     /// Mean of the nodes of a cell, one coordinate per dimension `[length]`.
-    pub(crate) fn cell_center(&self, cell: usize) -> Vec<f64> {
+    pub fn cell_center(&self, cell: usize) -> Vec<f64> {
         let nodes = self.cell(cell);
         let mean = |i: usize| nodes.iter().map(|&node| self.points[node as usize][i]).sum::<f64>() / nodes.len() as f64;
         (0..self.dimension()).map(mean).collect()

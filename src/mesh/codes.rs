@@ -59,6 +59,7 @@ impl MeshError {
             MeshError::UnusedNodes { .. } => "C0250",
             MeshError::BrokenReference { .. } => "C0251",
             MeshError::File(error) => error.code(),
+            MeshError::Included { error, .. } => error.code(),
         }
     }
 }
@@ -84,7 +85,6 @@ impl FileProblem {
             FileProblem::Count { .. } => "C0808",
             FileProblem::MissingSection { .. } => "C0809",
             FileProblem::RepeatedSection { .. } => "C0810",
-            FileProblem::Partitioned { .. } => "C0811",
             FileProblem::Malformed { .. } => "C0812",
             FileProblem::Coordinate { .. } => "C0813",
             FileProblem::DuplicateNode { .. } => "C0814",
@@ -105,6 +105,9 @@ impl FileProblem {
             FileProblem::UnknownSet { .. } => "C0829",
             FileProblem::UnknownMember { .. } => "C0830",
             FileProblem::UnknownSide { .. } => "C0831",
+            FileProblem::Included { .. } => "C0832",
+            FileProblem::Shells { .. } => "C0833",
+            FileProblem::Structural { .. } => "C0834",
         }
     }
 }

@@ -2,9 +2,11 @@
 //!
 //! One type for generators, transforms, selections, checks and readers, since they hand the same meshes to each other.
 
+use std::path::PathBuf;
+
 use thiserror::Error;
 
-use super::file_error::{FileError, FileProblem, Place};
+use super::file_error::{FileError, Place};
 use crate::machine::memory::Shortage;
 
 /// A mesh that cannot be made, changed, found or read.
@@ -439,35 +441,14 @@ pub enum MeshError {
     /// A mesh file that is refused.
     #[error(transparent)]
     File(#[from] FileError),
-}
-
-impl MeshError {
-    /// Place in the mesh file, where the error has one.
-    pub fn place(&self) -> Option<Place> {
-        use MeshError::*;
-        match self {
-            InvertedCell { at, .. } | DegenerateCell { at, .. } | RepeatedNode { at, .. } | CrowdedFacet { at, .. } => *at,
-            File(FileError { problem: FileProblem::Unreadable { .. }, .. }) => None,
-            File(error) => Some(error.at),
-            _ => None,
-        }
-    }
-
-    /// Line of the mesh file, counted from 1, where the error has one.
-    pub fn line(&self) -> Option<usize> {
-        match self.place() {
-            Some(Place::Line(line)) => Some(line),
-            _ => None,
-        }
-    }
-
-    /// Byte of the mesh file, counted from 0, where the error has one.
-    pub fn offset(&self) -> Option<usize> {
-        match self.place() {
-            Some(Place::Byte(byte)) => Some(byte),
-            _ => None,
-        }
-    }
+    /// An error in a file that a mesh file includes.
+    #[error("{error}")]
+    Included {
+        /// Path of the included file.
+        file: PathBuf,
+        /// What is wrong in it.
+        error: Box<MeshError>,
+    },
 }
 
 /// Names in quotation marks, or `none`.

@@ -102,12 +102,6 @@ pub enum FileProblem {
         /// Name of the section.
         section: String,
     },
-    /// A section of a partitioned mesh.
-    #[error("the mesh is partitioned (section {section})")]
-    Partitioned {
-        /// Name of the section.
-        section: String,
-    },
     /// A place that does not hold what belongs there.
     #[error("expected {expected}, found \"{found}\"")]
     Malformed {
@@ -198,7 +192,7 @@ pub enum FileProblem {
         element: u64,
     },
     /// A file without cells.
-    #[error("the file has no cells, only {lines} line elements")]
+    #[error("the file has no solid or plane cells{}", if *.lines > 0 { format!(", only {lines} line elements") } else { String::new() })]
     NoCells {
         /// How many line elements it has.
         lines: usize,
@@ -246,6 +240,30 @@ pub enum FileProblem {
         keyword: String,
         /// What it would do.
         reason: &'static str,
+    },
+    /// A file that is included and cannot be read.
+    #[error("the included file \"{name}\" cannot be read: {reason}")]
+    Included {
+        /// Its name as written.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// Shells or membranes without solid or plane cells.
+    #[error("the file has no solid or plane cells, but {count} shell, membrane or rigid elements ({name})")]
+    Shells {
+        /// Name of a type of these elements.
+        name: String,
+        /// How many there are.
+        count: usize,
+    },
+    /// Elements that are no cells, where they are not to be left out.
+    #[error("the file has elements that are no cells of bodies: {count} {name}")]
+    Structural {
+        /// Name of a type of these elements.
+        name: String,
+        /// How many of the type there are.
+        count: usize,
     },
     /// A keyword without a parameter that it needs.
     #[error("the keyword *{keyword} needs the parameter {parameter}")]

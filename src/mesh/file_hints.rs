@@ -16,8 +16,7 @@ impl FileProblem {
             Count { .. } | RepeatedSection { .. } | DuplicateNode { .. } | MissingNode { .. } | UnknownEntity { .. } | Malformed { .. } => {
                 "the file is damaged or was edited by hand: write it again with the program that made it"
             }
-            DuplicateElement { .. } => "number the elements of all parts without repetition, or write each part into a file of its own",
-            Partitioned { .. } => "save it as one piece: `UnpartitionMesh;` in Gmsh",
+            DuplicateElement { .. } => "number the elements of a part without repetition",
             Coordinate { .. } => "give every node finite coordinates",
             DuplicateCell { .. } => "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent",
             UnsupportedCell { kind, .. } if kind.contains("third order") => {
@@ -46,7 +45,14 @@ impl FileProblem {
             }
             NotPlane { .. } => "move the mesh into the plane z = 0, or mesh a volume",
             AmbiguousName { .. } => "give each physical group its own name",
-            Keyword { .. } => "write one part without instances that are moved, in one file",
+            Keyword { keyword, .. } if keyword == "INCLUDE" => "put the lines of the other file in the place of the keyword",
+            Keyword { .. } => "write the file again with the nodes and elements themselves",
+            Included { .. } => "put it below the folder of the file that includes it",
+            Shells { .. } => {
+                "mesh the volume of a thin part with solid cells; a plane part is written with plane cells (CPS4, CPE4 or CAX4 in place of \
+                 S4)"
+            }
+            Structural { .. } => "take these elements out of the file, or let them be left out",
             MissingParameter { .. } => "write the parameter behind the keyword, such as `*ELEMENT, TYPE=CPS4`",
             UnknownSet { .. } => "define the set before it is used, or correct its name",
             UnknownMember { .. } => "correct the number, or write the file again with the program that made it",

@@ -63,9 +63,6 @@ impl MeshError {
             },
             BoundaryExists { .. } => "choose another name".into(),
             InvertedCell { center, inverted, cells, .. } if center.len() == 3 => solid_inside_out(inverted == cells),
-            InvertedCell { inverted, cells, .. } if inverted == cells => "the nodes of all cells run the wrong way round: reverse them in \
-                 Gmsh (`ReverseMesh Surface{:};`, or turn the curve loops counter-clockwise) and save again"
-                .into(),
             InvertedCell { .. } => {
                 "mend the mesh there: nodes of a plane cell run counter-clockwise and its angles stay below 180 degrees".into()
             }
@@ -75,6 +72,7 @@ impl MeshError {
             UnusedNodes { .. } => "remove the nodes, or add the cells that use them".into(),
             BrokenReference { .. } => "renumber the mesh from 0 without gaps".into(),
             File(error) => error.problem.hint(),
+            Included { error, .. } => error.hint(),
             solids => solids.hint_of_solids().into(),
         }
     }

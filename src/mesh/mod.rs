@@ -23,6 +23,8 @@ mod join;
 mod layers;
 mod local_refinement;
 mod path;
+mod pieces;
+mod places;
 mod plane;
 mod point_index;
 mod polygon;
@@ -30,6 +32,7 @@ mod region;
 mod revolve;
 mod round;
 mod selection;
+mod sides;
 #[cfg(test)]
 mod solid_tests;
 mod solids;
@@ -47,7 +50,12 @@ pub use curves::{Curve, Side};
 pub use error::MeshError;
 pub use extrude::Change;
 pub use file_error::{FileError, FileProblem, Place};
-pub use files::{Triangles, read_mesh, read_mesh_bytes, read_surface, read_surface_bytes};
+pub use files::{
+    Deck, DeckBoundary, DeckMaterial, DeckPair, DeckPart, DeckProperty, FileNote, Includes, ReadOptions, Shells, Structural, Triangles,
+};
+pub use files::{
+    below_folder_of, read_deck, read_deck_bytes, read_mesh, read_mesh_bytes, read_mesh_with, read_surface, read_surface_bytes,
+};
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub use layers::Layers;
 pub use plane::{cross, is_inside};

@@ -34,7 +34,7 @@ impl Mesh {
     ///
     /// # Errors
     /// What the condition fails with.
-    pub(crate) fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
+    pub fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
         let mut answers: HashMap<u32, bool> = HashMap::new();
         let mut facets = Vec::new();
         for facet in self.hull() {
@@ -92,35 +92,7 @@ impl Mesh {
             let available = self.parts.iter().map(|(part, _)| part.clone()).collect();
             return Err(MeshError::UnknownPart { name: name.into(), available });
         };
-        let mut new_node = vec![None; self.points.len()];
-        for &cell in cells {
-            self.cell(cell as usize).iter().for_each(|&node| new_node[node as usize] = Some(0));
-        }
-        let mut points = Vec::new();
-        for (slot, &point) in new_node.iter_mut().zip(&self.points).filter(|(slot, _)| slot.is_some()) {
-            *slot = Some(points.len() as u32);
-            points.push(point);
-        }
-        let connectivity = cells.iter().flat_map(|&cell| self.cell(cell as usize)).filter_map(|&node| new_node[node as usize]).collect();
-        let new_cell: HashMap<u32, u32> = cells.iter().zip(0..).map(|(&old, new)| (old, new)).collect();
-        let inside = |facet: &Facet| new_cell.get(&facet.cell).map(|&cell| Facet { cell, local: facet.local });
-        let boundaries = self
-            .boundaries
-            .iter()
-            .map(|b| Boundary {
-                name: b.name.clone(),
-                facets: b.facets.iter().filter_map(inside).collect(),
-                nodes: b.nodes.iter().filter_map(|&node| new_node[node as usize]).collect(),
-            })
-            .filter(|b| !b.facets.is_empty() || !b.nodes.is_empty())
-            .collect();
-        let parts = self
-            .parts
-            .iter()
-            .map(|(part, cells)| (part.clone(), cells.iter().filter_map(|cell| new_cell.get(cell).copied()).collect::<Vec<_>>()))
-            .filter(|(_, cells)| !cells.is_empty())
-            .collect();
-        Ok(Mesh { kind: self.kind, points, connectivity, boundaries, parts })
+        Ok(self.of_cells(cells))
     }
 }
 

@@ -68,7 +68,9 @@ pub use movie::{MovieFormat, movie};
 pub use obstacles::Surroundings;
 #[cfg(feature = "formats")]
 pub use parquet::{Field as TableField, parquet, parquet_of};
-pub use picture::{Component, CutPlane, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, sight};
+pub use picture::{
+    Component, CutPlane, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, picture_of_boundaries, sight,
+};
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use point_log::{PointLog, encoded};
 pub use pvd::{FieldSeries, pvd};

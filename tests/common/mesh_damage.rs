@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use conserva::mesh::read_mesh_bytes;
+use conserva::mesh::{ReadOptions, read_deck_bytes, read_mesh_bytes};
 
 #[path = "splitmix.rs"]
 mod splitmix;
@@ -51,6 +51,18 @@ const STRANGE: &[&str] = &[
     "*ELEMENT, TYPE=CPS4",
     "*NSET, NSET=a",
     "*INCLUDE",
+    "*INCLUDE, INPUT=a",
+    "*PART, NAME=a",
+    "*END PART",
+    "*INSTANCE, NAME=a, PART=Square",
+    "*END INSTANCE",
+    "*ELEMENT, TYPE=S4",
+    "*ELEMENT, TYPE=MASS",
+    "*CONTACT PAIR",
+    "$PartitionedEntities",
+    "$ParametricNodes",
+    "One.1",
+    "INSTANCE=One",
     "$EndNodes",
     "$Elements",
     "\n",
@@ -62,7 +74,7 @@ const STRANGE: &[&str] = &[
 pub fn originals() -> Vec<(PathBuf, Vec<u8>)> {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes");
     let mut found = Vec::new();
-    for folder in ["made", "refused", "."] {
+    for folder in ["made", "refused", "small", "."] {
         let entries = std::fs::read_dir(tests.join(folder)).unwrap_or_else(|error| panic!("{folder}: {error}"));
         let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
         paths.sort();
@@ -129,6 +141,9 @@ fn replace_word(content: &mut Vec<u8>, place: usize, random: &mut SplitMix) {
 /// Whether a content was read; what is read must be sound, what is refused must say what to do.
 #[allow(dead_code)] // not by every program
 pub fn judged(content: &[u8]) -> bool {
+    if let Ok(deck) = read_deck_bytes(content, ReadOptions::default()) {
+        deck.parts.iter().for_each(|part| assert_eq!(part.mesh.defects(), []));
+    }
     match read_mesh_bytes(content) {
         Ok(mesh) => {
             assert_eq!(mesh.defects(), []);

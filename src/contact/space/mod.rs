@@ -10,6 +10,7 @@ mod facets;
 mod features;
 mod found;
 mod gaps;
+mod mending;
 mod mortar;
 mod nodes;
 mod obstacle;
@@ -28,6 +29,7 @@ mod vertices;
 
 pub use corners::CornersInSpace;
 pub use facets::{Facets, FacetsError};
+pub use mending::Mending;
 pub use mortar::MortarInSpace;
 pub use obstacle::ObstacleInSpace;
 pub(super) use obstacle::Shape as ShapeInSpace;

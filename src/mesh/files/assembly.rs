@@ -1,9 +1,11 @@
-//! From the tables of a file to a mesh: numbers become indices, groups become parts and boundaries.
+//! From the tables of a file to a mesh: numbers become indices, groups become parts and boundaries. Plane cells whose nodes run clockwise
+//! are reversed.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::numbering::Numbering;
-use super::sets::{attach_node_sets, attach_surfaces};
+use super::options::{FileNote, ReadOptions, Shells, Structural};
+use super::sets::{attach_node_sets, attach_surfaces, free_name};
 use super::tables::{Elements, Shape, Tables};
 use crate::elements::CellKind;
 use crate::math::tolerances::PLANE;
@@ -11,14 +13,16 @@ use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::topology::{FacetKey, facet_key};
 use crate::mesh::{Boundary, Facet, Mesh, MeshError};
 
-/// The mesh of a file.
-pub(super) fn assemble(tables: &Tables) -> Result<Mesh, MeshError> {
-    let numbering = Numbering::new(tables)?;
-    let kind = kind_of(tables)?;
-    let (mut mesh, origins) = cells(kind, tables, &numbering)?;
-    attach_boundaries(&mut mesh, tables, &numbering)?;
+/// The mesh of a file, and what was done to what the file holds.
+pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+    settle_structural(&mut tables, options)?;
+    let numbering = Numbering::new(&tables)?;
+    let kind = kind_of(&tables)?;
+    let (mut mesh, origins, turned) = cells(kind, &tables, &numbering)?;
+    let strays = attach_boundaries(&mut mesh, &tables, &numbering)?;
+    let tables = &leave_out_strays(tables, &strays, options)?;
     let used = take_used_nodes(&mut mesh, tables);
-    attach_points(&mut mesh, tables, &numbering, &used)?;
+    attach_edges_and_points(&mut mesh, tables, &numbering, &used)?;
     if mesh.dimension() == 2 {
         flatten(&mut mesh, tables, &used)?;
     }
@@ -27,13 +31,62 @@ pub(super) fn assemble(tables: &Tables) -> Result<Mesh, MeshError> {
     }
     if !tables.surfaces.is_empty() {
         let cells = origins.iter().zip(0..).map(|(origin, cell)| (origin.number, cell)).collect();
-        attach_surfaces(&mut mesh, tables, &cells)?;
+        attach_surfaces(&mut mesh, tables, &cells, &turned)?;
     }
-    attach_node_sets(&mut mesh, tables, |number| {
+    let completed = attach_node_sets(&mut mesh, tables, |number| {
         let index = numbering.index(number)?;
         Some(used.binary_search(&index).ok().map(|node| node as u32))
     })?;
-    Ok(mesh)
+    let mut notes = Vec::new();
+    if !tables.left_out.is_empty() {
+        notes.push(FileNote::Skipped(tables.left_out.iter().map(|(name, &(count, _))| (name.clone(), count)).collect()));
+    }
+    if let Some(&first) = turned.iter().min() {
+        notes.push(FileNote::Turned { count: turned.len(), first: tables.written_element(origins[first as usize].number) });
+    }
+    if !completed.is_empty() {
+        notes.push(FileNote::CornerSets(completed));
+    }
+    Ok((mesh, notes))
+}
+
+/// Shells count as facets of solid cells only. Without solid cells they are left out beside plane cells, and are refused or taken as plane
+/// cells where there are no others.
+fn settle_structural(tables: &mut Tables, options: ReadOptions) -> Result<(), MeshError> {
+    let [has_plane, has_solid] = [2, 3].map(|dimension| {
+        tables.elements.iter().any(|(shape, elements)| {
+            let is_cell = matches!(shape, Shape::Cell(kind) if kind.dimension() == dimension);
+            is_cell && !elements.numbers.iter().all(|number| tables.structural.contains(number))
+        })
+    });
+    let is_surface = |shape: &Shape| matches!(shape, Shape::Cell(kind) if kind.dimension() == 2);
+    let shells: Vec<Shape> = tables.structural_types.keys().copied().filter(is_surface).collect();
+    if !has_solid && !shells.is_empty() {
+        if has_plane {
+            shells.iter().for_each(|&shape| tables.leave_out_structural(shape));
+        } else if options.shells == Shells::Plane {
+            shells.iter().for_each(|shape| drop(tables.structural_types.remove(shape)));
+            tables.structural.clear();
+        } else if let Some((name, at)) = tables.structural_types.get(&shells[0]).cloned() {
+            let count = shells.iter().filter_map(|shape| tables.elements.get(shape)).map(|elements| elements.numbers.len()).sum();
+            return Err(FileError { at, problem: FileProblem::Shells { name, count } }.into());
+        }
+    }
+    if has_solid && tables.has_beams {
+        [Shape::Line(2), Shape::Line(3)].into_iter().for_each(|shape| tables.leave_out_structural(shape));
+    }
+    Ok(())
+}
+
+/// Tables in which elements that are neither cells nor facets of them are counted as left out, unless that is refused.
+fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: ReadOptions) -> Result<Tables, MeshError> {
+    strays.iter().for_each(|&(shape, at)| tables.leave_out(shape, 1, at));
+    match tables.left_out.iter().next() {
+        Some((name, &(count, at))) if options.structural == Structural::Refused => {
+            Err(FileError { at, problem: FileProblem::Structural { name: name.clone(), count } }.into())
+        }
+        _ => Ok(tables),
+    }
 }
 
 /// The kind of the cells: solid ones where there are any.
@@ -53,7 +106,7 @@ fn kind_of(tables: &Tables) -> Result<CellKind, MeshError> {
     match kinds(dimension).find(|(other, _)| *other != kind) {
         None => Ok(kind),
         Some((other, elements)) => {
-            let (count, others, element) = (most.numbers.len(), elements.numbers.len(), elements.numbers[0]);
+            let (count, others, element) = (most.numbers.len(), elements.numbers.len(), tables.written_element(elements.numbers[0]));
             let problem = FileProblem::MixedCells { kind: kind.name(), count, other: other.name(), others, element };
             Err(FileError { at: tables.element_place(elements, 0), problem }.into())
         }
@@ -69,12 +122,26 @@ struct Origin {
 /// The sorted corners of a cell, filled up.
 type CellKey = [u32; 8];
 
-/// Cells and parts, with indices of the node table; points come later.
-fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh, Vec<Origin>), MeshError> {
+/// The nodes of a plane cell in the opposite order, its first node kept.
+fn reverse(nodes: &mut [u32], corners: usize) {
+    nodes[1..corners].reverse();
+    let middles = corners..(2 * corners).min(nodes.len());
+    nodes[middles].reverse();
+}
+
+/// Whether the corners of a plane cell run clockwise: twice the signed area of their polygon.
+fn is_clockwise(corners: &[u32], points: &[[f64; 3]]) -> bool {
+    let at = |k: usize| points[corners[k % corners.len()] as usize];
+    let doubled: f64 = (0..corners.len()).map(|k| (at(k), at(k + 1))).map(|(a, b)| (a[0] - b[0]) * (a[1] + b[1])).sum();
+    doubled < 0.0
+}
+
+/// Cells and parts, with indices of the node table, where cells stand in the file, and which of them were reversed; points come later.
+fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh, Vec<Origin>, HashSet<u32>), MeshError> {
     let mut mesh = Mesh { kind, points: Vec::new(), connectivity: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
-    let mut origins: Vec<Origin> = Vec::new();
+    let (mut origins, mut turned) = (Vec::<Origin>::new(), HashSet::new());
     let mut parts: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
-    let Some(elements) = tables.elements.get(&Shape::Cell(kind)) else { return Ok((mesh, origins)) };
+    let Some(elements) = tables.elements.get(&Shape::Cell(kind)) else { return Ok((mesh, origins, turned)) };
     // version 2.2 of Gmsh's format writes a cell once for each of its physical groups
     let mut known: HashMap<CellKey, u32> = HashMap::with_capacity(elements.numbers.len());
     let mut members: HashSet<(u64, u32)> = HashSet::new();
@@ -89,11 +156,16 @@ fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh
         let groups = &tables.groups[elements.groups[element] as usize];
         let at = tables.element_place(elements, element);
         if cell == next {
+            if kind.dimension() == 2 && is_clockwise(&indices[..corners], &tables.points) {
+                reverse(&mut indices, corners);
+                turned.insert(cell);
+            }
             mesh.connectivity.extend(&indices);
             origins.push(Origin { number, at });
         } else if groups.is_empty() || groups.iter().any(|&group| members.contains(&(group, cell))) {
-            let first = origins[cell as usize].number;
-            return Err(FileError { at, problem: FileProblem::DuplicateCell { cell: number, first } }.into());
+            let first = tables.written_element(origins[cell as usize].number);
+            let problem = FileProblem::DuplicateCell { cell: tables.written_element(number), first };
+            return Err(FileError { at, problem }.into());
         }
         for &group in groups {
             members.insert((group, cell));
@@ -101,7 +173,7 @@ fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh
         }
     }
     mesh.parts = parts.into_iter().map(|(group, cells)| (tables.name(kind.dimension(), group), cells)).collect();
-    Ok((mesh, origins))
+    Ok((mesh, origins, turned))
 }
 
 /// An element that stands for a facet.
@@ -125,12 +197,13 @@ fn facet_elements<'a>(mesh: &Mesh, tables: &'a Tables, numbering: &Numbering) ->
     Ok(found)
 }
 
-/// Boundaries from the elements one dimension below the cells, in the order of the file.
-fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) -> Result<(), MeshError> {
+/// Boundaries from the elements one dimension below the cells, in the order of the file; returns elements that are no cells and no facets.
+fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) -> Result<Vec<(Shape, Place)>, MeshError> {
     let elements = facet_elements(mesh, tables, numbering)?;
     let mut sides: HashMap<FacetKey, [Option<Facet>; 2]> = elements.iter().map(|element| (element.key, [None; 2])).collect();
+    let mut strays = Vec::new();
     if sides.is_empty() {
-        return Ok(());
+        return Ok(strays);
     }
     for facet in mesh.facets() {
         if let Some(found) = sides.get_mut(&facet_key(mesh.facet_nodes(facet))) {
@@ -148,7 +221,12 @@ fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) ->
         let groups = &tables.groups[elements.groups[*index] as usize];
         let facets = sides[key].into_iter().flatten();
         if facets.clone().next().is_none() {
-            let (at, number) = (tables.element_place(elements, *index), elements.numbers[*index]);
+            let at = tables.element_place(elements, *index);
+            if tables.structural.contains(&elements.numbers[*index]) {
+                strays.push((*shape, at));
+                continue;
+            }
+            let number = tables.written_element(elements.numbers[*index]);
             if let Shape::Cell(kind) = shape {
                 let touched = touched.get_or_insert_with(|| mesh.connectivity.iter().copied().collect());
                 if key.iter().all(|node| !touched.contains(node)) {
@@ -170,27 +248,34 @@ fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) ->
     }
     let named = |(group, (facets, _)): (u64, (Vec<Facet>, _))| Boundary::of_facets(&tables.name(below, group), facets);
     mesh.boundaries = boundaries.into_iter().map(named).collect();
-    Ok(())
+    Ok(strays)
 }
 
-/// Boundaries of single points from groups of points, in the order of the file. Points that no cell uses, such as centers of arcs, are left
-/// out. A boundary of facets with that name takes the points that its facets do not have.
-fn attach_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering, used: &[u32]) -> Result<(), MeshError> {
-    let mut boundaries: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
-    let Some(points) = tables.elements.get(&Shape::Point) else { return Ok(()) };
-    for element in 0..points.numbers.len() {
-        let mut index = [0];
-        numbering.indices_into(tables, points, element, &mut index)?;
-        let Ok(node) = used.binary_search(&index[0]) else { continue };
-        for &group in &tables.groups[points.groups[element] as usize] {
-            let nodes = boundaries.entry(group).or_default();
-            if !nodes.contains(&(node as u32)) {
-                nodes.push(node as u32);
+/// Boundaries of single nodes from groups of points and, in space, of lines on cells, in the order of the file. Nodes that no cell uses,
+/// such as centers of arcs, are left out. A boundary of facets with the name of a group takes the nodes that its facets do not have; a
+/// group without a name gets one of its own.
+fn attach_edges_and_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering, used: &[u32]) -> Result<(), MeshError> {
+    let shapes = [Shape::Line(2), Shape::Line(3), Shape::Point].into_iter().filter(|shape| shape.dimension() + 1 < mesh.dimension());
+    let mut boundaries: BTreeMap<(bool, u64), (BTreeSet<u32>, Vec<u32>)> = BTreeMap::new();
+    for shape in shapes {
+        let Some(elements) = tables.elements.get(&shape) else { continue };
+        let mut indices = vec![0; shape.nodes()];
+        for element in 0..elements.numbers.len() {
+            numbering.indices_into(tables, elements, element, &mut indices)?;
+            let nodes: Option<Vec<usize>> = indices.iter().map(|index| used.binary_search(index).ok()).collect();
+            let Some(nodes) = nodes else { continue };
+            for &group in &tables.groups[elements.groups[element] as usize] {
+                let (seen, list) = boundaries.entry((shape == Shape::Point, group)).or_default();
+                list.extend(nodes.iter().map(|&node| node as u32).filter(|&node| seen.insert(node)));
             }
         }
     }
-    for (group, mut nodes) in boundaries {
-        let name = tables.name(0, group);
+    for ((is_point, group), (_, mut nodes)) in boundaries {
+        let dimension = usize::from(!is_point);
+        let mut name = tables.name(dimension, group);
+        if !tables.names.contains_key(&(dimension, group)) {
+            name = free_name(mesh, &name, if is_point { "point" } else { "edge" });
+        }
         match mesh.boundaries.iter().position(|boundary| boundary.name == name) {
             Some(known) => {
                 let facets = mesh.boundary_nodes(&mesh.boundaries[known]);
@@ -222,7 +307,7 @@ fn flatten(mesh: &mut Mesh, tables: &Tables, used: &[u32]) -> Result<(), MeshErr
     let size = mesh.points.iter().flat_map(|p| [p[0], p[1]]).fold(0.0, |size: f64, x| size.max(x.abs()));
     for (point, &old) in mesh.points.iter_mut().zip(used) {
         if point[2].abs() > PLANE * size {
-            let node = tables.node_numbers[old as usize];
+            let node = tables.written_node(tables.node_numbers[old as usize]);
             return Err(FileError { at: tables.node_place(old as usize), problem: FileProblem::NotPlane { node, z: point[2] } }.into());
         }
         point[2] = 0.0;
@@ -237,13 +322,13 @@ fn placed(mut defect: MeshError, origins: &[Origin], tables: &Tables, used: &[u3
         InvertedCell { at, cell, .. } | DegenerateCell { at, cell, .. } | CrowdedFacet { at, cell, .. } => {
             let origin = &origins[*cell as usize];
             *at = Some(origin.at);
-            *cell = origin.number;
+            *cell = tables.written_element(origin.number);
         }
         RepeatedNode { at, cell, node } => {
             let origin = &origins[*cell as usize];
             *at = Some(origin.at);
-            *cell = origin.number;
-            *node = tables.node_numbers[used[*node as usize] as usize];
+            *cell = tables.written_element(origin.number);
+            *node = tables.written_node(tables.node_numbers[used[*node as usize] as usize]);
         }
         _ => {}
     }

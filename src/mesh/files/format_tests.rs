@@ -168,8 +168,6 @@ left, RIGHT
 10, 20
 *NSET, NSET=low, GENERATE
 1, 3
-*Nset, nset=\"corner\"
-both-1.6
 *SURFACE, NAME=foot, TYPE=ELEMENT
 _foot_S1, S1
 *Surface, name=sides
@@ -178,6 +176,10 @@ left, S4
 *Surface, name=outside
 again,
 *END PART
+*INSTANCE, NAME=both-1, PART=both
+*END INSTANCE
+*NSET, NSET=\"corner\"
+both-1.6
 *MATERIAL, NAME=steel
 *ELASTIC
 1, 2
@@ -292,15 +294,14 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
     is_keyword("*Heading", "*INCLUDE, INPUT=more.inp");
     is_keyword("*NODE, NSET=all", "*NODE, INPUT=nodes.txt");
     is_keyword("*NODE, NSET=all", "*NODE, SYSTEM=C");
-    is_keyword("*END PART", "*PART, NAME=other");
-    is_keyword("*END PART", "*INSTANCE, NAME=a, PART=both\n1., 2., 0.");
+    is_keyword("*END PART", "*INSTANCE, NAME=a, LIBRARY=old, INSTANCE=b");
     let is_malformed = |from: &str, to: &str| {
         let (line, problem) = refused(from, to);
         assert!(to.contains(line.trim()) && matches!(problem, Malformed { .. }), "{line}: {problem}");
     };
     is_malformed("4, 0., 1.", "4, 0., one");
     is_malformed(" 5, 4\n", " 5\n");
-    is_malformed(" 5, 4\n", " 5, 4, 1\n");
+    is_malformed(" 5, 4\n", " 5, 4, one\n");
     is_malformed("20, S2", "20, top");
     is_malformed("10, 20, 10", "10, 20, 0");
     let problem = |from: &str, to: &str, line: &str| {
@@ -308,8 +309,8 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
         assert_eq!(found.trim(), line, "{problem}");
         problem
     };
-    let name = || String::from("STRI65");
-    assert_eq!(problem("CPE4R", "STRI65", "*Element, type=STRI65, elset=Left"), UnsupportedType { name: name() });
+    let name = || String::from("C3D15");
+    assert_eq!(problem("CPE4R", "C3D15", "*Element, type=C3D15, elset=Left"), UnsupportedType { name: name() });
     let missing = |keyword: &str, parameter| MissingParameter { keyword: keyword.into(), parameter };
     assert_eq!(problem("type=CPE4R, ", "", "*Element, elset=Left"), missing("ELEMENT", "TYPE"));
     assert_eq!(problem(", ELSET=again", "", "*ELSET"), missing("ELSET", "ELSET"));
@@ -321,7 +322,7 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
     let unknown = UnknownSet { kind: "element set", name: "wrong".into() };
     assert_eq!(problem("left, RIGHT", "left, wrong", "*ELSET, ELSET=again"), unknown);
     assert!(matches!(problem("left, RIGHT", "left, 21", "*ELSET, ELSET=again"), UnknownMember { number: 21, .. }));
-    assert!(matches!(problem("both-1.6", "60", "*Nset, nset=\"corner\""), UnknownMember { kind: "node", number: 60, .. }));
+    assert!(matches!(problem("both-1.6", "60", "*NSET, NSET=\"corner\""), UnknownMember { kind: "node", number: 60, .. }));
     assert!(matches!(problem("20, S2", "20, S5", "*Surface, name=sides"), UnknownSide { .. }));
     assert!(matches!(problem("20, S2", "21, S2", "*Surface, name=sides"), UnknownMember { number: 21, .. }));
     let nodes_only = "*NODE\n1, 0., 0.\n";

@@ -2,14 +2,15 @@
 //!
 //! A reader of a format fills tables of nodes, elements and groups; `assembly.rs` makes a mesh of them. Groups of cells become parts,
 //! groups one dimension below become boundaries; their elements are matched to facets of cells by their node sets, so that orientation
-//! always comes from the cell. Nodes that no cell uses are left out (centers of circles, for instance), and in space so are lines. Elements
-//! of a boundary that lies between two cells stand for both sides. Nothing is turned round or repaired: what is wrong is an error with its
-//! place.
+//! always comes from the cell. Groups of points, and in space of lines, become boundaries of nodes. Nodes that no cell uses are left out
+//! (centers of circles, for instance). Elements of a boundary that lies between two cells stand for both sides. Changes to what a file
+//! holds are returned as notes (`options.rs`); what is wrong is an error with its place.
 
 mod abaqus;
 mod assembly;
 mod gmsh;
 mod numbering;
+mod options;
 mod read;
 mod sets;
 mod surfaces;
@@ -22,5 +23,7 @@ mod format_tests;
 #[cfg(test)]
 mod gmsh_tests;
 
-pub use read::{read_mesh, read_mesh_bytes};
+pub use abaqus::{Deck, DeckBoundary, DeckMaterial, DeckPair, DeckPart, DeckProperty, below_folder_of};
+pub use options::{FileNote, Includes, ReadOptions, Shells, Structural};
+pub use read::{read_deck, read_deck_bytes, read_mesh, read_mesh_bytes, read_mesh_with};
 pub use surfaces::{Triangles, read_surface, read_surface_bytes};

@@ -47,10 +47,19 @@ impl Numbering {
         }
     }
 
+    /// All nodes of elements must be there, and differ.
+    pub fn check(&self, tables: &Tables) -> Result<(), MeshError> {
+        for (shape, elements) in &tables.elements {
+            let mut indices = vec![0; shape.nodes()];
+            (0..elements.numbers.len()).try_for_each(|element| self.indices_into(tables, elements, element, &mut indices))?;
+        }
+        Ok(())
+    }
+
     /// Indices of the nodes of an element, which must be there and differ.
     pub fn indices_into(&self, tables: &Tables, elements: &Elements, element: usize, indices: &mut [u32]) -> Result<(), MeshError> {
         let nodes = &elements.nodes[element * indices.len()..(element + 1) * indices.len()];
-        let (at, number) = (tables.element_place(elements, element), elements.numbers[element]);
+        let (at, number) = (tables.element_place(elements, element), tables.written_element(elements.numbers[element]));
         for (index, &node) in indices.iter_mut().zip(nodes) {
             let Some(known) = self.index(node) else {
                 return Err(FileError { at, problem: FileProblem::MissingNode { element: number, node } }.into());
@@ -58,7 +67,7 @@ impl Numbering {
             *index = known;
         }
         match repeated(nodes) {
-            Some(node) => Err(MeshError::RepeatedNode { at: Some(at), cell: number, node }),
+            Some(node) => Err(MeshError::RepeatedNode { at: Some(at), cell: number, node: tables.written_node(node) }),
             None => Ok(()),
         }
     }

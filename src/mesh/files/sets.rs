@@ -23,15 +23,20 @@ fn facet_of_side(kind: CellKind, side: u8) -> Option<u8> {
     facets.iter().position(|facet| corners.iter().all(|corner| facet.contains(corner))).map(|local| local as u8)
 }
 
-/// Boundaries of the surfaces, given the cells by their numbers in the file.
-pub(super) fn attach_surfaces(mesh: &mut Mesh, tables: &Tables, cells: &HashMap<u64, u32>) -> Result<(), MeshError> {
+/// Boundaries of the surfaces, given the cells by their numbers in the tables, and which cells were reversed.
+pub(super) fn attach_surfaces(
+    mesh: &mut Mesh,
+    tables: &Tables,
+    cells: &HashMap<u64, u32>,
+    reversed: &HashSet<u32>,
+) -> Result<(), MeshError> {
     let hull: BTreeSet<Facet> = mesh.hull().into_iter().collect();
     for surface in &tables.surfaces {
         let mut facets: Vec<Facet> = Vec::new();
         for &(number, side) in &surface.sides {
             let fail = |problem: FileProblem| Err(FileError { at: surface.at, problem }.into());
             let Some(&cell) = cells.get(&number) else {
-                let name = surface.name.clone();
+                let (name, number) = (surface.name.clone(), tables.written_element(number));
                 return fail(FileProblem::UnknownMember { owner: "surface", name, kind: "element", number });
             };
             if side == 0 {
@@ -41,7 +46,9 @@ pub(super) fn attach_surfaces(mesh: &mut Mesh, tables: &Tables, cells: &HashMap<
             let Some(local) = facet_of_side(mesh.kind, side) else {
                 return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: mesh.kind.name() });
             };
-            facets.push(Facet { cell, local });
+            // the sides of a plane cell that was reversed are met in the opposite order
+            let last = mesh.kind.facets().len() as u8 - 1;
+            facets.push(Facet { cell, local: if reversed.contains(&cell) { last - local } else { local } });
         }
         let mut seen = HashSet::new();
         facets.retain(|facet| seen.insert(*facet));
@@ -52,12 +59,20 @@ pub(super) fn attach_surfaces(mesh: &mut Mesh, tables: &Tables, cells: &HashMap<
 }
 
 /// Boundaries of the sets of nodes: the facets of the hull all of whose nodes are in the set, and the nodes that are on none of them.
-/// `node` gives the node of a number, or that no cell uses it; nothing when the file has none.
-pub(super) fn attach_node_sets(mesh: &mut Mesh, tables: &Tables, node: impl Fn(u64) -> Option<Option<u32>>) -> Result<(), MeshError> {
+/// `node` gives the node of a number, or that no cell uses it; nothing when the file has none. Of a set without middle nodes of cells of
+/// second order, facets need their corners alone; the names of these sets are returned.
+pub(super) fn attach_node_sets(
+    mesh: &mut Mesh,
+    tables: &Tables,
+    node: impl Fn(u64) -> Option<Option<u32>>,
+) -> Result<Vec<String>, MeshError> {
+    let mut completed = Vec::new();
     if tables.node_sets.is_empty() {
-        return Ok(());
+        return Ok(completed);
     }
     let hull = mesh.hull();
+    let corners = mesh.kind.shape().corners();
+    let middles: BTreeSet<u32> = mesh.cells().flat_map(|cell| &cell[corners..]).copied().collect();
     for set in &tables.node_sets {
         let mut members: BTreeSet<u32> = BTreeSet::new();
         for &number in &set.nodes {
@@ -65,13 +80,15 @@ pub(super) fn attach_node_sets(mesh: &mut Mesh, tables: &Tables, node: impl Fn(u
                 Some(Some(node)) => drop(members.insert(node)),
                 Some(None) => {}
                 None => {
-                    let problem = FileProblem::UnknownMember { owner: "node set", name: set.name.clone(), kind: "node", number };
+                    let (name, number) = (set.name.clone(), tables.written_node(number));
+                    let problem = FileProblem::UnknownMember { owner: "node set", name, kind: "node", number };
                     return Err(FileError { at: set.at, problem }.into());
                 }
             }
         }
-        let facets: Vec<Facet> =
-            hull.iter().filter(|&&facet| mesh.facet_nodes(facet).all(|node| members.contains(&node))).copied().collect();
+        let has_corners_alone = !middles.is_empty() && members.is_disjoint(&middles);
+        let is_inside = |node: &u32| members.contains(node) || has_corners_alone && middles.contains(node);
+        let facets: Vec<Facet> = hull.iter().filter(|&&facet| mesh.facet_nodes(facet).all(|node| is_inside(&node))).copied().collect();
         let covered: HashSet<u32> = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet)).collect();
         let nodes: Vec<u32> = members.into_iter().filter(|node| !covered.contains(node)).collect();
         // nodes that no cell uses, such as reference points, are left out
@@ -85,13 +102,16 @@ pub(super) fn attach_node_sets(mesh: &mut Mesh, tables: &Tables, node: impl Fn(u
         }
         let Boundary { facets, nodes, .. } = own;
         let name = free_name(mesh, &set.name, "nodes");
+        if has_corners_alone && !facets.is_empty() {
+            completed.push(name.clone());
+        }
         mesh.boundaries.push(Boundary { name, facets, nodes });
     }
-    Ok(())
+    Ok(completed)
 }
 
 /// A name that no boundary has yet: the one given, or with a word behind it.
-fn free_name(mesh: &Mesh, name: &str, word: &str) -> String {
+pub(super) fn free_name(mesh: &Mesh, name: &str, word: &str) -> String {
     let mut free = name.to_string();
     while mesh.boundary(&free).is_some() {
         free = format!("{free} {word}");

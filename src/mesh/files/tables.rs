@@ -1,6 +1,6 @@
 //! What mesh files hold, whatever their format: nodes, elements by their shape, and the groups they belong to, as the file numbers them.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::elements::{CellKind, CellRow};
 use crate::mesh::MeshError;
@@ -43,7 +43,7 @@ impl Shape {
 }
 
 /// Elements of one shape.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Elements {
     /// Numbers in the file.
     pub numbers: Vec<u64>,
@@ -56,6 +56,7 @@ pub(super) struct Elements {
 }
 
 /// Sides of elements under one name.
+#[derive(Clone)]
 pub(super) struct Surface {
     pub name: String,
     /// Where it begins.
@@ -65,6 +66,7 @@ pub(super) struct Surface {
 }
 
 /// Nodes under one name.
+#[derive(Clone)]
 pub(super) struct NodeSet {
     pub name: String,
     /// Where it begins.
@@ -74,7 +76,7 @@ pub(super) struct NodeSet {
 }
 
 /// The content of a file, not yet connected.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Tables {
     /// Whether places are bytes.
     pub is_binary: bool,
@@ -91,6 +93,37 @@ pub(super) struct Tables {
     pub node_sets: Vec<NodeSet>,
     /// Where the elements begin.
     pub elements_begin: Option<Place>,
+    /// Elements with a shape that are no cells, such as shells, by their numbers.
+    pub structural: HashSet<u64>,
+    /// Name of the type of these elements by shape, and where it stands.
+    pub structural_types: BTreeMap<Shape, (String, Place)>,
+    /// Whether lines among these elements are beams.
+    pub has_beams: bool,
+    /// Elements without a shape that are left out: how many of a type, and where the first stands.
+    pub left_out: BTreeMap<String, (usize, Place)>,
+    /// Numbers in the file of nodes and elements that were numbered anew from 1; empty where numbers are those of the file.
+    written_nodes: Vec<u64>,
+    written_elements: Vec<u64>,
+}
+
+/// New numbers of the nodes and elements of tables that were appended, each behind the old one.
+pub(super) struct Appended {
+    pub nodes: Vec<(u64, u64)>,
+    pub elements: Vec<(u64, u64)>,
+}
+
+impl Elements {
+    /// Takes out the elements whose numbers fulfil a condition, of as many nodes each; their count and the place of the first.
+    fn take_out(&mut self, nodes_each: usize, condition: impl Fn(u64) -> bool) -> Option<(usize, u64)> {
+        let kept: Vec<usize> = (0..self.numbers.len()).filter(|&k| !condition(self.numbers[k])).collect();
+        let first = (0..self.numbers.len()).find(|&k| condition(self.numbers[k]))?;
+        let taken = (self.numbers.len() - kept.len(), self.places[first]);
+        self.nodes = kept.iter().flat_map(|&k| &self.nodes[k * nodes_each..(k + 1) * nodes_each]).copied().collect();
+        self.places = kept.iter().map(|&k| self.places[k]).collect();
+        self.groups = kept.iter().map(|&k| self.groups[k]).collect();
+        self.numbers = kept.iter().map(|&k| self.numbers[k]).collect();
+        Some(taken)
+    }
 }
 
 impl Tables {
@@ -143,10 +176,76 @@ impl Tables {
         }
     }
 
+    /// Leaves out all elements of a shape that are no cells.
+    pub fn leave_out_structural(&mut self, shape: Shape) {
+        let Some(elements) = self.elements.get_mut(&shape) else { return };
+        let Some((count, first)) = elements.take_out(shape.nodes(), |number| self.structural.contains(&number)) else { return };
+        let at = self.place(first);
+        self.leave_out(shape, count, at);
+    }
+
+    /// Counts elements of a shape that are left out, the first of them at a place.
+    pub fn leave_out(&mut self, shape: Shape, count: usize, at: Place) {
+        let name = self.structural_types.get(&shape).map_or_else(|| "line".into(), |(name, _)| name.clone());
+        self.left_out.entry(name).or_insert((0, at)).0 += count;
+    }
+
+    /// Adds nodes and elements of other tables, which get numbers behind those that are there.
+    pub fn append(&mut self, other: &Tables) -> Appended {
+        let mut appended = Appended { nodes: Vec::new(), elements: Vec::new() };
+        for ((&number, &place), &point) in other.node_numbers.iter().zip(&other.node_places).zip(&other.points) {
+            self.written_nodes.push(number);
+            let new = self.written_nodes.len() as u64;
+            self.node_numbers.push(new);
+            self.node_places.push(place);
+            self.points.push(point);
+            appended.nodes.push((number, new));
+        }
+        let new_nodes: HashMap<u64, u64> = appended.nodes.iter().copied().collect();
+        for (&shape, elements) in &other.elements {
+            let own = self.elements.entry(shape).or_default();
+            for &number in &elements.numbers {
+                self.written_elements.push(number);
+                let new = self.written_elements.len() as u64;
+                own.numbers.push(new);
+                appended.elements.push((number, new));
+                if other.structural.contains(&number) {
+                    self.structural.insert(new);
+                }
+            }
+            own.places.extend(&elements.places);
+            own.groups.extend(&elements.groups);
+            // a node that is not there has no number
+            own.nodes.extend(elements.nodes.iter().map(|node| new_nodes.get(node).copied().unwrap_or(u64::MAX)));
+        }
+        self.structural_types.extend(other.structural_types.iter().map(|(&shape, known)| (shape, known.clone())));
+        self.has_beams |= other.has_beams;
+        for (name, &(count, at)) in &other.left_out {
+            self.left_out.entry(name.clone()).or_insert((0, at)).0 += count;
+        }
+        self.elements_begin = self.elements_begin.or(other.elements_begin);
+        appended
+    }
+
+    /// Number of a node in the file.
+    pub fn written_node(&self, number: u64) -> u64 {
+        written(&self.written_nodes, number)
+    }
+
+    /// Number of an element in the file.
+    pub fn written_element(&self, number: u64) -> u64 {
+        written(&self.written_elements, number)
+    }
+
     /// Name of a group: as in the file, or its number.
     pub fn name(&self, dimension: usize, group: u64) -> String {
         self.names.get(&(dimension, group)).cloned().unwrap_or_else(|| group.to_string())
     }
+}
+
+fn written(written: &[u64], number: u64) -> u64 {
+    let known = usize::try_from(number).ok().and_then(|number| written.get(number.checked_sub(1)?));
+    known.copied().unwrap_or(number)
 }
 
 fn number_of(at: Place) -> u64 {

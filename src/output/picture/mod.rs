@@ -1,6 +1,7 @@
 //! The deformed bodies and the rigid obstacles that they touch, colored by nodal fields with a color bar each.
 
 mod arrows;
+mod boundaries;
 mod draw;
 mod field;
 mod hull;
@@ -15,6 +16,7 @@ mod view;
 #[cfg(test)]
 mod tests;
 
+pub use boundaries::picture_of_boundaries;
 pub use draw::{picture, sight};
 pub use field::{Component, Field, Vectors};
 pub use options::{Measure, Panel, PictureOptions, Sight};

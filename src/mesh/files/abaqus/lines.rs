@@ -19,6 +19,11 @@ impl Keyword {
         self.parameters.iter().find(|(name, _)| name == parameter).map(|(_, value)| value.as_str())
     }
 
+    /// All parameters with their values.
+    pub fn parameters(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.parameters.iter().map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
     /// The value of a parameter that must be there.
     pub fn required(&self, parameter: &'static str) -> Result<&str, MeshError> {
         match self.value(parameter) {

@@ -1,18 +1,20 @@
-//! Keyword by keyword to the tables of a file.
+//! Keyword by keyword to the scopes of a file.
 
-use std::collections::HashMap;
-
-use super::super::tables::{NodeSet, Shape, Surface, Tables};
+use super::super::options::{FileNote, Includes};
+use super::super::tables::Shape;
 use super::super::text::format_of;
+use super::contents::Contents;
+use super::definitions::Statement;
+use super::includes::Text;
 use super::lines::{Data, Item, Keyword, Lines};
-use super::sets::{Sets, key_of};
-use super::types::shape_of;
+use super::scope::{Scope, Sides};
+use super::sets::key_of;
+use super::types::{ElementType, Family, type_of};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
 /// Keywords that would change the mesh in a way that is not followed here.
 const REFUSED: &[(&str, &str)] = &[
-    ("INCLUDE", "it takes lines from another file"),
     ("NGEN", "it makes nodes between others"),
     ("NFILL", "it makes nodes between others"),
     ("NCOPY", "it makes nodes from others"),
@@ -22,6 +24,14 @@ const REFUSED: &[(&str, &str)] = &[
     ("SYSTEM", "it gives nodes in coordinates of their own"),
     ("PARAMETER", "it computes values of the file"),
 ];
+
+/// Which scope keywords speak of.
+#[derive(Clone, Copy)]
+enum Current {
+    Rest,
+    Part(usize),
+    Instance(usize),
+}
 
 /// What lines of data belong to.
 enum Open {
@@ -33,59 +43,62 @@ enum Open {
     Elements {
         shape: Shape,
         set: Option<usize>,
+        /// Whether they are no plane or solid cells.
+        is_structural: bool,
         /// Fields of an element that goes on in the next line, and where it began.
         begun: Option<(Vec<u64>, Place)>,
+    },
+    /// Elements without a shape.
+    Structural {
+        name: String,
+        set: Option<usize>,
+        goes_on: bool,
     },
     NodeSet {
         set: usize,
         is_range: bool,
+        scope: Option<usize>,
     },
     ElementSet {
         set: usize,
         is_range: bool,
+        scope: Option<usize>,
+    },
+    /// Nodes of a surface, each with its area.
+    NodeSurface {
+        set: usize,
     },
     Surface {
         surface: usize,
     },
-    Instance {
-        keyword: Keyword,
+    /// How an instance is placed: lines so far.
+    Placing {
+        lines: usize,
     },
-}
-
-/// A surface whose sets of elements are not looked up yet.
-struct Sides {
-    name: String,
-    at: Place,
-    is_internal: bool,
-    /// Element or set of elements, and a side or 0.
-    sides: Vec<(String, u8)>,
+    Statement(Statement),
 }
 
 struct Reader {
-    tables: Tables,
-    node_sets: Sets,
-    element_sets: Sets,
-    surfaces: Vec<Sides>,
-    /// Where each element stands in the tables.
-    elements: HashMap<u64, (Shape, u32)>,
-    parts: usize,
-    instances: usize,
-    nodes_begin: Option<Place>,
+    contents: Contents,
+    parts: Vec<Scope>,
+    current: Current,
 }
 
 /// What an input file holds.
-pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> {
+pub(super) fn read(content: &[u8], includes: Includes) -> Result<Contents, MeshError> {
+    let text = Text::new(content, includes)?;
+    match read_lines(&text.content) {
+        Ok(mut contents) => {
+            contents.origins = text.origins;
+            Ok(contents)
+        }
+        Err(error) => Err(text.origins.located(error)),
+    }
+}
+
+fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
     let mut lines = Lines::new(content);
-    let mut reader = Reader {
-        tables: Tables::default(),
-        node_sets: Sets::default(),
-        element_sets: Sets::default(),
-        surfaces: Vec::new(),
-        elements: HashMap::new(),
-        parts: 0,
-        instances: 0,
-        nodes_begin: None,
-    };
+    let mut reader = Reader { contents: Contents::default(), parts: Vec::new(), current: Current::Rest };
     let mut open = Open::Other;
     let mut is_first = true;
     while let Some(item) = lines.next()? {
@@ -94,7 +107,7 @@ pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> 
                 if is_first && keyword.name == "KEYWORD" {
                     return keyword.fail(FileProblem::OtherFormat { found: "an LS-DYNA input file" });
                 }
-                reader.close(open, lines.place())?;
+                close(open, lines.place())?;
                 open = reader.open(keyword)?;
             }
             Item::Data(data) if is_first => {
@@ -104,50 +117,68 @@ pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> 
         }
         is_first = false;
     }
-    reader.close(open, lines.place())?;
-    for (begin, section) in [(reader.nodes_begin, "*NODE"), (reader.tables.elements_begin, "*ELEMENT")] {
-        if begin.is_none() {
+    close(open, lines.place())?;
+    let Reader { mut contents, parts, .. } = reader;
+    if contents.scopes.len() == 1 {
+        // parts without an assembly are taken as they are
+        contents.scopes.extend(parts);
+    }
+    let has = |what: fn(&Scope) -> bool| contents.scopes.iter().any(what);
+    let has_elements = has(|scope| !scope.elements.is_empty() || !scope.structural.is_empty());
+    for (is_there, section) in [(has(|scope| !scope.tables.node_numbers.is_empty()), "*NODE"), (has_elements, "*ELEMENT")] {
+        if !is_there {
             return Err(FileError { at: lines.place(), problem: FileProblem::MissingSection { section } }.into());
         }
     }
-    reader.finish()
+    Ok(contents)
+}
+
+/// What was begun must be complete.
+fn close(open: Open, at: Place) -> Result<(), MeshError> {
+    match open {
+        Open::Elements { begun: Some((fields, begin)), shape, .. } => {
+            let (found, announced) = (fields.len(), shape.nodes() + 1);
+            let problem = FileProblem::Truncated { section: "*ELEMENT".into(), begin, found, announced };
+            Err(FileError { at, problem }.into())
+        }
+        _ => Ok(()),
+    }
 }
 
 impl Reader {
+    fn scope(&mut self) -> &mut Scope {
+        match self.current {
+            Current::Rest => &mut self.contents.scopes[0],
+            Current::Part(part) => &mut self.parts[part],
+            Current::Instance(scope) => &mut self.contents.scopes[scope],
+        }
+    }
+
     /// What the lines behind a keyword belong to.
     fn open(&mut self, keyword: Keyword) -> Result<Open, MeshError> {
         let refuse = |reason| keyword.fail(FileProblem::Keyword { keyword: keyword.name.clone(), reason });
         if let Some((_, reason)) = REFUSED.iter().find(|(name, _)| *name == keyword.name) {
             return refuse(reason);
         }
-        if matches!(&*keyword.name, "NODE" | "ELEMENT" | "NSET" | "ELSET") && keyword.value("INPUT").is_some() {
-            return refuse("it takes lines from another file");
-        }
         Ok(match &*keyword.name {
             "NODE" => {
                 if keyword.value("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
                     return refuse("its coordinates are not rectangular");
                 }
-                self.nodes_begin.get_or_insert(keyword.at);
-                Open::Nodes { set: keyword.value("NSET").map(|name| self.node_sets.open(name, &keyword)) }
+                Open::Nodes { set: keyword.value("NSET").map(|name| self.scope().node_sets.open(name, &keyword)) }
             }
-            "ELEMENT" => {
-                let name = keyword.required("TYPE")?;
-                let Some(shape) = shape_of(name) else { return keyword.fail(FileProblem::UnsupportedType { name: name.into() }) };
-                self.tables.elements_begin.get_or_insert(keyword.at);
-                let set = keyword.value("ELSET").map(|name| self.element_sets.open(name, &keyword));
-                Open::Elements { shape, set, begun: None }
-            }
+            "ELEMENT" => self.open_elements(&keyword)?,
             "NSET" => {
-                let set = self.node_sets.open(keyword.required("NSET")?, &keyword);
-                if let Some(elements) = keyword.value("ELSET") {
-                    self.node_sets.list[set].of_elements.push(key_of(elements));
-                }
-                Open::NodeSet { set, is_range: keyword.value("GENERATE").is_some() }
+                let (scope, name) = (self.instance_of(&keyword)?, keyword.required("NSET")?);
+                let sets = &mut self.scope().node_sets;
+                let set = sets.open(name, &keyword);
+                sets.list[set].of_elements.extend(keyword.value("ELSET").map(|elements| (scope, key_of(elements))));
+                Open::NodeSet { set, is_range: keyword.value("GENERATE").is_some(), scope }
             }
             "ELSET" => {
-                let set = self.element_sets.open(keyword.required("ELSET")?, &keyword);
-                Open::ElementSet { set, is_range: keyword.value("GENERATE").is_some() }
+                let (scope, name) = (self.instance_of(&keyword)?, keyword.required("ELSET")?);
+                let set = self.scope().element_sets.open(name, &keyword);
+                Open::ElementSet { set, is_range: keyword.value("GENERATE").is_some(), scope }
             }
             "SURFACE" => {
                 let name = keyword.required("NAME")?.to_string();
@@ -157,41 +188,81 @@ impl Reader {
                 match keyword.value("TYPE").map(str::to_ascii_uppercase).as_deref() {
                     None | Some("ELEMENT") => {
                         let is_internal = keyword.value("INTERNAL").is_some();
-                        self.surfaces.push(Sides { name, at: keyword.at, is_internal, sides: Vec::new() });
-                        Open::Surface { surface: self.surfaces.len() - 1 }
+                        let surfaces = &mut self.scope().surfaces;
+                        surfaces.push(Sides { name, at: keyword.at, is_internal, sides: Vec::new() });
+                        Open::Surface { surface: surfaces.len() - 1 }
                     }
-                    Some("NODE") => Open::NodeSet { set: self.node_sets.open(&name, &keyword), is_range: false },
+                    Some("NODE") => Open::NodeSurface { set: self.scope().node_sets.open(&name, &keyword) },
                     // analytical surfaces are no part of the mesh
                     Some(_) => Open::Other,
                 }
             }
             "PART" => {
-                self.parts += 1;
-                if self.parts > 1 {
-                    return refuse("it is a second part, and files of one part are read");
+                self.parts.push(Scope::new(keyword.value("NAME").unwrap_or("part")));
+                self.current = Current::Part(self.parts.len() - 1);
+                Open::Other
+            }
+            "INSTANCE" => self.open_instance(&keyword)?,
+            "END PART" | "END INSTANCE" => {
+                self.current = Current::Rest;
+                Open::Other
+            }
+            "SOLID SECTION" => {
+                if let (Some(set), Some(material)) = (keyword.value("ELSET"), keyword.value("MATERIAL")) {
+                    self.scope().sections.push((key_of(set), material.to_string()));
                 }
                 Open::Other
             }
-            "INSTANCE" => {
-                self.instances += 1;
-                if self.instances > 1 {
-                    return refuse("it is a second instance, and files of one part are read");
-                }
-                Open::Instance { keyword }
-            }
-            _ => Open::Other,
+            _ => self.contents.definitions.open(&keyword).map_or(Open::Other, Open::Statement),
         })
     }
 
-    /// What was begun must be complete.
-    fn close(&mut self, open: Open, at: Place) -> Result<(), MeshError> {
-        match open {
-            Open::Elements { begun: Some((fields, begin)), shape, .. } => {
-                let (found, announced) = (fields.len(), shape.nodes() + 1);
-                let problem = FileProblem::Truncated { section: "*ELEMENT".into(), begin, found, announced };
-                Err(FileError { at, problem }.into())
+    fn open_elements(&mut self, keyword: &Keyword) -> Result<Open, MeshError> {
+        let name = keyword.required("TYPE")?;
+        let Some(found) = type_of(name) else { return keyword.fail(FileProblem::UnsupportedType { name: name.into() }) };
+        let scope = self.scope();
+        scope.tables.elements_begin.get_or_insert(keyword.at);
+        let set = keyword.value("ELSET").map(|name| scope.element_sets.open(name, keyword));
+        Ok(match found {
+            ElementType::Shaped(shape, family) => {
+                let is_structural = family != Family::Cell;
+                if is_structural {
+                    scope.tables.structural_types.insert(shape, (name.to_ascii_uppercase(), keyword.at));
+                    scope.tables.has_beams |= family == Family::Beam;
+                }
+                Open::Elements { shape, set, is_structural, begun: None }
             }
-            _ => Ok(()),
+            ElementType::Structural => {
+                let name = name.to_ascii_uppercase();
+                scope.tables.left_out.entry(name.clone()).or_insert((0, keyword.at));
+                Open::Structural { name, set, goes_on: false }
+            }
+        })
+    }
+
+    fn open_instance(&mut self, keyword: &Keyword) -> Result<Open, MeshError> {
+        let refuse = |reason| keyword.fail(FileProblem::Keyword { keyword: keyword.name.clone(), reason });
+        if keyword.value("LIBRARY").is_some() || keyword.value("INSTANCE").is_some() {
+            return refuse("it comes from the results of another job");
+        }
+        let (name, part) = (keyword.required("NAME")?, keyword.required("PART")?);
+        let Some(part) = self.parts.iter().find(|known| key_of(&known.name) == key_of(part)) else {
+            return keyword.fail(FileProblem::UnknownSet { kind: "part", name: part.into() });
+        };
+        if self.contents.instance(&key_of(name)).is_some() {
+            return refuse("an instance of this name is there already");
+        }
+        self.contents.scopes.push(Scope { name: name.into(), ..part.clone() });
+        self.current = Current::Instance(self.contents.scopes.len() - 1);
+        Ok(Open::Placing { lines: 0 })
+    }
+
+    /// The scope that a keyword of the assembly names.
+    fn instance_of(&self, keyword: &Keyword) -> Result<Option<usize>, MeshError> {
+        let Some(name) = keyword.value("INSTANCE") else { return Ok(None) };
+        match self.contents.instance(&key_of(name)) {
+            Some(scope) => Ok(Some(scope)),
+            None => keyword.fail(FileProblem::UnknownSet { kind: "instance", name: name.into() }),
         }
     }
 
@@ -204,138 +275,98 @@ impl Reader {
                 let mut fields = data.fields();
                 let node = data.number(fields.next(), EXPECTED)?;
                 let point = [data.real(fields.next(), EXPECTED)?, data.real(fields.next(), EXPECTED)?, data.real(fields.next(), EXPECTED)?];
+                let scope = self.scope();
                 if let Some(set) = set {
-                    self.node_sets.add(*set, node);
+                    scope.node_sets.add(*set, node);
                 }
-                self.tables.add_node(node, point, data.at)
+                scope.tables.add_node(node, point, data.at)
             }
-            Open::Elements { shape, set, begun } => {
-                const EXPECTED: &str = "an element with its number and nodes";
-                let (mut fields, at) = begun.take().unwrap_or((Vec::new(), data.at));
-                let needed = shape.nodes() + 1;
-                for field in data.fields() {
-                    fields.push(data.number(Some(field), EXPECTED)?);
-                    if fields.len() > needed {
-                        return data.malformed(EXPECTED);
-                    }
+            Open::Elements { shape, set, is_structural, begun } => {
+                let Some((fields, at)) = element_fields(*shape, begun, data, &mut self.contents.notes)? else { return Ok(()) };
+                let (number, nodes) = (fields[0], &fields[1..=shape.nodes()]);
+                let scope = self.scope();
+                scope.add_element(*shape, number, nodes, at)?;
+                if *is_structural {
+                    scope.tables.structural.insert(number);
                 }
-                if fields.len() < needed {
-                    if !data.goes_on() {
-                        return data.malformed(EXPECTED);
-                    }
-                    *begun = Some((fields, at));
-                    return Ok(());
-                }
-                let (number, nodes) = (fields[0], &fields[1..]);
-                let place = self.tables.elements.get(shape).map_or(0, |elements| elements.numbers.len() as u32);
-                if let Some((shape, before)) = self.elements.insert(number, (*shape, place)) {
-                    let first = self.tables.element_place(&self.tables.elements[&shape], before as usize);
-                    return Err(FileError { at, problem: FileProblem::DuplicateElement { element: number, first } }.into());
-                }
-                let order = shape.row().map_or(&[][..], |row| row.abaqus_order);
-                self.tables.add_element(*shape, number, 0, (nodes, order), at);
                 if let Some(set) = set {
-                    self.element_sets.add(*set, number);
+                    scope.element_sets.add(*set, number);
                 }
                 Ok(())
             }
-            Open::NodeSet { set, is_range } => self.node_sets.add_line(*set, data, *is_range),
-            Open::ElementSet { set, is_range } => self.element_sets.add_line(*set, data, *is_range),
-            Open::Surface { surface } => {
-                const EXPECTED: &str = "an element or a set of elements, and a side from S1 to S6";
+            Open::Structural { name, set, goes_on } => {
+                let is_next = !std::mem::replace(goes_on, data.goes_on());
+                if is_next {
+                    let number = data.number(data.fields().next(), "an element with its number and nodes")?;
+                    let scope = self.scope();
+                    scope.structural.insert(number);
+                    if let Some((count, _)) = scope.tables.left_out.get_mut(name) {
+                        *count += 1;
+                    }
+                    if let Some(set) = set {
+                        scope.element_sets.add(*set, number);
+                    }
+                }
+                Ok(())
+            }
+            Open::NodeSet { set, is_range, scope } => self.scope().node_sets.add_line(*set, data, *is_range, *scope),
+            Open::ElementSet { set, is_range, scope } => self.scope().element_sets.add_line(*set, data, *is_range, *scope),
+            Open::NodeSurface { set } => {
+                const EXPECTED: &str = "a node or a set of nodes, and an area";
                 let mut fields = data.fields();
-                let owner = fields.next().unwrap_or_default().to_string();
-                let side = match fields.next() {
-                    None | Some("") => 0,
-                    Some(side) => match side.to_ascii_uppercase().strip_prefix('S').and_then(|number| number.parse().ok()) {
-                        Some(number @ 1..=6) => number,
-                        _ => return data.malformed(EXPECTED),
-                    },
-                };
-                self.surfaces[*surface].sides.push((owner, side));
+                let owner = fields.next().unwrap_or_default();
+                data.real(fields.next(), EXPECTED)?;
+                if owner.is_empty() {
+                    return data.malformed(EXPECTED);
+                }
+                self.scope().node_sets.add_field(*set, owner, None);
                 Ok(())
             }
-            Open::Instance { keyword } => {
-                keyword.fail(FileProblem::Keyword { keyword: keyword.name.clone(), reason: "it moves the part by the numbers behind it" })
+            Open::Surface { surface } => {
+                let mut fields = data.fields();
+                let mut field = || fields.next().unwrap_or_default().to_string();
+                let side = (field(), field(), data.at);
+                self.scope().surfaces[*surface].sides.push(side);
+                Ok(())
+            }
+            Open::Placing { lines } => {
+                self.scope().place(data, *lines)?;
+                *lines += 1;
+                Ok(())
+            }
+            Open::Statement(statement) => {
+                self.contents.definitions.data(*statement, data);
+                Ok(())
             }
         }
     }
+}
 
-    /// Looks up what sets and surfaces name.
-    fn finish(mut self) -> Result<Tables, MeshError> {
-        let mut all: Vec<u64> = self.elements.keys().copied().collect();
-        all.sort_unstable();
-        let mut groups: HashMap<u64, Vec<u64>> = HashMap::new();
-        for (place, set) in self.element_sets.list.iter().enumerate().filter(|(_, set)| !set.is_internal) {
-            let group = place as u64 + 1;
-            for number in self.element_sets.numbers(place, "element set", &all)? {
-                if !self.elements.contains_key(&number) {
-                    let problem = FileProblem::UnknownMember { owner: "element set", name: set.name.clone(), kind: "element", number };
-                    return Err(FileError { at: set.at, problem }.into());
-                }
-                groups.entry(number).or_default().push(group);
-            }
-            self.tables.names.extend((0..=3).map(|dimension| ((dimension, group), set.name.clone())));
-        }
-        // the list that belongs to no group, for all others
-        self.tables.groups_index(Vec::new());
-        let mut list_of: HashMap<u64, u32> = HashMap::new();
-        for (number, list) in groups {
-            list_of.insert(number, self.tables.groups_index(list));
-        }
-        for elements in self.tables.elements.values_mut() {
-            for (number, groups) in elements.numbers.iter().zip(&mut elements.groups) {
-                *groups = list_of.get(number).copied().unwrap_or(0);
-            }
-        }
-        self.finish_node_sets()?;
-        self.finish_surfaces(&all)?;
-        Ok(self.tables)
+/// The number and nodes of an element once all its lines are there, and where it began. Numbers behind the nodes are left out.
+fn element_fields(
+    shape: Shape,
+    begun: &mut Option<(Vec<u64>, Place)>,
+    data: &Data,
+    notes: &mut Vec<FileNote>,
+) -> Result<Option<(Vec<u64>, Place)>, MeshError> {
+    const EXPECTED: &str = "an element with its number and nodes";
+    let (mut fields, at) = begun.take().unwrap_or((Vec::new(), data.at));
+    let needed = shape.nodes() + 1;
+    for field in data.fields() {
+        fields.push(data.number(Some(field), EXPECTED)?);
     }
-
-    fn finish_node_sets(&mut self) -> Result<(), MeshError> {
-        let mut all = self.tables.node_numbers.clone();
-        all.sort_unstable();
-        let mut elements: Vec<u64> = self.elements.keys().copied().collect();
-        elements.sort_unstable();
-        for (place, set) in self.node_sets.list.iter().enumerate().filter(|(_, set)| !set.is_internal) {
-            let mut nodes = self.node_sets.numbers(place, "node set", &all)?;
-            for owner in &set.of_elements {
-                let Some(owner) = self.element_sets.find(owner) else {
-                    let problem = FileProblem::UnknownSet { kind: "element set", name: owner.clone() };
-                    return Err(FileError { at: set.at, problem }.into());
-                };
-                for number in self.element_sets.numbers(owner, "element set", &elements)? {
-                    if let Some((shape, index)) = self.elements.get(&number) {
-                        let count = shape.nodes();
-                        nodes.extend(&self.tables.elements[shape].nodes[*index as usize * count..][..count]);
-                    }
-                }
-            }
-            let nodes = nodes.into_iter().collect();
-            self.tables.node_sets.push(NodeSet { name: set.name.clone(), at: set.at, nodes });
+    if fields.len() < needed {
+        if !data.goes_on() {
+            return data.malformed(EXPECTED);
         }
-        Ok(())
+        *begun = Some((fields, at));
+        return Ok(None);
     }
-
-    fn finish_surfaces(&mut self, all: &[u64]) -> Result<(), MeshError> {
-        for surface in self.surfaces.iter().filter(|surface| !surface.is_internal) {
-            let mut sides = Vec::new();
-            for (owner, side) in &surface.sides {
-                let own = key_of(owner);
-                match (own.parse(), self.element_sets.find(&own)) {
-                    (Ok(number), _) => sides.push((number, *side)),
-                    (_, Some(set)) => {
-                        sides.extend(self.element_sets.numbers(set, "element set", all)?.into_iter().map(|number| (number, *side)));
-                    }
-                    _ => {
-                        let problem = FileProblem::UnknownSet { kind: "element set", name: owner.clone() };
-                        return Err(FileError { at: surface.at, problem }.into());
-                    }
-                }
-            }
-            self.tables.surfaces.push(Surface { name: surface.name.clone(), at: surface.at, sides });
+    if fields.len() > needed {
+        match notes.iter_mut().find_map(|note| if let FileNote::LongLines { count, .. } = note { Some(count) } else { None }) {
+            Some(count) => *count += 1,
+            None => notes.push(FileNote::LongLines { count: 1, first: fields[0] }),
         }
-        Ok(())
     }
+    Ok(Some((fields, at)))
 }

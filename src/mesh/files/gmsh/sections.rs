@@ -24,7 +24,8 @@ pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> 
                 Some(_) => FileProblem::Malformed { expected, found: shortened(line) },
             });
         };
-        if matches!(name, "MeshFormat" | "PhysicalNames" | "Entities" | "Nodes" | "Elements") {
+        if matches!(name, "MeshFormat" | "PhysicalNames" | "Entities" | "PartitionedEntities" | "Nodes" | "ParametricNodes" | "Elements") {
+            let name = if name == "ParametricNodes" { "Nodes" } else { name };
             if seen.contains(&name) {
                 return source.fail(FileProblem::RepeatedSection { section: format!("${name}") });
             }
@@ -62,9 +63,12 @@ fn read_section(
         }
         ("NOD" | "NOE", _) => source.fail(FileProblem::Version { version: "1".into() }),
         ("PhysicalNames", _) => elements::read_names(source, tables),
-        ("Entities" | "Nodes" | "Elements", None) => source.fail(FileProblem::MissingSection { section: "$MeshFormat" }),
+        ("Entities" | "PartitionedEntities" | "Nodes" | "ParametricNodes" | "Elements", None) => {
+            source.fail(FileProblem::MissingSection { section: "$MeshFormat" })
+        }
         ("Entities", Some(Version::Four)) => version_4::read_entities(source, entities),
-        ("Nodes", Some(Version::Two)) => version_2::read_nodes(source, tables),
+        ("Nodes", Some(Version::Two)) => version_2::read_nodes(source, tables, "$Nodes"),
+        ("ParametricNodes", Some(Version::Two)) => version_2::read_nodes(source, tables, "$ParametricNodes"),
         ("Nodes", Some(Version::Four)) => version_4::read_nodes(source, tables),
         ("Elements", Some(known)) => {
             tables.elements_begin = Some(source.place());
@@ -73,7 +77,7 @@ fn read_section(
                 Version::Four => version_4::read_elements(source, tables, entities),
             }
         }
-        ("PartitionedEntities", _) => source.fail(FileProblem::Partitioned { section: format!("${name}") }),
+        ("PartitionedEntities", Some(Version::Four)) => version_4::read_partitioned_entities(source, entities),
         _ => source.skip(name),
     }
 }

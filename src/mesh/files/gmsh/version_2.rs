@@ -9,15 +9,22 @@ use super::source::{Section, Source};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::FileProblem;
 
-/// `number x y z` per entry.
-pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables) -> Result<(), MeshError> {
+/// `number x y z` per entry; of parametric nodes `dimension entity` follow, and as many coordinates on the curve or surface.
+pub(super) fn read_nodes(source: &mut Source, tables: &mut Tables, name: &'static str) -> Result<(), MeshError> {
     const EXPECTED: &str = "a node with its number and three coordinates";
-    let mut section = Section::new("$Nodes", source);
+    let mut section = Section::new(name, source);
     section.announced = source.line(&section)?.word("the number of nodes")?;
     while section.found < section.announced {
         let mut entry = source.entry(&section)?;
         let number = entry.natural(EXPECTED)?;
         let point = entry.point(EXPECTED)?;
+        if name == "$ParametricNodes" {
+            let dimension = entry.natural(EXPECTED)?;
+            entry.int(EXPECTED)?;
+            if matches!(dimension, 1 | 2) {
+                (0..dimension).try_for_each(|_| entry.real(EXPECTED).map(drop))?;
+            }
+        }
         entry.end(EXPECTED)?;
         tables.add_node(number, point, entry.place())?;
         section.found += 1;

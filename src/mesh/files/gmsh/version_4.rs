@@ -13,9 +13,33 @@ pub(super) type Entities = Option<HashMap<(usize, i64), Vec<u64>>>;
 
 /// `number x y z n groups…` for points, `number box n groups… m bounding…` for the others.
 pub(super) fn read_entities(source: &mut Source, entities: &mut Entities) -> Result<(), MeshError> {
+    read_entities_of(source, Section::new("$Entities", source), entities)
+}
+
+/// The number of parts, a count of ghosts with `entity part` each, and entities with `parent-dimension parent n parts…` behind their
+/// numbers. Nodes and elements name these entities instead of those that were divided.
+pub(super) fn read_partitioned_entities(source: &mut Source, entities: &mut Entities) -> Result<(), MeshError> {
+    const PARTS: &str = "the number of parts";
+    const GHOSTS: &str = "the number of ghost entities, each with the number of its part";
+    let section = Section::new("$PartitionedEntities", source);
+    let mut entry = source.entry(&section)?;
+    entry.size(PARTS)?;
+    entry.end(PARTS)?;
+    let mut entry = source.entry(&section)?;
+    // in a text every ghost has a line of its own
+    let ghosts = entry.count(GHOSTS)?;
+    entry.end(GHOSTS)?;
+    for _ in 0..ghosts {
+        let mut entry = source.entry(&section)?;
+        (entry.int(GHOSTS)?, entry.int(GHOSTS)?);
+    }
+    read_entities_of(source, section, entities)
+}
+
+fn read_entities_of(source: &mut Source, mut section: Section, entities: &mut Entities) -> Result<(), MeshError> {
     const HEADER: &str = "the numbers of points, curves, surfaces and volumes";
     const EXPECTED: &str = "an entity with its number, place and physical groups";
-    let mut section = Section::new("$Entities", source);
+    let is_partitioned = section.name == "$PartitionedEntities";
     let mut header = source.entry(&section)?;
     let counts = [header.count(HEADER)?, header.count(HEADER)?, header.count(HEADER)?, header.count(HEADER)?];
     section.announced = counts.iter().fold(0, |sum: usize, &count| sum.saturating_add(count));
@@ -25,6 +49,12 @@ pub(super) fn read_entities(source: &mut Source, entities: &mut Entities) -> Res
             let is_binary = source.is_binary();
             let mut entry = source.entry(&section)?;
             let number = entry.int(EXPECTED)?;
+            if is_partitioned {
+                (entry.int(EXPECTED)?, entry.int(EXPECTED)?);
+                for _ in 0..entry.size(EXPECTED)? {
+                    entry.int(EXPECTED)?;
+                }
+            }
             for _ in 0..if dimension == 0 { 3 } else { 6 } {
                 entry.real(EXPECTED)?;
             }

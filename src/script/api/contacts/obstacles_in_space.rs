@@ -4,17 +4,19 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use super::obstacles::{Moves, direction, point, radius, shape};
-use crate::contact::{Facets, FacetsError, Obstacle, ObstacleInSpace};
+use crate::contact::{Facets, FacetsError, Mending, Obstacle, ObstacleInSpace};
 use crate::math::catalogue::Interval;
 use crate::mesh::{MeshError, read_surface};
 use crate::script::api::meshes::boundaries::boundary_named;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::reader::{read_failure, readable};
 use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Function;
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
 
 /// Radius of the edges of a cylinder with ends over its own, or over half its length where that is less.
 const EDGE: f64 = 0.01;
@@ -180,7 +182,7 @@ fn rigid_surface() -> Function {
     shape(
         "rigid_surface",
         "a rigid surface of flat facets as the other side of a contact of bodies in space: from an STL or OBJ file or a mesh; \
-         bodies are where its facets look",
+         bodies are where its facets look. Triangles that do not fit are mended where there is one way to do it, with a warning",
         vec![
             Parameter::new("file", Kind::Text, "an `.stl` or `.obj` file, below the script's folder or a folder that `--allow-read` names")
                 .or(Absent::Means("a mesh is given")),
@@ -210,7 +212,16 @@ fn rigid_surface() -> Function {
             let is_turned = options.flag("inside")?;
             let turned = |[a, b, c]: [u32; 3]| if is_turned { [a, c, b] } else { [a, b, c] };
             let triangles: Vec<[u32; 3]> = triangles.into_iter().map(turned).collect();
-            faceted(Facets::new(&points, &triangles), argument)
+            let mended = Facets::mended(&points, &triangles);
+            if let Ok((_, mending)) = &mended
+                && *mending != Mending::default()
+            {
+                let call = argument.call();
+                let warning = Diagnostic::warning("the surface was mended: its triangles did not fit", call.place(&Target::Argument(0)));
+                let warning = warning.code("C0284").cause(mending.to_string());
+                call.host.warn(warning.hint("see that its facets look to where bodies are; `inside: true` turns all of them"));
+            }
+            faceted(mended.map(|(facets, _)| facets), argument)
         },
     )
 }
@@ -240,7 +251,10 @@ fn faceted(made: Result<Facets, FacetsError>, argument: &Argument) -> Result<Obs
     let hint = |error: &FacetsError| match error {
         FacetsError::Empty => "give a surface with an area",
         FacetsError::NotFinite(_) => "repair the file",
-        FacetsError::Turned(_) => "turn round the triangles that look the wrong way, and part what more than two triangles share",
+        FacetsError::Turned(_) => {
+            "more than two triangles share the edge, or it is not clear which of them look the wrong way: mend the surface there where it \
+             was made"
+        }
     };
     let made = made.map_err(|error| argument.fail(error.to_string()).code(error.code()).hint(hint(&error)))?;
     in_space(ObstacleInSpace::Facets(Arc::new(made)))

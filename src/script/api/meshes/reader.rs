@@ -7,14 +7,16 @@ use std::path::{Path, PathBuf};
 use rhai::Dynamic;
 
 use super::handle::MeshHandle;
-use crate::mesh::{self, MeshError, Place};
+use crate::mesh::{self, FileNote, MeshError, Place, ReadOptions, Shells, Structural};
 use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::api::remedies::ScriptWords;
-use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::arguments::{Argument, Arguments, Options};
+use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::{Details, Failure};
-use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::scan::Target;
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
@@ -27,18 +29,69 @@ fn reader() -> Function {
         form: Form::Function,
         topic: Topic::Meshes,
         summary: "a mesh from a Gmsh file (MSH 2.2 or 4.1, ASCII or binary), whose physical groups are parts and boundaries, or from an \
-                  Abaqus or CalculiX input file (`.inp`), whose sets of elements are parts, and surfaces and sets of nodes boundaries",
-        parameters: vec![Parameter::new("path", Kind::Text, "the file, below the script's folder or a folder that `--allow-read` names")],
+                  Abaqus or CalculiX input file (`.inp`), whose sets of elements are parts, and surfaces and sets of nodes boundaries; \
+                  several instances are parts, too, and their sets have names such as `\"Block-1.top\"`",
+        parameters: vec![
+            Parameter::new("path", Kind::Text, "the file, below the script's folder or a folder that `--allow-read` names"),
+            Parameter::new("options", Kind::Options(reading_parameters()), "how it is read").or(Absent::Means("its defaults")),
+        ],
         returns: MeshHandle::NAME,
         example: "expect_error(|| read_mesh(\"missing.msh\"), \"there is no file\");".into(),
-        see_also: &["write", "part", "rectangle", "ring"],
+        see_also: &["read_deck", "write", "part", "rectangle", "ring"],
         body: body(|call| {
             let argument = call.argument("path");
-            let path = argument.text()?;
+            let (path, options) = (argument.text()?, call.options("options")?);
             let file = readable(&argument, &path)?;
-            let mesh = mesh::read_mesh(&file).map_err(|error| read_failure(&argument, &path, &file, &error))?;
+            let find = |name: &str| included(call, &file, name);
+            let read = mesh::read_mesh_with(&file, read_options(&options)?, Some(&find));
+            let (mesh, notes) = read.map_err(|error| read_failure(&argument, &path, &file, &error))?;
+            notes_warned(call, &path, &notes);
             Ok(Dynamic::from(MeshHandle::new(mesh)))
         }),
+    }
+}
+
+/// Options of functions that read mesh files.
+pub fn reading_parameters() -> Vec<Parameter> {
+    let skip = "whether elements that are no cells (springs, masses, beams, shells beside cells) are left out with a warning or refused";
+    let shells = "whether shells and membranes of a file without other cells are refused or read as plane cells";
+    vec![
+        Parameter::new("skip", Kind::Choice(&["warn", "error"]), skip).or(Absent::Text("warn")),
+        Parameter::new("shells", Kind::Choice(&["error", "plane"]), shells).or(Absent::Text("error")),
+    ]
+}
+
+/// What the options of [`reading_parameters`] ask for.
+///
+/// # Errors
+/// Another word.
+pub fn read_options(options: &Options) -> Result<ReadOptions, Failure> {
+    let is = |name: &str, word: &str| options.text(name).map(|given| given == word);
+    Ok(ReadOptions {
+        structural: if is("skip", "error")? { Structural::Refused } else { Structural::Skipped },
+        shells: if is("shells", "plane")? { Shells::Plane } else { Shells::Refused },
+    })
+}
+
+/// Path of a file that a mesh file includes: relative to the folder of the mesh file, and one that the script may read.
+///
+/// # Errors
+/// There is no such file, or the script may not read it.
+pub fn included(call: &Call, file: &Path, name: &str) -> Result<PathBuf, String> {
+    let beside = file.parent().unwrap_or(file).join(name);
+    call.host.sandbox.readable(&beside.to_string_lossy()).map_err(|failure| failure.title.clone())
+}
+
+/// Warns of what was done to what a mesh file holds.
+pub fn notes_warned(call: &Call, path: &str, notes: &[FileNote]) {
+    for note in notes {
+        let warning = Diagnostic::warning(note.to_string(), call.place(&Target::Argument(0))).code(note.code());
+        let warning = warning.label(format!("in the file \"{path}\""));
+        call.host.warn(match note {
+            FileNote::Skipped(_) => warning.hint("`skip: \"error\"` refuses a file with such elements"),
+            FileNote::WithoutCells(_) => warning.hint("a rigid body is an obstacle here, such as `rigid_sphere` or `rigid_surface`"),
+            _ => warning,
+        });
     }
 }
 
@@ -56,7 +109,11 @@ pub fn readable(argument: &Argument, path: &str) -> Result<PathBuf, Failure> {
 
 /// What is wrong with a file, with its place.
 pub fn read_failure(argument: &Argument, path: &str, file: &Path, error: &MeshError) -> Failure {
+    let file = error.included_file().unwrap_or(file);
     let failure = argument.fail(error.to_string()).code(error.code()).label(format!("in the file \"{path}\""));
+    let included = error.included_file().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+    let failure =
+        included.into_iter().fold(failure, |failure, name| failure.cause(format!("it is in the file \"{name}\" that is included")));
     let failure = match error.place() {
         None => failure,
         Some(Place::Byte(byte)) => failure.cause(format!("it shows at byte {byte} of the file")),

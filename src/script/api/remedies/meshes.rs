@@ -42,9 +42,24 @@ impl ScriptWords for MeshError {
                  `size: |x, y| …`"
                     .into()
             }
-            MeshError::File(error) if matches!(error.problem, FileProblem::Unreadable { .. }) => {
-                "check the path and the rights; paths are relative to the folder of the script".into()
-            }
+            MeshError::File(error) => match error.problem {
+                FileProblem::Unreadable { .. } => "check the path and the rights; paths are relative to the folder of the script".into(),
+                FileProblem::Included { .. } => {
+                    "put it below the script's folder, or allow its folder with `--allow-read DIR`; its name is relative to the folder of \
+                     the file that is read"
+                        .into()
+                }
+                FileProblem::Shells { .. } => {
+                    "mesh the volume of a thin part with solid cells; if these cells are meant to be plane ones, write `shells: \"plane\"`"
+                        .into()
+                }
+                FileProblem::Structural { .. } => "take these elements out of the file, or write `skip: \"warn\"`".into(),
+                FileProblem::MixedCells { .. } => {
+                    format!("{}; `read_deck` reads every instance of an input file as a mesh of its own", self.hint())
+                }
+                _ => self.hint(),
+            },
+            MeshError::Included { error, .. } => error.remedy(),
             _ => self.hint(),
         }
     }

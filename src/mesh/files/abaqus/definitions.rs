@@ -1,0 +1,105 @@
+//! What a deck says of its bodies besides their meshes: materials, pairs of surfaces, supports.
+
+use super::lines::{Data, Keyword};
+
+/// A property of a material: the keyword with the names of its parameters, and the numbers behind it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckProperty {
+    /// Keyword in capitals, such as `HYPERELASTIC`.
+    pub keyword: String,
+    /// Names and values of its parameters in capitals, such as `("N", "3")`.
+    pub parameters: Vec<(String, String)>,
+    /// All numbers of its lines; not a number for an entry that is none.
+    pub numbers: Vec<f64>,
+}
+
+/// A material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeckMaterial {
+    /// Its name as written.
+    pub name: String,
+    /// Its properties in the order of the file.
+    pub properties: Vec<DeckProperty>,
+}
+
+/// Two surfaces that touch or are tied, by their names as written.
+pub(super) struct Pair {
+    pub secondary: String,
+    pub primary: String,
+    pub is_tied: bool,
+}
+
+/// What is said besides meshes.
+#[derive(Default)]
+pub(super) struct Definitions {
+    /// Materials in the order of the file.
+    pub materials: Vec<DeckMaterial>,
+    pub pairs: Vec<Pair>,
+    /// Sets of nodes that are held in directions from the first on, by their names as written, with the last direction.
+    pub held: Vec<(String, usize)>,
+}
+
+/// What lines of data behind a keyword say.
+#[derive(Clone, Copy)]
+pub(super) enum Statement {
+    Property,
+    Pair { is_tied: bool },
+    Support,
+}
+
+impl Definitions {
+    /// What the lines behind a keyword say, if it is one of these.
+    pub fn open(&mut self, keyword: &Keyword) -> Option<Statement> {
+        match &*keyword.name {
+            "MATERIAL" => {
+                let name = keyword.value("NAME").unwrap_or_default().into();
+                self.materials.push(DeckMaterial { name, properties: Vec::new() });
+                None
+            }
+            "ELASTIC" | "HYPERELASTIC" | "DENSITY" => {
+                let material = self.materials.last_mut()?;
+                let parameters = keyword.parameters().map(|(name, value)| (name.into(), value.to_ascii_uppercase())).collect();
+                material.properties.push(DeckProperty { keyword: keyword.name.clone(), parameters, numbers: Vec::new() });
+                Some(Statement::Property)
+            }
+            "CONTACT PAIR" => Some(Statement::Pair { is_tied: keyword.value("TIED").is_some() }),
+            "TIE" => Some(Statement::Pair { is_tied: true }),
+            "BOUNDARY" => Some(Statement::Support),
+            _ => None,
+        }
+    }
+
+    /// A line behind a keyword.
+    pub fn data(&mut self, statement: Statement, data: &Data) {
+        let mut fields = data.fields();
+        match statement {
+            Statement::Property => {
+                if let Some(property) = self.materials.last_mut().and_then(|material| material.properties.last_mut()) {
+                    property.numbers.extend(fields.map(|field| data.real(Some(field), "").unwrap_or(f64::NAN)));
+                }
+            }
+            Statement::Pair { is_tied } => {
+                if let (Some(secondary), Some(primary)) = (fields.next(), fields.next().filter(|name| !name.is_empty())) {
+                    self.pairs.push(Pair { secondary: secondary.into(), primary: primary.into(), is_tied });
+                }
+            }
+            Statement::Support => {
+                let (name, first) = (fields.next().unwrap_or_default(), fields.next().unwrap_or_default().to_ascii_uppercase());
+                let last = fields.next().unwrap_or_default();
+                let last = match &*first {
+                    "ENCASTRE" | "PINNED" => Some(6),
+                    "1" => last.parse().ok(),
+                    _ => None,
+                };
+                let is_zero = fields.next().is_none_or(|value| matches!(data.real(Some(value), ""), Ok(0.0)));
+                if let Some(last) = last
+                    && is_zero
+                    && name.parse::<u64>().is_err()
+                    && !self.held.iter().any(|(known, _)| known == name)
+                {
+                    self.held.push((name.into(), last));
+                }
+            }
+        }
+    }
+}

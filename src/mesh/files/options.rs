@@ -1,0 +1,100 @@
+//! How mesh files are read, and what was done to what they hold.
+
+use std::path::PathBuf;
+
+/// What happens to elements that are no cells: springs, masses, beams, shells beside solid cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Structural {
+    /// They are left out, with a note that counts them.
+    #[default]
+    Skipped,
+    /// The file is refused.
+    Refused,
+}
+
+/// What happens to shells and membranes of a file without solid or plane cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shells {
+    /// The file is refused: a shell bends, a plane cell does not.
+    #[default]
+    Refused,
+    /// They are read as plane cells.
+    Plane,
+}
+
+/// How a mesh file is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// Elements that are no cells.
+    pub structural: Structural,
+    /// Shells without solid or plane cells.
+    pub shells: Shells,
+}
+
+/// Path of an included file by its name, or why the file may not be read; `None` refuses all included files.
+pub type Includes<'a> = Option<&'a dyn Fn(&str) -> Result<PathBuf, String>>;
+
+/// A change that a reader made to what the file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FileNote {
+    /// Elements that are no cells were left out: their types with counts.
+    Skipped(Vec<(String, usize)>),
+    /// Plane cells whose nodes run clockwise were reversed.
+    Turned {
+        /// How many.
+        count: usize,
+        /// Number of the first of them in the file.
+        first: u64,
+    },
+    /// Lines of elements hold more numbers than the elements have nodes; the numbers behind the nodes were left out.
+    LongLines {
+        /// How many elements.
+        count: usize,
+        /// Number of the first of them in the file.
+        first: u64,
+    },
+    /// Sets of nodes of second-order faces hold their corners alone; the whole faces were taken.
+    CornerSets(Vec<String>),
+    /// An instance without cells was left out.
+    WithoutCells(String),
+}
+
+impl FileNote {
+    /// Its stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            FileNote::Skipped(_) => "C0851",
+            FileNote::Turned { .. } => "C0852",
+            FileNote::LongLines { .. } => "C0853",
+            FileNote::CornerSets(_) => "C0854",
+            FileNote::WithoutCells(_) => "C0855",
+        }
+    }
+}
+
+impl std::fmt::Display for FileNote {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            FileNote::Skipped(counts) => {
+                let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
+                write!(out, "elements that are no cells of bodies are left out: {}", counts.join(", "))
+            }
+            FileNote::Turned { count, first } => {
+                write!(out, "the nodes of {count} {} reversed: they run clockwise, first in element {first}", cells_are(*count))
+            }
+            FileNote::LongLines { count, first } => {
+                let have = if *count == 1 { "element has" } else { "elements have" };
+                write!(out, "{count} {have} more numbers than nodes, first element {first}; the last numbers are left out")
+            }
+            FileNote::WithoutCells(name) => write!(out, "the instance \"{name}\" has no solid or plane cells and is left out"),
+            FileNote::CornerSets(names) => {
+                let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+                write!(out, "sets of corner nodes are taken as the whole faces that have these corners: {}", names.join(", "))
+            }
+        }
+    }
+}
+
+fn cells_are(count: usize) -> &'static str {
+    if count == 1 { "cell are" } else { "cells are" }
+}

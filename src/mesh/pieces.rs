@@ -1,0 +1,94 @@
+//! Some of the cells of a mesh as a mesh of their own, and which cells are connected.
+
+use std::collections::HashMap;
+
+use super::{Boundary, Facet, Mesh};
+
+impl Mesh {
+    /// Some cells as a mesh of their own: the cells in the given order, the nodes they use renumbered in ascending order, and what of the
+    /// boundaries and of the parts lies in it.
+    pub fn of_cells(&self, cells: &[u32]) -> Mesh {
+        let mut new_node = vec![None; self.points.len()];
+        for &cell in cells {
+            self.cell(cell as usize).iter().for_each(|&node| new_node[node as usize] = Some(0));
+        }
+        let mut points = Vec::new();
+        for (slot, &point) in new_node.iter_mut().zip(&self.points).filter(|(slot, _)| slot.is_some()) {
+            *slot = Some(points.len() as u32);
+            points.push(point);
+        }
+        let connectivity = cells.iter().flat_map(|&cell| self.cell(cell as usize)).filter_map(|&node| new_node[node as usize]).collect();
+        let new_cell: HashMap<u32, u32> = cells.iter().zip(0..).map(|(&old, new)| (old, new)).collect();
+        let inside = |facet: &Facet| new_cell.get(&facet.cell).map(|&cell| Facet { cell, local: facet.local });
+        let boundaries = self
+            .boundaries
+            .iter()
+            .map(|b| Boundary {
+                name: b.name.clone(),
+                facets: b.facets.iter().filter_map(inside).collect(),
+                nodes: b.nodes.iter().filter_map(|&node| new_node[node as usize]).collect(),
+            })
+            .filter(|b| !b.facets.is_empty() || !b.nodes.is_empty())
+            .collect();
+        let parts = self
+            .parts
+            .iter()
+            .map(|(part, cells)| (part.clone(), cells.iter().filter_map(|cell| new_cell.get(cell).copied()).collect::<Vec<_>>()))
+            .filter(|(_, cells)| !cells.is_empty())
+            .collect();
+        Mesh { kind: self.kind, points, connectivity, boundaries, parts }
+    }
+
+    /// Cells that are connected through nodes, piece by piece in the order of their first cells, in ascending order.
+    pub fn connected_cells(&self) -> Vec<Vec<u32>> {
+        let mut leader: Vec<u32> = (0..self.points.len() as u32).collect();
+        for cell in self.cells() {
+            let first = root(&mut leader, cell[0]);
+            for &node in &cell[1..] {
+                let other = root(&mut leader, node);
+                leader[other as usize] = first;
+            }
+        }
+        let mut piece_of: HashMap<u32, usize> = HashMap::new();
+        let mut pieces: Vec<Vec<u32>> = Vec::new();
+        for (cell, nodes) in (0..).zip(self.cells()) {
+            let next = pieces.len();
+            let piece = *piece_of.entry(root(&mut leader, nodes[0])).or_insert(next);
+            if piece == next {
+                pieces.push(Vec::new());
+            }
+            pieces[piece].push(cell);
+        }
+        pieces
+    }
+}
+
+/// The node that stands for all that are connected with a node; shortens the way to it.
+fn root(leader: &mut [u32], node: u32) -> u32 {
+    let mut node = node as usize;
+    while leader[node] as usize != node {
+        leader[node] = leader[leader[node] as usize];
+        node = leader[node] as usize;
+    }
+    node as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::rectangle;
+
+    #[test]
+    fn pieces_are_connected_cells_in_the_order_of_the_mesh() {
+        let one = rectangle([2.0, 1.0], [2, 1], [0.0; 2]).unwrap();
+        let mut both = one.clone();
+        both.points.extend(one.points.iter().map(|x| [x[0] + 5.0, x[1], 0.0]));
+        // the cells of the two bars in turn
+        let shifted: Vec<u32> = one.connectivity.iter().map(|node| node + 6).collect();
+        both.connectivity = [&one.connectivity[..4], &shifted[..4], &one.connectivity[4..], &shifted[4..]].concat();
+        both.boundaries.clear();
+        assert_eq!(both.connected_cells(), [vec![0, 2], vec![1, 3]]);
+        let second = both.of_cells(&both.connected_cells()[1]);
+        assert_eq!((second.cell_count(), second.points.len()), (2, 6));
+        assert!(second.points.iter().all(|point| point[0] >= 5.0));
+    }
+}

@@ -1,0 +1,54 @@
+//! Where errors of mesh files are.
+
+use std::path::Path;
+
+use super::error::MeshError;
+use super::file_error::{FileError, FileProblem, Place};
+
+impl MeshError {
+    /// Place in the mesh file or in the file that it includes, where the error has one.
+    pub fn place(&self) -> Option<Place> {
+        use MeshError::*;
+        match self {
+            InvertedCell { at, .. } | DegenerateCell { at, .. } | RepeatedNode { at, .. } | CrowdedFacet { at, .. } => *at,
+            File(FileError { problem: FileProblem::Unreadable { .. }, .. }) => None,
+            File(error) => Some(error.at),
+            Included { error, .. } => error.place(),
+            _ => None,
+        }
+    }
+
+    /// Moves the place of an error that has one.
+    pub(super) fn set_place(&mut self, place: Place) {
+        use MeshError::*;
+        match self {
+            InvertedCell { at, .. } | DegenerateCell { at, .. } | RepeatedNode { at, .. } | CrowdedFacet { at, .. } => *at = Some(place),
+            File(error) => error.at = place,
+            _ => {}
+        }
+    }
+
+    /// Line of the file, counted from 1, where the error has one.
+    pub fn line(&self) -> Option<usize> {
+        match self.place() {
+            Some(Place::Line(line)) => Some(line),
+            _ => None,
+        }
+    }
+
+    /// Byte of the file, counted from 0, where the error has one.
+    pub fn offset(&self) -> Option<usize> {
+        match self.place() {
+            Some(Place::Byte(byte)) => Some(byte),
+            _ => None,
+        }
+    }
+
+    /// The included file in which the error is; none where it is in the mesh file itself.
+    pub fn included_file(&self) -> Option<&Path> {
+        match self {
+            MeshError::Included { file, .. } => Some(file),
+            _ => None,
+        }
+    }
+}
