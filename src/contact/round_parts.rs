@@ -19,8 +19,12 @@ const LARGEST_TURN: [f64; 2] = [30.5 * PI / 180.0, 45.0 * PI / 180.0];
 /// Least part of the normals of a cylinder's side, in the mean of their squares, in any direction across its axis.
 const ALL_AROUND: f64 = 0.2;
 
-/// Least number of inside nodes of a part: a corner that two facets bevel is no arc.
-const LEAST_INSIDE: usize = 2;
+/// Largest ratio of the angles to the neighbors of a node, as seen from the center of a round part.
+const LARGEST_RATIO: f64 = 3.0;
+
+/// Least number of inside nodes of a part: a corner that two facets bevel is no arc, and the ends of a straight side with what follows lie
+/// on a circle where that is symmetric.
+const LEAST_INSIDE: usize = 3;
 
 /// An arc of a circle, a part of a sphere, or the rim of a cylinder on a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,8 +142,9 @@ fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Optio
     let radius = center.norm();
     let is_on_it = ring.iter().all(|y| ((y - center).norm() - radius).abs() <= ROUND_PART * radius);
     let largest = LARGEST_TURN[surface.dimension() - 2];
-    let turns = neighbors.iter().map(|&other| 2.0 * (0.5 * (place(other) - node).norm() / radius).min(1.0).asin());
-    let is_curve = turns.into_iter().all(|turn| (ROUND_PART_TURN..=largest).contains(&turn));
+    let turn = |&other: &usize| 2.0 * (0.5 * (place(other) - node).norm() / radius).min(1.0).asin();
+    let [least, most] = neighbors.iter().map(turn).fold([f64::INFINITY, 0.0], |[least, most], turn| [turn.min(least), turn.max(most)]);
+    let is_curve = least >= ROUND_PART_TURN && most <= largest.min(LARGEST_RATIO * least);
     let outward = |facet: &u32| surface.outward(*facet as usize, q).iter().zip(center.iter()).map(|(n, c)| n * c).sum::<f64>();
     let is_convex = surface.adjacent_facets(index).iter().all(|facet| outward(facet) < 0.0);
     (is_on_it && is_curve && is_convex).then_some((center, radius))

@@ -331,8 +331,8 @@ impl Factorization {
         for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
             self.vertex_scale[v] = reciprocal_root(own_block(v));
         }
-        // A carried node is scaled as the nodes that carry it, so that its other constraints have responses of order one. Without that, pivots
-        // in the rows of contacts between rigid bodies are 1e-12 in small steps.
+        // A carried node is scaled as the nodes that carry it, so that its other constraints have responses of order one. Without that,
+        // pivots in the rows of contacts between rigid bodies are 1e-12 in small steps.
         for v in (0..pattern.vertices()).filter(|&v| pattern.is_carried(v)) {
             let rows = pattern.neighbors(v).iter().filter(|&&u| pattern.anchor(u as usize) == Some(v as u32));
             let others = rows.flat_map(|&u| pattern.neighbors(u as usize)).map(|&w| w as usize);

@@ -445,7 +445,7 @@ mod tests {
         let defects = mesh.defects();
         assert_eq!(defects.len(), 2);
         assert_eq!(defects[0].to_string(), "cell 0 at (0.5, 0.5) is inside out: its Jacobian determinant is -0.25 (2 of 2 cells are)");
-        assert!(defects[0].hint().starts_with("the nodes of all cells run the wrong way round"));
+        assert!(defects[0].hint().starts_with("mend the mesh there"));
         let mut solid = block([1.0; 3], [1; 3], [0.0; 3]).unwrap();
         solid.connectivity.rotate_left(4);
         assert!(matches!(solid.check(), Err(MeshError::InvertedCell { inverted: 1, .. })));

@@ -589,6 +589,15 @@ mod tests {
                 for derivative in Derivative::ALL {
                     let out = evaluated(&kernel, derivative, &q_1, &lambda);
                     for (row, (component, node)) in (0..kernel.rows()).flat_map(|row| (0..6).map(move |k| (row, (k % 3, k / 3)))) {
+                        // Above the hole, where its stretch of the edge ends, a row has no derivative.
+                        let [start, end] = [kernel.ends(row, &q_0, 0), kernel.ends(row, &q_1, 2)];
+                        let ends_at_hole = |ends: Ends| {
+                            let share = kernel.deepest_of(row, ends).share;
+                            kernel.stretches[row] != Stretch::Whole && (share - kernel.shape.nearest_to_axis(ends)).abs() < AT_END
+                        };
+                        if [start, [0, 1].map(|k| 0.5 * (start[k] + end[k])), end].into_iter().any(ends_at_hole) {
+                            continue;
+                        }
                         let unknown = 3 * kernel.sides.patches.nodes(row)[node] as usize + component;
                         let at = |shift: f64| -> Vec<f64> {
                             let mut moved = q_1.clone();

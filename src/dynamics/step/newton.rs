@@ -198,16 +198,7 @@ where
         }
         let mut record = attempt.measure(&at);
         match convergence.judge(iteration, task.at_least, &record) {
-            Judgement::Done => {
-                // With a penalty every covered node is in the system: in contact are those that press.
-                let mut active = starting_set(attempt.system, &at, task.conditions, &attempt.dropped);
-                let pressing = active.iter_mut().zip(&at.lambda).take(attempt.system.pressing);
-                pressing.filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
-                let idle = slips_at(attempt.system, &at).filter(|place| !active[place.pressing].is_closed());
-                let idle: Vec<usize> = idle.flat_map(|place| place.rows).collect();
-                idle.into_iter().for_each(|row| active[row] = RowState::Open);
-                return Ok(Solution { at, active, preferred: Preferred::default() });
-            }
+            Judgement::Done => return Ok(attempt.solution(at)),
             Judgement::GivesUp => {
                 record.active = attempt.active.iter().filter(|row| row.is_closed()).count();
                 trace.iterations.push(record);
@@ -242,6 +233,17 @@ impl<const D: usize> Attempt<'_, D>
 where
     Space<D>: Elements<D>,
 {
+    /// The iterate as a solution. With a penalty every covered node is in the system: in contact are those that press.
+    fn solution(&self, at: Linearization) -> Solution {
+        let mut active = starting_set(self.system, &at, self.task.conditions, &self.dropped);
+        let pressing = active.iter_mut().zip(&at.lambda).take(self.system.pressing);
+        pressing.filter(|(_, lambda)| **lambda == 0.0).for_each(|(row, _)| *row = RowState::Open);
+        let idle = slips_at(self.system, &at).filter(|place| !active[place.pressing].is_closed());
+        let idle: Vec<usize> = idle.flat_map(|place| place.rows).collect();
+        idle.into_iter().for_each(|row| active[row] = RowState::Open);
+        Solution { at, active, preferred: Preferred::default() }
+    }
+
     /// The first iterate: the predicted one or, where that has prescribed motion at rest, what the linearisation at the start makes of this
     /// motion, if it comes nearer to a solution. A motion that only the prescribed nodes have made crushes the cells beside them.
     fn beginning(&mut self, lambda: &[f64], iterations: &mut usize) -> Result<Linearization, Failure> {
