@@ -595,7 +595,9 @@ mod tests {
                             let share = kernel.deepest_of(row, ends).share;
                             kernel.stretches[row] != Stretch::Whole && (share - kernel.shape.nearest_to_axis(ends)).abs() < AT_END
                         };
-                        if [start, [0, 1].map(|k| 0.5 * (start[k] + end[k])), end].into_iter().any(ends_at_hole) {
+                        let halfway: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
+                        let middles = [[0, 1].map(|k| 0.5 * (start[k] + end[k])), kernel.ends(row, &halfway, 1)];
+                        if [start, end].into_iter().chain(middles).any(ends_at_hole) {
                             continue;
                         }
                         let unknown = 3 * kernel.sides.patches.nodes(row)[node] as usize + component;
