@@ -129,14 +129,14 @@ fn work(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
         let ratios = case.judge(&printed);
         let faults: Vec<String> =
-            ratios.iter().filter(|(_, ratio)| !(*ratio <= 1.0)).map(|(name, ratio)| format!("{name} {ratio:.2e}")).collect();
+            ratios.iter().filter(|(_, ratio)| ratio.is_nan() || *ratio > 1.0).map(|(name, ratio)| format!("{name} {ratio:.2e}")).collect();
         if !faults.is_empty() {
             *wrong += 1;
             println!("{seed} {}: {}: {}", case.kind, case.name, faults.join(", "));
         }
         for (name, ratio) in ratios {
             let entry = worst.entry(name).or_insert((0.0, seed));
-            if !(ratio <= entry.0) {
+            if ratio.is_nan() || ratio > entry.0 {
                 *entry = (ratio, seed);
             }
         }

@@ -31,7 +31,8 @@ pub(super) fn read_partitioned_entities(source: &mut Source, entities: &mut Enti
     entry.end(GHOSTS)?;
     for _ in 0..ghosts {
         let mut entry = source.entry(&section)?;
-        (entry.int(GHOSTS)?, entry.int(GHOSTS)?);
+        entry.int(GHOSTS)?;
+        entry.int(GHOSTS)?;
     }
     read_entities_of(source, section, entities)
 }
@@ -50,7 +51,8 @@ fn read_entities_of(source: &mut Source, mut section: Section, entities: &mut En
             let mut entry = source.entry(&section)?;
             let number = entry.int(EXPECTED)?;
             if is_partitioned {
-                (entry.int(EXPECTED)?, entry.int(EXPECTED)?);
+                entry.int(EXPECTED)?;
+                entry.int(EXPECTED)?;
                 for _ in 0..entry.size(EXPECTED)? {
                     entry.int(EXPECTED)?;
                 }
