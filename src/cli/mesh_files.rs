@@ -1,4 +1,4 @@
-//! What `conserva info` says of mesh files, and their pictures.
+//! Description and pictures of mesh files by `conserva info`.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::mesh::{self, FileNote, Mesh, MeshError, ReadOptions, below_folder_of}
 use crate::output::{picture_of_boundaries, png, svg};
 use crate::script::{Class, Diagnostic};
 
-/// What is said of a file, in this order.
+/// Labels and values that describe a file, in the order of output.
 type Facts = Vec<(&'static str, Value)>;
 
 fn refused(path: &Path, error: &MeshError) -> Box<Diagnostic> {

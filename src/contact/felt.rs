@@ -1,4 +1,4 @@
-//! What the round parts of a rigid body feel of an obstacle: distances and discrete gradients, in the plane and in space.
+//! Distances and discrete gradients of obstacles for the round parts of rigid bodies, in the plane and in space.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -13,7 +13,7 @@ pub(super) struct Local<const D: usize> {
 }
 
 impl<const D: usize> Local<D> {
-    /// That of nothing.
+    /// Distance where the obstacle has no surface: zero, without a gradient.
     pub fn none() -> Self {
         Local { gap: 0.0, normal: SVector::zeros(), curvature: SMatrix::zeros(), covered: false }
     }
@@ -21,7 +21,7 @@ impl<const D: usize> Local<D> {
 
 /// A rigid obstacle, or a side of it, as the rows of round parts feel it. Points are in the frame of the obstacle.
 pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
-    /// How many sides of it may touch a round part at once.
+    /// Largest number of sides of the obstacle that a round part touches at once.
     fn sides(&self) -> usize;
     /// The sides that a round part of this radius about `x` may touch: at most [`Self::sides`], in an order that does not depend on which
     /// is nearer.

@@ -33,7 +33,7 @@ pub struct RigidContact {
     /// How far, and by which angle, it carries along what sticks to it.
     carried: ([f64; 2], f64),
     start: Vec<[f64; 2]>,
-    /// Which nodes have no rows: those inside of round parts of a rigid body, which has rows of its own (`rolling.rs`).
+    /// True for nodes without rows: those inside of round parts of a rigid body, whose rows are in `rolling.rs`.
     is_hidden: Vec<bool>,
     /// For nodes that start at a convex corner of a polyline: the line of the side that they are on, which is theirs for the step. A node
     /// that a side pushes past the corner, and that comes back without the push, would find no solution.

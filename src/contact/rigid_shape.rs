@@ -10,7 +10,7 @@ use super::slip::Carrier;
 use super::space::ObstacleInSpace;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
-/// How many sides of a polyline a round part of a body may touch at once.
+/// Largest number of sides of a polyline that a round part of a body touches at once.
 const SIDES: usize = 2;
 
 /// At how many places on a node's way its distance is looked at, at most.
@@ -157,8 +157,8 @@ impl Shape {
         Some(Shape::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
     }
 
-    /// How it moves what sticks to it when it is displaced by a shift and, if it is round, has turned by an angle about its center;
-    /// `middle` is where it is displaced to in mid-step.
+    /// Rigid motion of the obstacle's surface in a step, for friction: a shift and, of a circle, a rotation by an angle about its center.
+    /// `middle` is the obstacle's translation in mid-step `[length]`.
     pub(super) fn carrier(&self, (shift, angle): ([f64; 2], f64), middle: [f64; 2]) -> Carrier {
         let Shape::Circle { center, .. } = self else { return Carrier { shift, ..Carrier::default() } };
         Carrier { shift, turn: 2.0 * (0.5 * angle).tan(), center: std::array::from_fn(|i| center[i] + middle[i]) }

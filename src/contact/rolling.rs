@@ -57,7 +57,7 @@ pub(super) struct RollingContact<const D: usize, S> {
     rollers: Vec<Roller>,
     pub(super) shape: S,
     pub(super) translations: [[f64; 3]; 3],
-    /// How far the obstacle carries along what sticks to it, and by which angle about its center or axis.
+    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle in the step, as friction sees them.
     pub(super) carried: ([f64; 3], f64),
     /// Centers at the start of the step.
     start: Vec<SVector<f64, D>>,
@@ -65,7 +65,7 @@ pub(super) struct RollingContact<const D: usize, S> {
     at_start: Vec<Tilt>,
     /// The node of each part that was nearest to the obstacle at the start of the step.
     nearest: Vec<u32>,
-    /// What each row feels in this step, with the normal at its start; `None`: it is not there.
+    /// Side of the obstacle that each row is measured from in this step, with the normal at its start; `None`: the row is inactive.
     felt: Vec<Option<(S, SVector<f64, D>)>>,
 }
 
@@ -122,7 +122,7 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
     }
 
-    /// By how much the nearest point of a part is nearer than its center, over the radius, and its derivative with respect to the axis.
+    /// Tilt of a part against a normal, where the masters are at `q`; arcs and spheres have none.
     fn nearer(&self, roller: usize, normal: SVector<f64, D>, q: &[f64]) -> Tilt {
         self.axis(roller, q).map_or(Tilt::of(0.0), |axis| Tilt::of(axis.dot(&normal)))
     }
@@ -226,7 +226,7 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         self.sides.weights[row]
     }
 
-    /// What the rows of a part feel.
+    /// Sides of the obstacle that the rows of a part are measured from.
     pub(super) fn felt_by(&self, roller: usize) -> &[Option<(S, SVector<f64, D>)>] {
         &self.felt[self.rows_of(roller)]
     }

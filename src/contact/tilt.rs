@@ -3,7 +3,7 @@
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{RIM_FLAT, RIM_LEAST};
 
-/// How far a rim is tilted: `s = n.a`, `h(s)` and `h'(s)`.
+/// Tilt of a rim with the axis `a` against the normal `n` of an obstacle: `s = n.a`, `h(s) = sqrt(1 - s^2)` and `h'(s)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tilt {
     sine: f64,

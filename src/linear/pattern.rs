@@ -255,7 +255,7 @@ impl Pattern {
         self.first[vertex + 1] - self.first[vertex]
     }
 
-    /// Whether the unknowns of a vertex are coordinates of a carried node.
+    /// True if the unknowns of a vertex are coordinates of a carried node.
     #[inline]
     pub(crate) fn is_carried(&self, vertex: usize) -> bool {
         self.roles[vertex] == Role::Carried

@@ -446,7 +446,7 @@ pub enum MeshError {
     Included {
         /// Path of the included file.
         file: PathBuf,
-        /// What is wrong in it.
+        /// Error found in the included file.
         error: Box<MeshError>,
     },
 }

@@ -172,11 +172,11 @@ pub enum FileProblem {
     MixedCells {
         /// The kind that most cells are of.
         kind: &'static str,
-        /// How many.
+        /// Number of cells of that kind.
         count: usize,
         /// Another kind.
         other: &'static str,
-        /// How many.
+        /// Number of cells of the other kind.
         others: usize,
         /// Number of the first of them in the file.
         element: u64,
@@ -244,9 +244,9 @@ pub enum FileProblem {
     /// A file that is included and cannot be read.
     #[error("the included file \"{name}\" cannot be read: {reason}")]
     Included {
-        /// Its name as written.
+        /// Name of the included file as the deck writes it.
         name: String,
-        /// Why.
+        /// Reason of the system.
         reason: String,
     },
     /// Shells or membranes without solid or plane cells.
@@ -254,7 +254,7 @@ pub enum FileProblem {
     Shells {
         /// Name of a type of these elements.
         name: String,
-        /// How many there are.
+        /// Number of these elements in the file.
         count: usize,
     },
     /// Elements that are no cells, where they are not to be left out.
@@ -262,7 +262,7 @@ pub enum FileProblem {
     Structural {
         /// Name of a type of these elements.
         name: String,
-        /// How many of the type there are.
+        /// Number of elements of the type.
         count: usize,
     },
     /// A keyword without a parameter that it needs.

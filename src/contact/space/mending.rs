@@ -10,7 +10,7 @@ use rstar::primitives::GeomWithData;
 use super::facets::{Facets, FacetsError};
 use crate::math::tolerances::{FACING, SAME_POINT};
 
-/// What was done to a surface.
+/// Repairs made to a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mending {
     /// Points that were joined with others.

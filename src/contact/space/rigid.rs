@@ -51,7 +51,7 @@ pub struct RigidInSpace {
     start: Vec<Vector3<f64>>,
     /// Nodes at the other ends of the edges of each node.
     neighbors: Vec<Vec<usize>>,
-    /// Which nodes or points have no rows: those inside of round parts of a rigid body, which has rows of its own (`contact/rolling.rs`).
+    /// True for nodes or points without rows: those inside of round parts of a rigid body, whose rows are in `contact/rolling.rs`.
     is_hidden: Vec<bool>,
     /// What each row feels in this step; `None`: it is not there.
     felt: Vec<Option<Shape>>,

@@ -12,7 +12,7 @@ use crate::contact::patches::Evaluation;
 use crate::contact::rolling::{RollingContact, Slips};
 use crate::contact::slip::SlipStep;
 
-/// How many sides of an obstacle with pockets a round part may touch at once.
+/// Largest number of sides of an obstacle with pockets that a round part touches at once.
 const SIDES: usize = 3;
 
 impl Felt<3> for Shape {

@@ -129,7 +129,7 @@ fn reverse(nodes: &mut [u32], corners: usize) {
     nodes[middles].reverse();
 }
 
-/// Whether the corners of a plane cell run clockwise: twice the signed area of their polygon.
+/// True if the corners of a plane cell run clockwise, by the sign of their polygon's area.
 fn is_clockwise(corners: &[u32], points: &[[f64; 3]]) -> bool {
     let at = |k: usize| points[corners[k % corners.len()] as usize];
     let doubled: f64 = (0..corners.len()).map(|k| (at(k), at(k + 1))).map(|(a, b)| (a[0] - b[0]) * (a[1] + b[1])).sum();

@@ -1,8 +1,8 @@
-//! How mesh files are read, and what was done to what they hold.
+//! Options of reading mesh files, and notes on changes that reading makes to meshes.
 
 use std::path::PathBuf;
 
-/// What happens to elements that are no cells: springs, masses, beams, shells beside solid cells.
+/// Treatment of elements that are no cells: springs, masses, beams, shells beside solid cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Structural {
     /// They are left out, with a note that counts them.
@@ -12,7 +12,7 @@ pub enum Structural {
     Refused,
 }
 
-/// What happens to shells and membranes of a file without solid or plane cells.
+/// Treatment of shells and membranes in a file without solid or plane cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shells {
     /// The file is refused: a shell bends, a plane cell does not.
@@ -22,7 +22,7 @@ pub enum Shells {
     Plane,
 }
 
-/// How a mesh file is read.
+/// Options of reading a mesh file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Elements that are no cells.
@@ -48,7 +48,7 @@ pub enum FileNote {
     },
     /// Lines of elements hold more numbers than the elements have nodes; the numbers behind the nodes were left out.
     LongLines {
-        /// How many elements.
+        /// Number of these elements.
         count: usize,
         /// Number of the first of them in the file.
         first: u64,
@@ -60,7 +60,7 @@ pub enum FileNote {
 }
 
 impl FileNote {
-    /// Its stable code.
+    /// Stable code of the message.
     pub fn code(&self) -> &'static str {
         match self {
             FileNote::Skipped(_) => "C0851",

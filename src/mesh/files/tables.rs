@@ -97,7 +97,7 @@ pub(super) struct Tables {
     pub structural: HashSet<u64>,
     /// Name of the type of these elements by shape, and where it stands.
     pub structural_types: BTreeMap<Shape, (String, Place)>,
-    /// Whether lines among these elements are beams.
+    /// True if lines among these elements are beams.
     pub has_beams: bool,
     /// Elements without a shape that are left out: how many of a type, and where the first stands.
     pub left_out: BTreeMap<String, (usize, Place)>,

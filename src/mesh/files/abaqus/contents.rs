@@ -16,7 +16,7 @@ use crate::mesh::file_error::{FileError, FileProblem};
 /// A number with the scope to which it belongs.
 type Owned = (usize, u64);
 
-/// What an input file holds.
+/// Contents of an input file.
 pub(super) struct Contents {
     /// What stands outside of parts, then the instances of parts; the parts themselves where there is no assembly.
     pub scopes: Vec<Scope>,

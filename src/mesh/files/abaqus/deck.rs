@@ -13,7 +13,7 @@ use crate::mesh::{Mesh, MeshError};
 pub struct DeckPart {
     /// Name of the instance.
     pub name: String,
-    /// Its mesh with the sets and surfaces that lie in it.
+    /// Mesh of the instance, with the sets and surfaces that lie in it.
     pub mesh: Mesh,
     /// Materials of its sections, by their names.
     pub materials: Vec<String>,
@@ -35,7 +35,7 @@ pub struct DeckPair {
     pub secondary: DeckBoundary,
     /// Primary (master) boundary.
     pub primary: DeckBoundary,
-    /// Whether they are tied.
+    /// True if both surfaces are tied.
     pub is_tied: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What a deck says of its bodies besides their meshes: materials, pairs of surfaces, supports.
+//! Data of a deck besides its meshes: materials, contact pairs, supports.
 
 use super::lines::{Data, Keyword};
 
@@ -16,9 +16,9 @@ pub struct DeckProperty {
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeckMaterial {
-    /// Its name as written.
+    /// Name of the material as the deck writes it.
     pub name: String,
-    /// Its properties in the order of the file.
+    /// Material properties in the order of the file.
     pub properties: Vec<DeckProperty>,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Pair {
     pub is_tied: bool,
 }
 
-/// What is said besides meshes.
+/// Materials, contact pairs and supports of a deck.
 #[derive(Default)]
 pub(super) struct Definitions {
     /// Materials in the order of the file.
@@ -39,7 +39,7 @@ pub(super) struct Definitions {
     pub held: Vec<(String, usize)>,
 }
 
-/// What lines of data behind a keyword say.
+/// Meaning of the data lines that follow a keyword.
 #[derive(Clone, Copy)]
 pub(super) enum Statement {
     Property,
@@ -48,7 +48,7 @@ pub(super) enum Statement {
 }
 
 impl Definitions {
-    /// What the lines behind a keyword say, if it is one of these.
+    /// Meaning of the data lines that follow a keyword of materials, contact pairs or supports; `None` for other keywords.
     pub fn open(&mut self, keyword: &Keyword) -> Option<Statement> {
         match &*keyword.name {
             "MATERIAL" => {

@@ -43,7 +43,7 @@ enum Open {
     Elements {
         shape: Shape,
         set: Option<usize>,
-        /// Whether they are no plane or solid cells.
+        /// True if the elements are no plane or solid cells.
         is_structural: bool,
         /// Fields of an element that goes on in the next line, and where it began.
         begun: Option<(Vec<u64>, Place)>,
@@ -71,7 +71,7 @@ enum Open {
     Surface {
         surface: usize,
     },
-    /// How an instance is placed: lines so far.
+    /// Translation and rotation lines of an instance that have been read so far.
     Placing {
         lines: usize,
     },
@@ -84,7 +84,7 @@ struct Reader {
     current: Current,
 }
 
-/// What an input file holds.
+/// Contents of an input file.
 pub(super) fn read(content: &[u8], includes: Includes) -> Result<Contents, MeshError> {
     let text = Text::new(content, includes)?;
     match read_lines(&text.content) {
@@ -133,7 +133,7 @@ fn read_lines(content: &[u8]) -> Result<Contents, MeshError> {
     Ok(contents)
 }
 
-/// What was begun must be complete.
+/// Ends the lines of a keyword; an element whose lines end before its last node is an error.
 fn close(open: Open, at: Place) -> Result<(), MeshError> {
     match open {
         Open::Elements { begun: Some((fields, begin)), shape, .. } => {
@@ -154,7 +154,7 @@ impl Reader {
         }
     }
 
-    /// What the lines behind a keyword belong to.
+    /// Object that the lines behind a keyword belong to.
     fn open(&mut self, keyword: Keyword) -> Result<Open, MeshError> {
         let refuse = |reason| keyword.fail(FileProblem::Keyword { keyword: keyword.name.clone(), reason });
         if let Some((_, reason)) = REFUSED.iter().find(|(name, _)| *name == keyword.name) {

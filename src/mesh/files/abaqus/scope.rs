@@ -34,7 +34,7 @@ impl Kind {
     }
 }
 
-/// What is numbered and named together.
+/// Nodes, elements and sets of a part or instance, whose numbers and names are its own.
 #[derive(Clone, Default)]
 pub(super) struct Scope {
     /// Name of the part or instance; empty for the rest of the file.

@@ -25,7 +25,7 @@ pub(super) struct Set {
     pub at: Place,
     /// Whether the file keeps it for its own use.
     pub is_internal: bool,
-    /// What belongs to it, each with the scope to which the keyword assigns it: that of the set where it names none.
+    /// Members of the set, each with the scope that the keyword names; `None`: the scope of the set.
     pub members: Vec<(Option<usize>, Member)>,
     /// For sets of nodes: sets of elements whose nodes belong to it.
     pub of_elements: Vec<(Option<usize>, String)>,

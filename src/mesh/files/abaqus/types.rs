@@ -3,7 +3,7 @@
 use super::super::tables::Shape;
 use crate::elements::CellKind;
 
-/// What elements of a type are here.
+/// Family of element types, by what a mesh takes of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     /// Plane or solid cells.
@@ -16,7 +16,7 @@ pub(super) enum Family {
     Beam,
 }
 
-/// What an element type is.
+/// Element type of a deck, as far as it is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ElementType {
     /// Elements with nodes in the shape of a cell or line.

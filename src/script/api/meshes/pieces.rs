@@ -205,7 +205,7 @@ fn boundary_near() -> Function {
     }
 }
 
-/// What nodes may be on.
+/// Surface by whose distance nodes are chosen.
 enum Shape {
     Plane { point: [f64; 3], normal: [f64; 3] },
     Sphere { center: [f64; 3], radius: f64 },

@@ -61,7 +61,7 @@ pub fn reading_parameters() -> Vec<Parameter> {
     ]
 }
 
-/// What the options of [`reading_parameters`] ask for.
+/// Reading options from the values of [`reading_parameters`].
 ///
 /// # Errors
 /// Another word.
