@@ -17,10 +17,10 @@ use std::ops::Range;
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
 use super::consistent_mass::{MassRule, summed};
-use super::element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
+use super::element_loop::{Advance, ElementLoop, FastestCell, Inverted, PointStress, Present, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
-use super::special::{Answer, SpecialPoints};
+use super::special::{Answer, Course, SpecialPoints};
 use super::workspace::Workspace;
 use crate::elements::ReferenceCell;
 use crate::integrators::{Derivative, Lumping};
@@ -152,13 +152,13 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     #[inline(always)]
     pub(super) fn respond<const FMA: bool>(
         &self,
-        batch: &Batch<D, A>,
+        index: usize,
         step: &Step,
         work: &mut Workspace<FMA, D, S, A, Q>,
         answer: &mut Option<Box<Answer<L>>>,
         geometric: Option<f64>,
     ) -> bool {
-        let (table, physics) = (&self.table, &self.physics);
+        let (batch, table, physics) = (&self.batches[index], &self.table, &self.physics);
         let is_axisymmetric = physics.is_axisymmetric();
         self.set_points(batch, work);
         work.set_start(batch, step.u_0);
@@ -170,7 +170,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_axisymmetric));
             let points = work.special_points(batch, table, around);
             let answer = answer.get_or_insert_with(|| Box::new(Answer::EMPTY));
-            special.respond(&points, step.derivative, answer);
+            self.history_of(index, step.history, &mut answer.history);
+            special.respond(&points, Course { derivative: step.derivative, history: &[], dt: step.dt }, answer);
             work.take(answer);
             points
         });
@@ -239,7 +240,7 @@ pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     gradient: [[[Lanes<false>; D]; D]; Q],
     strain: [Components<S>; Q],
     /// What a special stress needs to know, where there is one.
-    special: Option<Box<SpecialPoints<D>>>,
+    pub(super) special: Option<Box<SpecialPoints<D>>>,
     smallest_determinants: [f64; WIDTH],
 }
 
@@ -313,7 +314,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let mut answer = None;
         for index in batches {
             let geometric = sums.values.is_some().then_some(geometric);
-            if !cells.respond(&cells.batches[index], step, &mut work, &mut answer, geometric) {
+            if !cells.respond(index, step, &mut work, &mut answer, geometric) {
                 return Err(index);
             }
             if let Some(values) = &mut sums.values {
@@ -403,19 +404,28 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]) {
-        let step = Step { derivative: Derivative::AT_END, weight: factor, inertia: 1.0, u_0: u, u_1: u };
+        let step = Step { derivative: Derivative::AT_END, weight: factor, inertia: 1.0, u_0: u, u_1: u, history: &[], dt: 0.0 };
         let mut force = vec![0.0; u.len()];
         let sums = Sums { force: &mut force, values: Some(values), first_unknown: 0, first_value: 0 };
         // Of a configuration that a step came through to: no cell is inside out.
         let _ = dispatch(Assemble { cells: self, step: &step, batches: 0..self.batches.len(), sums, geometric: 0.0 });
     }
 
-    fn strain_energy(&self, u: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for batch in &self.batches {
+    fn history(&self) -> usize {
+        self.batches.len() * self.history_per_batch()
+    }
+
+    fn advance(&self, step: &Step) -> Advance {
+        self.advanced(step)
+    }
+
+    fn strain_energy(&self, Present { u, history }: Present) -> f64 {
+        let (mut sum, mut kept) = (0.0, Vec::new());
+        for (index, batch) in self.batches.iter().enumerate() {
             let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(u));
             if let (Some(special), Some(points)) = (&self.physics.special, points) {
-                sum += special.energy(&points).0[..batch.count].iter().sum::<f64>();
+                self.history_of(index, history, &mut kept);
+                sum += special.energy(&points, &kept).0[..batch.count].iter().sum::<f64>();
                 continue;
             }
             let mut energy = [Lanes::ZERO; Q];
@@ -440,25 +450,23 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         least
     }
 
-    fn visit_stresses(&self, u: &[f64], visit: &mut dyn FnMut(&PointStress)) {
+    fn visit_stresses(&self, Present { u, history }: Present, visit: &mut dyn FnMut(&PointStress)) {
+        let mut kept = Vec::new();
         for (index, batch) in self.batches.iter().enumerate() {
             let deformation = self.deform(batch, Some(u));
             let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
             let pressures = special.map(|(special, points)| special.pressures(points));
             let cell_volume: [f64; WIDTH] = std::array::from_fn(|lane| deformation.volumes.iter().map(|volume| volume.0[lane]).sum());
+            self.history_of(index, history, &mut kept);
             for point in 0..Q {
-                // The spatial law also knows the stress across the plane.
-                let strain = self
-                    .physics
-                    .spatial_strain(&deformation.strain[point], special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]));
-                let mut second_piola = [[Lanes::ZERO; 6]];
-                self.physics.spatial_law.stresses_into(&[strain], &mut second_piola);
+                let around = special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]);
+                let seen = self.physics.seen(&deformation.strain[point], around, &kept, point);
                 for lane in 0..batch.count {
-                    let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &strain, lane);
-                    let s = nalgebra::Matrix3::from_fn(|i, j| second_piola[0][mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
+                    let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &seen.strain, lane);
+                    let s = nalgebra::Matrix3::from_fn(|i, j| seen.stress[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
                     let pressure = nalgebra::Matrix3::identity() * pressures.map_or(0.0, |pressures| pressures[point].0[lane]);
                     let cauchy = f * s * f.transpose() / f.determinant() + pressure;
-                    let green = |i: usize, j: usize| strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
+                    let green = |i: usize, j: usize| seen.strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
                     visit(&PointStress {
                         cell: index * WIDTH + lane,
                         nodes: self.nodes(index, lane),
@@ -468,6 +476,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                         cell_volume: cell_volume[lane],
                         stress: [cauchy.m11, cauchy.m22, cauchy.m33, cauchy.m12, cauchy.m23, cauchy.m13],
                         strain: [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)],
+                        kept: self.physics.shown(&kept, point, lane),
                     });
                 }
             }

@@ -4,6 +4,7 @@
 
 use crate::integrators::{Derivative, Lumping};
 use crate::linear::{NodeMatrix, Pattern};
+use crate::materials::PointHistory;
 use crate::math::workers::Workers;
 
 /// A cell that is inside out in the deformed configuration.
@@ -38,6 +39,28 @@ pub struct Step<'a> {
     pub u_0: &'a [f64],
     /// Displacements at the end.
     pub u_1: &'a [f64],
+    /// History variables at the start ([`ElementLoop::history`]); without any a law that has some answers with its stiffness at rest.
+    pub history: &'a [f64],
+    /// Size of the step `[time]`, 0 at rest.
+    pub dt: f64,
+}
+
+/// A body at rest or in motion: where its nodes are, and what its points keep.
+#[derive(Clone, Copy, Debug)]
+pub struct Present<'a> {
+    /// Displacements, flat, node after node, of the whole model.
+    pub u: &'a [f64],
+    /// History variables ([`ElementLoop::history`]).
+    pub history: &'a [f64],
+}
+
+/// What a step leaves at the points of a body.
+#[derive(Clone, Debug)]
+pub struct Advance {
+    /// History variables at the end.
+    pub history: Vec<f64>,
+    /// Heat of the step `[energy]`.
+    pub heat: f64,
 }
 
 /// Stress and strain at a quadrature point.
@@ -59,6 +82,8 @@ pub struct PointStress<'a> {
     pub stress: [f64; 6],
     /// Green-Lagrange strain, likewise.
     pub strain: [f64; 6],
+    /// What the law keeps.
+    pub kept: PointHistory,
 }
 
 /// The cells of a body in `D` dimensions. Displacements and forces are flat, node after node, of the whole model.
@@ -96,12 +121,18 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// geometric part.
     fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]);
 
-    /// Strain energy `[energy]`.
-    fn strain_energy(&self, u: &[f64]) -> f64;
+    /// Number of history variables of all points, which are 0 at the start; none where stresses follow from displacements alone.
+    fn history(&self) -> usize;
+
+    /// History variables at the end of a step, and its heat.
+    fn advance(&self, step: &Step) -> Advance;
+
+    /// Energy that is stored by strains and history variables `[energy]`.
+    fn strain_energy(&self, at: Present) -> f64;
 
     /// Smallest determinant of the deformation gradient, and its cell.
     fn smallest_determinant(&self, u: &[f64]) -> Inverted;
 
     /// Visits stress and strain at all quadrature points, cell after cell of a batch.
-    fn visit_stresses(&self, u: &[f64], visit: &mut dyn FnMut(&PointStress));
+    fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress));
 }

@@ -72,7 +72,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let by_row_sums = self.takes_row_sums(lumping);
         let mut fastest = FastestCell { cell: 0, frequency_squared: 0.0 };
         for (index, batch) in self.batches.iter().enumerate() {
-            let (stiffness, masses) = (dispatch(Stiffness { cells: self, batch, u }), self.nodal_masses(batch, by_row_sums));
+            let (stiffness, masses) = (dispatch(Stiffness { cells: self, index, u }), self.nodal_masses(batch, by_row_sums));
             for lane in 0..batch.count {
                 let (mut squares, mut largest) = (0.0, 0.0f64);
                 for (a, i) in (0..A).flat_map(|a| (0..D).map(move |i| (a, i))) {
@@ -100,7 +100,7 @@ type Tangent<const D: usize, const A: usize> = [[[[Lanes<false>; D]; A]; D]; A];
 /// The stiffness of eight cells at displacements.
 struct Stiffness<'a, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> {
     cells: &'a Cells<D, S, L, A, Q>,
-    batch: &'a Batch<D, A>,
+    index: usize,
     u: &'a [f64],
 }
 
@@ -109,10 +109,10 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     #[inline(always)]
     fn run<const FMA: bool>(self) -> Box<Tangent<D, A>> {
-        let Stiffness { cells, batch, u } = self;
+        let Stiffness { cells, index, u } = self;
         let mut work = Workspace::<FMA, D, S, A, Q>::new(cells.physics.strain);
-        let step = Step { derivative: Derivative::AT_END, weight: 1.0, inertia: 0.0, u_0: u, u_1: u };
-        cells.respond(batch, &step, &mut work, &mut None, Some(1.0));
+        let step = Step { derivative: Derivative::AT_END, weight: 1.0, inertia: 0.0, u_0: u, u_1: u, history: &[], dt: 0.0 };
+        cells.respond(index, &step, &mut work, &mut None, Some(1.0));
         let mut tangent = Box::new([[[[Lanes::ZERO; D]; A]; D]; A]);
         for b in 0..many::<A>() {
             for k in 0..D {

@@ -10,6 +10,7 @@ mod consistent_mass;
 mod dilatation;
 mod element_loop;
 mod formulation;
+mod history;
 mod kinds;
 mod lumped;
 mod physics;
@@ -23,7 +24,7 @@ mod surface_loads;
 mod thickness;
 mod workspace;
 
-pub use element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
+pub use element_loop::{Advance, ElementLoop, FastestCell, Inverted, PointStress, Present, Step};
 pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{BodyCells, Elements, Space};
 pub use recovery::Recovery;

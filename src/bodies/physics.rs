@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::batch::Strain;
 use super::formulation::{Dilatation, Formulation, Plane};
-use super::special::Special;
-use crate::materials::{BatchedLaw, Components, Kinematics, Material, MeanValue, PlaneStress};
+use super::special::{PointLaw, Special};
+use crate::materials::{BatchedLaw, Components, HistoryLaw, Kinematics, Material, MeanValue, PlaneStress, PointHistory};
 use crate::math::lanes::Lanes;
 use crate::math::tensor::mandel_place;
 
@@ -23,6 +23,12 @@ pub(super) struct Physics<const S: usize, const L: usize> {
     pub(super) strain: Strain,
     /// Mass per undeformed volume.
     pub(super) density: f64,
+}
+
+/// Green-Lagrange strain and second Piola-Kirchhoff stress at a point of eight cells, in space.
+pub(super) struct Seen {
+    pub(super) strain: Components<6>,
+    pub(super) stress: Components<6>,
 }
 
 fn strain_of(material: &Material) -> Strain {
@@ -46,7 +52,11 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         MeanValue<S>: BatchedLaw<S>,
         MeanValue<L>: BatchedLaw<L>,
     {
-        let special = self.special.map(|special| Special { law: Arc::new(MeanValue(special.law)), ..special });
+        let averaged = |law: PointLaw<L>| match law {
+            PointLaw::Elastic(law) => PointLaw::Elastic(Arc::new(MeanValue(law))),
+            history => history,
+        };
+        let special = self.special.map(|special| Special { law: averaged(special.law), ..special });
         Physics { law: Arc::new(MeanValue(self.law)), special, ..self }
     }
 
@@ -58,6 +68,36 @@ impl<const S: usize, const L: usize> Physics<S, L> {
     /// Number of directions in which cells in so many dimensions have lengths.
     pub(super) fn directions<const D: usize>(&self) -> usize {
         if self.is_axisymmetric() { 3 } else { D }
+    }
+
+    /// Strain and stress in space at a point of a batch that keeps these history variables.
+    pub(super) fn seen(&self, strain: &Components<S>, hoop: Lanes<false>, kept: &[Lanes<false>], point: usize) -> Seen {
+        let space = self.spatial_strain(strain, hoop);
+        let (mut own, mut stress) = ([[Lanes::ZERO; L]], [[Lanes::ZERO; 6]]);
+        let Some((law, kept)) = self.history_of(kept, point) else {
+            self.spatial_law.stresses_into(&[space], &mut stress);
+            return Seen { strain: space, stress: stress[0] };
+        };
+        for k in 0..L {
+            own[0][k] = space[mandel_place::<L>(k)];
+        }
+        let mut answer = [[Lanes::ZERO; L]];
+        law.stresses_into(&own, kept, &mut answer);
+        for k in 0..L {
+            stress[0][mandel_place::<L>(k)] = answer[0][k];
+        }
+        Seen { strain: space, stress: stress[0] }
+    }
+
+    /// What a point of a batch shows of what it keeps.
+    pub(super) fn shown(&self, kept: &[Lanes<false>], point: usize, lane: usize) -> PointHistory {
+        self.history_of(kept, point).map_or_else(PointHistory::default, |(law, kept)| law.shown(kept, lane))
+    }
+
+    /// The law with history variables, and those of a point of a batch.
+    fn history_of<'a>(&self, kept: &'a [Lanes<false>], point: usize) -> Option<(&dyn HistoryLaw<L>, &'a [Lanes<false>])> {
+        let law = self.special.as_ref()?.law.history()?;
+        Some((law, &kept[point * law.variables()..][..law.variables()]))
     }
 
     /// Strain in space at a point; `hoop` is the displacement gradient around an axis.
@@ -80,15 +120,21 @@ impl Physics<3, 4> {
     /// Of a plane body, or one of revolution.
     pub(super) fn of_plane(material: &Material, formulation: Formulation) -> Self {
         let (is_axisymmetric, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
-        let whole = || Special { law: material.axisymmetric(), volumetric: None, is_linear: false, strain, is_axisymmetric };
+        let law = |has_volume: bool, elastic: Arc<dyn BatchedLaw<4>>| {
+            match material.history() {
+                Some(history) => PointLaw::History(history.plane(has_volume), elastic),
+                None => PointLaw::Elastic(elastic),
+            }
+        };
+        let whole = || Special { law: law(true, material.axisymmetric()), volumetric: None, is_linear: false, strain, is_axisymmetric };
         match (formulation.dilatation, material.split()) {
             (Dilatation::Mean | Dilatation::Linear, Some(split)) => {
                 let volumetric = Some(split.volumetric.clone());
                 let is_linear = formulation.dilatation == Dilatation::Linear;
-                let special = Special { law: split.axisymmetric.clone(), volumetric, is_linear, ..whole() };
+                let special = Special { law: law(false, split.axisymmetric.clone()), volumetric, is_linear, ..whole() };
                 Physics::new(material, material.plane(), Some(special))
             }
-            _ if is_axisymmetric => Physics::new(material, material.plane(), Some(whole())),
+            _ if is_axisymmetric || material.history().is_some() => Physics::new(material, material.plane(), Some(whole())),
             _ if formulation.plane == Plane::Stress => {
                 let law = || PlaneStress(material.axisymmetric());
                 Physics { plane_stress: Some(law()), ..Physics::new(material, Arc::new(law()), None) }
@@ -101,13 +147,21 @@ impl Physics<3, 4> {
 impl Physics<6, 6> {
     /// Of a body in space.
     pub(super) fn of_space(material: &Material, formulation: Formulation) -> Self {
-        let special = material.split().filter(|_| formulation.dilatation != Dilatation::Pointwise).map(|split| Special {
-            law: split.space.clone(),
-            volumetric: Some(split.volumetric.clone()),
+        let law = |has_volume: bool, elastic: Arc<dyn BatchedLaw<6>>| match material.history() {
+            Some(history) => PointLaw::History(history.space(has_volume), elastic),
+            None => PointLaw::Elastic(elastic),
+        };
+        let of = |law, volumetric| Special {
+            law,
+            volumetric,
             is_linear: formulation.dilatation == Dilatation::Linear,
             strain: strain_of(material),
             is_axisymmetric: false,
-        });
+        };
+        let special = match material.split().filter(|_| formulation.dilatation != Dilatation::Pointwise) {
+            Some(split) => Some(of(law(false, split.space.clone()), Some(split.volumetric.clone()))),
+            None => material.history().map(|_| of(law(true, material.space()), None)),
+        };
         Physics::new(material, material.space(), special)
     }
 }

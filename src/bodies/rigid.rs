@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::element_loop::{ElementLoop, FastestCell, Inverted, PointStress, Step};
+use super::element_loop::{Advance, ElementLoop, FastestCell, Inverted, PointStress, Present, Step};
 use super::formulation::Formulation;
 use super::kinds::{BodyCells, Elements, Space};
 use crate::integrators::Lumping;
@@ -271,7 +271,15 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         self.add_inertia::<D>(1.0, values);
     }
 
-    fn strain_energy(&self, _u: &[f64]) -> f64 {
+    fn history(&self) -> usize {
+        0
+    }
+
+    fn advance(&self, _step: &Step) -> Advance {
+        Advance { history: Vec::new(), heat: 0.0 }
+    }
+
+    fn strain_energy(&self, _at: Present) -> f64 {
         0.0
     }
 
@@ -279,7 +287,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         Inverted { cell: 0, determinant: 1.0 }
     }
 
-    fn visit_stresses(&self, _u: &[f64], _visit: &mut dyn FnMut(&PointStress)) {}
+    fn visit_stresses(&self, _at: Present, _visit: &mut dyn FnMut(&PointStress)) {}
 }
 
 #[cfg(test)]

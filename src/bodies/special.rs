@@ -14,14 +14,14 @@ use std::sync::Arc;
 use super::batch::{MOST_POINTS, Strain, cast, discrete_stress, mean, volume_change};
 use super::dilatation::{MOST_MODES, Modes, Pressure, VolumeRatio};
 use crate::integrators::{Configuration, Derivative};
-use crate::materials::{BatchedLaw, Components, IncrementResponse, Response, VolumetricLaw};
+use crate::materials::{BatchedLaw, Components, HistoryLaw, IncrementResponse, Response, StrainStep, StressOf, VolumetricLaw};
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 
 /// A law of `L` components, four in the plane with the direction across it, and the energy of a dilatation of the cell.
 pub(super) struct Special<const L: usize> {
     /// The law of the points; with a dilatation of the cell, without its volumetric part.
-    pub(super) law: Arc<dyn BatchedLaw<L>>,
+    pub(super) law: PointLaw<L>,
     /// The volumetric part, where the dilatation is one of the cell.
     pub(super) volumetric: Option<Arc<dyn VolumetricLaw>>,
     /// Whether that dilatation is linear in the cell.
@@ -30,6 +30,46 @@ pub(super) struct Special<const L: usize> {
     pub(super) strain: Strain,
     /// Whether the body is stretched around an axis.
     pub(super) is_axisymmetric: bool,
+}
+
+/// The law of a point.
+pub(super) enum PointLaw<const L: usize> {
+    /// A stress that follows from the strain.
+    Elastic(Arc<dyn BatchedLaw<L>>),
+    /// A stress that depends on history variables, too, and an elastic law with its stiffness at rest.
+    History(Arc<dyn HistoryLaw<L>>, Arc<dyn BatchedLaw<L>>),
+}
+
+impl<const L: usize> PointLaw<L> {
+    /// The law with history variables.
+    pub(super) fn history(&self) -> Option<&dyn HistoryLaw<L>> {
+        if let PointLaw::History(law, _) = self { Some(&**law) } else { None }
+    }
+
+    /// Number of history variables of a point.
+    pub(super) fn variables(&self) -> usize {
+        self.history().map_or(0, HistoryLaw::variables)
+    }
+}
+
+/// How a batch goes through a step: what its points keep at the start, and how long it takes.
+#[derive(Clone, Copy)]
+pub(super) struct Course<'a> {
+    pub(super) derivative: Derivative,
+    /// History variables of the batch.
+    pub(super) history: &'a [Lanes<false>],
+    pub(super) dt: f64,
+}
+
+impl Course<'_> {
+    /// The stress of a law with history variables that the derivative stands for.
+    pub(super) fn stress(&self) -> StressOf {
+        match self.derivative {
+            Derivative::DiscreteGradient => StressOf::Step,
+            Derivative::Gradient(Configuration::Middle) => StressOf::Middle,
+            Derivative::Gradient(Configuration::End) => StressOf::End,
+        }
+    }
 }
 
 /// What is known of a batch at its points: volumes, and the displacement gradients of start and end.
@@ -50,27 +90,44 @@ pub(super) struct Answer<const L: usize> {
     pub(super) ratios: [[Components<L>; 2]; MOST_POINTS],
     /// Modes of the cell's dilatation, where there is one, and the derivatives of its pressures ([`Modes::slopes`]).
     pub(super) dilatation: Option<(Modes, [[Lanes<false>; MOST_MODES]; MOST_MODES])>,
+    /// History variables of the batch at the start of the step.
+    pub(super) history: Vec<Lanes<false>>,
 }
 
 impl<const L: usize> Answer<L> {
-    pub(super) const EMPTY: Self =
-        Answer { responses: [Response::ZERO; MOST_POINTS], ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS], dilatation: None };
+    pub(super) const EMPTY: Self = Answer {
+        responses: [Response::ZERO; MOST_POINTS],
+        ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS],
+        dilatation: None,
+        history: Vec::new(),
+    };
 }
 
 impl<const L: usize> Special<L> {
     /// The stresses of a step, into `answer`.
-    pub(super) fn respond<const D: usize>(&self, points: &SpecialPoints<D>, derivative: Derivative, answer: &mut Answer<L>) {
-        dispatch(Respond { special: self, points, derivative, answer });
+    pub(super) fn respond<const D: usize>(&self, points: &SpecialPoints<D>, course: Course, answer: &mut Answer<L>) {
+        let history = std::mem::take(&mut answer.history);
+        dispatch(Respond { special: self, points, course: Course { history: &history, ..course }, answer });
+        answer.history = history;
     }
 
-    /// Energy of each cell at the end of a step.
-    pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>) -> Lanes<false> {
-        let count = points.count;
-        let (mut strains, mut energies) = ([[Lanes::ZERO; L]; MOST_POINTS], [Lanes::ZERO; MOST_POINTS]);
-        for q in 0..count {
+    /// Strains at the end of a step.
+    pub(super) fn strains<const D: usize>(&self, points: &SpecialPoints<D>) -> [Components<L>; MOST_POINTS] {
+        let mut strains = [[Lanes::ZERO; L]; MOST_POINTS];
+        for q in 0..points.count {
             strains[q] = self.strain.of(&points.gradients[1][q], points.hoop[1][q]);
         }
-        self.law.energies_into(&strains[..count], &mut energies[..count]);
+        strains
+    }
+
+    /// Energy of each cell at the end of a step, with the history variables of the batch there.
+    pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>, history: &[Lanes<false>]) -> Lanes<false> {
+        let count = points.count;
+        let (strains, mut energies) = (self.strains(points), [Lanes::ZERO; MOST_POINTS]);
+        match &self.law {
+            PointLaw::Elastic(law) => law.energies_into(&strains[..count], &mut energies[..count]),
+            PointLaw::History(law, _) => law.energies_into(&strains[..count], history, &mut energies[..count]),
+        }
         let mut volumetric = [Lanes::ZERO; MOST_POINTS];
         if let Some(law) = &self.volumetric {
             let changes = self.modes(points).projected(points.volumes(), |q| points.change(q));
@@ -117,7 +174,7 @@ fn change<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D]; D], hoop: Lanes
 struct Respond<'a, const D: usize, const L: usize> {
     special: &'a Special<L>,
     points: &'a SpecialPoints<D>,
-    derivative: Derivative,
+    course: Course<'a>,
     answer: &'a mut Answer<L>,
 }
 
@@ -126,8 +183,8 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
 
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Respond { special, points, derivative, answer } = self;
-        let count = points.count;
+        let Respond { special, points, course, answer } = self;
+        let (count, derivative) = (points.count, course.derivative);
         // At start, end and middle.
         let mut strains = [[[Lanes::ZERO; L]; MOST_POINTS]; 3];
         let mut changes = [[Lanes::ZERO; MOST_POINTS]; 3];
@@ -140,7 +197,18 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
             }
         }
         let all = strains.each_ref().map(|strains| &strains[..count]);
-        law_responses::<FMA, L>(&*special.law, all, derivative, &mut answer.responses[..count]);
+        let responses = &mut answer.responses[..count];
+        match &special.law {
+            PointLaw::Elastic(law) => law_responses::<FMA, L>(&**law, all, derivative, responses),
+            PointLaw::History(_, elastic) if course.history.is_empty() => {
+                elastic.responses_into(&[[Lanes::ZERO; L]; MOST_POINTS][..count], responses);
+            }
+            PointLaw::History(law, _) => {
+                let [start, end, middle] = all;
+                let Course { history, dt, .. } = course;
+                law.responses_into(&StrainStep { start, end, middle, history, dt, stress: course.stress() }, responses);
+            }
+        }
         answer.dilatation = None;
         let Some(law) = &special.volumetric else { return };
         let (volumes, modes) = (points.volumes(), special.modes(points));

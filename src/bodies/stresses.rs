@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::element_loop::{ElementLoop, PointStress};
+use super::element_loop::{ElementLoop, PointStress, Present};
 use super::recovery::Recovery;
 
 /// Stress and strain at each of some places.
@@ -14,27 +14,30 @@ pub struct Stresses {
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain.
     pub strain: Vec<[f64; 6]>,
+    /// Equivalent plastic strain and the norm of the back stress `[stress]`, in the first two places.
+    pub kept: Vec<[f64; 6]>,
 }
 
 impl Stresses {
     /// None, at so many places.
     pub fn zeros(count: usize) -> Self {
-        Stresses { stress: vec![[0.0; 6]; count], strain: vec![[0.0; 6]; count] }
+        Stresses { stress: vec![[0.0; 6]; count], strain: vec![[0.0; 6]; count], kept: vec![[0.0; 6]; count] }
     }
 
     fn add(&mut self, place: usize, share: f64, point: &PointStress) {
         let add = |sum: &mut [f64; 6], values: &[f64; 6]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
         add(&mut self.stress[place], &point.stress);
         add(&mut self.strain[place], &point.strain);
+        add(&mut self.kept[place], &[point.kept.plastic_strain, point.kept.back_stress, 0.0, 0.0, 0.0, 0.0]);
     }
 
     /// Values at the nodes of a body, these numbers of the model: recovered from the cells nearby where they are of first order, elsewhere
     /// extrapolated from the quadrature points of each cell and averaged by volume (Hinton and Campbell, International Journal for
     /// Numerical Methods in Engineering 8, 1974); NaN at nodes of no cell.
-    pub fn at_nodes<const D: usize>(elements: &dyn ElementLoop<D>, u: &[f64], nodes: Range<usize>, recovery: &Recovery) -> Self {
+    pub fn at_nodes<const D: usize>(elements: &dyn ElementLoop<D>, at: Present, nodes: Range<usize>, recovery: &Recovery) -> Self {
         let (mut values, mut weight) = (Stresses::zeros(nodes.len()), vec![0.0; nodes.len()]);
         let mut means = Stresses::zeros(elements.cliques().len());
-        elements.visit_stresses(u, &mut |point| {
+        elements.visit_stresses(at, &mut |point| {
             means.add(point.cell, point.volume / point.cell_volume, point);
             for (&node, factor) in point.nodes.iter().zip(point.extrapolation) {
                 let (node, share) = (node as usize - nodes.start, point.cell_volume * factor);
@@ -42,10 +45,13 @@ impl Stresses {
                 values.add(node, share, point);
             }
         });
-        for (values, means) in [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain)] {
+        let all = [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain), (&mut values.kept, &means.kept)];
+        for (values, means) in all {
             values.iter_mut().zip(&weight).for_each(|(value, weight)| *value = value.map(|value| value / weight));
             recovery.recovered(means).for_each(|(node, value)| values[node] = value);
         }
+        // An extrapolation beyond the border of what has flowed.
+        values.kept.iter_mut().flatten().for_each(|value| *value = value.max(0.0));
         values
     }
 }
@@ -63,9 +69,9 @@ pub struct StressError {
 
 impl StressError {
     /// Of a body with these nodes of the model, on which a continuous stress has these values.
-    pub fn new<const D: usize>(elements: &dyn ElementLoop<D>, u: &[f64], nodes: Range<usize>, continuous: &[[f64; 6]]) -> Self {
+    pub fn new<const D: usize>(elements: &dyn ElementLoop<D>, at: Present, nodes: Range<usize>, continuous: &[[f64; 6]]) -> Self {
         let mut error = StressError { off: 0.0, size: 0.0, at_nodes: vec![[0.0; 2]; nodes.len()] };
-        elements.visit_stresses(u, &mut |point| {
+        elements.visit_stresses(at, &mut |point| {
             let mut smooth = [0.0; 6];
             for (shape, &node) in point.shapes.iter().zip(point.nodes) {
                 smooth.iter_mut().zip(continuous[node as usize - nodes.start]).for_each(|(sum, value)| *sum += shape * value);

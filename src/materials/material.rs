@@ -7,7 +7,10 @@ use thiserror::Error;
 use super::batched::{BatchedLaw, Response};
 use super::energy::{EnergyError, StoredEnergy};
 use super::law::Law;
+use super::hencky;
+use super::history::{HistoryLaw, HistoryLaws};
 use super::laws::{Kinematics, Laws};
+use super::plasticity::{ElasticPlastic, PlasticLaw, PlasticityError};
 use super::row::{Construct, MaterialRow, VolumetricForm, YOUNGS_MODULUS};
 use super::split::Split;
 use super::viscosity::Viscosity;
@@ -42,6 +45,9 @@ pub enum MaterialError {
     /// A text that is no energy with these constants.
     #[error(transparent)]
     Energy(#[from] EnergyError),
+    /// Constants of plasticity that make no material.
+    #[error(transparent)]
+    Plasticity(#[from] PlasticityError),
     /// A law that resists no change of the volume.
     #[error("`{law}` resists no change of the volume at rest with these constants")]
     Slack {
@@ -57,6 +63,7 @@ impl MaterialError {
             MaterialError::Constant { .. } => "C0301",
             MaterialError::Count { .. } => "C0302",
             MaterialError::Energy(error) => error.code(),
+            MaterialError::Plasticity(error) => error.code(),
             MaterialError::Slack { .. } => "C0303",
         }
     }
@@ -83,6 +90,8 @@ pub struct Material {
     laws: Laws,
     youngs_modulus: f64,
     viscosity: Viscosity,
+    history: Option<HistoryLaws>,
+    plasticity: Option<Arc<ElasticPlastic>>,
 }
 
 impl std::fmt::Debug for Material {
@@ -90,6 +99,9 @@ impl std::fmt::Debug for Material {
         write!(out, "{}{:?}", self.name(), self.constants())
     }
 }
+
+/// Name of the law with plastic flow.
+pub const ELASTIC_PLASTIC: &str = "elastic_plastic";
 
 /// Name of a law that is given by its energy.
 pub const HYPERELASTIC: &str = "hyperelastic";
@@ -116,7 +128,7 @@ impl Material {
         let given = row.parameters.iter().position(|parameter| parameter.name == YOUNGS_MODULUS.name);
         let youngs_modulus = given.map_or_else(|| modulus_at_rest(&*laws.space), |index| values[index]);
         let density = *values.last().expect("every row has a density");
-        Material { origin: Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus, viscosity: Viscosity::default() }
+        Material { origin: Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus, viscosity: Viscosity::default(), history: None, plasticity: None }
             .stiff()
     }
 
@@ -137,7 +149,7 @@ impl Material {
         Interval::Positive.check(density).map_err(wrong)?;
         let laws = energy.laws()?;
         let youngs_modulus = modulus_at_rest(&*laws.space);
-        Material { origin: Origin::Text, energy: Some(energy), density, laws, youngs_modulus, viscosity: Viscosity::default() }.stiff()
+        Material { origin: Origin::Text, energy: Some(energy), density, laws, youngs_modulus, viscosity: Viscosity::default(), history: None, plasticity: None }.stiff()
     }
 
     /// The material of an isotropic law that is written beside the crate (`examples/law.rs` is one).
@@ -149,7 +161,28 @@ impl Material {
         Interval::Positive.check(density).map_err(wrong)?;
         let laws = Laws::new(law);
         let youngs_modulus = modulus_at_rest(&*laws.space);
-        Material { origin: Origin::Outside(name), energy: None, density, laws, youngs_modulus, viscosity: Viscosity::default() }.stiff()
+        Material { origin: Origin::Outside(name), energy: None, density, laws, youngs_modulus, viscosity: Viscosity::default(), history: None, plasticity: None }.stiff()
+    }
+
+    /// An elastic-plastic material: Hencky's law with the flow of [`ElasticPlastic`].
+    ///
+    /// # Errors
+    /// The first constant that is outside its range.
+    pub fn elastic_plastic(constants: &ElasticPlastic) -> Result<Self, MaterialError> {
+        let values = [constants.youngs_modulus, constants.poisson_ratio, constants.density];
+        let elastic = Material::new(&hencky::ROW, &values).map_err(|error| match error {
+            MaterialError::Constant { constant, fault, .. } => MaterialError::Constant { law: ELASTIC_PLASTIC, constant, fault },
+            error => error,
+        })?;
+        constants.check()?;
+        let laws = [true, false].map(|has_volume| PlasticLaw::new(constants, has_volume));
+        Ok(Material { plasticity: Some(Arc::new(constants.clone())), ..elastic.with_history(laws) })
+    }
+
+    /// The same with a law of history in the place of its own, which still tells its stiffness at rest; the second one leaves the
+    /// volumetric part of the own law to cells that have a dilatation.
+    fn with_history<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(self, laws: [H; 2]) -> Self {
+        Material { history: Some(HistoryLaws::new(laws)), ..self }
     }
 
     /// The same, if contact and tolerances can be scaled by its stiffness.
@@ -188,7 +221,13 @@ impl Material {
             let factor = |dimension: &str| factor(dimension).ok_or_else(|| unknown("viscosity"));
             self.viscosity.rescaled(factor("stress")?, factor("time")?)
         };
-        Ok(Material { viscosity, ..material.map_err(|error| error.to_string())? })
+        let mut material = material.map_err(|error| error.to_string())?;
+        if let Some(constants) = &self.plasticity {
+            let factor = |dimension: &str| factor(dimension).ok_or_else(|| unknown(dimension));
+            let constants = constants.rescaled(factor("stress")?, factor("mass/volume")?, factor("time")?);
+            material = Material::elastic_plastic(&constants).map_err(|error| error.to_string())?;
+        }
+        Ok(Material { viscosity, ..material })
     }
 
     /// The same in a body that is turned in the plane by an angle with that cosine and sine.
@@ -204,6 +243,7 @@ impl Material {
     /// Name of its law.
     pub fn name(&self) -> &'static str {
         match &self.origin {
+            _ if self.plasticity.is_some() => ELASTIC_PLASTIC,
             Origin::Row(row, _) => row.name,
             Origin::Text => HYPERELASTIC,
             Origin::Outside(name) => name,
@@ -263,6 +303,16 @@ impl Material {
         Material { viscosity, ..self }
     }
 
+    /// Constants of its plastic flow.
+    pub fn plasticity(&self) -> Option<&ElasticPlastic> {
+        self.plasticity.as_deref()
+    }
+
+    /// The laws of a stress that depends on what happened before.
+    pub fn history(&self) -> Option<&HistoryLaws> {
+        self.history.as_ref()
+    }
+
     /// The strain that the law takes.
     pub fn kinematics(&self) -> Kinematics {
         self.laws.kinematics
@@ -294,9 +344,10 @@ impl Material {
         bulk / shear
     }
 
-    /// Whether the volume hardly changes, as with a Poisson's ratio of 0.49 and more: cells that keep it at every point lock.
+    /// Whether the volume hardly changes, as with a Poisson's ratio of 0.49 and more or where plastic flow keeps it: cells that keep it at
+    /// every point lock.
     pub fn hardly_changes_volume(&self) -> bool {
-        self.bulk_over_shear() >= HARDLY_CHANGES_VOLUME
+        self.plasticity.is_some() || self.bulk_over_shear() >= HARDLY_CHANGES_VOLUME
     }
 
     /// The law as the sum of a part that depends on the volume alone and the rest, if it is written so.

@@ -6,6 +6,7 @@ pub mod digits;
 pub mod lanes;
 pub mod minimize;
 pub mod norms;
+pub(crate) mod principal;
 pub mod simd;
 pub mod tensor;
 pub mod tolerances;

@@ -2,10 +2,12 @@
 
 mod friction;
 mod meshes;
+mod plasticity;
 mod surfaces;
 
 pub use friction::*;
 pub use meshes::*;
+pub use plasticity::*;
 pub use surfaces::*;
 
 /// Newton's default: the energy `|r.dq| + |lambda.Phi|` that the residual can still move, relative to the energy scale.

@@ -228,7 +228,8 @@ impl Frame {
             Array::doubles(name, count, bodies.iter().flat_map(move |body| of(body).iter().copied()))
         };
         let von_mises = bodies.iter().flat_map(|body| (0..body.stress.len()).map(|node| [body.von_mises(node)]));
-        let nodal = vec![
+        let flow = [scalars("plastic_strain", |body| &body.plastic_strain), scalars("back_stress", |body| &body.back_stress)];
+        let mut nodal = vec![
             vectors("displacement", |body| &body.displacement),
             vectors("velocity", |body| &body.velocity),
             Array::doubles("stress", count, bodies.iter().flat_map(|body| body.stress.iter().copied())),
@@ -239,6 +240,7 @@ impl Frame {
             vectors("contact_force", |body| &body.contact_force),
             scalars("contact_active", |body| &body.contact_active),
         ];
+        nodal.extend(flow.into_iter().filter(|_| bodies.iter().any(|body| body.flows)));
         Frame { time, grid, shown: " Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", nodal }
     }
 

@@ -31,6 +31,13 @@ pub struct BodyDefinition {
     pub rigid: Option<Inertia>,
 }
 
+impl BodyDefinition {
+    /// Whether it deforms and its material flows plastically.
+    pub fn flows(&self) -> bool {
+        self.rigid.is_none() && self.material.history().is_some()
+    }
+}
+
 /// Nodes that do not move in some directions.
 #[derive(Clone, Debug)]
 pub struct Support {
@@ -130,6 +137,11 @@ impl Model {
     /// True if the model has contacts between rigid sides.
     pub fn has_rigid_contacts(&self) -> bool {
         self.interactions.iter().any(|interaction| self.is_rigid_contact(interaction))
+    }
+
+    /// Deformable bodies whose material flows plastically.
+    pub fn flowing_bodies(&self) -> impl Iterator<Item = &BodyDefinition> {
+        self.bodies.iter().filter(|body| body.flows())
     }
 
     /// Restitution is that of impacts between rigid sides which multipliers hold.

@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::sync::OnceLock;
 
 use super::carried::Carried;
-use crate::bodies::{ElementLoop, Recovery, Step};
-use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Sums};
+use crate::bodies::{Advance, ElementLoop, Present, Recovery, Step};
+use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
 /// A body. Bodies come first among the parts: they set the sums of their nodes, the others add.
@@ -35,15 +36,29 @@ impl<const D: usize> Part for Body<D> {
         self.elements.place(pattern);
     }
 
-    fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
-        let Iterate { derivative, weight, u_0, u_1, .. } = *at;
+    fn linearize(&self, at: &Iterate, history: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
         let inertia = if self.is_lumped { 0.0 } else { at.inertia[self.number] };
-        let step = Step { derivative, weight, inertia, u_0, u_1 };
+        let step = Step { inertia, ..step_of(at, history) };
         let outcome = self.elements.assemble(&step, sums.internal, sums.tangent.as_deref_mut(), sums.workers);
         outcome.map_err(|inverted| Refusal::Inverted { body: self.name.clone(), inverted })
     }
 
-    fn energy(&self, at: Pose, _memory: &[f64]) -> f64 {
-        self.elements.strain_energy(at.u)
+    fn energy(&self, at: Pose, history: &[f64]) -> f64 {
+        self.elements.strain_energy(Present { u: at.u, history })
     }
+
+    fn memory(&self) -> Vec<f64> {
+        vec![0.0; self.elements.history()]
+    }
+
+    fn remembered(&self, at: &Iterate, history: &[f64]) -> Result<Remembered, StepError> {
+        let Advance { history, heat } = self.elements.advance(&step_of(at, history));
+        Ok(Remembered { memory: history, dissipated: heat })
+    }
+}
+
+/// A step as cells see it that have no mass.
+fn step_of<'a>(at: &Iterate<'a>, history: &'a [f64]) -> Step<'a> {
+    let Iterate { derivative, weight, u_0, u_1, dt, .. } = *at;
+    Step { derivative, weight, inertia: 0.0, u_0, u_1, history, dt }
 }

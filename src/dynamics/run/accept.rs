@@ -104,22 +104,23 @@ where
         let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
         let touched = touched(&active, jump.as_ref());
+        let (memory, dissipated) = self.memory_after(start, &at)?;
         let mut row = LedgerRow {
             step: old.step + 1,
             dt,
             kinetic: half_product(&v_1, &momenta),
-            strain: system.strain_energy(&at.u_1),
+            strain: system.strain_energy(&at.u_1, &memory),
             reserve: reserve.iter().sum(),
             active: system.touching(&touched),
             momentum: system.nodes.resultant(&momenta),
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             ..LedgerRow::default()
         };
-        let (memory, dissipated) = self.memory_after(start, &at)?;
         row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
         [row.dissipation, row.damping, row.numerical] = heat(&dissipated, &row.parts, self.taken(start, &at, jump.as_ref()));
         row.impact = jump.as_ref().map_or(0.0, |jump| jump.impact);
         row.dissipation += row.impact;
+        row.book_plastic(&system.bodies, old, &dissipated);
         row.potential = self.potential(&at, &penalty_gap, &memory) + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, &lambda, conditions, jump.as_ref(), row.reserve);
@@ -185,8 +186,9 @@ where
     }
 
     /// History variables of the parts after a step, and the energy that each of them dissipated in it.
-    fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Vec<f64>), StepError> {
-        if self.system.others.is_empty() { Ok((self.state.memory.clone(), Vec::new())) } else { self.system.memory_after(start, at) }
+    pub(super) fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Vec<f64>), StepError> {
+        let remembers = self.state.memory.iter().any(|memory| !memory.is_empty()) || !self.system.others.is_empty();
+        if remembers { self.system.memory_after(start, at) } else { Ok((self.state.memory.clone(), Vec::new())) }
     }
 
     /// What the time integrator remembers of this step; nothing changes where it remembers nothing.

@@ -22,6 +22,8 @@ pub struct EnergyAccount {
     pub friction: f64,
     /// What viscous materials turned into heat, negative.
     pub viscosity: f64,
+    /// What plastic flow turned into heat, negative.
+    pub plastic: f64,
     /// What dampers and drag turned into heat, negative.
     pub damping: f64,
     /// What the time integrator took from vibrations on purpose, negative.
@@ -39,17 +41,18 @@ pub struct EnergyAccount {
 impl EnergyAccount {
     /// That of a run with these rows.
     pub fn of<R: Rows + ?Sized>(rows: &R) -> Self {
-        let of_row: [fn(&LedgerRow) -> f64; 8] = [
+        let of_row: [fn(&LedgerRow) -> f64; 9] = [
             |row| row.load_work,
             |row| row.contact_work,
             |row| row.friction_work,
-            |row| row.dissipation - row.damping - row.numerical - row.impact,
+            |row| row.dissipation - row.damping - row.numerical - row.impact - row.plastic,
+            |row| row.plastic,
             |row| row.damping,
             |row| row.numerical,
             |row| row.impact,
             |row| row.energy_defect,
         ];
-        let mut sums = [std::iter::empty::<f64>().sum::<f64>(); 8];
+        let mut sums = [std::iter::empty::<f64>().sum::<f64>(); 9];
         let (mut ends, mut scale) = (None, NO_ENERGY);
         rows.visit(0, &mut |row| {
             scale = f64::max(scale, row.kinetic + row.strain.abs() + row.potential.abs());
@@ -59,10 +62,11 @@ impl EnergyAccount {
             ends = Some([ends.map_or(row.total(), |[start, _]: [f64; 2]| start), row.total()]);
         });
         let Some([start, end]) = ends else { return EnergyAccount::default() };
-        let [loads, contact, friction, viscosity, damping, numerical, impacts, integrator] = sums;
-        let [viscosity, damping, numerical, impacts] = [-viscosity, -damping, -numerical, -impacts];
-        let otherwise = end - start - loads - contact - friction - viscosity - damping - numerical - impacts - integrator;
-        EnergyAccount { start, end, loads, contact, friction, viscosity, damping, numerical, impacts, integrator, otherwise, scale }
+        let [loads, contact, friction, viscosity, plastic, damping, numerical, impacts, integrator] = sums;
+        let [viscosity, plastic, damping, numerical, impacts] = [-viscosity, -plastic, -damping, -numerical, -impacts];
+        let known = loads + contact + friction + viscosity + plastic + damping + numerical + impacts + integrator;
+        let otherwise = end - start - known;
+        EnergyAccount { start, end, loads, contact, friction, viscosity, plastic, damping, numerical, impacts, integrator, otherwise, scale }
     }
 
     /// What changed the energy beyond round-off, each with its amount.
@@ -72,6 +76,7 @@ impl EnergyAccount {
             ("contact", self.contact),
             ("friction", self.friction),
             ("viscosity", self.viscosity),
+            ("plastic flow", self.plastic),
             ("dampers", self.damping),
             ("numerical damping", self.numerical),
             ("impacts", self.impacts),

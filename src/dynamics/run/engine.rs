@@ -106,10 +106,11 @@ where
         let is_strained = !(model.initial_displacements.is_empty() && model.growths.is_empty());
         let row = LedgerRow {
             kinetic: system.nodes.kinetic_energy(&velocities),
-            strain: if is_strained { system.strain_energy(&displacements) } else { 0.0 },
+            strain: if is_strained { system.strain_energy(&displacements, &memory) } else { 0.0 },
             potential: system.nodes.potential_energy(&positions) + system.stored_energy(Pose { q: &positions, u: &displacements }, &memory),
             momentum,
             angular_momentum,
+            plastic_work: system.bodies.iter().filter(|body| body.elements.history() > 0).map(|_| 0.0).collect(),
             parts: system.part_totals(Pose { q: &positions, u: &displacements }, &velocities, &memory, &[]),
             ..LedgerRow::default()
         };

@@ -55,11 +55,7 @@ where
             v_1[one.unknown] = *rate;
         }
         let ends = self.ends(motion, &leap, &at, &forces, [&f_1, &v_1]);
-        let (memory, dissipated) = if system.others.is_empty() {
-            (old.memory.clone(), Vec::new())
-        } else {
-            system.memory_after(start, &at).map_err(Failure::Fatal)?
-        };
+        let (memory, dissipated) = self.memory_after(start, &at).map_err(Failure::Fatal)?;
         let active: Vec<RowState> = leap.lambda[1].iter().map(|lambda| RowState::closed_if(*lambda > 0.0)).collect();
         let mut penalty_gap: Vec<f64> = at.pairs.iter().flat_map(|pair| pair.gap.iter().copied()).collect();
         penalty_gap.resize(system.multipliers, 0.0);
@@ -69,7 +65,7 @@ where
             step: old.row.step + 1,
             dt,
             kinetic: half_product(&v_1, &momenta),
-            strain: system.strain_energy(&at.u_1),
+            strain: system.strain_energy(&at.u_1, &memory),
             active: system.touching(&active),
             momentum: system.nodes.resultant(&momenta),
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
@@ -78,6 +74,7 @@ where
             ..LedgerRow::default()
         };
         [row.dissipation, row.damping, _] = heat(&dissipated, &row.parts, 0.0);
+        row.book_plastic(&system.bodies, &old.row, &dissipated);
         row.potential = self.potential(&at, &penalty_gap, &memory);
         self.book_explicit_work(&mut row, motion, &leap, &at, &forces, (&ends, &v_1));
         self.book_explicit_momenta(&mut row, start, &at, &ends);

@@ -24,6 +24,12 @@ pub struct BodyFields {
     /// Estimated error of the stresses around a node `[stress]`: how far those of its cells are from the continuous stress of the nodes, a
     /// root mean square of the tensor's size (Zienkiewicz and Zhu 1987).
     pub stress_error: Vec<f64>,
+    /// Whether its material flows plastically.
+    pub flows: bool,
+    /// Equivalent plastic strain, recovered as the stresses are and never below 0; 0 of a material that does not flow.
+    pub plastic_strain: Vec<f64>,
+    /// Von Mises' norm of the back stress, likewise `[stress]`.
+    pub back_stress: Vec<f64>,
     /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
@@ -85,6 +91,10 @@ pub struct CellStress {
     pub stress: [f64; 6],
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz.
     pub strain: [f64; 6],
+    /// Equivalent plastic strain.
+    pub plastic_strain: f64,
+    /// Von Mises' norm of the back stress `[stress]`.
+    pub back_stress: f64,
 }
 
 /// One body as a whole at one time.

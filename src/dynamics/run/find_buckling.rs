@@ -77,7 +77,7 @@ where
         if found.len() < count {
             return Err(BucklingError::NotFound { count, found: found.len() });
         }
-        let strain = self.system.strain_energy(&self.state.displacements);
+        let strain = self.system.strain_energy(&self.state.displacements, &self.state.memory);
         Ok(Buckling {
             time: self.state.row.time,
             factors: found.iter().map(|(factor, _)| *factor).collect(),

@@ -63,6 +63,7 @@ where
             friction_work: frictional.iter().sum::<f64>() + 0.0,
             dissipation: 0.0,
             damping: 0.0,
+            plastic: 0.0,
             energy_defect: 0.0,
             momentum_defect: 0.0,
             angular_momentum_defect: 0.0,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::joints::{Coordinate, JointDefinition};
 use crate::dynamics::model::part::{Part, PartDefinition, Pose};
+use crate::dynamics::parts::body::Body;
 use crate::dynamics::step::system::System;
 use crate::math::tolerances;
 
@@ -40,6 +41,8 @@ pub struct LedgerRow {
     pub numerical: f64,
     /// The part of it that impacts of rigid bodies lost to restitution `[energy]`, never negative.
     pub impact: f64,
+    /// The part of it that became heat by plastic flow `[energy]`, never negative.
+    pub plastic: f64,
     /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
     /// conserves.
     pub energy_defect: f64,
@@ -67,6 +70,8 @@ pub struct LedgerRow {
     /// One for each boundary that supports hold or move, then for each coupling, in the order of
     /// [`Model::reaction_names`](crate::dynamics::Model::reaction_names); none before the first step.
     pub reactions: Vec<Reaction>,
+    /// Heat of plastic flow since the start of each body whose material flows, in the order of the model `[energy]`.
+    pub plastic_work: Vec<f64>,
     /// One for each part of [`Model::parts`](crate::dynamics::Model::parts), in their order.
     pub parts: Vec<PartTotals>,
     /// One for each joint of the model, in their order; none before the first step.
@@ -223,6 +228,18 @@ pub(super) fn heat(dissipated: &[f64], own: &[PartTotals], numerical: f64) -> [f
     [all + numerical, own, numerical]
 }
 
+impl LedgerRow {
+    /// Books the heat of plastic flow in a step after the row `before`, with what each part dissipated, bodies first.
+    pub(super) fn book_plastic<const D: usize>(&mut self, bodies: &[Body<D>], before: &LedgerRow, dissipated: &[f64]) {
+        let flowing = bodies.iter().enumerate().filter(|(_, body)| body.elements.history() > 0);
+        let heat: Vec<f64> = flowing.map(|(index, _)| dissipated.get(index).copied().unwrap_or(0.0)).collect();
+        self.plastic = heat.iter().sum::<f64>() + 0.0; // no zero with a sign
+        self.plastic_work = before.plastic_work.clone();
+        self.plastic_work.resize(heat.len(), 0.0);
+        self.plastic_work.iter_mut().zip(heat).for_each(|(sum, heat)| *sum += heat);
+    }
+}
+
 impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
@@ -257,6 +274,7 @@ impl LedgerRow {
         let sums = |row: &LedgerRow| [row.load_work, row.contact_work, row.friction_work, row.dissipation, row.damping, row.energy_defect];
         self.numerical += before.numerical;
         self.impact += before.impact;
+        self.plastic += before.plastic;
         let [load, contact, friction, dissipation, damping, defect] = sums(before);
         self.load_work += load;
         self.contact_work += contact;

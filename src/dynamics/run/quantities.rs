@@ -7,7 +7,7 @@ use super::ledger::{ContactTotals, ProbeValues, Reaction};
 use super::loaded::Loaded;
 use super::slip_memory::{SlipMemory, Tangential};
 use super::state::State;
-use crate::bodies::{Elements, Recovery, Space, StressError, Stresses};
+use crate::bodies::{Elements, Present, Recovery, Space, StressError, Stresses};
 use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::body::Body;
@@ -76,15 +76,18 @@ where
             .iter()
             .zip(&self.model.bodies)
             .map(|(body, definition)| {
-                let Stresses { stress, strain } = self.stresses_at(u, body);
+                let Stresses { stress, strain, kept } = self.stresses_at(body);
                 BodyFields {
                     name: body.name.clone(),
                     mesh: definition.mesh.clone(),
                     displacement: body.nodes.clone().map(|node| vector(u, node)).collect(),
                     velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
-                    stress_error: StressError::new(&*body.elements, u, body.nodes.clone(), &stress).at_nodes(),
+                    stress_error: StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &stress).at_nodes(),
                     stress,
                     strain,
+                    flows: definition.flows(),
+                    plastic_strain: kept.iter().map(|kept| kept[0]).collect(),
+                    back_stress: kept.iter().map(|kept| kept[1]).collect(),
                     contact_pressure: pressure[body.nodes.clone()].to_vec(),
                     contact_gap: gap[body.nodes.clone()].to_vec(),
                     contact_force: contact_force[body.nodes.clone()].to_vec(),
@@ -96,32 +99,43 @@ where
             .collect()
     }
 
+    /// A body as its element loop sees the present state.
+    pub(super) fn present(&self, body: &Body<D>) -> Present<'_> {
+        Present { u: &self.state.displacements, history: self.state.memory.get(body.number).map_or(&[], Vec::as_slice) }
+    }
+
     /// Stress and strain at the nodes of a body.
-    fn stresses_at(&self, u: &[f64], body: &Body<D>) -> Stresses {
+    fn stresses_at(&self, body: &Body<D>) -> Stresses {
         if body.rigid.is_some() {
             return Stresses::zeros(body.nodes.len());
         }
         let recovery = body.recovery.get_or_init(|| Recovery::new(&self.model.bodies[body.number].mesh));
-        Stresses::at_nodes(&*body.elements, u, body.nodes.clone(), recovery)
+        Stresses::at_nodes(&*body.elements, self.present(body), body.nodes.clone(), recovery)
     }
 
     /// Estimated error of the stresses of a body over the size of the stresses.
     pub fn estimated_error(&self, body: usize) -> f64 {
-        let (u, body) = (&self.state.displacements, &self.system.bodies[body]);
-        StressError::new(&*body.elements, u, body.nodes.clone(), &self.stresses_at(u, body).stress).relative()
+        let body = &self.system.bodies[body];
+        StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &self.stresses_at(body).stress).relative()
     }
 
     /// Stress and strain inside of the cells of a body, in the order of the cells.
     pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
-        let (q, elements) = (&self.state.positions, &self.system.bodies[body].elements);
+        let (q, body) = (&self.state.positions, &self.system.bodies[body]);
         let mut points = Vec::new();
-        elements.visit_stresses(&self.state.displacements, &mut |point| {
+        body.elements.visit_stresses(self.present(body), &mut |point| {
             let mut position = [0.0; 3];
             for (shape, &node) in point.shapes.iter().zip(point.nodes) {
                 (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
             }
             let share = point.volume / point.cell_volume;
-            points.push((point.cell, share, CellStress { position, stress: point.stress, strain: point.strain }));
+            points.push((point.cell, share, CellStress {
+                position,
+                stress: point.stress,
+                strain: point.strain,
+                plastic_strain: point.kept.plastic_strain,
+                back_stress: point.kept.back_stress,
+            }));
         });
         points.sort_by_key(|point| point.0);
         match places {
@@ -147,7 +161,7 @@ where
             mass,
             stress_error: self.estimated_error(body),
             kinetic: half_product(v, momenta),
-            strain: elements.strain_energy(&state.displacements),
+            strain: elements.strain_energy(self.present(&system.bodies[body])),
             potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
             momentum: system.nodes.resultant(momenta),
             angular_momentum: system.nodes.moment(q, momenta),
@@ -286,6 +300,8 @@ fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
         (0..3).for_each(|i| mean.position[i] += share * values.position[i]);
         (0..6).for_each(|k| mean.stress[k] += share * values.stress[k]);
         (0..6).for_each(|k| mean.strain[k] += share * values.strain[k]);
+        mean.plastic_strain += share * values.plastic_strain;
+        mean.back_stress += share * values.back_stress;
     }
     mean
 }

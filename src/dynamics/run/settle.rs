@@ -156,9 +156,9 @@ where
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
         let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
             Arc::make_mut(&mut self.state);
-        *memory = self.system.memory_at_rest();
+        *memory = self.system.relaxed(memory);
         *carried = row.time;
-        row.strain = self.system.strain_energy(u);
+        row.strain = self.system.strain_energy(u, memory);
         let mut gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
         gaps.resize(self.system.multipliers, 0.0);
         row.potential =
@@ -268,8 +268,11 @@ where
                 progress.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
                 let (own, system) = (&self.state.slipped, &self.system);
                 let slipped = slipped(system, own, &solution.at, 1.0, (&solution.at.lambda, &solution.active));
+                let (memory, heat) = system.history_after(&start, &solution.at, &memory)?;
                 let state = Arc::make_mut(&mut self.state);
-                (state.slipped, state.carried) = (slipped, state.row.time);
+                (state.slipped, state.carried, state.memory) = (slipped, state.row.time, memory);
+                let before = state.row.clone();
+                state.row.book_plastic(&self.system.bodies, &before, &heat);
                 (state.lambda, state.active) = (solution.at.lambda.clone(), solution.active);
                 (state.positions, state.displacements) = (solution.at.q_1.clone(), solution.at.u_1.clone());
                 self.system.recycle(solution.at);
@@ -376,7 +379,7 @@ where
             moved,
             lambda: &self.state.lambda,
             conditions,
-            energy: self.system.strain_energy(start.u_0).max(floor),
+            energy: self.system.strain_energy(start.u_0, start.memory).max(floor),
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             is_exact: false,
             at_least: 1,

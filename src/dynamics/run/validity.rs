@@ -130,7 +130,7 @@ where
     /// Moment of the stresses of a body that has turned without them.
     fn spurious_moment(&self, body: &Body<D>, turn: &Vector3<f64>) -> f64 {
         let mut mean = Matrix3::zeros();
-        body.elements.visit_stresses(&self.state.displacements, &mut |point| {
+        body.elements.visit_stresses(self.present(body), &mut |point| {
             let [xx, yy, zz, xy, yz, zx] = point.stress;
             mean += Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * point.volume;
         });

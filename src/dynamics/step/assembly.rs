@@ -12,7 +12,7 @@ use super::start::{StepStart, Stopping, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep};
-use crate::dynamics::model::part::{Iterate, PartHistories, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Iterate, Part, PartHistories, Refusal, Remembered, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::integrators::{Configuration, Derivative};
@@ -230,6 +230,30 @@ where
         });
         let remembered = remembered.collect::<Result<_, StepError>>()?;
         Ok((Arc::new(remembered), dissipated))
+    }
+
+    /// What the parts remember after a step at rest, and the heat of each body: the histories of bodies go on, all else stays until it is
+    /// relaxed.
+    ///
+    /// # Errors
+    /// None of a body; those of other parts are not asked for.
+    pub fn history_after(
+        &self,
+        start: &StepStart,
+        at: &Linearization,
+        memory: &PartHistories,
+    ) -> Result<(PartHistories, Vec<f64>), StepError> {
+        if self.bodies.iter().all(|body| body.elements.history() == 0) {
+            return Ok((memory.clone(), Vec::new()));
+        }
+        let (mut after, told, mut heat) = (memory.to_vec(), Told::default(), Vec::new());
+        let iterate = start.iterate(&at.q_1, &at.u_1, &told);
+        for (body, kept) in self.bodies.iter().zip(&mut after) {
+            let Remembered { memory, dissipated } = body.remembered(&iterate, kept)?;
+            *kept = memory;
+            heat.push(dissipated);
+        }
+        Ok((Arc::new(after), heat))
     }
 
     /// What the stress of the time integrator has dissipated in a step that ends at an iterate `[energy]`.

@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use super::iterate::Linearization;
 use super::making::PointInertia;
-use crate::bodies::{Elements, Space};
+use crate::bodies::{Elements, Present, Space};
 use crate::contact::Correction;
-use crate::dynamics::model::part::{Part, Pose};
+use crate::dynamics::model::part::{PartHistories, Part, Pose};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
@@ -81,14 +81,21 @@ where
         Arc::new(self.parts().map(|part| part.memory()).collect())
     }
 
+    /// What the parts remember once all else than the histories of bodies has relaxed.
+    pub fn relaxed(&self, memory: &[Vec<f64>]) -> PartHistories {
+        let of = |(index, (part, kept)): (usize, (&dyn Part, &Vec<f64>))| if index < self.bodies.len() { kept.clone() } else { part.memory() };
+        Arc::new(self.parts().zip(memory).enumerate().map(of).collect())
+    }
+
     /// The model's own parts with what each remembers.
     pub fn own_parts<'a>(&'a self, memory: &'a [Vec<f64>]) -> impl Iterator<Item = (&'a dyn Part, &'a Vec<f64>)> {
         self.parts().zip(memory).skip(self.bodies.len() + self.loads.len()).take(self.own_parts)
     }
 
-    /// Strain energy `[energy]`.
-    pub fn strain_energy(&self, u: &[f64]) -> f64 {
-        self.bodies.iter().map(|body| body.elements.strain_energy(u)).sum()
+    /// Strain energy with what each part remembers `[energy]`.
+    pub fn strain_energy(&self, u: &[f64], memory: &[Vec<f64>]) -> f64 {
+        let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(Present { u, history });
+        self.bodies.iter().zip(memory).map(of).sum()
     }
 }
 

@@ -3,14 +3,11 @@
 //! Stretches and strains are tied by `l^2 = 1 + 2 e`. The derivative of `sum f(e_i)` is `sum f'(e_i) n_i n_i`, the second one
 //! `sum f''(e_i) P_i P_i + sum over i < j of 2 f'[e_i, e_j] Q_ij Q_ij` with `P_i = n_i n_i`, `Q_ij = sym n_i n_j` and divided differences
 //! `f'[a, b] = (f'(a) - f'(b))/(a - b)`, which have forms that hold at equal strains, too (Ogden, Non-Linear Elastic Deformations, 1984,
-//! section 6.1). Principal strains and directions come from Jacobi's rotations (1846): one in the plane, a few sweeps in space.
+//! section 6.1). Principal strains and directions: `math/principal.rs`.
 
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
+use crate::math::principal::{PrincipalAxes, principal};
 use crate::math::tensor::{Mandel, mandel_pairs, mandel_scale};
-use crate::math::tolerances::DIAGONAL;
-
-/// Sweeps at most: three rows need four.
-const SWEEPS: usize = 8;
 
 /// A function of a principal strain.
 #[derive(Clone, Copy, Debug)]
@@ -48,19 +45,8 @@ impl<const FMA: bool> Spectrum<FMA> {
 
     #[inline(always)]
     pub(super) fn new<const S: usize>(strain: &Mandel<Lanes<FMA>, S>) -> Self {
-        let mut a = [[Lanes::ZERO; 3]; 3];
-        for (k, &(i, j)) in mandel_pairs::<S>().iter().enumerate() {
-            let entry = strain.0[k] * mandel_scale(i, j);
-            (a[i][j], a[j][i]) = (entry, entry);
-        }
         let (zero, one) = (Lanes::ZERO, Lanes::splat(1.0));
-        let mut directions = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
-        if S == 6 {
-            sweep(&mut a, &mut directions);
-        } else {
-            rotate(&mut a, &mut directions, 0, 1);
-        }
-        let strains = [a[0][0], a[1][1], a[2][2]];
+        let PrincipalAxes { values: strains, directions } = principal(&strain.0);
         let (mut logs, mut inverses) = ([zero; 3], [one; 3]);
         for i in 0..3 {
             if S != 3 || i < 2 {
@@ -171,48 +157,5 @@ fn add_square<const FMA: bool, const S: usize>(dyad: &[Lanes<FMA>; S], weight: L
         for l in 0..S {
             tangent[k][l] = scaled.mul_add(dyad[l], tangent[k][l]);
         }
-    }
-}
-
-/// Rotates until the matrix is diagonal in all lanes.
-#[inline(always)]
-fn sweep<const FMA: bool>(a: &mut [[Lanes<FMA>; 3]; 3], directions: &mut [[Lanes<FMA>; 3]; 3]) {
-    for _ in 0..SWEEPS {
-        let off = a[0][1] * a[0][1] + a[1][2] * a[1][2] + a[0][2] * a[0][2];
-        let size = a[0][0] * a[0][0] + a[1][1] * a[1][1] + a[2][2] * a[2][2];
-        let mut done = true;
-        for lane in 0..off.0.len() {
-            done &= off.0[lane] <= DIAGONAL * size.0[lane];
-        }
-        if done {
-            return;
-        }
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            rotate(a, directions, p, q);
-        }
-    }
-}
-
-/// Turns rows `p` and `q` so that their common entry vanishes: with `t = tan` of the angle, `a_pp - t a_pq` and `a_qq + t a_pq` stay.
-#[inline(always)]
-fn rotate<const FMA: bool>(a: &mut [[Lanes<FMA>; 3]; 3], directions: &mut [[Lanes<FMA>; 3]; 3], p: usize, q: usize) {
-    let (common, difference) = (a[p][q], a[q][q] - a[p][p]);
-    let twice = common * 2.0;
-    let root = twice.mul_add(twice, difference * difference).sqrt();
-    let size = difference.greater(-difference) + root;
-    let t = size.unless_zero(difference.sign_to(Lanes::splat(1.0)) * twice / size, Lanes::ZERO);
-    let cosine = Lanes::splat(1.0) / t.mul_add(t, Lanes::splat(1.0)).sqrt();
-    let sine = t * cosine;
-    a[p][p] = a[p][p] - t * common;
-    a[q][q] = a[q][q] + t * common;
-    (a[p][q], a[q][p]) = (Lanes::ZERO, Lanes::ZERO);
-    let r = 3 - p - q;
-    let (at_p, at_q) = (a[r][p], a[r][q]);
-    let (new_p, new_q) = (cosine * at_p - sine * at_q, sine * at_p + cosine * at_q);
-    (a[r][p], a[p][r], a[r][q], a[q][r]) = (new_p, new_p, new_q, new_q);
-    for k in 0..3 {
-        let (at_p, at_q) = (directions[p][k], directions[q][k]);
-        directions[p][k] = cosine * at_p - sine * at_q;
-        directions[q][k] = sine * at_p + cosine * at_q;
     }
 }

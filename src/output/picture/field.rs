@@ -16,6 +16,8 @@ pub enum Field {
     Displacement,
     /// Length of the velocity.
     Velocity,
+    /// Equivalent plastic strain.
+    PlasticStrain,
     /// Which nodes of contacts stick and which slide, as [`BodyFields::contact_slip`] tells.
     Slip,
     /// A component of the Cauchy stress, as an index into [`BodyFields::stress`].
@@ -47,6 +49,7 @@ impl Field {
         ("contact_pressure", "contact pressure", Field::ContactPressure),
         ("displacement", "displacement", Field::Displacement),
         ("velocity", "velocity", Field::Velocity),
+        ("plastic_strain", "plastic strain", Field::PlasticStrain),
         ("slip", "stick and slip", Field::Slip),
         ("stress_xx", "stress xx", Field::Stress(Component::Xx)),
         ("stress_yy", "stress yy", Field::Stress(Component::Yy)),
@@ -80,6 +83,7 @@ impl Field {
             Field::ContactPressure => body.contact_pressure[node],
             Field::Displacement => length(body.displacement[node]),
             Field::Velocity => length(body.velocity[node]),
+            Field::PlasticStrain => body.plastic_strain[node],
             Field::Slip => body.contact_slip[node],
             Field::Stress(component) => body.stress[node][component as usize],
         }

@@ -13,6 +13,9 @@ impl Handle for MaterialHandle {
     const MAKER: &'static str = "make one with a material function such as `neo_hookean`";
 
     fn describe(&self) -> String {
+        if let Some(constants) = self.0.plasticity() {
+            return super::plasticity::describe(constants);
+        }
         let mut entries = Vec::new();
         if let (HYPERELASTIC, Some(energy)) = (self.0.name(), self.0.energy()) {
             entries.push(format!("energy: \"{}\"", energy.energy.text()));

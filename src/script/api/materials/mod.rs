@@ -5,6 +5,7 @@ pub mod energies;
 mod fitting;
 mod handle;
 mod laws;
+mod plasticity;
 mod viscosity;
 
 use crate::script::language::function::Function;
@@ -17,6 +18,7 @@ pub fn functions() -> Vec<Function> {
     all.extend(energies::functions());
     all.extend(behavior::functions());
     all.extend(viscosity::functions());
+    all.extend(plasticity::functions());
     all.push(fitting::function());
     all
 }

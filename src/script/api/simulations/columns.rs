@@ -17,6 +17,9 @@ pub struct Probe {
 /// Column of models with contacts between rigid sides: energy that impacts lost to restitution in a step.
 const IMPACT_LOSS: &str = "impact_loss";
 
+/// Column of bodies whose material flows: heat of plastic flow since the start.
+const PLASTIC_WORK: &str = "plastic_work";
+
 /// Names of the history's columns of all contact pairs, then of the boundaries that supports hold, of parts such as springs, of
 /// joints, and of impacts of rigid bodies.
 pub fn model_columns(model: &Model) -> Vec<String> {
@@ -30,6 +33,7 @@ pub fn model_columns(model: &Model) -> Vec<String> {
         names.extend(JointTotals::columns(joint, model.dimension()).iter().map(|column| format!("{}.{column}", joint.name)));
     }
     names.extend(model.has_rigid_contacts().then(|| IMPACT_LOSS.to_string()));
+    names.extend(model.flowing_bodies().map(|body| format!("{}.{PLASTIC_WORK}", body.name)));
     names
 }
 
@@ -53,6 +57,7 @@ pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     values.extend(joints.iter().zip(&row.joints).flat_map(|(joint, totals)| totals.values(joint, dimension)));
     values.resize(known + joints.iter().map(|joint| JointTotals::columns(joint, dimension).len()).sum::<usize>(), f64::NAN);
     values.extend(model.has_rigid_contacts().then_some(row.impact));
+    values.extend(&row.plastic_work);
     values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
     values
 }

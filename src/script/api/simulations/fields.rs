@@ -28,6 +28,8 @@ enum Value {
     Stress(fn(&[f64; 6]) -> f64),
     /// A number of the strain.
     Strain(fn(&[f64; 6]) -> f64),
+    /// A number that points keep: at nodes and inside of cells.
+    Kept(fn(&BodyFields, usize) -> f64, fn(&CellStress) -> f64),
 }
 
 /// All fields by their names.
@@ -53,6 +55,8 @@ static FIELDS: &[(&str, Value)] = &[
     ("strain_xy", Value::Strain(|strain| strain[3])),
     ("strain_yz", Value::Strain(|strain| strain[4])),
     ("strain_xz", Value::Strain(|strain| strain[5])),
+    ("plastic_strain", Value::Kept(|body, node| body.plastic_strain[node], |cell| cell.plastic_strain)),
+    ("back_stress", Value::Kept(|body, node| body.back_stress[node], |cell| cell.back_stress)),
 ];
 
 /// Where values are taken, as a script names it.
@@ -79,7 +83,7 @@ impl Value {
         let placed = |node: usize| body.position(node);
         let nodes = 0..body.displacement.len();
         match self {
-            Value::Number(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(body, node))).collect()),
+            Value::Number(read) | Value::Kept(read, _) => Chosen::Numbers(nodes.map(|node| (placed(node), read(body, node))).collect()),
             Value::Stress(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(&body.stress[node]))).collect()),
             Value::Strain(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(&body.strain[node]))).collect()),
             Value::Vector(read) => Chosen::Vectors(nodes.map(|node| (placed(node), read(body, node))).collect()),
@@ -92,6 +96,7 @@ impl Value {
         match self {
             Value::Stress(read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(&cell.stress))).collect())),
             Value::Strain(read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(&cell.strain))).collect())),
+            Value::Kept(_, read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(cell))).collect())),
             Value::Position => Some(Chosen::Vectors(cells.iter().map(|cell| (cell.position, cell.position)).collect())),
             Value::Number(_) | Value::Vector(_) => None,
         }

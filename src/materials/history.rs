@@ -1,0 +1,108 @@
+//! Laws whose stress depends on what happened before: history variables at every quadrature point.
+//!
+//! A law is told the strains at both ends of a step and the history variables at its start. It gives the stress of the step with its
+//! derivative, and at the end of a step that is accepted the new history variables and the heat. The work of the stress of
+//! [`StressOf::Step`] on the change of the strain is exactly the change of the stored energy and the heat:
+//!
+//! ```text
+//! S : (E_1 - E_0) = psi(E_1, h_1) - psi(E_0, h_0) + D
+//! ```
+
+use std::sync::Arc;
+
+use super::batched::{Components, Response};
+use crate::math::lanes::Lanes;
+
+/// Which stress of a step is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StressOf {
+    /// The mean one, whose work is what is stored and what becomes heat.
+    Step,
+    /// That at the strain in the middle of the step.
+    Middle,
+    /// That at its end.
+    End,
+}
+
+/// A step at some points of eight elements each.
+#[derive(Clone, Copy)]
+pub struct StrainStep<'a, const S: usize> {
+    /// Green-Lagrange strains at the start.
+    pub start: &'a [Components<S>],
+    /// Strains at the end.
+    pub end: &'a [Components<S>],
+    /// Strains of the mean displacement gradient.
+    pub middle: &'a [Components<S>],
+    /// History variables at the start, [`HistoryLaw::variables`] of each point, point after point.
+    pub history: &'a [Lanes<false>],
+    /// Size of the step `[time]`; 0 at rest, where whatever depends on a rate has relaxed.
+    pub dt: f64,
+    /// The stress that is asked for.
+    pub stress: StressOf,
+}
+
+impl<'a, const S: usize> StrainStep<'a, S> {
+    /// History variables of a point, of which there are so many.
+    pub fn history_of(&self, point: usize, variables: usize) -> &'a [Lanes<false>] {
+        &self.history[point * variables..(point + 1) * variables]
+    }
+}
+
+/// A law with history variables, in `S` Mandel components: 4 where the third direction is stretched but not sheared, 6 in space. All history
+/// variables are 0 at the start.
+pub trait HistoryLaw<const S: usize>: Send + Sync {
+    /// Number of history variables of a point.
+    fn variables(&self) -> usize;
+
+    /// Stresses of a step, and their derivatives with respect to the strain at the end, of [`StressOf::Middle`] half of those with respect
+    /// to the strain in the middle `[stress]`.
+    fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]);
+
+    /// History variables at the end of a step, into `after`, and the heat of the step at each point `[energy/volume]`.
+    fn advance_into(&self, step: &StrainStep<S>, after: &mut [Lanes<false>], heat: &mut [Lanes<false>]);
+
+    /// Energies that are stored at strains with such history variables `[energy/volume]`.
+    fn energies_into(&self, strain: &[Components<S>], history: &[Lanes<false>], energies: &mut [Lanes<false>]);
+
+    /// Second Piola-Kirchhoff stresses at strains with such history variables `[stress]`.
+    fn stresses_into(&self, strain: &[Components<S>], history: &[Lanes<false>], stresses: &mut [Components<S>]);
+
+    /// What one point has to show of its history: see [`PointHistory`].
+    fn shown(&self, history: &[Lanes<false>], lane: usize) -> PointHistory;
+}
+
+/// What fields show of the history of a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointHistory {
+    /// Equivalent plastic strain, the integral of `sqrt(2/3) |d eps_p|`.
+    pub plastic_strain: f64,
+    /// Heat so far `[energy/volume]`.
+    pub heat: f64,
+    /// Von Mises' norm `sqrt(3/2) |X|` of the back stress `[stress]`.
+    pub back_stress: f64,
+}
+
+/// A law of history as bodies ask for it.
+#[derive(Clone)]
+pub struct HistoryLaws {
+    plane: [Arc<dyn HistoryLaw<4>>; 2],
+    space: [Arc<dyn HistoryLaw<6>>; 2],
+}
+
+impl HistoryLaws {
+    /// Of a law, and of the same without the energy of the volume.
+    pub(super) fn new<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(laws: [H; 2]) -> Self {
+        let [whole, rest] = laws.map(Arc::new);
+        HistoryLaws { plane: [whole.clone(), rest.clone()], space: [whole, rest] }
+    }
+
+    /// The law where the third direction is stretched but not sheared; without the energy of the volume where `has_volume` is false.
+    pub fn plane(&self, has_volume: bool) -> Arc<dyn HistoryLaw<4>> {
+        self.plane[usize::from(!has_volume)].clone()
+    }
+
+    /// The law in space, likewise.
+    pub fn space(&self, has_volume: bool) -> Arc<dyn HistoryLaw<6>> {
+        self.space[usize::from(!has_volume)].clone()
+    }
+}

@@ -1,0 +1,370 @@
+//! How far a point yields in a step.
+//!
+//! The way is straight in the logarithmic strain. Up to a share `s` it is elastic, `s` being the larger root of
+//! `|xi_0 + s d| = sqrt(2/3) k(alpha_0)` with `d = 2 mu dev(eps_1 - eps_0)`. On the rest the point flows by `dep = g N` with
+//!
+//! ```text
+//! N    along (1 - theta) xi_s + theta xi_1,   theta = 1/(1 - exp(-x)) - 1/x,   x = |2 mu dev(eps_1 - eps_s)|/(sqrt(2/3) k(alpha_0))
+//! g    of  |xi_1| = sqrt(2/3) k(alpha_0 + sqrt(2/3) g, sqrt(2/3) g/((1 - s) dt)) at the end of the step
+//! a_1  = ((1 - (1 - t) b' g) a_0 + g N)/(1 + t b' g),   b' = sqrt(2/3) b      of each back strain, t = 1/2
+//! ```
+//!
+//! `theta` is that of the exact solution for a yield stress that stays: 1/2 for small steps, which makes these of second order, and 1 for
+//! large ones, in which the direction then does not swing. The radial return is `s = 0`, `theta = t = 1`.
+
+use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
+use super::logarithm::{applied, applied_back, dot, plus, times};
+use crate::math::lanes::{Lanes, Real, WIDTH};
+use crate::math::tolerances::{ON_THE_YIELD_SURFACE, OUTSIDE_THE_YIELD_SURFACE, PLASTIC_MULTIPLIER, SMALL_PLASTIC_STEP};
+
+/// `sqrt(2/3)`.
+pub(super) const ROOT: f64 = 0.816_496_580_927_726;
+
+/// Most iterations for the multiplier: Newton's method needs three to six, and each bisection halves what is left.
+const ITERATIONS: usize = 80;
+
+/// Smallest share of a step that is left for flow: a rate over nothing is none.
+const LEAST_SHARE: f64 = 1e-12;
+
+/// Which rule of flow a step has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    /// The fitted one after the elastic share.
+    Fitted,
+    /// The radial return of the whole step.
+    RadialReturn,
+}
+
+/// A step on the logarithmic strain.
+pub(super) struct FlowStep<'a, const FMA: bool, const S: usize> {
+    pub(super) law: &'a ElasticPlastic,
+    pub(super) rule: Rule,
+    /// Shear modulus `[stress]`.
+    pub(super) shear: f64,
+    /// Size of the step `[time]`, 0 at rest.
+    pub(super) dt: f64,
+    /// Deviators of the strains at start and end.
+    pub(super) strains: [[Lanes<FMA>; S]; 2],
+    /// Back strains, as many as the law has back stresses.
+    pub(super) back: [[Lanes<FMA>; S]; MOST_BACK_STRESSES],
+    pub(super) alpha: Lanes<FMA>,
+}
+
+/// What a step leaves.
+pub(super) struct Flow<const FMA: bool, const S: usize> {
+    /// Elastic share `s` of the step.
+    pub(super) share: Lanes<FMA>,
+    /// `g`, 0 where nothing yields.
+    pub(super) multiplier: Lanes<FMA>,
+    /// `dep`.
+    pub(super) strain: [Lanes<FMA>; S],
+    /// Back strains at the end.
+    pub(super) back: [[Lanes<FMA>; S]; MOST_BACK_STRESSES],
+    /// Derivatives, where they are wanted.
+    pub(super) slopes: Option<Slopes<FMA, S>>,
+}
+
+/// Derivatives of what yields, times `2 mu` those of the plastic strain `[stress]`.
+pub(super) struct Slopes<const FMA: bool, const S: usize> {
+    /// Of the elastic share with respect to the strain at the end.
+    pub(super) share: [Lanes<FMA>; S],
+    /// Of the plastic strain with respect to the strain at the end, for a fixed start of the flow.
+    pub(super) by_end: [[Lanes<FMA>; S]; S],
+    /// With respect to the strain at which the flow starts.
+    pub(super) by_start: [[Lanes<FMA>; S]; S],
+    /// Of minus the plastic strain with respect to the share, through the time that is left for the flow.
+    pub(super) by_time: [Lanes<FMA>; S],
+}
+
+/// Weights of a back strain for a multiplier: `(A a_0 + g N)/B`, and the stress `q a_0 + g c/B N`.
+struct Recovery<const FMA: bool> {
+    a: Lanes<FMA>,
+    b: Lanes<FMA>,
+    q: Lanes<FMA>,
+    dq: Lanes<FMA>,
+    push: Lanes<FMA>,
+    dpush: Lanes<FMA>,
+}
+
+/// Where Newton's method for the multiplier stands.
+struct Iterate<const FMA: bool, const S: usize> {
+    normal: [Lanes<FMA>; S],
+    /// Derivative of the normal with respect to the multiplier.
+    turning: [Lanes<FMA>; S],
+    size: Lanes<FMA>,
+    /// Direction of the relative stress at the end.
+    outward: [Lanes<FMA>; S],
+    /// `2 mu` and what the back stresses add to it.
+    stiffness: Lanes<FMA>,
+    residual: Lanes<FMA>,
+    slope: Lanes<FMA>,
+    /// Derivative of the yield condition's right side with respect to the time that is left for the flow.
+    by_time: Lanes<FMA>,
+}
+
+impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
+    /// Flows.
+    #[inline(always)]
+    pub(super) fn flow(&self, with_slopes: bool) -> Flow<FMA, S> {
+        let two_mu = Lanes::splat(2.0 * self.shear);
+        let radius = self.law.at_rest(self.alpha)[0] * ROOT;
+        let change = plus(&self.strains[0], Lanes::splat(-1.0), &self.strains[1]);
+        let (share, share_slope) = self.elastic_share(radius, &change);
+        let left = (-share + 1.0).greater(Lanes::splat(LEAST_SHARE));
+        let stress_1 = times(&self.strains[1], two_mu);
+        let stress_s = times(&plus(&change, share, &self.strains[0]), two_mu);
+        let driven = plus(&stress_s, Lanes::splat(-1.0), &stress_1);
+        let (theta, theta_slope) = self.fitted(radius, &driven);
+        let trial = plus(&driven, theta, &stress_s);
+
+        let mut outside = stress_1;
+        for (back, constants) in self.back.iter().zip(&self.law.back_stresses) {
+            outside = plus(back, Lanes::splat(-constants.factor()), &outside);
+        }
+        let beyond = dot(&outside, &outside).sqrt();
+        let mut yields = [false; WIDTH];
+        for lane in 0..WIDTH {
+            yields[lane] = beyond.0[lane] > radius.0[lane] * (1.0 + ON_THE_YIELD_SURFACE);
+        }
+        let (multiplier, at) = self.multiplier([&stress_1, &trial], theta, left, (&yields, radius + beyond));
+
+        let mut flow = Flow { share, multiplier, strain: times(&at.normal, multiplier), back: self.back, slopes: None };
+        for (k, constants) in self.law.back_stresses.iter().enumerate() {
+            let Recovery { a, b, .. } = self.recovery(constants.factor(), constants.recovery, multiplier);
+            let kept = times(&self.back[k], a / b);
+            flow.back[k] = plus(&at.normal, multiplier / b, &kept);
+        }
+        if with_slopes {
+            let mask = Lanes(std::array::from_fn(|lane| f64::from(u8::from(yields[lane]))));
+            let by_time = at.by_time * self.dt;
+            flow.slopes = Some(self.slopes(&at, (multiplier, mask), (theta, &theta_slope), (&driven, by_time), share_slope));
+        }
+        flow
+    }
+
+    /// The elastic share of the step and its derivative with respect to the strain at the end.
+    #[inline(always)]
+    fn elastic_share(&self, radius: Lanes<FMA>, change: &[Lanes<FMA>; S]) -> (Lanes<FMA>, [Lanes<FMA>; S]) {
+        if self.rule == Rule::RadialReturn {
+            return (Lanes::ZERO, [Lanes::ZERO; S]);
+        }
+        let two_mu = Lanes::splat(2.0 * self.shear);
+        let mut start = times(&self.strains[0], two_mu);
+        for (back, constants) in self.back.iter().zip(&self.law.back_stresses) {
+            start = plus(back, Lanes::splat(-constants.factor()), &start);
+        }
+        let way = times(change, two_mu);
+        let (a, b, square) = (dot(&way, &way), dot(&start, &way), radius * radius);
+        let c = dot(&start, &start) - square;
+        let mut share = Lanes::ZERO;
+        for lane in 0..WIDTH {
+            let (a, b, c, square) = (a.0[lane].max(f64::MIN_POSITIVE), b.0[lane], c.0[lane], square.0[lane]);
+            let inside = c.min(0.0);
+            let root = (b * b - a * inside).max(0.0).sqrt();
+            let exit = if b > 0.0 { -inside / (b + root) } else { (root - b) / a };
+            share.0[lane] = if c > OUTSIDE_THE_YIELD_SURFACE * square { 0.0 } else { exit.clamp(0.0, 1.0) };
+        }
+        let exit = plus(&way, share, &start);
+        let outward = dot(&exit, &way);
+        let mut factor = Lanes::ZERO;
+        for lane in 0..WIDTH {
+            let is_inner = share.0[lane] > 0.0 && share.0[lane] < 1.0 && outward.0[lane] > 0.0;
+            factor.0[lane] = if is_inner { -2.0 * self.shear * share.0[lane] / outward.0[lane] } else { 0.0 };
+        }
+        (share, times(&exit, factor))
+    }
+
+    /// `theta` and its derivative with respect to the strain at the end.
+    #[inline(always)]
+    fn fitted(&self, radius: Lanes<FMA>, driven: &[Lanes<FMA>; S]) -> (Lanes<FMA>, [Lanes<FMA>; S]) {
+        if self.rule == Rule::RadialReturn {
+            return (Lanes::splat(1.0), [Lanes::ZERO; S]);
+        }
+        let size = dot(driven, driven).sqrt();
+        let (mut theta, mut slope) = (Lanes::ZERO, Lanes::ZERO);
+        for lane in 0..WIDTH {
+            let (size, radius) = (size.0[lane], radius.0[lane]);
+            let x = size / radius;
+            // d theta/dx, and times dx/d|d|.
+            let (value, by_x) = if x < SMALL_PLASTIC_STEP {
+                (0.5 + x / 12.0 - x.powi(3) / 720.0, 1.0 / 12.0 - x * x / 240.0)
+            } else {
+                let (grown, left) = (-(-x).exp_m1(), (-x).exp());
+                (1.0 / grown - 1.0 / x, 1.0 / (x * x) - left / (grown * grown))
+            };
+            theta.0[lane] = value;
+            slope.0[lane] = if size > 0.0 { by_x * 2.0 * self.shear / (size * radius) } else { 0.0 };
+        }
+        (theta, times(driven, slope))
+    }
+
+    /// Weight of the end in the law of the back strains.
+    fn weight(&self) -> f64 {
+        if self.rule == Rule::RadialReturn { 1.0 } else { 0.5 }
+    }
+
+    #[inline(always)]
+    fn recovery(&self, factor: f64, recovery: f64, multiplier: Lanes<FMA>) -> Recovery<FMA> {
+        let (t, rate) = (self.weight(), recovery * ROOT);
+        let a = multiplier * (-rate * (1.0 - t)) + 1.0;
+        let b = multiplier * (rate * t) + 1.0;
+        let inverse = Lanes::splat(1.0) / b;
+        let q = a * inverse * factor;
+        let dq = (b * (-rate * (1.0 - t)) - a * (rate * t)) * inverse * inverse * factor;
+        let push = inverse * factor;
+        Recovery { a, b, q, dq, push, dpush: push * inverse * (-rate * t) }
+    }
+
+    /// Solves for the multiplier by Newton's method within a bracket.
+    #[inline(always)]
+    fn multiplier(
+        &self,
+        stresses: [&[Lanes<FMA>; S]; 2],
+        theta: Lanes<FMA>,
+        left: Lanes<FMA>,
+        (yields, stress): (&[bool; WIDTH], Lanes<FMA>),
+    ) -> (Lanes<FMA>, Iterate<FMA, S>) {
+        let (mut low, mut high) = (Lanes::<FMA>::ZERO, Lanes::<FMA>::splat(f64::INFINITY));
+        let mut g = Lanes::<FMA>::ZERO;
+        let mut at = self.look(stresses, theta, left, g);
+        for _ in 0..ITERATIONS {
+            let mut is_done = true;
+            let mut next = g;
+            for lane in 0..WIDTH {
+                let residual = at.residual.0[lane];
+                if !yields[lane] || residual.abs() <= PLASTIC_MULTIPLIER * stress.0[lane] {
+                    continue;
+                }
+                let before = g.0[lane];
+                if residual > 0.0 {
+                    low.0[lane] = before;
+                } else {
+                    high.0[lane] = before;
+                }
+                let newton = before - residual / at.slope.0[lane];
+                let (least, most) = (low.0[lane], high.0[lane]);
+                let bisected = if most.is_finite() { 0.5 * (least + most) } else { 2.0 * least + 0.1 * stress.0[lane] / self.shear };
+                let candidate = if newton > least && newton < most { newton } else { bisected };
+                // No number lies between them: round-off ends it.
+                if candidate != before && candidate != least {
+                    next.0[lane] = candidate;
+                    is_done = false;
+                }
+            }
+            if is_done {
+                break;
+            }
+            g = next;
+            at = self.look(stresses, theta, left, g);
+        }
+        (g, at)
+    }
+
+    /// The yield condition at a multiplier.
+    #[inline(always)]
+    fn look(&self, [stress_1, trial]: [&[Lanes<FMA>; S]; 2], theta: Lanes<FMA>, left: Lanes<FMA>, g: Lanes<FMA>) -> Iterate<FMA, S> {
+        let (mut v, mut dv, mut y, mut dy) = (*trial, [Lanes::ZERO; S], *stress_1, [Lanes::ZERO; S]);
+        let (mut stiffness, mut dstiffness) = (Lanes::splat(2.0 * self.shear), Lanes::ZERO);
+        for (back, constants) in self.back.iter().zip(&self.law.back_stresses) {
+            let Recovery { q, dq, push, dpush, .. } = self.recovery(constants.factor(), constants.recovery, g);
+            let mean = theta.mul_add(q, (-theta + 1.0) * constants.factor());
+            v = plus(back, -mean, &v);
+            dv = plus(back, -(theta * dq), &dv);
+            y = plus(back, -q, &y);
+            dy = plus(back, -dq, &dy);
+            stiffness = stiffness + push;
+            dstiffness = dstiffness + dpush;
+        }
+        let size = dot(&v, &v).sqrt().greater(Lanes::splat(f64::MIN_POSITIVE));
+        let inverse = Lanes::splat(1.0) / size;
+        let normal = times(&v, inverse);
+        let along = dot(&normal, &dv);
+        let turning = times(&plus(&normal, -along, &dv), inverse);
+        y = plus(&normal, -(stiffness * g), &y);
+        // Beyond the center of the yield surface it counts as negative.
+        let reach = dot(&y, &normal).sign_to(dot(&y, &y).sqrt().greater(Lanes::splat(f64::MIN_POSITIVE)));
+        let outward = times(&y, Lanes::splat(1.0) / reach);
+        dy = plus(&normal, -dstiffness.mul_add(g, stiffness), &dy);
+        dy = plus(&turning, -(stiffness * g), &dy);
+        let alpha = g.mul_add(Lanes::splat(ROOT), self.alpha);
+        let per_time = if self.dt > 0.0 { Lanes::splat(ROOT / self.dt) / left } else { Lanes::ZERO };
+        let resistance = self.law.resistance(alpha, g * per_time);
+        let residual = reach - resistance.stress * ROOT;
+        let slope = dot(&outward, &dy) - (resistance.by_strain * ROOT + resistance.by_rate * per_time) * ROOT;
+        let lost = if self.dt > 0.0 { per_time / (left * self.dt) } else { Lanes::ZERO };
+        let by_time = -(resistance.by_rate * g * lost) * ROOT;
+        Iterate { normal, turning, size, outward, stiffness, residual, slope, by_time }
+    }
+
+    /// The derivatives, `mask` 1 where the point yields.
+    #[inline(always)]
+    fn slopes(
+        &self,
+        at: &Iterate<FMA, S>,
+        (g, mask): (Lanes<FMA>, Lanes<FMA>),
+        (theta, theta_slope): (Lanes<FMA>, &[Lanes<FMA>; S]),
+        (driven, by_time): (&[Lanes<FMA>; S], Lanes<FMA>),
+        share: [Lanes<FMA>; S],
+    ) -> Slopes<FMA, S> {
+        let Iterate { normal, turning, size, outward, stiffness, slope, .. } = at;
+        let two_mu = Lanes::splat(2.0 * self.shear);
+        // What theta weighs: stresses and back stresses at the end less those at the start of the flow, across the normal.
+        let mut weighed = *driven;
+        for (back, constants) in self.back.iter().zip(&self.law.back_stresses) {
+            let Recovery { q, .. } = self.recovery(constants.factor(), constants.recovery, g);
+            weighed = plus(back, -(q + -constants.factor()), &weighed);
+        }
+        weighed = plus(normal, -dot(&weighed, normal), &weighed);
+        let inverse = Lanes::splat(1.0) / *size;
+        let slope = slope_or_one(*slope, mask);
+        let flowed = plus(turning, g, normal);
+        let pull = mask * g * two_mu;
+        let of = |own: Lanes<FMA>, sign: f64, direct: Lanes<FMA>| {
+            // The derivative of the normal, own (1 - N N) + sign weighed theta'.
+            let mut turned = [[Lanes::<FMA>::ZERO; S]; S];
+            let own = own * two_mu * inverse;
+            for k in 0..S {
+                for l in 0..S {
+                    let mut entry = -(own * normal[k] * normal[l]);
+                    if k == l {
+                        entry = entry + own;
+                    }
+                    if k < 3 && l < 3 {
+                        entry = entry - own * (1.0 / 3.0);
+                    }
+                    turned[k][l] = (weighed[k] * inverse * sign).mul_add(theta_slope[l], entry);
+                }
+            }
+            let back = times(&applied_back(&turned, outward), -(*stiffness * g));
+            let right = plus(outward, direct * two_mu, &back);
+            let multiplier = times(&right, -(mask * two_mu) / slope);
+            let mut result = [[Lanes::ZERO; S]; S];
+            for k in 0..S {
+                for l in 0..S {
+                    result[k][l] = flowed[k].mul_add(multiplier[l], turned[k][l] * pull);
+                }
+            }
+            result
+        };
+        Slopes {
+            share,
+            by_end: of(theta, 1.0, Lanes::splat(1.0)),
+            by_start: of(-theta + 1.0, -1.0, Lanes::ZERO),
+            by_time: times(&flowed, mask * two_mu * by_time / slope),
+        }
+    }
+}
+
+impl<const FMA: bool, const S: usize> Slopes<FMA, S> {
+    /// Derivative of minus twice `mu` times the plastic strain with respect to the elastic share, beside what it takes from the start.
+    #[inline(always)]
+    pub(super) fn along_share(&self, change: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
+        plus(&applied(&self.by_start, change), Lanes::splat(-1.0), &self.by_time)
+    }
+}
+
+/// The slope where a point yields, 1 elsewhere.
+#[inline(always)]
+fn slope_or_one<const FMA: bool>(slope: Lanes<FMA>, mask: Lanes<FMA>) -> Lanes<FMA> {
+    mask.unless_zero(slope, Lanes::splat(1.0))
+}

@@ -1,0 +1,317 @@
+//! Materials that flow plastically: `elastic_plastic`, its back stresses and its dependence on rates, and hardening curves of tests.
+
+use rhai::{Array, Dynamic, Map};
+
+use super::handle::MaterialHandle;
+use crate::materials::{BackStress, ElasticPlastic, Hardening, Material, MaterialError, PlasticityError, RateDependence};
+use crate::math::catalogue::Interval;
+use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::digits::number_text;
+use crate::script::language::failure::Failure;
+use crate::script::language::function::{Call, Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+use crate::script::language::values::{as_number, describe as described};
+
+const STEEL: &str = "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n";
+
+/// What `hardening` may be.
+const FORMS: &str = "a modulus; points `[[plastic strain, yield stress], …]`; or an object map, `#{ saturation, exponent, modulus }`, \
+                     `#{ strain, exponent }` or `#{ modulus, exponent }`";
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![elastic_plastic(), back_stress(), rate_dependent(), hardening_curve()]
+}
+
+/// A material as the script that makes it.
+pub(super) fn describe(constants: &ElasticPlastic) -> String {
+    let number = |name: &str, value: f64| format!("{name}: {}", number_text(value));
+    let mut entries = vec![
+        number("youngs_modulus", constants.youngs_modulus),
+        number("poisson_ratio", constants.poisson_ratio),
+        number("density", constants.density),
+        number("yield_stress", constants.yield_stress),
+    ];
+    match &constants.hardening {
+        Hardening::Saturating { modulus, saturation, .. } if *saturation == 0.0 && *modulus == 0.0 => {}
+        Hardening::Saturating { modulus, saturation, .. } if *saturation == 0.0 => entries.push(number("hardening", *modulus)),
+        Hardening::Saturating { modulus, saturation, exponent } => {
+            let all = [number("saturation", *saturation), number("exponent", *exponent), number("modulus", *modulus)];
+            entries.push(format!("hardening: #{{ {} }}", all.join(", ")));
+        }
+        Hardening::Swift { strain, exponent } => {
+            entries.push(format!("hardening: #{{ {}, {} }}", number("strain", *strain), number("exponent", *exponent)));
+        }
+        Hardening::Ludwik { modulus, exponent } => {
+            entries.push(format!("hardening: #{{ {}, {} }}", number("modulus", *modulus), number("exponent", *exponent)));
+        }
+        Hardening::Table(points) => {
+            let all: Vec<String> = points.iter().map(|[strain, k]| format!("[{}, {}]", number_text(*strain), number_text(*k))).collect();
+            entries.push(format!("hardening: [{}]", all.join(", ")));
+        }
+    }
+    let mut text = format!("elastic_plastic(#{{ {} }})", entries.join(", "));
+    for back in &constants.back_stresses {
+        text += &format!(".back_stress(#{{ {}, {} }})", number("modulus", back.modulus), number("recovery", back.recovery));
+    }
+    match constants.rate {
+        RateDependence::None => {}
+        RateDependence::Perzyna { viscosity } => text += &format!(".rate_dependent(#{{ {} }})", number("viscosity", viscosity)),
+        RateDependence::JohnsonCook { factor, reference_rate } => {
+            text += &format!(".rate_dependent(#{{ {}, {} }})", number("factor", factor), number("reference_rate", reference_rate));
+        }
+    }
+    text
+}
+
+fn elastic_plastic() -> Function {
+    Function {
+        name: "elastic_plastic",
+        form: Form::Function,
+        topic: Topic::Materials,
+        summary: "a metal: Hencky's law up to a yield stress (von Mises), then plastic flow with hardening; what flows turns into heat, \
+                  column `BODY.plastic_work` since the start; field `plastic_strain`. Cells of first order take a mean dilatation by \
+                  themselves. Formulas: `docs/tasks/plasticity.md`",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness in uniaxial tension"),
+                Parameter::number("poisson_ratio", "", Interval::Open(-1.0, 0.5), "lateral contraction over extension"),
+                Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
+                Parameter::number("yield_stress", "stress", Interval::Positive, "true stress in tension at which flow begins")
+                    .or(Absent::Means("the first of the points of `hardening`")),
+                Parameter::new("hardening", Kind::Either(FORMS), "how the yield stress grows with the plastic strain")
+                    .or(Absent::Means("perfect plasticity")),
+            ]),
+            "the constants",
+        )],
+        returns: MaterialHandle::NAME,
+        example: format!(
+            "{STEEL}let aluminum = elastic_plastic(#{{ youngs_modulus: 70e3, poisson_ratio: 0.33, density: 2.7e-9,\n    \
+             hardening: [[0.0, 120.0], [0.02, 160.0], [0.1, 200.0]] }});"
+        )
+        .into(),
+        see_also: &["back_stress", "rate_dependent", "hardening_curve"],
+        body: body(|call| {
+            let options = call.options("options")?;
+            let (given, hardening) = (options.argument("yield_stress"), options.argument("hardening"));
+            let law = if hardening.is_given() { hardening_of(&hardening)? } else { Hardening::NONE };
+            let first = if let Hardening::Table(points) = &law { points.first().map(|point| point[1]) } else { None };
+            if let (Some(first), true) = (first, given.is_given())
+                && first != given.number()?
+            {
+                let title = format!("the hardening table begins at a yield stress of {}, not at `yield_stress`", number_text(first));
+                return Err(given.fail(title).code("C0306").hint("leave `yield_stress` out: the table has it").into());
+            }
+            let yield_stress = match first {
+                Some(first) if !given.is_given() => first,
+                _ if given.is_given() => given.number()?,
+                _ => return Err(given.missing().into()),
+            };
+            let constants = ElasticPlastic {
+                youngs_modulus: options.number("youngs_modulus")?,
+                poisson_ratio: options.number("poisson_ratio")?,
+                density: options.number("density")?,
+                yield_stress,
+                hardening: law,
+                back_stresses: Vec::new(),
+                rate: RateDependence::None,
+            };
+            made(&constants, &hardening)
+        }),
+    }
+}
+
+/// The material of some constants; `argument` is what is to blame.
+fn made(constants: &ElasticPlastic, argument: &Argument) -> Result<Dynamic, Box<rhai::EvalAltResult>> {
+    let material = Material::elastic_plastic(constants).map_err(|error| {
+        let failure = argument.fail(error.to_string()).code(error.code());
+        match error {
+            MaterialError::Plasticity(PlasticityError::Table { .. } | PlasticityError::ShortTable { .. }) => {
+                failure.hint("points are `[plastic strain, yield stress]`, the first at a plastic strain of 0, strains growing")
+            }
+            _ => failure,
+        }
+    })?;
+    Ok(Dynamic::from(MaterialHandle(material)))
+}
+
+/// What `hardening` means.
+fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
+    let value = argument.value();
+    if let Some(modulus) = as_number(&value) {
+        return Ok(Hardening::Saturating { modulus, saturation: 0.0, exponent: 0.0 });
+    }
+    if let Some(points) = value.read_lock::<Array>() {
+        return Ok(Hardening::Table(points_of(argument, &points)?));
+    }
+    let Some(map) = value.read_lock::<Map>() else { return Err(argument.wrong_type()) };
+    let mut numbers = Vec::new();
+    for (key, value) in map.iter() {
+        let number = as_number(value).ok_or_else(|| argument.fail(format!("`{key}` of `hardening` is {}, not a number", described(argument.call().engine(), value))))?;
+        numbers.push((key.as_str(), number));
+    }
+    let of = |name: &str| numbers.iter().find(|(key, _)| *key == name).map(|(_, number)| *number);
+    match (of("saturation"), of("strain"), of("modulus"), of("exponent"), numbers.len()) {
+        (Some(saturation), None, modulus, Some(exponent), 2 | 3) => {
+            Ok(Hardening::Saturating { modulus: modulus.unwrap_or(0.0), saturation, exponent })
+        }
+        (None, Some(strain), None, Some(exponent), 2) => Ok(Hardening::Swift { strain, exponent }),
+        (None, None, Some(modulus), Some(exponent), 2) => Ok(Hardening::Ludwik { modulus, exponent }),
+        _ => {
+            let keys: Vec<String> = numbers.iter().map(|(key, _)| format!("`{key}`")).collect();
+            Err(argument
+                .fail(format!("no hardening has the constants {}", keys.join(", ")))
+                .hint("Voce: `#{ saturation, exponent, modulus }`; Swift: `#{ strain, exponent }`; Ludwik: `#{ modulus, exponent }`"))
+        }
+    }
+}
+
+/// Pairs of numbers.
+fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failure> {
+    let pair = |(index, value): (usize, &Dynamic)| {
+        let both = value.read_lock::<Array>().map(|pair| pair.iter().filter_map(as_number).collect::<Vec<f64>>());
+        match both.as_deref() {
+            Some(&[strain, stress]) => Ok([strain, stress]),
+            _ => Err(argument.fail(format!("entry {} is {}, not a pair of numbers", index + 1, described(argument.call().engine(), value)))),
+        }
+    };
+    points.iter().enumerate().map(pair).collect()
+}
+
+/// The plastic constants of the receiver.
+fn receiver(call: &Call) -> Result<ElasticPlastic, Failure> {
+    let MaterialHandle(material) = call.receiver();
+    material.plasticity().cloned().ok_or_else(|| {
+        call.fail(format!("`{}` does not flow plastically", material.name())).hint("make the material with `elastic_plastic`")
+    })
+}
+
+fn back_stress() -> Function {
+    Function {
+        name: "back_stress",
+        form: Form::Method(MaterialHandle::receiver()),
+        topic: Topic::Materials,
+        summary: "the elastic-plastic material with one more back stress (kinematic hardening): dX = 2/3 modulus dep - recovery X d alpha, \
+                  Prager's without recovery, Armstrong and Frederick's with it; there may be four (Chaboche)",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                Parameter::number("modulus", "stress", Interval::Positive, "what it gains per plastic strain in uniaxial tension"),
+                Parameter::number("recovery", "", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery")
+                    .or(Absent::Number(0.0)),
+            ]),
+            "the back stress",
+        )],
+        returns: MaterialHandle::NAME,
+        example: format!(
+            "{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});"
+        )
+        .into(),
+        see_also: &["elastic_plastic"],
+        body: body(|call| {
+            let mut constants = receiver(call)?;
+            let options = call.options("options")?;
+            constants.back_stresses.push(BackStress { modulus: options.number("modulus")?, recovery: options.number("recovery")? });
+            made(&constants, &call.argument("options"))
+        }),
+    }
+}
+
+fn rate_dependent() -> Function {
+    let optional = |name, dimension, summary| Parameter::number(name, dimension, Interval::Positive, summary).or(Absent::Means("none"));
+    Function {
+        name: "rate_dependent",
+        form: Form::Method(MaterialHandle::receiver()),
+        topic: Topic::Materials,
+        summary: "the elastic-plastic material with a yield stress that depends on the rate of the plastic strain: k + viscosity d \
+                  alpha/dt (Perzyna) or k (1 + factor ln(d alpha/dt / reference_rate)) above that rate (Johnson and Cook, without heat); \
+                  `settle` and `statics()` know no rates",
+        parameters: vec![Parameter::new(
+            "options",
+            Kind::Options(vec![
+                optional("viscosity", "stress*time", "overstress per rate (Perzyna)"),
+                optional("factor", "", "C of Johnson and Cook"),
+                optional("reference_rate", "1/time", "the rate up to which nothing changes (Johnson and Cook)"),
+            ]),
+            "the dependence: `viscosity` alone, or `factor` and `reference_rate`",
+        )],
+        returns: MaterialHandle::NAME,
+        example: format!("{STEEL}let fast = steel.rate_dependent(#{{ factor: 0.022, reference_rate: 1.0 }});").into(),
+        see_also: &["elastic_plastic", "viscous"],
+        body: body(|call| {
+            let mut constants = receiver(call)?;
+            let options = call.options("options")?;
+            let number = |name: &str| -> Result<Option<f64>, Failure> {
+                let argument = options.argument(name);
+                if argument.is_given() { argument.number().map(Some) } else { Ok(None) }
+            };
+            constants.rate = match (number("viscosity")?, number("factor")?, number("reference_rate")?) {
+                (Some(viscosity), None, None) => RateDependence::Perzyna { viscosity },
+                (None, Some(factor), Some(reference_rate)) => RateDependence::JohnsonCook { factor, reference_rate },
+                _ => {
+                    let title = "a rate dependence is `viscosity` alone, or `factor` and `reference_rate`";
+                    return Err(call.argument("options").fail(title).into());
+                }
+            };
+            made(&constants, &call.argument("options"))
+        }),
+    }
+}
+
+fn hardening_curve() -> Function {
+    Function {
+        name: "hardening_curve",
+        form: Form::Function,
+        topic: Topic::Materials,
+        summary: "the points `[plastic strain, true yield stress]` of a tensile test whose points are `[engineering strain, engineering \
+                  stress]`: true strain ln(1 + e), true stress s (1 + e), less the elastic strain; from the first yielding to the largest \
+                  force, where the specimen necks and a test tells no stress any more",
+        parameters: vec![
+            Parameter::new("test", Kind::Array, "the points of the test, strains growing"),
+            Parameter::new(
+                "options",
+                Kind::Options(vec![
+                    Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness of the specimen"),
+                    Parameter::number("yield_stress", "stress", Interval::Positive, "true stress at which flow begins"),
+                ]),
+                "what is known of the specimen besides",
+            ),
+        ],
+        returns: "Array",
+        example: "let curve = hardening_curve([[0.001, 210.0], [0.01, 255.0], [0.05, 310.0], [0.15, 360.0]],\n    \
+                  #{ youngs_modulus: 210e3, yield_stress: 235.0 });\n\
+                  let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, hardening: curve });"
+            .into(),
+        see_also: &["elastic_plastic"],
+        body: body(|call| {
+            let (test, options) = (call.argument("test"), call.options("options")?);
+            let points = test.value().read_lock::<Array>().map(|array| array.clone()).ok_or_else(|| test.wrong_type())?;
+            let points = points_of(&test, &points)?;
+            let (modulus, first) = (options.number("youngs_modulus")?, options.number("yield_stress")?);
+            let mut curve = vec![[0.0, first]];
+            let mut force = 0.0;
+            for (index, &[strain, stress]) in points.iter().enumerate() {
+                if strain <= -1.0 || !stress.is_finite() || (index > 0 && strain <= points[index - 1][0]) {
+                    return Err(test.fail(format!("the strain of point {} is not above the one before", index + 1)).into());
+                }
+                if stress < force {
+                    break;
+                }
+                force = stress;
+                let (true_stress, true_strain) = (stress * (1.0 + strain), strain.ln_1p());
+                let plastic = true_strain - true_stress / modulus;
+                if true_stress > first && plastic > curve[curve.len() - 1][0] {
+                    curve.push([plastic, true_stress]);
+                }
+            }
+            if curve.len() < 2 {
+                let title = "no point of the test is beyond the yield stress";
+                return Err(test.fail(title).hint("`yield_stress` is a true stress, strains are parts of 1, not per cent").into());
+            }
+            let pair = |[strain, stress]: [f64; 2]| Dynamic::from(vec![Dynamic::from(strain), Dynamic::from(stress)] as Array);
+            Ok(Dynamic::from(curve.into_iter().map(pair).collect::<Array>()))
+        }),
+    }
+}
