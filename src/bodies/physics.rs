@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::batch::Strain;
 use super::formulation::{Dilatation, Formulation, Plane};
 use super::special::{PointLaw, Special};
-use crate::materials::{BatchedLaw, Components, HistoryLaw, Kinematics, Material, MeanValue, PlaneStress, PointHistory};
+use crate::materials::{BatchedLaw, Components, FreeThickness, HistoryLaw, Kinematics, Material, MeanValue, PlaneStress, PointHistory};
 use crate::math::lanes::Lanes;
 use crate::math::tensor::mandel_place;
 
@@ -72,12 +72,15 @@ impl<const S: usize, const L: usize> Physics<S, L> {
 
     /// Strain and stress in space at a point of a batch that keeps these history variables.
     pub(super) fn seen(&self, strain: &Components<S>, hoop: Lanes<false>, kept: &[Lanes<false>], point: usize) -> Seen {
-        let space = self.spatial_strain(strain, hoop);
+        let mut space = self.spatial_strain(strain, hoop);
         let (mut own, mut stress) = ([[Lanes::ZERO; L]], [[Lanes::ZERO; 6]]);
         let Some((law, kept)) = self.history_of(kept, point) else {
             self.spatial_law.stresses_into(&[space], &mut stress);
             return Seen { strain: space, stress: stress[0] };
         };
+        if let Some(across) = law.across(kept) {
+            space[2] = across;
+        }
         for k in 0..L {
             own[0][k] = space[mandel_place::<L>(k)];
         }
@@ -120,8 +123,10 @@ impl Physics<3, 4> {
     /// Of a plane body, or one of revolution.
     pub(super) fn of_plane(material: &Material, formulation: Formulation) -> Self {
         let (is_axisymmetric, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
+        let is_free = formulation.plane == Plane::Stress;
         let law = |has_volume: bool, elastic: Arc<dyn BatchedLaw<4>>| {
             match material.history() {
+                Some(history) if is_free => PointLaw::History(Arc::new(FreeThickness(history.plane(true))), elastic),
                 Some(history) => PointLaw::History(history.plane(has_volume), elastic),
                 None => PointLaw::Elastic(elastic),
             }

@@ -67,6 +67,11 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// Second Piola-Kirchhoff stresses at strains with such history variables `[stress]`.
     fn stresses_into(&self, strain: &[Components<S>], history: &[Lanes<false>], stresses: &mut [Components<S>]);
 
+    /// The strain across the plane of a point with such history variables, where it is one of them.
+    fn across(&self, _history: &[Lanes<false>]) -> Option<Lanes<false>> {
+        None
+    }
+
     /// What one point has to show of its history: see [`PointHistory`].
     fn shown(&self, history: &[Lanes<false>], lane: usize) -> PointHistory;
 }

@@ -3,9 +3,12 @@
 //! The stretches that a test prescribes are given, all other components of the strain follow from the stresses that vanish (Newton's method
 //! on the components, from the last stretch on a path). Nominal stresses: force per undeformed area.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use super::batched::{BatchedLaw, Components, Response};
+use super::history::{HistoryLaw, StrainStep, StressOf};
 use super::laws::Kinematics;
 use super::material::Material;
 use crate::math::lanes::Lanes;
@@ -58,29 +61,66 @@ pub struct Homogeneous {
 const ITERATIONS: usize = 30;
 const HALVINGS: u32 = 12;
 
-/// States of a piece at the given stretches, which go away from 1; ends where there is none.
+/// States of a piece at the given stretches, one after the other; ends where there is none. Of an elastic law they go away from 1.
 pub fn path(material: &Material, piece: Piece, stretches: &[f64]) -> Vec<Homogeneous> {
     let law = &*material.space();
     if material.kinematics() == Kinematics::Linear {
         return stretches.iter().filter_map(|&stretch| linear(law, piece, stretch)).collect();
     }
+    let mut kept = material.history().map(|history| AtHistory::new(history.space(true)));
     let mut states: Vec<Homogeneous> = Vec::new();
     let mut last = Homogeneous { stretch: 1.0, nominal_stress: 0.0, strain: [0.0; 6] };
     for &stretch in stretches {
-        let Some(state) = reach(law, piece, &last, stretch) else { break };
+        let respond = |strain: &[f64; 6]| kept.as_ref().map_or_else(|| response(law, strain), |kept| kept.respond(strain));
+        let Some(state) = reach(&respond, piece, &last, stretch) else { break };
         states.push(state);
+        kept.iter_mut().for_each(|kept| kept.advance(&state.strain));
         last = state;
     }
     states
 }
 
+/// Stress and tangent of a strain.
+type Respond<'a> = &'a dyn Fn(&[f64; 6]) -> ([f64; 6], [[f64; 6]; 6]);
+
+/// A law with history variables and those that the strains so far have left, at rest.
+struct AtHistory {
+    law: Arc<dyn HistoryLaw<6>>,
+    history: Vec<Lanes<false>>,
+}
+
+impl AtHistory {
+    fn new(law: Arc<dyn HistoryLaw<6>>) -> Self {
+        let history = vec![Lanes::ZERO; law.variables()];
+        AtHistory { law, history }
+    }
+
+    fn step<'a>(&'a self, strain: &'a [Components<6>]) -> StrainStep<'a, 6> {
+        StrainStep { start: strain, end: strain, middle: strain, history: &self.history, dt: 0.0, stress: StressOf::End }
+    }
+
+    /// Stress and tangent of the next strain.
+    fn respond(&self, strain: &[f64; 6]) -> ([f64; 6], [[f64; 6]; 6]) {
+        let mut response = [Response::ZERO];
+        self.law.responses_into(&self.step(&[strain.map(|x| Lanes([x; 8]))]), &mut response);
+        first_lane(&response[0])
+    }
+
+    /// Goes on to a strain.
+    fn advance(&mut self, strain: &[f64; 6]) {
+        let (strain, mut after, mut heat) = ([strain.map(|x| Lanes([x; 8]))], self.history.clone(), [Lanes::ZERO]);
+        self.law.advance_into(&self.step(&strain), &mut after, &mut heat);
+        self.history = after;
+    }
+}
+
 /// The state at a stretch from another one, in pieces where one step does not come through.
-fn reach(law: &dyn BatchedLaw<6>, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
+fn reach(respond: Respond, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
     let (mut state, mut part, mut done) = (*from, 1.0f64, 0.0f64);
     while done < 1.0 {
         let next = (done + part).min(1.0);
         let at = from.stretch + next * (stretch - from.stretch);
-        match solve(law, piece, &state, at) {
+        match solve(respond, piece, &state, at) {
             Some(found) => (state, done) = (found, next),
             None if part > 0.5f64.powi(HALVINGS as i32) => part *= 0.5,
             None => return None,
@@ -94,7 +134,11 @@ pub(super) fn response(law: &dyn BatchedLaw<6>, strain: &[f64; 6]) -> ([f64; 6],
     let components: Components<6> = strain.map(|x| Lanes([x; 8]));
     let mut response = [Response::ZERO];
     law.responses_into(&[components], &mut response);
-    (response[0].stress.map(|x| x.0[0]), response[0].tangent.map(|row| row.map(|x| x.0[0])))
+    first_lane(&response[0])
+}
+
+fn first_lane(response: &Response<6>) -> ([f64; 6], [[f64; 6]; 6]) {
+    (response.stress.map(|x| x.0[0]), response.tangent.map(|row| row.map(|x| x.0[0])))
 }
 
 /// `C = I + 2 E` as a matrix.
@@ -128,7 +172,7 @@ fn linear(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> Option<Homogen
 }
 
 /// Newton's method for the components whose stress vanishes.
-fn solve(law: &dyn BatchedLaw<6>, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
+fn solve(respond: Respond, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
     let given = piece.given();
     let free = free_components(piece);
     let mut strain = from.strain;
@@ -143,7 +187,7 @@ fn solve(law: &dyn BatchedLaw<6>, piece: Piece, from: &Homogeneous, stretch: f64
         strain[1] = if piece == Piece::Equibiaxial { strain[0] } else { 0.0 };
     }
     for _ in 0..ITERATIONS {
-        let (stress, tangent) = response(law, &strain);
+        let (stress, tangent) = respond(&strain);
         let size = (0..6).map(|i| tangent[i][i].abs()).fold(0.0, f64::max);
         if !size.is_finite() || metric(&strain).cholesky().is_none() {
             return None;

@@ -59,7 +59,7 @@ where
         // What obstacles and drives do: what contacts do and neither pressing between bodies, friction nor penalties explain.
         let driven = work(|forces| &forces.contact) - row.contact_work - row.friction_work + (ended.kept - begun.kept);
         row.load_work = work(|forces| &forces.outside) + driven + 0.0;
-        row.energy_defect = row.total() - before.row.total() - row.load_work - row.contact_work - row.friction_work;
+        row.energy_defect = row.total() - before.row.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         state.drift = before.drift + state.row.energy_defect;
         state.loads_ended = state.row.time;
         Ok(state)

@@ -196,7 +196,7 @@ where
 
     /// Takes a point that was found for the state, with all that a row tells of it.
     fn stand_at(&mut self, guess: &Guess) -> Result<(), StepError> {
-        let from = self.state.row.time;
+        let (from, before) = (self.state.row.time, self.state.row.clone());
         let positions = self.system.nodes.positions(&guess.u);
         let state = Arc::make_mut(&mut self.state);
         (state.positions, state.displacements, state.lambda) = (positions, guess.u.clone(), guess.lambda.clone());
@@ -208,7 +208,6 @@ where
             load_work: 0.0,
             contact_work: 0.0,
             friction_work: 0.0,
-            dissipation: 0.0,
             energy_defect: 0.0,
             momentum_defect: 0.0,
             angular_momentum_defect: 0.0,
@@ -216,6 +215,7 @@ where
             halvings: 0,
             ..std::mem::take(row)
         };
+        row.book_flow_at_rest(&before);
         Ok(())
     }
 

@@ -41,7 +41,7 @@ where
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let (from, iterations, factorizations) =
             (self.state.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
-        let before = self.state.slipped.clone();
+        let (before, row_before) = (self.state.slipped.clone(), self.state.row.clone());
         Arc::make_mut(&mut self.state).slipped.iter_mut().for_each(|memory| memory.slip = 0.0);
         let settled = if time == from { self.settle_once(time, Care::Patient) } else { self.settle_later(from, time) };
         let mut report = settled?;
@@ -61,9 +61,7 @@ where
             load_work: 0.0,
             contact_work: 0.0,
             friction_work: frictional.iter().sum::<f64>() + 0.0,
-            dissipation: 0.0,
             damping: 0.0,
-            plastic: 0.0,
             energy_defect: 0.0,
             momentum_defect: 0.0,
             angular_momentum_defect: 0.0,
@@ -72,6 +70,7 @@ where
             halvings: 0,
             ..std::mem::take(row)
         };
+        row.book_flow_at_rest(&row_before);
         Ok(report)
     }
 

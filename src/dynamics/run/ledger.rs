@@ -238,6 +238,13 @@ impl LedgerRow {
         self.plastic_work.resize(heat.len(), 0.0);
         self.plastic_work.iter_mut().zip(heat).for_each(|(sum, heat)| *sum += heat);
     }
+
+    /// Books all that plastic flow has turned into heat since the row `before` as the dissipation of one step at rest.
+    pub(super) fn book_flow_at_rest(&mut self, before: &LedgerRow) {
+        let total = |row: &LedgerRow| row.plastic_work.iter().sum::<f64>() + 0.0; // no zero with a sign
+        self.plastic = total(self) - total(before);
+        self.dissipation = self.plastic;
+    }
 }
 
 impl<const D: usize> System<D>

@@ -142,6 +142,7 @@ where
             self.step_to_rest(&balance, &present, &mut progress)?;
             self.system.recycle(present.at);
         };
+        self.advance_histories(&at)?;
         let state = Arc::make_mut(&mut self.state);
         state.search = self.system.search();
         self.system.lead_positions(&mut state.displacements, &mut state.positions);
@@ -178,6 +179,19 @@ where
             strain: self.state.row.strain,
             active: self.state.row.active,
         })
+    }
+
+    /// Lets the histories of bodies come to an equilibrium that no damped step has led to: a point of a path.
+    fn advance_histories(&mut self, at: &Linearization) -> Result<(), StepError> {
+        let (state, undamped) = (self.state.clone(), vec![0.0; self.system.bodies.len()]);
+        let kind = StepKind::Rest { damping: &undamped, velocities: None };
+        let start =
+            StepStart { time: state.row.time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, kind };
+        let (memory, heat) = self.system.history_after(&start, at, &state.memory)?;
+        let present = Arc::make_mut(&mut self.state);
+        present.memory = memory;
+        present.row.book_plastic(&self.system.bodies, &state.row, &heat);
+        Ok(())
     }
 
     /// Judges the present state, with the contact pairs of a state at rest.

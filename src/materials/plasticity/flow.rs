@@ -193,7 +193,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
                 (1.0 / grown - 1.0 / x, 1.0 / (x * x) - left / (grown * grown))
             };
             theta.0[lane] = value;
-            slope.0[lane] = if size > 0.0 { by_x * 2.0 * self.shear / (size * radius) } else { 0.0 };
+            slope.0[lane] = if x > f64::EPSILON { by_x * 2.0 * self.shear / (size * radius) } else { 0.0 };
         }
         (theta, times(driven, slope))
     }
@@ -315,8 +315,8 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
             weighed = plus(back, -(q + -constants.factor()), &weighed);
         }
         weighed = plus(normal, -dot(&weighed, normal), &weighed);
-        let inverse = Lanes::splat(1.0) / *size;
-        let slope = slope_or_one(*slope, mask);
+        let inverse = Lanes::splat(1.0) / or_one(*size, mask);
+        let slope = or_one(*slope, mask);
         let flowed = plus(turning, g, normal);
         let pull = mask * g * two_mu;
         let of = |own: Lanes<FMA>, sign: f64, direct: Lanes<FMA>| {
@@ -363,8 +363,8 @@ impl<const FMA: bool, const S: usize> Slopes<FMA, S> {
     }
 }
 
-/// The slope where a point yields, 1 elsewhere.
+/// A divisor where a point yields, 1 elsewhere.
 #[inline(always)]
-fn slope_or_one<const FMA: bool>(slope: Lanes<FMA>, mask: Lanes<FMA>) -> Lanes<FMA> {
-    mask.unless_zero(slope, Lanes::splat(1.0))
+fn or_one<const FMA: bool>(divisor: Lanes<FMA>, mask: Lanes<FMA>) -> Lanes<FMA> {
+    mask.unless_zero(divisor, Lanes::splat(1.0))
 }

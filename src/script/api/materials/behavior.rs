@@ -28,7 +28,7 @@ pub fn functions() -> Vec<Function> {
         ("pure_shear", Piece::PureShear, "nominal stress of a wide strip pulled along its short side, its thickness free"),
     ];
     let mut all: Vec<Function> = stresses.into_iter().map(|(name, piece, summary)| stress(name, piece, summary)).collect();
-    all.extend([check(), plot()]);
+    all.extend([uniaxial_path(), check(), plot()]);
     all
 }
 
@@ -49,6 +49,43 @@ fn stress(name: &'static str, piece: Piece, summary: &'static str) -> Function {
             match states.last().filter(|_| states.len() == way.len()) {
                 Some(state) => Ok(Dynamic::from(state.nominal_stress)),
                 None => Err(unreached(call, &material, stretch, states.last().map_or(1.0, |state| state.stretch)).into()),
+            }
+        }),
+    }
+}
+
+fn uniaxial_path() -> Function {
+    Function {
+        name: "uniaxial_path",
+        form: Form::Method(MaterialHandle::receiver()),
+        topic: Topic::Materials,
+        summary: "nominal stresses of a bar whose sides are free at stretches that it goes through one after the other, at rest: loading, \
+                  unloading and cycles of an elastic-plastic material; the way between two is taken in steps of a few percent",
+        parameters: vec![Parameter::new("stretches", Kind::Array, "lengths over the undeformed length")],
+        returns: "Array",
+        example: "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n\
+                  print(steel.uniaxial_path([1.002, 1.0, 0.998, 1.002]));"
+            .into(),
+        see_also: &["uniaxial", "back_stress"],
+        body: body(move |call| {
+            let (material, argument) = (call.receiver::<MaterialHandle>().0, call.argument("stretches"));
+            let stretches = argument.numbers()?;
+            if let Some(stretch) = stretches.iter().find(|stretch| **stretch <= 0.0 || !stretch.is_finite()) {
+                return Err(argument.fail(format!("a stretch is {}, not greater than 0", number_text(*stretch))).into());
+            }
+            let (mut all, mut ends, mut last) = (Vec::new(), Vec::new(), 1.0);
+            for &stretch in &stretches {
+                all.extend(way(stretch / last, 1).into_iter().map(|part| last * part));
+                ends.push(all.len() - 1);
+                last = stretch;
+            }
+            let states = path(&material, Piece::Uniaxial, &all);
+            match ends.iter().position(|&end| end >= states.len()) {
+                None => Ok(Dynamic::from(ends.iter().map(|&end| Dynamic::from(states[end].nominal_stress)).collect::<Array>())),
+                Some(missing) => {
+                    let reached = states.last().map_or(1.0, |state| state.stretch);
+                    Err(unreached(call, &material, stretches[missing], reached).into())
+                }
             }
         }),
     }
