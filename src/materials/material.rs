@@ -179,6 +179,13 @@ impl Material {
         Ok(Material { plasticity: Some(Arc::new(constants.clone())), ..elastic.with_history(laws) })
     }
 
+    /// The material of a law with history variables that is written beside the crate (`examples/damage.rs` is one). An elastic material tells
+    /// its stiffness at rest; cells take the law point by point.
+    pub fn of_history_law<H: HistoryLaw<4> + HistoryLaw<6> + Clone + 'static>(name: &'static str, elastic: Self, law: H) -> Self {
+        let laws = Laws { split: None, ..elastic.laws.clone() };
+        Material { origin: Origin::Outside(name), energy: None, laws, ..elastic.with_history([law.clone(), law]) }
+    }
+
     /// The same with a law of history in the place of its own, which still tells its stiffness at rest; the second one leaves the
     /// volumetric part of the own law to cells that have a dilatation.
     fn with_history<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(self, laws: [H; 2]) -> Self {

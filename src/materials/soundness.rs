@@ -61,7 +61,8 @@ impl Material {
     pub fn weaknesses(&self) -> Vec<Weakness> {
         let mut found = self.weaknesses_at_rest();
         let is_sound = !found.iter().any(|weakness| matches!(weakness, Weakness::StressAtRest(_) | Weakness::StiffnessAtRest(_)));
-        if self.kinematics() == Kinematics::GreenLagrange && is_sound {
+        // Plastic flow comes before any strain at which an elastic law could lose ellipticity.
+        if self.kinematics() == Kinematics::GreenLagrange && is_sound && self.history().is_none() {
             found.extend(self.lost_ellipticity());
         }
         found

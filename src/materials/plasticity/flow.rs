@@ -318,40 +318,76 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         let inverse = Lanes::splat(1.0) / or_one(*size, mask);
         let slope = or_one(*slope, mask);
         let flowed = plus(turning, g, normal);
-        let pull = mask * g * two_mu;
-        let of = |own: Lanes<FMA>, sign: f64, direct: Lanes<FMA>| {
-            // The derivative of the normal, own (1 - N N) + sign weighed theta'.
-            let mut turned = [[Lanes::<FMA>::ZERO; S]; S];
-            let own = own * two_mu * inverse;
-            for k in 0..S {
-                for l in 0..S {
-                    let mut entry = -(own * normal[k] * normal[l]);
-                    if k == l {
-                        entry = entry + own;
-                    }
-                    if k < 3 && l < 3 {
-                        entry = entry - own * (1.0 / 3.0);
-                    }
-                    turned[k][l] = (weighed[k] * inverse * sign).mul_add(theta_slope[l], entry);
-                }
-            }
-            let back = times(&applied_back(&turned, outward), -(*stiffness * g));
-            let right = plus(outward, direct * two_mu, &back);
-            let multiplier = times(&right, -(mask * two_mu) / slope);
-            let mut result = [[Lanes::ZERO; S]; S];
-            for k in 0..S {
-                for l in 0..S {
-                    result[k][l] = flowed[k].mul_add(multiplier[l], turned[k][l] * pull);
-                }
-            }
-            result
-        };
+        let turned = Turned { normal, weighed: times(&weighed, inverse), inverse: two_mu * inverse };
+        let of = Multiplied { outward, flowed, push: *stiffness * g, pull: mask * g * two_mu, slope: mask * two_mu / slope };
+        let (one, fixed) = (Lanes::splat(1.0), Lanes::ZERO);
+        let by_end = of.derivative(&turned.derivative(theta, one, theta_slope), one * two_mu);
+        let by_start = of.derivative(&turned.derivative(-theta + 1.0, -one, theta_slope), fixed);
         Slopes {
             share,
-            by_end: of(theta, 1.0, Lanes::splat(1.0)),
-            by_start: of(-theta + 1.0, -1.0, Lanes::ZERO),
+            by_end,
+            by_start,
             by_time: times(&flowed, mask * two_mu * by_time / slope),
         }
+    }
+}
+
+/// What turns the normal with a strain.
+struct Turned<'a, const FMA: bool, const S: usize> {
+    normal: &'a [Lanes<FMA>; S],
+    /// What `theta` weighs, over the length of what the normal is along.
+    weighed: [Lanes<FMA>; S],
+    /// `2 mu` over that length.
+    inverse: Lanes<FMA>,
+}
+
+impl<const FMA: bool, const S: usize> Turned<'_, FMA, S> {
+    /// Derivative of the normal with respect to a strain that has a share of it, and its sign in the slope of `theta`:
+    /// `share 2 mu (I_dev - N N)/|v| + sign weighed theta'`.
+    #[inline(always)]
+    fn derivative(&self, share: Lanes<FMA>, sign: Lanes<FMA>, theta_slope: &[Lanes<FMA>; S]) -> [[Lanes<FMA>; S]; S] {
+        let own = share * self.inverse;
+        let mut turned = [[Lanes::<FMA>::ZERO; S]; S];
+        for k in 0..S {
+            let (along, weighed) = (own * self.normal[k], self.weighed[k] * sign);
+            for l in 0..S {
+                let mut entry = -(along * self.normal[l]);
+                if k == l {
+                    entry = entry + own;
+                }
+                if k < 3 && l < 3 {
+                    entry = entry - own * (1.0 / 3.0);
+                }
+                turned[k][l] = weighed.mul_add(theta_slope[l], entry);
+            }
+        }
+        turned
+    }
+}
+
+/// How the multiplier follows a strain through the normal.
+struct Multiplied<'a, const FMA: bool, const S: usize> {
+    outward: &'a [Lanes<FMA>; S],
+    /// Derivative of `g N` with respect to `g`.
+    flowed: [Lanes<FMA>; S],
+    push: Lanes<FMA>,
+    pull: Lanes<FMA>,
+    slope: Lanes<FMA>,
+}
+
+impl<const FMA: bool, const S: usize> Multiplied<'_, FMA, S> {
+    /// `2 mu` times the derivative of the plastic strain, from that of the normal and the direct one of the stress.
+    #[inline(always)]
+    fn derivative(&self, turned: &[[Lanes<FMA>; S]; S], direct: Lanes<FMA>) -> [[Lanes<FMA>; S]; S] {
+        let back = times(&applied_back(turned, self.outward), -self.push);
+        let multiplier = times(&plus(self.outward, direct, &back), -self.slope);
+        let mut result = [[Lanes::ZERO; S]; S];
+        for k in 0..S {
+            for l in 0..S {
+                result[k][l] = self.flowed[k].mul_add(multiplier[l], turned[k][l] * self.pull);
+            }
+        }
+        result
     }
 }
 

@@ -43,19 +43,25 @@ impl<const FMA: bool, const S: usize> Kept<FMA, S> {
     /// From the history variables of a point.
     #[inline(always)]
     pub(super) fn read(history: &[Lanes<false>], back_stresses: usize) -> Self {
-        let mut next = history.iter().map(|lanes| Lanes(lanes.0));
-        let mut read = || next.next().unwrap_or(Lanes::ZERO);
-        let mut kept = Kept { frame: [[Lanes::ZERO; 3]; 3], alpha: read(), heat: read(), back: [[Lanes::ZERO; S]; MOST_BACK_STRESSES] };
+        let mut kept = Kept {
+            frame: [[Lanes::ZERO; 3]; 3],
+            alpha: Lanes(history[0].0),
+            heat: Lanes(history[1].0),
+            back: [[Lanes::ZERO; S]; MOST_BACK_STRESSES],
+        };
+        let mut next = 2;
         for i in 0..3 {
             for j in 0..3 {
                 if linked::<S>(i, j) {
-                    kept.frame[i][j] = read();
+                    kept.frame[i][j] = Lanes(history[next].0);
+                    next += 1;
                 }
             }
         }
-        for back in kept.back.iter_mut().take(back_stresses) {
-            for component in back {
-                *component = read();
+        for back in 0..back_stresses {
+            for k in 0..S {
+                kept.back[back][k] = Lanes(history[next].0);
+                next += 1;
             }
         }
         kept

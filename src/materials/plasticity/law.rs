@@ -165,7 +165,7 @@ impl PlasticLaw {
     #[inline(always)]
     fn along_share<const FMA: bool, const S: usize>(&self, step: &Step<FMA, S>) -> [Lanes<FMA>; S] {
         let change = plus(&step.strains[0], Lanes::splat(-1.0), &step.strains[1]);
-        step.flow.slopes.as_ref().map_or([Lanes::ZERO; S], |slopes| slopes.along_share(&change))
+        if let Some(slopes) = &step.flow.slopes { slopes.along_share(&change) } else { [Lanes::ZERO; S] }
     }
 
     /// The stress at the end on `C`, and its derivative with respect to `C_1`, in principal directions of the end.

@@ -53,7 +53,7 @@ pub(super) fn first_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>) ->
 pub(super) fn second_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>, c: Lanes<FMA>) -> Lanes<FMA> {
     let mean = (a + b + c) * (1.0 / 3.0);
     let inverse = Lanes::splat(1.0) / mean;
-    let [x, y, z] = [a, b, c].map(|value| (value - mean) * inverse);
+    let (x, y, z) = ((a - mean) * inverse, (b - mean) * inverse, (c - mean) * inverse);
     let mut spread = 0.0f64;
     for lane in 0..WIDTH {
         spread = spread.max((x.0[lane] - y.0[lane]).abs()).max((y.0[lane] - z.0[lane]).abs()).max((x.0[lane] - z.0[lane]).abs());
