@@ -24,16 +24,15 @@ pub struct Locking {
     pub is_curable: bool,
     /// Whether the law has a form that takes one.
     pub has_mean: bool,
+    /// Whether it is plastic flow that keeps the volume.
+    pub flows: bool,
 }
 
 impl std::fmt::Display for Locking {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Locking { body, cells, ratio, .. } = self;
-        write!(
-            out,
-            "body \"{body}\" locks: its law resists a change of volume {ratio:.0} times as much as shear, and `{}` cells",
-            cells.name()
-        )?;
+        let Locking { body, cells, ratio, flows, .. } = self;
+        let why = if *flows { "plastic flow keeps its volume".into() } else { format!("its law resists a change of volume {ratio:.0} times as much as shear") };
+        write!(out, "body \"{body}\" locks: {why}, and `{}` cells", cells.name())?;
         write!(
             out,
             " {}",
@@ -77,6 +76,7 @@ impl Model {
                 ratio,
                 is_curable: !has_one_point,
                 has_mean,
+                flows: body.flows(),
             })
         };
         self.bodies.iter().filter(|body| body.rigid.is_none()).filter_map(of).collect()

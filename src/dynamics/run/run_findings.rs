@@ -47,6 +47,8 @@ pub enum RunFindingKind {
     Turned,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is its least stretch.
     Crushed,
+    /// A point has flowed beyond the last point of its hardening table.
+    BeyondTable,
     /// Cells do not follow the stress at rest; the value is the estimated error of the stresses over their size.
     CoarseCells,
     /// Much of the work went into attempts that failed and steps that were taken back; the value is its share of the factorisations.
@@ -74,6 +76,7 @@ impl RunFindingKind {
             RunFindingKind::Failures(..) => "C0614",
             RunFindingKind::Turned => "C0615",
             RunFindingKind::Crushed => "C0616",
+            RunFindingKind::BeyondTable => "C0619",
             RunFindingKind::CoarseCells => "C0617",
             RunFindingKind::Discarded => "C0618",
         }
@@ -100,6 +103,7 @@ impl RunFindingKind {
         ("passed_obstacle", "a side of a body that its contact does not name was inside a rigid obstacle: the largest depth in facets"),
         ("turned", "a body of linear elasticity has turned at the end: the angle, or the share of a strain or moment that it causes"),
         ("crushed", "a cell of Saint Venant-Kirchhoff material is crushed at the end, where the law softens: its least stretch"),
+        ("beyond_table", "a point flowed beyond the last point of its hardening table: the largest plastic strain over the last one there"),
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
         ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
@@ -123,6 +127,7 @@ impl RunFindingKind {
             RunFindingKind::Discarded => "work_discarded",
             RunFindingKind::Turned => "turned",
             RunFindingKind::Crushed => "crushed",
+            RunFindingKind::BeyondTable => "beyond_table",
             RunFindingKind::CoarseCells => "coarse_cells",
         }
     }
@@ -166,6 +171,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::Failures(cause) => write!(out, "steps are taken back and halved: {cause}"),
             RunFindingKind::Turned => write!(out, "a body of linear elasticity has turned"),
             RunFindingKind::Crushed => write!(out, "a body of Saint Venant-Kirchhoff material is crushed"),
+            RunFindingKind::BeyondTable => write!(out, "a hardening table ends before the plastic strain does"),
             RunFindingKind::CoarseCells => write!(out, "stresses are not accurate, and stiffness may not be"),
             RunFindingKind::Discarded => write!(out, "much of the work was for nothing"),
         }
@@ -205,6 +211,7 @@ impl RunFinding {
             RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more halvings",
             RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
             RunFindingKind::Turned => "take `neo_hookean`, whose small strains are the same, for bodies that turn",
+            RunFindingKind::BeyondTable => "the yield stress stays constant there: add points, such as a straight line through the last two",
             RunFindingKind::Crushed => "take `neo_hookean` for large compression: this law softens there, down to no resistance",
             RunFindingKind::CoarseCells => "use smaller cells, or cells of second order; the field `stress_error` shows where",
             RunFindingKind::Discarded => {
@@ -592,8 +599,8 @@ mod tests {
     fn every_kind_is_listed() {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
-            CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved, PassedObstacle,
-            PassedThrough, PositiveContactWork, ReserveHeld, TooFast, Turned,
+            BeyondTable, CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved,
+            PassedObstacle, PassedThrough, PositiveContactWork, ReserveHeld, TooFast, Turned,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Leap, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
@@ -602,6 +609,7 @@ mod tests {
             PassedObstacle,
             Turned,
             Crushed,
+            BeyondTable,
             CoarseCells,
             Failures("divergence"),
             Discarded,

@@ -181,7 +181,8 @@ where
         })
     }
 
-    /// Lets the histories of bodies come to an equilibrium that no damped step has led to: a point of a path.
+    /// Lets the histories of bodies go from where they began to the equilibrium that was found, in one step: on the way there nothing is in
+    /// balance, and what would flow by that is none of the model's.
     fn advance_histories(&mut self, at: &Linearization) -> Result<(), StepError> {
         let (state, undamped) = (self.state.clone(), vec![0.0; self.system.bodies.len()]);
         let kind = StepKind::Rest { damping: &undamped, velocities: None };
@@ -282,11 +283,8 @@ where
                 progress.accepted(imbalance.excess(), balance.motions::<D>(&motion), motion, tolerances::STANDS * self.shortest_facet());
                 let (own, system) = (&self.state.slipped, &self.system);
                 let slipped = slipped(system, own, &solution.at, 1.0, (&solution.at.lambda, &solution.active));
-                let (memory, heat) = system.history_after(&start, &solution.at, &memory)?;
                 let state = Arc::make_mut(&mut self.state);
-                (state.slipped, state.carried, state.memory) = (slipped, state.row.time, memory);
-                let before = state.row.clone();
-                state.row.book_plastic(&self.system.bodies, &before, &heat);
+                (state.slipped, state.carried) = (slipped, state.row.time);
                 (state.lambda, state.active) = (solution.at.lambda.clone(), solution.active);
                 (state.positions, state.displacements) = (solution.at.q_1.clone(), solution.at.u_1.clone());
                 self.system.recycle(solution.at);

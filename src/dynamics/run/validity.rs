@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::body::Body;
-use crate::materials::Kinematics;
+use crate::materials::{Kinematics, Material};
 use crate::math::tolerances;
 
 /// Name of the law that softens in compression.
@@ -35,7 +35,7 @@ pub struct Excess {
     pub value: f64,
     /// The cell, of a body that has turned the one that has turned most.
     pub cell: usize,
-    /// Rotation of the cell, of the support or of the body `[rad]`.
+    /// Rotation of the cell, of the support or of the body `[rad]`; of a hardening table the last plastic strain.
     pub angle: f64,
 }
 
@@ -50,6 +50,8 @@ pub enum ExcessKind {
     SpuriousMoment,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is the least stretch.
     Crushed,
+    /// A point has flowed beyond the last point of its hardening table; the value is its plastic strain over that of the last point.
+    BeyondTable,
 }
 
 /// Motion of a cell.
@@ -96,10 +98,22 @@ where
                     let excess = |(cell, value)| Excess { body: body.name.clone(), kind: ExcessKind::Crushed, value, cell, angle: 0.0 };
                     found.extend(worst.map(excess));
                 }
-                Kinematics::GreenLagrange => {}
+                Kinematics::GreenLagrange => found.extend(self.beyond_table(body, &definition.material)),
             }
         }
         found
+    }
+
+    /// The point of a body that has flowed farthest, of a material whose hardening is a table.
+    fn beyond_table(&self, body: &Body<D>, material: &Material) -> Option<Excess> {
+        let last = material.plasticity()?.hardening.last_strain()?;
+        let (mut cell, mut value) = (0, 0.0);
+        body.elements.visit_stresses(self.present(body), &mut |point| {
+            if point.kept.plastic_strain / last > value {
+                (cell, value) = (point.cell, point.kept.plastic_strain / last);
+            }
+        });
+        Some(Excess { body: body.name.clone(), kind: ExcessKind::BeyondTable, value, cell, angle: last })
     }
 
     /// The worst effect of rotation on a body of linear elasticity: the rotation itself, or where a support turns, strain or moment.

@@ -165,7 +165,7 @@ impl Host {
         let source = if source.is_empty() { self.main.borrow().clone() } else { source.to_string() };
         let text = self.sources.text(&source)?;
         let start = offset(&text, position)?;
-        let lexemes = scan::lexemes(engine, &text);
+        let lexemes = scan::lexemes_of_source(engine, &text);
         let start = scan::name_after_dot(&lexemes, start);
         let range = scan::locate(&lexemes, start, target, method).unwrap_or_else(|| scan::word(&lexemes, &text, start));
         Some(Place { source, text, range })

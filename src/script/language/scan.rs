@@ -3,7 +3,10 @@
 //! The language's run-time errors know the beginning of a call at most. The text is read again from there with the language's own
 //! tokens, so that a message can point at the very key or value it speaks of.
 
+use std::cell::RefCell;
 use std::ops::Range;
+use std::rc::Rc;
+use std::sync::Arc;
 
 use rhai::{Engine, Token};
 
@@ -35,6 +38,22 @@ pub enum Target {
         /// Whether the key's value is meant.
         value: bool,
     },
+}
+
+thread_local! {
+    /// The text that was read last, with its tokens.
+    static LAST: RefCell<Option<(Arc<str>, Rc<[Lexeme]>)>> = const { RefCell::new(None) };
+}
+
+/// All tokens of the text of a source, as [`lexemes`] gives them; those of the text asked for last are kept, because checks in a loop ask
+/// for one text again and again.
+pub fn lexemes_of_source(engine: &Engine, text: &Arc<str>) -> Rc<[Lexeme]> {
+    let known = LAST.with_borrow(|last| last.as_ref().filter(|(known, _)| Arc::ptr_eq(known, text)).map(|(_, lexemes)| lexemes.clone()));
+    known.unwrap_or_else(|| {
+        let lexemes: Rc<[Lexeme]> = lexemes(engine, text).into();
+        LAST.set(Some((text.clone(), lexemes.clone())));
+        lexemes
+    })
 }
 
 /// All tokens of a text, up to the first that is not one of the language.

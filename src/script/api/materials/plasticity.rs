@@ -6,6 +6,7 @@ use super::handle::MaterialHandle;
 use crate::materials::{BackStress, ElasticPlastic, Hardening, Material, MaterialError, PlasticityError, RateDependence};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Argument, Arguments};
+use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::number_text;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
@@ -109,6 +110,7 @@ fn elastic_plastic() -> Function {
                 _ if given.is_given() => given.number()?,
                 _ => return Err(given.missing().into()),
             };
+            warn_of_softening(&hardening, &law);
             let constants = ElasticPlastic {
                 youngs_modulus: options.number("youngs_modulus")?,
                 poisson_ratio: options.number("poisson_ratio")?,
@@ -120,6 +122,21 @@ fn elastic_plastic() -> Function {
             };
             made(&constants, &hardening)
         }),
+    }
+}
+
+/// Warns of a yield stress that falls: bands of cells then flow alone, as narrow as the mesh lets them.
+fn warn_of_softening(argument: &Argument, law: &Hardening) {
+    let Hardening::Table(points) = law else { return };
+    if let Some(pair) = points.windows(2).find(|pair| pair[1][1] < pair[0][1]) {
+        let title = format!("the material softens beyond a plastic strain of {}", number_text(pair[0][0]));
+        let call = argument.call();
+        call.host.warn(
+            Diagnostic::warning(title, call.place(&argument.target()))
+                .code("C0308")
+                .cause("what softens flows in a band as narrow as the cells: results depend on the mesh")
+                .hint("refine the mesh and compare, or give a `viscosity` with `rate_dependent`, which gives bands a width"),
+        );
     }
 }
 
