@@ -124,12 +124,10 @@ impl Physics<3, 4> {
     pub(super) fn of_plane(material: &Material, formulation: Formulation) -> Self {
         let (is_axisymmetric, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
         let is_free = formulation.plane == Plane::Stress;
-        let law = |has_volume: bool, elastic: Arc<dyn BatchedLaw<4>>| {
-            match material.history() {
-                Some(history) if is_free => PointLaw::History(Arc::new(FreeThickness(history.plane(true))), elastic),
-                Some(history) => PointLaw::History(history.plane(has_volume), elastic),
-                None => PointLaw::Elastic(elastic),
-            }
+        let law = |has_volume: bool, elastic: Arc<dyn BatchedLaw<4>>| match material.history() {
+            Some(history) if is_free => PointLaw::History(Arc::new(FreeThickness(history.plane(true))), elastic),
+            Some(history) => PointLaw::History(history.plane(has_volume), elastic),
+            None => PointLaw::Elastic(elastic),
         };
         let whole = || Special { law: law(true, material.axisymmetric()), volumetric: None, is_linear: false, strain, is_axisymmetric };
         match (formulation.dilatation, material.split()) {

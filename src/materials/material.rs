@@ -6,9 +6,9 @@ use thiserror::Error;
 
 use super::batched::{BatchedLaw, Response};
 use super::energy::{EnergyError, StoredEnergy};
-use super::law::Law;
 use super::hencky;
 use super::history::{HistoryLaw, HistoryLaws};
+use super::law::Law;
 use super::laws::{Kinematics, Laws};
 use super::plasticity::{ElasticPlastic, PlasticLaw, PlasticityError};
 use super::row::{Construct, MaterialRow, VolumetricForm, YOUNGS_MODULUS};
@@ -128,8 +128,17 @@ impl Material {
         let given = row.parameters.iter().position(|parameter| parameter.name == YOUNGS_MODULUS.name);
         let youngs_modulus = given.map_or_else(|| modulus_at_rest(&*laws.space), |index| values[index]);
         let density = *values.last().expect("every row has a density");
-        Material { origin: Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus, viscosity: Viscosity::default(), history: None, plasticity: None }
-            .stiff()
+        Material {
+            origin: Origin::Row(row, values.to_vec()),
+            energy,
+            density,
+            laws,
+            youngs_modulus,
+            viscosity: Viscosity::default(),
+            history: None,
+            plasticity: None,
+        }
+        .stiff()
     }
 
     /// The material of an energy that is given as text.
@@ -149,7 +158,17 @@ impl Material {
         Interval::Positive.check(density).map_err(wrong)?;
         let laws = energy.laws()?;
         let youngs_modulus = modulus_at_rest(&*laws.space);
-        Material { origin: Origin::Text, energy: Some(energy), density, laws, youngs_modulus, viscosity: Viscosity::default(), history: None, plasticity: None }.stiff()
+        Material {
+            origin: Origin::Text,
+            energy: Some(energy),
+            density,
+            laws,
+            youngs_modulus,
+            viscosity: Viscosity::default(),
+            history: None,
+            plasticity: None,
+        }
+        .stiff()
     }
 
     /// The material of an isotropic law that is written beside the crate (`examples/law.rs` is one).
@@ -161,7 +180,17 @@ impl Material {
         Interval::Positive.check(density).map_err(wrong)?;
         let laws = Laws::new(law);
         let youngs_modulus = modulus_at_rest(&*laws.space);
-        Material { origin: Origin::Outside(name), energy: None, density, laws, youngs_modulus, viscosity: Viscosity::default(), history: None, plasticity: None }.stiff()
+        Material {
+            origin: Origin::Outside(name),
+            energy: None,
+            density,
+            laws,
+            youngs_modulus,
+            viscosity: Viscosity::default(),
+            history: None,
+            plasticity: None,
+        }
+        .stiff()
     }
 
     /// An elastic-plastic material: Hencky's law with the flow of [`ElasticPlastic`].

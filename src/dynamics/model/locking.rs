@@ -31,7 +31,11 @@ pub struct Locking {
 impl std::fmt::Display for Locking {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Locking { body, cells, ratio, flows, .. } = self;
-        let why = if *flows { "plastic flow keeps its volume".into() } else { format!("its law resists a change of volume {ratio:.0} times as much as shear") };
+        let why = if *flows {
+            "plastic flow keeps its volume".into()
+        } else {
+            format!("its law resists a change of volume {ratio:.0} times as much as shear")
+        };
         write!(out, "body \"{body}\" locks: {why}, and `{}` cells", cells.name())?;
         write!(
             out,

@@ -66,7 +66,21 @@ impl EnergyAccount {
         let [viscosity, plastic, damping, numerical, impacts] = [-viscosity, -plastic, -damping, -numerical, -impacts];
         let known = loads + contact + friction + viscosity + plastic + damping + numerical + impacts + integrator;
         let otherwise = end - start - known;
-        EnergyAccount { start, end, loads, contact, friction, viscosity, plastic, damping, numerical, impacts, integrator, otherwise, scale }
+        EnergyAccount {
+            start,
+            end,
+            loads,
+            contact,
+            friction,
+            viscosity,
+            plastic,
+            damping,
+            numerical,
+            impacts,
+            integrator,
+            otherwise,
+            scale,
+        }
     }
 
     /// What changed the energy beyond round-off, each with its amount.

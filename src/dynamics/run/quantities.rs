@@ -129,13 +129,17 @@ where
                 (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
             }
             let share = point.volume / point.cell_volume;
-            points.push((point.cell, share, CellStress {
-                position,
-                stress: point.stress,
-                strain: point.strain,
-                plastic_strain: point.kept.plastic_strain,
-                back_stress: point.kept.back_stress,
-            }));
+            points.push((
+                point.cell,
+                share,
+                CellStress {
+                    position,
+                    stress: point.stress,
+                    strain: point.strain,
+                    plastic_strain: point.kept.plastic_strain,
+                    back_stress: point.kept.back_stress,
+                },
+            ));
         });
         points.sort_by_key(|point| point.0);
         match places {

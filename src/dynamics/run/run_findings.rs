@@ -211,7 +211,9 @@ impl RunFinding {
             RunFindingKind::TooFast(_) => "results are not accurate there: use a smaller dt, or allow more halvings",
             RunFindingKind::Failures(_) => "nothing is lost but time; a smaller dt avoids it",
             RunFindingKind::Turned => "take `neo_hookean`, whose small strains are the same, for bodies that turn",
-            RunFindingKind::BeyondTable => "the yield stress stays constant there: add points, such as a straight line through the last two",
+            RunFindingKind::BeyondTable => {
+                "the yield stress stays constant there: add points, such as a straight line through the last two"
+            }
             RunFindingKind::Crushed => "take `neo_hookean` for large compression: this law softens there, down to no resistance",
             RunFindingKind::CoarseCells => "use smaller cells, or cells of second order; the field `stress_error` shows where",
             RunFindingKind::Discarded => {

@@ -186,8 +186,7 @@ where
     fn advance_histories(&mut self, at: &Linearization) -> Result<(), StepError> {
         let (state, undamped) = (self.state.clone(), vec![0.0; self.system.bodies.len()]);
         let kind = StepKind::Rest { damping: &undamped, velocities: None };
-        let start =
-            StepStart { time: state.row.time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, kind };
+        let start = StepStart { time: state.row.time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, kind };
         let (memory, heat) = self.system.history_after(&start, at, &state.memory)?;
         let present = Arc::make_mut(&mut self.state);
         present.memory = memory;

@@ -383,7 +383,8 @@ impl Simulation {
                     (RunFindingKind::Turned, SPURIOUS, value > SPURIOUS, what)
                 }
                 ExcessKind::BeyondTable => {
-                    let what = format!("{cell} has a plastic strain {value:.2} times that of the last point of its hardening table, {angle}");
+                    let what =
+                        format!("{cell} has a plastic strain {value:.2} times that of the last point of its hardening table, {angle}");
                     (RunFindingKind::BeyondTable, 1.0, value > 1.0, what)
                 }
                 ExcessKind::Crushed => (RunFindingKind::Crushed, CRUSHED, value < CRUSHED, format!("{cell} has a stretch of {value:.2}")),

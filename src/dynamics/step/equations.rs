@@ -8,7 +8,7 @@ use super::iterate::Linearization;
 use super::making::PointInertia;
 use crate::bodies::{Elements, Present, Space};
 use crate::contact::Correction;
-use crate::dynamics::model::part::{PartHistories, Part, Pose};
+use crate::dynamics::model::part::{Part, PartHistories, Pose};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
@@ -83,7 +83,8 @@ where
 
     /// What the parts remember once all else than the histories of bodies has relaxed.
     pub fn relaxed(&self, memory: &[Vec<f64>]) -> PartHistories {
-        let of = |(index, (part, kept)): (usize, (&dyn Part, &Vec<f64>))| if index < self.bodies.len() { kept.clone() } else { part.memory() };
+        let of =
+            |(index, (part, kept)): (usize, (&dyn Part, &Vec<f64>))| if index < self.bodies.len() { kept.clone() } else { part.memory() };
         Arc::new(self.parts().zip(memory).enumerate().map(of).collect())
     }
 

@@ -323,12 +323,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         let (one, fixed) = (Lanes::splat(1.0), Lanes::ZERO);
         let by_end = of.derivative(&turned.derivative(theta, one, theta_slope), one * two_mu);
         let by_start = of.derivative(&turned.derivative(-theta + 1.0, -one, theta_slope), fixed);
-        Slopes {
-            share,
-            by_end,
-            by_start,
-            by_time: times(&flowed, mask * two_mu * by_time / slope),
-        }
+        Slopes { share, by_end, by_start, by_time: times(&flowed, mask * two_mu * by_time / slope) }
     }
 }
 

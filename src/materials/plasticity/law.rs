@@ -109,11 +109,7 @@ impl PlasticLaw {
         };
         let step = self.step::<FMA, S>([&at.start[point], end], history, (dt, rule), true);
         let [before, after] = self.stresses(&step);
-        let (stress, tangent) = if at.stress == StressOf::Step {
-            self.of_step(&step, &before, &after)
-        } else {
-            self.at_end(&step, &after)
-        };
+        let (stress, tangent) = if at.stress == StressOf::Step { self.of_step(&step, &before, &after) } else { self.at_end(&step, &after) };
         let map = congruence::<FMA, S>(&step.kept.to_reference(&step.ends[1].directions));
         let (stress, mut tangent) = (applied(&map, &stress), product_with_transpose(&product(&map, &tangent), &map));
         // dS/dE = 2 dS/dC.

@@ -120,10 +120,7 @@ pub(super) fn symmetric_map<const FMA: bool, const S: usize>(h: &[Matrix<FMA>; 3
 /// `A` as a map of tensors in the principal directions of `C_1`: the matrices `N^i_km = sum_j ln[c_1i, c_0j] R_kj R_mj` of
 /// [`symmetric_map`].
 #[inline(always)]
-pub(super) fn adjoint<const FMA: bool, const S: usize>(
-    stretches: [&[Lanes<FMA>; 3]; 2],
-    r: &Matrix<FMA>,
-) -> [Matrix<FMA>; 3] {
+pub(super) fn adjoint<const FMA: bool, const S: usize>(stretches: [&[Lanes<FMA>; 3]; 2], r: &Matrix<FMA>) -> [Matrix<FMA>; 3] {
     let [c_0, c_1] = stretches;
     let mut n = [[[Lanes::ZERO; 3]; 3]; 3];
     for i in 0..3 {

@@ -166,7 +166,9 @@ fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
     let Some(map) = value.read_lock::<Map>() else { return Err(argument.wrong_type()) };
     let mut numbers = Vec::new();
     for (key, value) in map.iter() {
-        let number = as_number(value).ok_or_else(|| argument.fail(format!("`{key}` of `hardening` is {}, not a number", described(argument.call().engine(), value))))?;
+        let number = as_number(value).ok_or_else(|| {
+            argument.fail(format!("`{key}` of `hardening` is {}, not a number", described(argument.call().engine(), value)))
+        })?;
         numbers.push((key.as_str(), number));
     }
     let of = |name: &str| numbers.iter().find(|(key, _)| *key == name).map(|(_, number)| *number);
@@ -191,7 +193,9 @@ fn points_of(argument: &Argument, points: &Array) -> Result<Vec<[f64; 2]>, Failu
         let both = value.read_lock::<Array>().map(|pair| pair.iter().filter_map(as_number).collect::<Vec<f64>>());
         match both.as_deref() {
             Some(&[strain, stress]) => Ok([strain, stress]),
-            _ => Err(argument.fail(format!("entry {} is {}, not a pair of numbers", index + 1, described(argument.call().engine(), value)))),
+            _ => {
+                Err(argument.fail(format!("entry {} is {}, not a pair of numbers", index + 1, described(argument.call().engine(), value))))
+            }
         }
     };
     points.iter().enumerate().map(pair).collect()
@@ -222,10 +226,8 @@ fn back_stress() -> Function {
             "the back stress",
         )],
         returns: MaterialHandle::NAME,
-        example: format!(
-            "{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});"
-        )
-        .into(),
+        example: format!("{STEEL}let cyclic = steel.back_stress(#{{ modulus: 20e3, recovery: 150.0 }}).back_stress(#{{ modulus: 1e3 }});")
+            .into(),
         see_also: &["elastic_plastic"],
         body: body(|call| {
             let mut constants = receiver(call)?;
