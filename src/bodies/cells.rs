@@ -419,7 +419,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         self.advanced(step)
     }
 
-    fn strain_energy(&self, Present { u, history }: Present) -> f64 {
+    fn strain_energy(&self, Present { u, history, .. }: Present) -> f64 {
         let (mut sum, mut kept) = (0.0, Vec::new());
         for (index, batch) in self.batches.iter().enumerate() {
             let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(u));
@@ -450,7 +450,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         least
     }
 
-    fn visit_stresses(&self, Present { u, history }: Present, visit: &mut dyn FnMut(&PointStress)) {
+    fn visit_stresses(&self, Present { u, history, beside }: Present, visit: &mut dyn FnMut(&PointStress)) {
         let mut kept = Vec::new();
         for (index, batch) in self.batches.iter().enumerate() {
             let deformation = self.deform(batch, Some(u));
@@ -463,7 +463,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 let seen = self.physics.seen(&deformation.strain[point], around, &kept, point);
                 for lane in 0..batch.count {
                     let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &seen.strain, lane);
-                    let s = nalgebra::Matrix3::from_fn(|i, j| seen.stress[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
+                    let more = beside.get((index * WIDTH + lane) * Q + point).copied().unwrap_or_default();
+                    let s = nalgebra::Matrix3::from_fn(|i, j| {
+                        let place = mandel_index::<3>(i, j);
+                        seen.stress[place].0[lane] * mandel_scale(i, j) + more[place]
+                    });
                     let pressure = nalgebra::Matrix3::identity() * pressures.map_or(0.0, |pressures| pressures[point].0[lane]);
                     let cauchy = f * s * f.transpose() / f.determinant() + pressure;
                     let green = |i: usize, j: usize| seen.strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);

@@ -5,6 +5,7 @@
 //! with a [`PartDefinition`], which goes into [`Model::parts`](super::definitions::Model::parts), and its [`Part`]; nobody else asks what
 //! it is.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::amplitude::Amplitude;
@@ -121,6 +122,12 @@ pub trait Part: Send {
 
     /// What it stores where the nodes are, remembering `memory` `[energy]`; 0 for what pushes from outside.
     fn energy(&self, at: Pose, memory: &[f64]) -> f64;
+
+    /// Second Piola-Kirchhoff stresses that it adds to those of the law of the body with these nodes, at all of its points, cell after cell:
+    /// xx, yy, zz, xy, yz, xz `[stress]`. None where it adds none, or is no part of that body.
+    fn stresses_of(&self, _nodes: &Range<usize>, _memory: &[f64]) -> Option<Vec<[f64; 6]>> {
+        None
+    }
 
     /// Whether its forces come from outside the model, such as from the ground: then they change the momenta.
     fn is_outside(&self) -> bool {

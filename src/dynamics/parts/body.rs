@@ -44,7 +44,7 @@ impl<const D: usize> Part for Body<D> {
     }
 
     fn energy(&self, at: Pose, history: &[f64]) -> f64 {
-        self.elements.strain_energy(Present { u: at.u, history })
+        self.elements.strain_energy(Present { u: at.u, history, beside: &[] })
     }
 
     fn memory(&self) -> Vec<f64> {

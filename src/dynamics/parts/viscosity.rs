@@ -7,6 +7,8 @@
 //! Across the plane the strain stays zero, or it is that around the axis, which the positions give, or no stress acts there: then it is a
 //! variable of each point, and what is stored by its distance from that of the elastic law is booked here (`bodies/thickness.rs`).
 
+use std::ops::Range;
+
 use nalgebra::{Matrix4, Matrix4x2, SVector, Vector4};
 
 use super::viscous_points::{Contribution, Deformation, Frame, Matrix, Point, Strain, points_of};
@@ -18,6 +20,7 @@ use crate::integrators::Configuration;
 use crate::linear::{Block, Pattern};
 use crate::materials::{Kinematics, Viscosity};
 use crate::math::lanes::{Lanes, WIDTH};
+use crate::math::tensor::mandel_index;
 
 /// A viscous body in the numbering of the model.
 pub struct ViscousBody {
@@ -82,9 +85,33 @@ impl ViscousBody {
         self.dimension * (self.dimension + 1) / 2 + usize::from(!matches!(self.across, Across::Kept))
     }
 
-    /// Numbers that a point remembers: strains of the branches, and the distance of a free strain across from that of the law.
+    /// Numbers of the stress on the rate of strain that are remembered for fields: all components, where there is such a stress.
+    fn of_rate(&self) -> usize {
+        let resists = self.viscosity.shear != 0.0 || self.viscosity.bulk != 0.0;
+        if resists { self.dimension * (self.dimension + 1) / 2 + 1 } else { 0 }
+    }
+
+    /// Numbers that a point remembers: strains of the branches, the stress on the rate in the last step, and the distance of a free strain
+    /// across from that of the law.
     fn remembered_by_point(&self) -> usize {
-        self.viscosity.branches.len() * self.components() + usize::from(matches!(self.across, Across::Free(_)))
+        self.viscosity.branches.len() * self.components() + self.of_rate() + usize::from(matches!(self.across, Across::Free(_)))
+    }
+
+    /// Stress at the end of a step at a point that remembers this, xx, yy, zz, xy, yz, xz.
+    fn stress_of<const D: usize>(&self, memory: &[f64]) -> [f64; 6] {
+        let (branches, rest) = memory.split_at(self.viscosity.branches.len() * self.components());
+        let mut sum = if self.of_rate() > 0 { Strain::<D>::unpacked(rest) } else { Strain { inner: Matrix::zeros(), across: 0.0 } };
+        for (strain, branch) in branches.chunks_exact(self.components()).zip(&self.viscosity.branches) {
+            sum = sum.sum(&Strain::<D>::unpacked(strain).times(2.0 * branch.shear_modulus));
+        }
+        let mut stress = [0.0; 6];
+        for i in 0..D {
+            (i..D).for_each(|j| stress[mandel_index::<3>(i, j)] = sum.inner[(i, j)]);
+        }
+        if D == 2 {
+            stress[2] = sum.across;
+        }
+        stress
     }
 
     fn point_count(&self) -> usize {
@@ -285,6 +312,7 @@ impl ViscousBody {
             let end = Contribution::new(&self.viscosity, &change, before, at.dt);
             dissipated += point.volume * end.dissipated;
             end.remembered.iter().for_each(|strain| strain.pack(self.components(), &mut memory));
+            end.of_rate.pack(self.of_rate(), &mut memory);
             memory.extend(free.map(|step| step.distance));
         });
         Remembered { memory, dissipated }
@@ -363,6 +391,19 @@ impl Part for ViscousBody {
             point.volume * if self.dimension == 2 { self.stored_by::<2>(memory) } else { self.stored_by::<3>(memory) }
         };
         self.points.iter().flatten().enumerate().map(of_point).sum::<f64>() + self.stored_across(at.u, memory)
+    }
+
+    fn stresses_of(&self, nodes: &Range<usize>, memory: &[f64]) -> Option<Vec<[f64; 6]>> {
+        let is_its = self.cells.first().is_some_and(|cell| nodes.contains(&(cell[0] as usize)));
+        // In plane stress the law's own stress is another one, too, at the thickness that both have together.
+        if !is_its || memory.is_empty() || matches!(self.across, Across::Free(_)) {
+            return None;
+        }
+        let of = |point: usize| {
+            let memory = self.memory_of(point, memory);
+            if self.dimension == 2 { self.stress_of::<2>(memory) } else { self.stress_of::<3>(memory) }
+        };
+        Some((0..self.point_count()).map(of).collect())
     }
 
     fn memory(&self) -> Vec<f64> {

@@ -86,11 +86,13 @@ pub struct Strain<const D: usize> {
 }
 
 impl<const D: usize> Strain<D> {
-    fn sum(&self, other: &Self) -> Self {
+    /// `A + B`.
+    pub fn sum(&self, other: &Self) -> Self {
         Strain { inner: self.inner + other.inner, across: self.across + other.across }
     }
 
-    fn times(&self, factor: f64) -> Self {
+    /// `s A`.
+    pub fn times(&self, factor: f64) -> Self {
         Strain { inner: self.inner * factor, across: self.across * factor }
     }
 
@@ -161,6 +163,8 @@ pub struct Contribution<const D: usize> {
     pub dissipated: f64,
     /// Strains of the branches at the end.
     pub remembered: Vec<Strain<D>>,
+    /// The part of the stress that resists the rate of strain `[stress]`.
+    pub of_rate: Strain<D>,
 }
 
 impl<const D: usize> Contribution<D> {
@@ -170,6 +174,7 @@ impl<const D: usize> Contribution<D> {
         let rate = Strain { inner: change.inner / dt, across: change.across / dt };
         let volumetric = bulk * rate.trace();
         let mut stress = rate.times(2.0 * shear).sum(&Strain { inner: Matrix::<D>::identity() * volumetric, across: volumetric });
+        let of_rate = stress;
         let mut dissipated = dt * (2.0 * shear * rate.norm_squared() + bulk * rate.trace().powi(2));
         let (mut moduli, mut remembered) = ([2.0 * shear / dt, bulk / dt], Vec::with_capacity(branches.len()));
         for (branch, y_0) in branches.iter().zip(before) {
@@ -181,6 +186,6 @@ impl<const D: usize> Contribution<D> {
             dissipated += 2.0 * branch.shear_modulus * dt / branch.relaxation_time * middle.norm_squared();
             remembered.push(y_1);
         }
-        Contribution { stress, moduli, dissipated, remembered }
+        Contribution { stress, moduli, dissipated, remembered, of_rate }
     }
 }

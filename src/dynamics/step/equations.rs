@@ -95,7 +95,7 @@ where
 
     /// Strain energy with what each part remembers `[energy]`.
     pub fn strain_energy(&self, u: &[f64], memory: &[Vec<f64>]) -> f64 {
-        let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(Present { u, history });
+        let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(Present { u, history, beside: &[] });
         self.bodies.iter().zip(memory).map(of).sum()
     }
 }

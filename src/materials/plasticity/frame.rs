@@ -142,7 +142,7 @@ impl<const FMA: bool, const S: usize> Kept<FMA, S> {
 
     /// `W` with the columns `P n_i`, which takes tensors in principal directions to the reference: `W T W^T`.
     #[inline(always)]
-    pub(super) fn to_reference(&self, directions: &Matrix<FMA>) -> Matrix<FMA> {
+    pub(super) fn reference_map(&self, directions: &Matrix<FMA>) -> Matrix<FMA> {
         let mut w = [[Lanes::ZERO; 3]; 3];
         for a in 0..3 {
             for i in 0..3 {

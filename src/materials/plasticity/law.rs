@@ -110,7 +110,7 @@ impl PlasticLaw {
         let step = self.step::<FMA, S>([&at.start[point], end], history, (dt, rule), true);
         let [before, after] = self.stresses(&step);
         let (stress, tangent) = if at.stress == StressOf::Step { self.of_step(&step, &before, &after) } else { self.at_end(&step, &after) };
-        let map = congruence::<FMA, S>(&step.kept.to_reference(&step.ends[1].directions));
+        let map = congruence::<FMA, S>(&step.kept.reference_map(&step.ends[1].directions));
         let (stress, mut tangent) = (applied(&map, &stress), product_with_transpose(&product(&map, &tangent), &map));
         // dS/dE = 2 dS/dC.
         let factor = if at.stress == StressOf::Middle { 1.0 } else { 2.0 };
@@ -271,7 +271,7 @@ impl PlasticLaw {
         for i in 0..3 {
             stress[i] = stress[i] / stretches.squares[i];
         }
-        relabel(&applied(&congruence::<FMA, S>(&kept.to_reference(&stretches.directions)), &stress))
+        relabel(&applied(&congruence::<FMA, S>(&kept.reference_map(&stretches.directions)), &stress))
     }
 }
 

@@ -40,9 +40,12 @@ pub enum Target {
     },
 }
 
+/// A text with its tokens.
+type Read = (Arc<str>, Rc<[Lexeme]>);
+
 thread_local! {
     /// The text that was read last, with its tokens.
-    static LAST: RefCell<Option<(Arc<str>, Rc<[Lexeme]>)>> = const { RefCell::new(None) };
+    static LAST: RefCell<Option<Read>> = const { RefCell::new(None) };
 }
 
 /// All tokens of the text of a source, as [`lexemes`] gives them; those of the text asked for last are kept, because checks in a loop ask

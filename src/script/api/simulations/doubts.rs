@@ -1,7 +1,8 @@
 //! Warnings of what a model means by its numbers, units and degrees, and of stresses that leave something out.
 
 use super::handle::SimulationHandle;
-use crate::dynamics::{JointKind, Model};
+use crate::bodies::Plane;
+use crate::dynamics::{BodyDefinition, JointKind, Model};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::function::Call;
@@ -42,6 +43,11 @@ pub(super) fn warn_of_mixed_units(call: &Call, model: &Model) {
     }
 }
 
+/// Whether fields show the stress of the stored energy of a body alone, although more acts: in plane stress the thickness is then another.
+pub(super) fn shows_elastic_stress(body: &BodyDefinition) -> bool {
+    body.rigid.is_none() && body.formulation.plane == Plane::Stress && !body.material.viscosity().is_none()
+}
+
 impl SimulationHandle {
     /// Warns of stresses without their viscous part, and of turns that end at a number of degrees.
     pub(super) fn warn_of_doubts(&self, host: &Host) {
@@ -52,10 +58,10 @@ impl SimulationHandle {
         self.warn_of_degrees(host);
     }
 
-    /// Warns that stresses of bodies that are viscous or relax are those of the stored energy alone.
+    /// Warns that stresses of bodies in plane stress that are viscous or relax are those of the stored energy alone.
     pub(super) fn warn_of_elastic_stress(&self, host: &Host) {
         let bodies = &self.0.model.model.bodies;
-        let Some(body) = bodies.iter().find(|body| body.rigid.is_none() && !body.material.viscosity().is_none()) else { return };
+        let Some(body) = bodies.iter().find(|body| shows_elastic_stress(body)) else { return };
         let title = format!("stresses of body \"{}\" leave out what its viscosity adds", body.name);
         let cause = "fields, pictures and files have the stress of the stored energy alone; forces and reactions have all of it";
         let warning = Diagnostic::warning(title, self.0.place.clone()).code("C0654").cause(cause);

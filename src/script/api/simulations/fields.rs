@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use rhai::{Array, Dynamic, Map};
 
+use super::doubts::shows_elastic_stress;
 use super::handle::SimulationHandle;
 use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, pressure, von_mises};
 use crate::script::api::examples::flight_example;
@@ -219,7 +220,7 @@ fn chosen(call: &Call) -> Result<Chosen, Failure> {
     let (index, at) = (handle.body_index(call)?, options.text("at")?);
     let value = FIELDS.iter().find(|row| row.0 == name).map_or(FIELDS[0].1, |row| row.1);
     let is_static = handle.with(call, |simulation| simulation.options().integrator.is_static())?;
-    if matches!(value, Value::Stress(_)) && !is_static && !handle.0.model.model.bodies[index].material.viscosity().is_none() {
+    if matches!(value, Value::Stress(_)) && !is_static && shows_elastic_stress(&handle.0.model.model.bodies[index]) {
         handle.warn_of_elastic_stress(call.host);
     }
     let Some(places) = PLACES.iter().find(|row| row.0 == at).and_then(|row| row.1) else {
