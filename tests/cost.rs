@@ -101,7 +101,7 @@ where
     let ((elements, pattern), _, bytes) = allocated(make);
     let u = vec![0.0; D * mesh.points.len()];
     let (mut force, mut values) = (vec![0.0; u.len()], vec![0.0; pattern.values()]);
-    let step = Step { derivative: Derivative::DiscreteGradient, weight: 1.0, inertia: 0.0, u_0: &u, u_1: &u };
+    let step = Step { derivative: Derivative::DiscreteGradient, weight: 1.0, inertia: 0.0, u_0: &u, u_1: &u, history: &[], dt: 0.0 };
     let workers = Workers::new(1);
     let ((), calls, _) = allocated(|| {
         elements.assemble(&step, &mut force, Some(&mut values), &workers).expect("no cell turns inside out");

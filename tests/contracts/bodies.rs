@@ -1,7 +1,7 @@
 //! What the element loop promises for every cell kind, material and integrator, on random states of a distorted mesh:
 //! exact tangent; directionality and orthogonality of the discrete gradient to round-off; indifference to rigid motions.
 
-use conserva::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
+use conserva::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Present, Space, Step};
 use conserva::elements::CellKind;
 use conserva::integrators::{BACKWARD_EULER, Derivative, ENERGY_MOMENTUM, MEAN_VALUE, MIDPOINT, Scheme, TRAPEZOIDAL};
 use conserva::linear::{NodeMatrix, Pattern, Vertex};
@@ -97,7 +97,7 @@ where
     }
 
     fn strain_energy(&self, q: &[f64]) -> f64 {
-        self.elements.strain_energy(&self.displacements(q))
+        self.elements.strain_energy(Present { u: &self.displacements(q), history: &[], beside: &[] })
     }
 
     /// Force and values of the tangent of a step.
@@ -112,7 +112,7 @@ where
         // Nothing of what stood there before may be left.
         let mut force = vec![f64::NAN; q_1.len()];
         let (u_0, u_1) = (&self.displacements(q_0)[..], &self.displacements(q_1)[..]);
-        let step = Step { derivative: integrator.derivative, weight: integrator.weight, inertia: 0.0, u_0, u_1 };
+        let step = Step { derivative: integrator.derivative, weight: integrator.weight, inertia: 0.0, u_0, u_1, history: &[], dt: 0.0 };
         self.elements.assemble(&step, &mut force, values, &Workers::new(1)).expect("no cell turns inside out");
         force
     }
@@ -203,7 +203,7 @@ where
     let (force, stiffness) = cells.assemble(integrator, &cells.reference, &q);
     let (mut same, mut values) = (vec![0.0; q.len()], vec![0.0; stiffness.len()]);
     let (u_0, u_1) = (&cells.displacements(&cells.reference)[..], &cells.displacements(&q)[..]);
-    let step = Step { derivative: integrator.derivative, weight: integrator.weight, inertia: 400.0, u_0, u_1 };
+    let step = Step { derivative: integrator.derivative, weight: integrator.weight, inertia: 400.0, u_0, u_1, history: &[], dt: 0.0 };
     cells.elements.assemble(&step, &mut same, Some(&mut values), &Workers::new(1)).expect("no cell turns inside out");
     assert_eq!(force, same, "{name}: the force is that of the strains alone");
     cells.elements.assemble(&step, &mut same, None, &Workers::new(1)).expect("no cell turns inside out");
@@ -236,7 +236,7 @@ fn sums_do_not_depend_on_the_number_of_threads() {
     let mut random = Random(17);
     let (q_0, q_1) = (cells.random_state(0.01, &mut random), cells.random_state(0.01, &mut random));
     let (u_0, u_1) = (&cells.displacements(&q_0)[..], &cells.displacements(&q_1)[..]);
-    let step = Step { derivative: Derivative::DiscreteGradient, weight: 1.0, inertia: 10.0, u_0, u_1 };
+    let step = Step { derivative: Derivative::DiscreteGradient, weight: 1.0, inertia: 10.0, u_0, u_1, history: &[], dt: 0.0 };
     let assembled = [1, 2, 3].map(|threads| {
         let (mut force, mut values) = (vec![f64::NAN; q_1.len()], vec![f64::NAN; cells.pattern.values()]);
         cells.elements.assemble(&step, &mut force, Some(&mut values), &Workers::new(threads)).expect("no cell turns inside out");
