@@ -120,7 +120,11 @@ impl Frame {
     pub fn new(mesh: &Mesh) -> Option<Self> {
         let dimension = mesh.dimension();
         let point = |node: usize| Vector3::from(mesh.points[node]);
-        let farthest = |size: &dyn Fn(usize) -> f64| (0..mesh.points.len()).max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a)));
+        // Of nodes that are equally far the first: round-off of a translated mesh must not decide.
+        let farthest = |size: &dyn Fn(usize) -> f64| {
+            let largest = (0..mesh.points.len()).map(size).fold(0.0, f64::max);
+            (0..mesh.points.len()).find(|&node| size(node) >= (1.0 - tolerances::EQUALLY_FAR) * largest)
+        };
         let mean = mesh.points.iter().map(|&point| Vector3::from(point)).sum::<Vector3<f64>>() / mesh.points.len() as f64;
         let mut masters = vec![farthest(&|node| (point(node) - mean).norm())?];
         let mut directions: Vec<Vector3<f64>> = Vec::new();

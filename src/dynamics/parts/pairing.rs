@@ -117,7 +117,7 @@ impl Pairing<'_> {
             let mut pair = self.obstacle_pair(name, shape, secondary.body, seen.on_nodes(Box::new(kernel), true));
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
-            if matches!(shape, ObstacleInSpace::Facets(_)) && pair.is_unilateral() {
+            if matches!(shape, ObstacleInSpace::Facets(_)) && pair.has_multipliers() {
                 // Sides that meet at a flat angle ask nearly the same of a node.
                 pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
             }
@@ -131,7 +131,7 @@ impl Pairing<'_> {
             let seen = self.in_space(interaction);
             let kernel = seen.on_nodes(kernel(&seen), true);
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
-            if pair.is_unilateral() {
+            if pair.has_multipliers() {
                 // Over a small part of a facet the rows of its nodes are nearly the same one.
                 pair.augmentation = pair.augmentation.or(Some(tolerances::SURFACE_AUGMENTATION));
             }
@@ -180,9 +180,13 @@ impl Pairing<'_> {
             Enforcement::Penalty { factor } => pair.penalize(factor, self.reference, has_middles),
             Enforcement::AugmentedLagrange { factor } => pair.augmentation = Some(factor),
         }
-        if self.model.bodies[interaction.secondary.body].rigid.is_some() && pair.is_unilateral() {
+        if self.model.bodies[interaction.secondary.body].rigid.is_some() && pair.has_multipliers() {
             // A rigid side has fewer motions than nodes: their rows depend on one another.
             pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
+        }
+        if interaction.equality && pair.has_multipliers() {
+            // What pulls may hold nodes that joints and couplings hold already, for as long as the contact is covered.
+            pair.augmentation = pair.augmentation.or(Some(tolerances::SURFACE_AUGMENTATION));
         }
         pair.restitution = self.restitution(interaction, &pair);
         pair.add_friction(interaction);

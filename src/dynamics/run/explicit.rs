@@ -15,12 +15,14 @@ use super::state::State;
 use crate::bodies::{Elements, Inverted, Space};
 use crate::contact::{Evaluation, Outlook, Travel};
 use crate::dynamics::model::step_error::StepError;
+use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::contact_impulses::push;
 use crate::dynamics::step::explicit::PartForces;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
 use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};
 use crate::dynamics::step::start::{Motion, StepKind, StepStart};
+use crate::integrators::Derivative;
 use crate::math::digits::three_digits;
 use crate::math::tolerances;
 
@@ -146,7 +148,12 @@ where
         let static_forces = self.static_forces(&forces, &at.pairs, &lambda);
         let row = &state.row;
         let mut remembered = SchemeMemory { of: scheme.describe(), exchanged: row.kinetic + row.strain.abs(), ..SchemeMemory::default() };
-        remembered.keep(&scheme, &static_forces, forces);
+        let mut obstacles = vec![0.0; q_0.len()];
+        for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Obstacle) {
+            let half: Vec<f64> = lambda[pair.rows.clone()].iter().map(|lambda| 0.5 * lambda).collect();
+            pair.kernel.obstacle_force_into(Derivative::AT_END, q_0, &vec![0.0; half.len()], &half, &mut obstacles);
+        }
+        remembered.keep(&scheme, &static_forces, forces, &obstacles);
         let state = Arc::make_mut(&mut self.state);
         (state.remembered, state.lambda) = (Arc::new(remembered), lambda);
         state.search = self.system.search();
@@ -192,10 +199,16 @@ where
 }
 
 impl SchemeMemory {
-    /// Takes forces for those that the next step finds.
-    pub(super) fn keep(&mut self, scheme: &crate::integrators::Scheme, static_forces: &[f64], forces: PartForces) {
+    /// Stores forces for the start of the next step. `obstacles` is half the force of obstacles `[force]`.
+    pub(super) fn keep(&mut self, scheme: &crate::integrators::Scheme, static_forces: &[f64], forces: PartForces, obstacles: &[f64]) {
         let left = |force: &[f64]| Lagging { left: force.iter().map(|force| scheme.lag.force * force).collect(), answered: Vec::new() };
         self.force = left(static_forces);
         self.outside = [left(&forces.load), left(&forces.ground)];
+        if obstacles.iter().any(|force| *force != 0.0) {
+            // As internal forces, against the motion that they drive.
+            let ground = &mut self.outside[1].left;
+            ground.resize(obstacles.len(), 0.0);
+            ground.iter_mut().zip(obstacles).for_each(|(ground, obstacle)| *ground -= obstacle);
+        }
     }
 }

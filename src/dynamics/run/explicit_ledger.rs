@@ -23,11 +23,11 @@ use crate::integrators::Derivative;
 
 /// What pushed from outside in a step, at its start and at its end `[force]`, means over the step.
 struct Ends {
-    /// Obstacles.
+    /// Obstacles; at the start the change by the multipliers of the step alone.
     obstacles: [Vec<f64>; 2],
     /// Reactions of supports.
     reactions: [Vec<f64>; 2],
-    /// Loads, weights, and the ground.
+    /// Loads, weights, the ground, and at the start the obstacles as the step before left them.
     others: [Vec<f64>; 2],
     /// Work of obstacles that move: of all, and of those with multipliers.
     obstacle_work: [f64; 2],
@@ -86,7 +86,7 @@ where
         let pushes = forces.load.iter().any(|load| *load != 0.0) || ends.obstacle_work[0] != 0.0;
         let exchanged = old.remembered.exchanged + row.load_work.abs() + (row.potential - old.row.potential).abs();
         let mut remembered = SchemeMemory { of: old.remembered.of.clone(), dt, exchanged, ..SchemeMemory::default() };
-        remembered.keep(motion.scheme, &f_1, forces);
+        remembered.keep(motion.scheme, &f_1, forces, &ends.obstacles[1]);
         let state = State {
             drift: old.drift + row.energy_defect,
             row,
@@ -120,15 +120,17 @@ where
         for pair in system.pairs.iter().filter(|pair| pair.kind == PairKind::Obstacle) {
             let [before, now] = [0, 1].map(|k: usize| &leap.lambda[k][pair.rows.clone()]);
             let has_multipliers = pair.has_multipliers();
-            // Multipliers of the step replace those before at its start.
-            let first: Vec<f64> =
-                before.iter().zip(now).map(|(before, now)| if has_multipliers { now - 0.5 * before } else { 0.5 * before }).collect();
-            let (last, none): (Vec<f64>, _) = (now.iter().map(|now| 0.5 * now).collect(), vec![0.0; now.len()]);
+            // Multipliers of the step replace the earlier ones at its start. The earlier ones pressed with the constraints of the step
+            // before, whose facets may be others: their force is remembered (`outside`), their work is that of the constraints of now.
+            let change: Vec<f64> = before.iter().zip(now).map(|(before, now)| if has_multipliers { now - before } else { 0.0 }).collect();
+            let half = |lambda: &[f64]| -> Vec<f64> { lambda.iter().map(|lambda| 0.5 * lambda).collect() };
+            let none = vec![0.0; now.len()];
             let [at_start, at_end] = &mut obstacles;
             let push = |first: &[f64], last: &[f64], into: &mut Vec<f64>| {
                 pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, first, last, into)
             };
-            let work = push(&first, &none, at_start) + push(&none, &last, at_end);
+            let earlier = push(&half(before), &none, &mut vec![0.0; unknowns]);
+            let work = earlier + push(&change, &none, at_start) + push(&none, &half(now), at_end);
             obstacle_work[0] += work;
             obstacle_work[1] += if has_multipliers { work } else { 0.0 };
         }
@@ -141,6 +143,7 @@ where
             reactions[1][k] = mass * (v_1[k] - middle) + 0.5 * f_1[k];
         }
         let weight = &system.nodes.weight;
+        // Forces of the ground, less those of obstacles.
         let [load_0, ground_0] = motion.remembered.outside.each_ref().map(|lagging| &lagging.left);
         let half = |k: usize, load: f64, ground: &[f64], share: f64| 0.5 * weight[k] + load - share * ground.get(k).copied().unwrap_or(0.0);
         let others = [

@@ -4,7 +4,7 @@ use super::equations::Equations;
 use super::start::StepStart;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::Holds;
-use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::{Row, RowStart, RowState};
 use crate::integrators::Derivative;
 use crate::math::tolerances;
@@ -81,7 +81,9 @@ impl<const D: usize> Equations<D> {
 
     /// Inverse augmentation of every constraint row in a step, by the stiffness of the rows.
     pub fn compliance(&self, stiffness: &[f64]) -> Vec<f64> {
-        if self.pairs.iter().all(|pair| pair.augmentation.is_none() && (D == 2 || pair.friction.is_none())) {
+        // A tangential constraint in the plane may be that of a plane of symmetry or of a periodic pair, too.
+        let eases_slips = D == 3 || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
+        if self.pairs.iter().all(|pair| pair.augmentation.is_none() && !(eases_slips && pair.friction.is_some())) {
             return vec![0.0; self.multipliers];
         }
         let mut compliance = stiffness.to_vec();
@@ -91,7 +93,7 @@ impl<const D: usize> Equations<D> {
         }
         self.copy_to_slips(&mut compliance);
         // Supports may keep a slip from one direction, along no row.
-        for pair in self.pairs.iter().filter(|pair| D == 3 && pair.augmentation.is_none()) {
+        for pair in self.pairs.iter().filter(|pair| eases_slips && pair.augmentation.is_none()) {
             for (row, pressing) in pair.tangential() {
                 compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[pressing]);
             }
@@ -113,7 +115,8 @@ impl<const D: usize> Equations<D> {
     /// From iteration to iteration, compliances `C_A` select those with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face
     /// has even pressures; by stiffness they would follow nodal masses.
     fn is_on_rigid_body(&self, pair: &ContactPair) -> bool {
-        let node = if D == 3 && pair.is_unilateral() { pair.node_of(pair.rows.start) } else { None };
+        let is_contact = pair.has_multipliers() && !pair.kind.is_bilateral();
+        let node = if D == 3 && is_contact { pair.node_of(pair.rows.start) } else { None };
         node.is_some_and(|node| self.bodies[self.body_of(node as usize)].rigid.is_some())
     }
 

@@ -9,7 +9,7 @@ use super::equations::Equations;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
-use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY};
+use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY, ZERO_ROW};
 
 /// A constraint row by its unknowns.
 type Row = BTreeMap<usize, f64>;
@@ -25,7 +25,9 @@ impl<const D: usize> Equations<D> {
         for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
-            for (number, mut row) in self.rows_of(pair, &evaluation) {
+            // Nodes that are not tied may have entries of round-off, which would be taken for pivots.
+            let is_covered = |(number, _): &(usize, Row)| evaluation.coverage[number - pair.rows.start] > ZERO_ROW;
+            for (number, mut row) in self.rows_of(pair, &evaluation).into_iter().filter(is_covered) {
                 // Of all its entries: what supports leave of a row may be round-off.
                 let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
                 row.retain(|&unknown, value| !self.supports.fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);

@@ -5,6 +5,8 @@ pub mod rigid;
 pub mod soft;
 pub mod work;
 
+use conserva::integrators::{self, Promises};
+
 use super::common::Random;
 
 /// Largest defect of the ledger and of the momenta over their scales.
@@ -66,15 +68,26 @@ impl Case {
 /// Lines of a script that print the largest defects and the largest friction work of a simulation `sim` over their scales; `mass` is that
 /// of all moving bodies.
 pub fn figures(mass: f64) -> String {
-    format!(
+    promised_figures(mass, &integrators::ENERGY_MOMENTUM.promises)
+}
+
+/// Lines of [`figures`] for the quantities that an integrator conserves: the defects of others are those of the integrator.
+pub fn promised_figures(mass: f64, promises: &Promises) -> String {
+    let mut lines = String::from(
         "let h = sim.history;\n\
          let scale = 1e-300;\n\
-         for k in 0..h.total.len() {{ scale = max([scale, h.kinetic[k] + h.strain[k] + abs(h.potential[k])]); }}\n\
-         print(`figure energy ${{max([max(h.energy_defect), -min(h.energy_defect)]) / scale}}`);\n\
-         print(`figure momentum ${{max(h.momentum_defect) / sqrt(2.0 * {mass} * scale)}}`);\n\
-         print(`figure angular_momentum ${{max(h.angular_momentum_defect) / sqrt(2.0 * {mass} * scale)}}`);\n\
-         print(`figure friction ${{max(h.friction_work) / scale}}`);\n"
-    )
+         for k in 0..h.total.len() { scale = max([scale, h.kinetic[k] + h.strain[k] + abs(h.potential[k])]); }\n\
+         print(`figure friction ${max(h.friction_work) / scale}`);\n",
+    );
+    if promises.energy {
+        lines += "print(`figure energy ${max([max(h.energy_defect), -min(h.energy_defect)]) / scale}`);\n";
+    }
+    for (name, is_kept) in [("momentum", promises.momentum), ("angular_momentum", promises.angular_momentum)] {
+        if is_kept {
+            lines += &format!("print(`figure {name} ${{max(h.{name}_defect) / sqrt(2.0 * {mass} * scale)}}`);\n");
+        }
+    }
+    lines
 }
 
 /// One of some values.

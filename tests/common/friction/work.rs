@@ -1,6 +1,8 @@
 //! Friction work of every integrator that takes friction: a scene with each of them and with four step sizes.
 
-use super::{Case, Expected, figures, pick, random_of, scaled, whole};
+use conserva::integrators;
+
+use super::{Case, Expected, pick, promised_figures, random_of, scaled, whole};
 
 /// Integrators that take friction, and whether they bound the energy of motions without drive.
 pub const INTEGRATORS: [(&str, bool); 14] = [
@@ -65,7 +67,9 @@ pub fn case(seed: u64) -> Case {
     if !drive {
         script += &format!("m.initial_velocity(b, #{{ linear: {vector} }});\n");
     }
-    script += &format!("let sim = simulate(m, #{{ integrator: {integrator}, dt: {dt:e} }});\nsim.step(60);\n{}", figures(0.2));
+    let scheme = integrators::CATALOGUE.iter().find(|scheme| integrator.split('(').next() == Some(scheme.name));
+    let figures = promised_figures(0.2, &scheme.expect("the integrator is of the catalogue").promises);
+    script += &format!("let sim = simulate(m, #{{ integrator: {integrator}, dt: {dt:e} }});\nsim.step(60);\n{figures}");
     let mut expected = Vec::new();
     if !drive && bounds {
         script += "let growth = 0.0;\nlet least = 1e300;\n\

@@ -22,6 +22,9 @@ pub const DEFECT: f64 = 1e-11;
 const ROUND_OFF: f64 = 1e-12;
 /// Least energy and momentum of a run that moves: masses, speeds and loads are of the order of one, and what rests has round-off of forces.
 const AT_REST: f64 = 1e-6;
+/// Loads and weights of the models `[force]`: on a body at rest their impulses and those of its supports cancel up to round-off of the
+/// impulses, not of the body's momentum.
+const LOAD: f64 = 1.0;
 /// Depth over the size of a facet.
 const DEPTH: f64 = 0.15;
 /// Relative difference of the histories of a model in another numbering.
@@ -76,8 +79,9 @@ impl History {
         };
         let energy = largest(&["kinetic", "strain", "potential", "load_work", "contact_work", "friction_work", "dissipation"]);
         let momentum = largest(&["momentum_x", "momentum_y", "momentum_z"]).max((2.0 * 0.5 * energy).sqrt());
+        let impulse = LOAD * largest(&["dt"]);
         history.energy = energy.max(AT_REST);
-        history.momentum = momentum.max(AT_REST);
+        history.momentum = momentum.max(impulse).max(AT_REST);
         Ok(history)
     }
 }
