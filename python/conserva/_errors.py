@@ -65,6 +65,10 @@ class OutputError(ConservaError, OSError):
         return ConservaError.__str__(self)
 
 
+class Interrupted(KeyboardInterrupt):
+    """A computation that Conserva itself has ended, by ``stop_after`` or for the interrupt key."""
+
+
 class ConservaWarning(UserWarning):
     """A warning about a model or a run; the run goes on."""
 
@@ -78,7 +82,7 @@ MODEL_CODES = ("C01",)
 def exception_of(parts):
     """The exception of a message."""
     if parts["kind"] == "interrupted":
-        return KeyboardInterrupt(parts["title"])
+        return Interrupted(parts["title"])
     kind = CLASSES.get(parts["kind"], ConservaError)
     if parts["kind"] == "script":
         kind = ModelError if parts["code"].startswith(MODEL_CODES) else ScriptError

@@ -18,6 +18,9 @@ class Record(dict):
         except KeyError:
             raise AttributeError(f"there is no key `{name}`; the keys are {', '.join(map(str, self))}") from None
 
+    def __add__(self, other):
+        return Record({**self, **other}) if isinstance(other, dict) else NotImplemented
+
 
 class Object:
     """An object of the language, bound to the thread and session that made it."""

@@ -151,7 +151,7 @@ class Translator:
             self.place += 1
             special(gives_value)
             return
-        code, kind = self.expression()
+        code, _ = self.expression()
         if self.peek() in ("=", "+=", "-=", "*=", "/=", "%=", "**="):
             sign = self.take()
             self.write(f"{code} {sign} {self.expression()[0]}")
@@ -202,7 +202,8 @@ class Translator:
         code = self.expression()[0]
         if "," in names:
             code = f"enumerate({code})"
-        names.split(", ") and [self.note_own(name) for name in names.split(", ")]
+        for name in names.split(", "):
+            self.note_own(name)
         self.write(f"for {names} in {code}:")
         self.block()
 
@@ -259,7 +260,12 @@ class Translator:
         self.write(f"def {name}({', '.join(parameters)}):")
         self.locals.append({"own": set(parameters), "outer": set()})
         place = len(self.lines)
-        self.block(True)
+        if self.peek() == "{":
+            self.block(True)
+        else:
+            self.depth += 1
+            self.statement(False)
+            self.depth -= 1
         outer = self.locals.pop()["outer"]
         if outer:
             scope = "nonlocal" if self.locals else "global"
@@ -357,9 +363,11 @@ class Translator:
             self.take(")")
             return f"({code})", kind
         if word == "[":
-            return f"[{', '.join(code for code, _ in self.list('}' if False else ']'))}]", "list"
+            return f"[{', '.join(code for code, _ in self.list(']'))}]", "list"
         if word == "#{":
             return dictionary(self.map()), "dict"
+        if word == "…":
+            return "...", None
         if word in ("|", "||"):
             return self.closure([] if word == "||" else self.names("|")), "Fn"
         raise NotTranslated(f"`{word}` stands where a value should")
@@ -386,19 +394,21 @@ class Translator:
         entries = []
         while not self.accept("}"):
             if self.accept("…"):
+                self.accept(",")
+                entries.append(("…", "..."))
                 continue
             kind, name = self.tokens[self.place]
             self.place += 1
             name = name.strip('"') if kind == "text" else name
             self.accept("?")
-            value = self.expression()[0] if self.accept(":") else "…"
+            value = self.expression()[0] if self.accept(":") else "..."
             entries.append((name, value))
             self.accept(",")
         return entries
 
     def closure(self, parameters):
         self.locals.append({"own": set(parameters), "outer": set()})
-        if self.peek() != "{":
+        if self.peek() not in ("{", "if"):
             try:
                 return f"lambda {', '.join(parameters)}: {self.expression()[0]}" if parameters else f"lambda: {self.expression()[0]}"
             finally:
@@ -431,7 +441,7 @@ class Translator:
             if self.peek() == "#{" and index in options:
                 self.take()
                 entries = self.map()
-                later += [f"{keyword_name(name)}={value}" for name, value in entries]
+                later += ["..." if name == "…" else f"{keyword_name(name)}={value}" for name, value in entries]
             elif self.accept("…"):
                 found.append("...")
             elif later:
@@ -464,6 +474,8 @@ class Translator:
         if not self.accept("("):
             if kind == "dict":
                 return f'{code}["{name}"]', None
+            if name == "len":
+                return f"len({code})", "number"
             return f"{code}.{name}", member and member["returns"] or ("Array" if kind in ("History", "Path") else None)
         if name == "call":
             return f"{code}{self.arguments(None)}", None

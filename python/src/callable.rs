@@ -2,11 +2,13 @@
 
 #![allow(deprecated)] // the engine marks its native function pointers as volatile, not as obsolete
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use conserva::script::Calls;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rhai::{Dynamic, EvalAltResult, FnPtr, Position};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::convert::{to_engine, to_python};
 use crate::raise::script_error;
@@ -37,6 +39,9 @@ fn call(py: Python, callable: &Bound<'_, PyAny>, values: &mut [&mut Dynamic]) ->
     result().map_err(|error| {
         let title =
             format!("the callable raised {}", error.value(py).repr().map_or_else(|_| "an exception".into(), |text| text.to_string()));
+        if is_stop(py, &error) {
+            return Calls::interrupted();
+        }
         let is_interrupt = error.is_instance_of::<PyKeyboardInterrupt>(py);
         state::with(|state| {
             if is_interrupt {
@@ -44,6 +49,12 @@ fn call(py: Python, callable: &Bound<'_, PyAny>, values: &mut [&mut Dynamic]) ->
             }
             state.raised.replace(Some(error));
         });
-        Box::new(EvalAltResult::ErrorRuntime(title.into(), Position::NONE))
+        if is_interrupt { Calls::interrupted() } else { Box::new(EvalAltResult::ErrorRuntime(title.into(), Position::NONE)) }
     })
+}
+
+/// Whether an exception says that Conserva itself has ended a computation.
+fn is_stop(py: Python, error: &PyErr) -> bool {
+    let class = py.import("conserva._errors").and_then(|errors| errors.getattr("Interrupted"));
+    class.is_ok_and(|class| error.matches(py, class).unwrap_or(false))
 }

@@ -154,17 +154,23 @@ pub fn to_python<'py>(py: Python<'py>, live: &Rc<Live>, value: Dynamic) -> PyRes
         for (key, value) in map.iter() {
             entries.set_item(key.as_str(), to_python(py, live, value.clone())?)?;
         }
-        return Ok(entries.into_any());
+        // Maps of results have a class of their own, which is made of a dictionary.
+        return match class_of(py, "Map")? {
+            Some(class) => class.call1((entries,)),
+            None => Ok(entries.into_any()),
+        };
     }
     let name = live.calls.type_name(&value).unwrap_or("Closure");
-    let class = match CLASSES.get(py) {
-        Some(classes) => classes.bind(py).get_item(name)?,
-        None => None,
-    };
+    let class = class_of(py, name)?;
     let class = class
         .ok_or_else(|| script_error(py, &format!("the type `{name}` has no class"), "the package is incomplete", "install it anew"))?;
     let number = state::with(|state| state.keep(live, value));
     class.call1((number,)).inspect_err(|_| state::with(|state| state.release(number)))
+}
+
+/// The class of a type of the language.
+fn class_of<'py>(py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+    CLASSES.get(py).map_or(Ok(None), |classes| classes.bind(py).get_item(name))
 }
 
 /// An array of numbers, of one or two dimensions.

@@ -4,10 +4,10 @@ use std::ffi::CStr;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use conserva::script::Form;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict, PyList, PyTuple, PyType};
-use rhai::Dynamic;
 
 use crate::convert::{number_of, numpy, set_classes, to_engine, to_python};
 use crate::raise::{diagnostic_error, script_error};
@@ -56,20 +56,34 @@ fn call<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let function: usize = arguments.get_item(0)?.extract()?;
     let values = arguments.get_item(1)?;
     let values = values.cast::<PyTuple>()?;
+    let mut converted = Vec::with_capacity(values.len());
+    // The object of a method decides the session.
     let live = match values.get_item(0).ok().map(|first| number_of(&first)).transpose()?.flatten() {
-        Some(number) => state::with(|state| state.value(py, number))?.0,
+        Some(number) => {
+            let (live, value) = state::with(|state| state.value(py, number))?;
+            converted.push(value);
+            live
+        }
         None => state::with(|state| state.current(py))?,
     };
     if function >= live.calls.functions().len() {
         return Err(PyTypeError::new_err("there is no such function"));
     }
-    let converted = values.iter().map(|value| to_engine(&value)).collect::<PyResult<Vec<Dynamic>>>()?;
+    for value in values.iter().skip(converted.len()) {
+        converted.push(to_engine(&value)?);
+    }
+    let is_property = matches!(live.calls.functions()[function].form, Form::Property(_));
     state::with(|state| {
         state.begin(py, &live)?;
         state.pending.borrow_mut().push(Pending { live: live.clone(), function, values: converted, outcome: None });
         Ok::<(), PyErr>(())
     })?;
-    py.detach(compute);
+    // A property returns at once, so that giving the lock away would cost more than it gives others.
+    if is_property {
+        compute()
+    } else {
+        py.detach(compute)
+    }
     let (outcome, raised) = state::with(|state| {
         state.end();
         let pending = state.pending.borrow_mut().pop();
@@ -108,12 +122,20 @@ fn failed(py: Python, error: &conserva::script::Diagnostic, raised: Option<PyErr
     }
     match raised {
         Some(raised) if is_interrupt || !raised.is_instance_of::<pyo3::exceptions::PyException>(py) => raised,
+        // A message of a call within a callable says more than that the callable raised.
+        Some(raised) if is_own(py, &raised) && error.title.starts_with("the callable raised") => raised,
         raised => {
             let exception = diagnostic_error(py, error);
             exception.set_cause(py, raised);
             exception
         }
     }
+}
+
+/// Whether an exception is one of Conserva.
+fn is_own(py: Python, error: &PyErr) -> bool {
+    let class = py.import("conserva._errors").and_then(|errors| errors.getattr("ConservaError"));
+    class.is_ok_and(|class| error.matches(py, class).unwrap_or(false))
 }
 
 /// `reference()`: the registry as JSON.

@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::rc::Rc;
 
-use rhai::{AST, Dynamic, Scope};
+use rhai::{AST, Dynamic, EvalAltResult, Scope};
 
 use super::compile::compile;
 use super::reference::Reference;
@@ -19,6 +19,7 @@ use crate::mesh::Mesh;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
+use crate::script::language::failure::interrupted;
 use crate::script::language::function::{Form, Function};
 use crate::script::language::observer::Observer;
 use crate::script::language::registry::Registry;
@@ -132,6 +133,11 @@ impl Calls {
         let prepared = Rc::new(Prepared { source, tree, variables });
         self.prepared.borrow_mut().insert((function, count), prepared.clone());
         Ok(prepared)
+    }
+
+    /// The error by which a function of the program, called by the engine, hands on that the computation is interrupted.
+    pub fn interrupted() -> Box<EvalAltResult> {
+        interrupted("interrupted").into()
     }
 
     /// Ends the session as a run ends: warnings, and the files of its folder, where it has one.
