@@ -22,13 +22,17 @@ class Record(dict):
         return Record({**self, **other}) if isinstance(other, dict) else NotImplemented
 
 
+# Numbers of objects have the number of their thread in the bits above.
+LEAST_NUMBER = 1 << 40
+
+
 class Object:
     """An object of the language, bound to the thread and session that made it."""
 
     __slots__ = ("__weakref__", "_number")
 
-    def __init__(self, number):
-        if type(number) is not int:
+    def __init__(self, number=None):
+        if type(number) is not int or number < LEAST_NUMBER:
             name = type(self).__name__
             hint = f"functions and methods return a `{name}`: `help(conserva)` lists them"
             raise ScriptError(f"a `{name}` cannot be made by its class", "C1020", ["objects of Conserva are values of its session"], [hint])

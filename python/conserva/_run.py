@@ -95,7 +95,7 @@ class session:  # noqa: N801 - it is used as a function is
     home : path, optional
         Folder of files that are read, by default the working folder.
     allow_read : list of path, optional
-        Further folders that may be read.
+        Folders that may be read besides `home`, by default all.
     parameters : dict, optional
         Values for ``param``.
 
@@ -105,13 +105,13 @@ class session:  # noqa: N801 - it is used as a function is
         What there was to report, after the end.
     """
 
-    def __init__(self, output=None, *, threads=1, home=".", allow_read=(), parameters=None):
+    def __init__(self, output=None, *, threads=1, home=".", allow_read=None, parameters=None):
         overrides = [(name, text_of(value)) for name, value in (parameters or {}).items()]
         self.options = {
             "output": None if output is None else os.fspath(output),
             "threads": int(threads),
             "home": os.fspath(home),
-            "allow_read": [os.fspath(folder) for folder in allow_read],
+            "allow_read": None if allow_read is None else [os.fspath(folder) for folder in allow_read],
             "parameters": overrides,
         }
         self.result = None

@@ -124,6 +124,13 @@ fn failed(py: Python, error: &conserva::script::Diagnostic, raised: Option<PyErr
         Some(raised) if is_interrupt || !raised.is_instance_of::<pyo3::exceptions::PyException>(py) => raised,
         // A message of a call within a callable says more than that the callable raised.
         Some(raised) if is_own(py, &raised) && error.title.starts_with("the callable raised") => raised,
+        Some(raised) if error.title.starts_with("the callable raised") => {
+            let cause = format!("a function that was passed to Conserva raised {raised}");
+            let hint = "the traceback above is that of the function; check it by calling it with numbers";
+            let exception = diagnostic_error(py, &error.clone().cause(cause).hint(hint));
+            exception.set_cause(py, Some(raised));
+            exception
+        }
         raised => {
             let exception = diagnostic_error(py, error);
             exception.set_cause(py, raised);

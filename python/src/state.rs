@@ -153,8 +153,7 @@ impl State {
         if let Some(live) = self.sessions.borrow().get(&self.current.get()) {
             return Ok(live.clone());
         }
-        let settings = Settings { checkpoints: Checkpoints::Never, interactive: true, ..Settings::default() };
-        let number = self.open(py, settings, PathBuf::from("."))?;
+        let number = self.open(py, settings(), PathBuf::from("."))?;
         self.current.set(number);
         Ok(self.sessions.borrow()[&number].clone())
     }
@@ -174,7 +173,7 @@ impl State {
     /// # Errors
     /// Settings that do not exist, or a folder that does not.
     pub fn enter(&self, py: Python, options: &Bound<'_, PyDict>) -> PyResult<(u64, u64)> {
-        let mut settings = Settings { checkpoints: Checkpoints::Never, interactive: true, ..Settings::default() };
+        let mut settings = settings();
         let text = |key: &str| options.get_item(key).ok().flatten().filter(|value| !value.is_none());
         if let Some(output) = text("output") {
             settings.output = Some(output.extract()?);
@@ -241,6 +240,12 @@ impl State {
         let sessions = std::mem::take(&mut *self.sessions.borrow_mut());
         drop((values, sessions));
     }
+}
+
+/// Settings of a session. A program may read whatever its user may, so that it gains nothing from a session that may not.
+fn settings() -> Settings {
+    let root = std::env::current_dir().ok().and_then(|folder| folder.ancestors().last().map(PathBuf::from));
+    Settings { checkpoints: Checkpoints::Never, interactive: true, allow_read: root.into_iter().collect(), ..Settings::default() }
 }
 
 /// The flag that ends computations of this thread.

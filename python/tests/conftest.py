@@ -12,10 +12,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """The working folder of a test; sessions begin in it."""
+    """The working folder of a test, from which its sessions name files."""
     monkeypatch.chdir(tmp_path)
-    with cs.session():
-        yield tmp_path
+    return tmp_path
 
 
 @pytest.fixture

@@ -18,16 +18,16 @@ def test_the_bearing_from_python_and_from_the_script_has_the_same_history(folder
     from bearing import bearing
 
     with cs.session(output=folder / "python") as run:
-        bearing(dt=0.02, end=1.0)
-    script = cs.run(SCRIPT, output=folder / "script", dt=0.02, until=1.0)
-    command = [sys.executable, "-m", "conserva", "run", str(SCRIPT), "--set", "dt=0.02", "--set", "until=1.0", "--out", "command", "--quiet"]
+        bearing(dt=0.02, end=0.6)
+    script = cs.run(SCRIPT, output=folder / "script", dt=0.02, until=0.6)
+    command = [sys.executable, "-m", "conserva", "run", str(SCRIPT), "--set", "dt=0.02", "--set", "until=0.6", "--out", "command", "--quiet"]
     subprocess.run(command, env=environment(), cwd=folder, check=True, capture_output=True)
     histories = [(folder / name / "history.csv").read_bytes() for name in ("python", "script", "command")]
-    assert len(histories[0]) > 5000 and histories[0] == histories[1] == histories[2]
+    assert len(histories[0]) > 3000 and histories[0] == histories[1] == histories[2]
     assert (folder / "python" / "bearing.svg").read_bytes() == (folder / "script" / "bearing.svg").read_bytes()
     assert run.result.checks == 2 and script.checks == 3 and script.is_conserving == run.result.is_conserving
     total = script.history().total
-    assert np.array_equal(total, run.result.history().total) and len(total) == 52
+    assert np.array_equal(total, run.result.history().total)
 
 
 def test_a_check_that_fails_in_a_script_raises_after_its_files_are_written(folder):

@@ -32,10 +32,9 @@ def test_every_key_of_options_is_documented():
 
 
 @pytest.mark.parametrize("function", _api.FUNCTIONS, ids=lambda function: function["signature"].split("(")[0])
-def test_every_example_runs_in_python(function, monkeypatch):
-    monkeypatch.chdir(ROOT / "scripts")
+def test_every_example_runs_in_python(function):
     code = _translate.program(function["example"])
-    with cs.session(), contextlib.redirect_stdout(io.StringIO()):
+    with cs.session(home=ROOT / "scripts"), contextlib.redirect_stdout(io.StringIO()):
         exec(compile(code, function["signature"], "exec"), {"cs": cs, "np": np})
 
 
