@@ -57,7 +57,7 @@ class session:
         *,
         threads: int = ...,
         home: str | os.PathLike[str] = ...,
-        allow_read: Sequence[str | os.PathLike[str]] = ...,
+        allow_read: Sequence[str | os.PathLike[str]] | None = ...,
         parameters: dict[str, Any] | None = ...,
     ) -> None: ...
     def __enter__(self) -> session: ...
