@@ -5,15 +5,21 @@ import sys
 import conserva as cs
 
 
-def bearing(dt=0.005, torque=0.1, end=2.0):
+def bearing(dt: float = 0.005, torque: float = 0.1, end: float = 2.0) -> cs.Simulation:
     """Two rings in frictionless contact, pressed into each other, and spun up by a torque on the inner one."""
     steel = cs.neo_hookean(youngs_modulus=1e5, poisson_ratio=0.1, density=1e-3)
     model = cs.model("bearing")
     outer = model.add_body("outer ring", cs.ring(inner_radius=1.0, outer_radius=1.5, cells=[10, 48]), steel)
     inner = model.add_body("inner ring", cs.ring(inner_radius=0.5, outer_radius=1.002, cells=[10, 40]), steel)
     model.fix(outer.boundary("outer"))
-    race = {"secondary": inner.boundary("outer"), "primary": outer.boundary("inner")}
-    model.add_contact("race", **race, method=cs.mortar(), equality=False, update="persistency")
+    model.add_contact(
+        "race",
+        secondary=inner.boundary("outer"),
+        primary=outer.boundary("inner"),
+        method=cs.mortar(),
+        equality=False,
+        update="persistency",
+    )
     model.torque(inner.boundary("inner"), cs.hat(0.0, 0.5, torque))
 
     sim = cs.simulate(model, integrator=cs.energy_momentum(), dt=dt, fields_every=0.1)

@@ -7,10 +7,12 @@ itself is made from, so that both are the same by construction.
 import difflib
 import json
 import keyword
+import warnings
 
 from . import _core, _translate
-from ._errors import ScriptError
+from ._errors import ConservaWarning, ScriptError
 from ._objects import Columns, MeshMethods, Object, Record
+from ._run import has_folder
 
 REGISTRY, TYPE_NAMES = _core.reference()
 REGISTRY = json.loads(REGISTRY)
@@ -95,7 +97,16 @@ def callable_of(place, function):
             values = signature.bind(values, named)
         return _core.call(place, values)
 
-    return call
+    if function["returns"] or "path" not in signature.names:
+        return call
+
+    def writing(*values, **named):
+        if not has_folder():
+            hint = "enter a session with a folder first: `with conserva.session(output=...):`"
+            warnings.warn(f"nothing is written by {signature.title()}: the session has no folder\n  = hint: {hint}", ConservaWarning, stacklevel=2)
+        return call(*values, **named)
+
+    return writing
 
 
 def alternatives(rows):
@@ -155,10 +166,6 @@ def documentation(function):
     if example:
         lines += ["Examples", "--------", *(f">>> {line}" for line in example.splitlines())]
     return "\n".join(lines).rstrip() + "\n"
-
-
-class Documented(property):
-    """A property of an object."""
 
 
 def named(call, function, owner=None):

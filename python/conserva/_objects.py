@@ -138,11 +138,8 @@ class MeshMethods(Object):
         import numpy as np
 
         parts = _core.mesh(self._number)
-        kind, order = MESHIO[parts["element"]]
-        cells = parts["connectivity"]
-        cells = cells[:, order] if order else cells
         sets = {name: [np.asarray(cells, dtype=int)] for name, cells in parts["parts"].items()}
-        return meshio.Mesh(parts["positions"], [(kind, cells)], cell_sets=sets)
+        return meshio.Mesh(parts["positions"], [(MESHIO[parts["element"]], parts["connectivity"])], cell_sets=sets)
 
     def to_pyvista(self):
         """The mesh as a ``pyvista.UnstructuredGrid``."""
@@ -155,18 +152,18 @@ class MeshMethods(Object):
         return drawn(parts) if parts["dimension"] == 2 and len(parts["connectivity"]) <= MOST_DRAWN else None
 
 
-# Kind of cells in meshio, and the order of nodes where it differs; a test writes and reads each kind.
+# Kinds of cells in meshio, which has the order of nodes of VTK, as Conserva has.
 MESHIO = {
-    "tri3": ("triangle", None),
-    "tri6": ("triangle6", None),
-    "quad4": ("quad", None),
-    "quad8": ("quad8", None),
-    "quad9": ("quad9", None),
-    "tet4": ("tetra", None),
-    "tet10": ("tetra10", None),
-    "hex8": ("hexahedron", None),
-    "hex20": ("hexahedron20", None),
-    "hex27": ("hexahedron27", None),
+    "tri3": "triangle",
+    "tri6": "triangle6",
+    "quad4": "quad",
+    "quad8": "quad8",
+    "quad9": "quad9",
+    "tet4": "tetra",
+    "tet10": "tetra10",
+    "hex8": "hexahedron",
+    "hex20": "hexahedron20",
+    "hex27": "hexahedron27",
 }
 
 # Cells of a mesh that is drawn in a notebook; more make a page slow.
