@@ -7,12 +7,10 @@ itself is made from, so that both are the same by construction.
 import difflib
 import json
 import keyword
-import warnings
 
 from . import _core, _translate
-from ._errors import ConservaWarning, ScriptError
+from ._errors import ScriptError
 from ._objects import Columns, MeshMethods, Object, Record
-from ._run import has_folder
 
 REGISTRY, TYPE_NAMES = _core.reference()
 REGISTRY = json.loads(REGISTRY)
@@ -97,16 +95,7 @@ def callable_of(place, function):
             values = signature.bind(values, named)
         return _core.call(place, values)
 
-    if function["returns"] or "path" not in signature.names:
-        return call
-
-    def writing(*values, **named):
-        if not has_folder():
-            hint = "enter a session with a folder first: `with conserva.session(output=...):`"
-            warnings.warn(f"nothing is written by {signature.title()}: the session has no folder\n  = hint: {hint}", ConservaWarning, stacklevel=2)
-        return call(*values, **named)
-
-    return writing
+    return call
 
 
 def alternatives(rows):

@@ -1,21 +1,11 @@
 """Runs of script files, and sessions whose results are files."""
 
 import os
-import threading
 from pathlib import Path
 
 from . import _core
 from ._errors import exception_of
 from ._objects import Record
-
-
-# Folder of the innermost session of a thread.
-LOCAL = threading.local()
-
-
-def has_folder():
-    """Whether the session of this thread writes files."""
-    return getattr(LOCAL, "output", None) is not None
 
 
 def text_of(value):
@@ -128,12 +118,9 @@ class session:  # noqa: N801 - it is used as a function is
 
     def __enter__(self):
         self.number, self.before = _core.enter(self.options)
-        self.output_before = getattr(LOCAL, "output", None)
-        LOCAL.output = self.options["output"]
         return self
 
     def __exit__(self, kind, error, trace):
-        LOCAL.output = self.output_before
         report = _core.leave(self.number, self.before)
         folder = self.options["output"]
         self.result = Run(folder and Path(folder), report)
