@@ -113,9 +113,21 @@ fn told(error: &clap::Error) -> u8 {
 
 /// Runs the command of this process's arguments.
 pub fn main() -> ExitCode {
-    let arguments = match CommandLine::try_parse() {
+    ExitCode::from(run_command(std::env::args_os()))
+}
+
+/// Runs the command of a program that is not this process's executable, such as a script of an interpreter; the exit code. Studies start
+/// `program` for their points.
+pub fn main_of(program: std::path::PathBuf, arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
+    process::set_program(program.clone());
+    run_command(std::iter::once(program.into_os_string()).chain(arguments))
+}
+
+/// Runs the command of arguments, the first of which is the name of the program; the exit code.
+fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
+    let arguments = match CommandLine::try_parse_from(arguments) {
         Ok(arguments) => arguments,
-        Err(error) => return ExitCode::from(told(&error)),
+        Err(error) => return told(&error),
     };
     // A defect is reported as a message of its own, not by the default hook.
     std::panic::set_hook(Box::new(|_| {}));
@@ -141,14 +153,14 @@ pub fn main() -> ExitCode {
         Command::Man { command } => manual(command.as_deref()),
     };
     match std::thread::Builder::new().name("script".into()).stack_size(STACK).spawn(work).map(|thread| thread.join()) {
-        Ok(Ok(code)) => ExitCode::from(with_loss(code)),
+        Ok(Ok(code)) => with_loss(code),
         Ok(Err(_)) => {
             console::complain("error: the program has a defect and had to stop\n= hint: please report it together with the script\n");
-            ExitCode::from(exit_code(Class::Internal))
+            exit_code(Class::Internal)
         }
         Err(error) => {
             console::complain(&format!("error: no thread could be started\n= cause: {error}\n"));
-            ExitCode::from(exit_code(Class::Internal))
+            exit_code(Class::Internal)
         }
     }
 }

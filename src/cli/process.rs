@@ -1,7 +1,27 @@
-//! What a process of this program has: the stack of the threads that run scripts, and its exit codes.
+//! What a process of this program has: its executable, the stack of the threads that run scripts, and its exit codes.
+
+use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use crate::script::Class;
 pub use crate::script::STACK;
+
+/// The program that stands for this process's executable, where it is set.
+static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+
+/// Sets the program that studies start for their points; without it, that is this process's executable.
+pub fn set_program(program: PathBuf) {
+    // The first one holds: a process has one program.
+    let _ = PROGRAM.set(program);
+}
+
+/// The program that studies start for their points.
+///
+/// # Errors
+/// The operating system does not name this process's executable.
+pub fn program() -> std::io::Result<PathBuf> {
+    PROGRAM.get().cloned().map_or_else(std::env::current_exe, Ok)
+}
 
 /// The exit code of a run without an error that should not be trusted.
 pub const DOUBTFUL: u8 = 4;

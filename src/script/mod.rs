@@ -19,6 +19,7 @@ pub use language::parameter::{Absent, Kind, Parameter};
 pub use language::registry::Registry;
 pub use language::settings::{Checkpoints, Mode, Settings, processors, worthwhile};
 pub use language::sources::Place;
+pub use session::calls::Calls;
 pub use session::codes::{Explanation, explanations};
 pub use session::completion::Candidate;
 pub use session::interactive::{Answer, Interactive, Style, Variable, indentation};

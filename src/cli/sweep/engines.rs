@@ -7,6 +7,7 @@ use super::arguments::{ComputeArguments, Engine};
 use super::planning::Planned;
 use super::progress::StudyProgress;
 use crate::cli::console::Console;
+use crate::cli::process::program;
 use crate::script::{Class, Diagnostic};
 use crate::studies::{PointState, here, slurm};
 
@@ -25,8 +26,8 @@ pub fn compute(
     interrupt: &AtomicBool,
     console: &Console,
 ) -> Result<Vec<usize>, Box<Diagnostic>> {
-    let program = std::env::current_exe()
-        .map_err(|error| Box::new(Diagnostic::error(Class::Internal, "the program cannot be found").cause(error.to_string())))?;
+    let program =
+        program().map_err(|error| Box::new(Diagnostic::error(Class::Internal, "the program cannot be found").cause(error.to_string())))?;
     let open = here::open_points(&planned.study, &planned.plan);
     let kept = planned.plan.points.len() - open.len();
     if kept > 0 {

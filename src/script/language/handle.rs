@@ -96,6 +96,11 @@ impl Types {
         self.names.contains(&name)
     }
 
+    /// Name of the type of an object; `None` for a value that is no object of the language.
+    pub fn name_of(&self, value: &Dynamic) -> Option<&'static str> {
+        self.rows.iter().find(|row| row.id == value.type_id()).map(|row| row.name)
+    }
+
     /// What `print` shows of an object of the language.
     pub fn print(&self, value: &Dynamic) -> Option<String> {
         let row = self.rows.iter().find(|row| row.id == value.type_id())?;

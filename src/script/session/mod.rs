@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod argument_tests;
+pub mod calls;
 pub mod codes;
 pub mod compile;
 pub mod completion;

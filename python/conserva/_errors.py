@@ -1,0 +1,91 @@
+"""Exceptions, made of the parts of a message."""
+
+from ._translate import translated
+
+
+class ConservaError(Exception):
+    """Base of all exceptions of Conserva.
+
+    Attributes
+    ----------
+    code : str
+        Stable code of the message, such as ``C1020``; ``docs/errors.md`` has a section for each.
+    title : str
+        What is wrong, in one sentence.
+    cause : str
+        The numbers that show it.
+    hint : str
+        How to mend it.
+    causes, hints : list of str
+        Each of them where there is more than one.
+    """
+
+    def __init__(self, title="", code="", causes=(), hints=(), label=""):
+        self.title, self.code, self.label = title, code, label
+        self.causes, self.hints = list(causes), list(hints)
+        super().__init__(title)
+
+    @property
+    def cause(self):
+        return "; ".join(self.causes)
+
+    @property
+    def hint(self):
+        return "; ".join(self.hints)
+
+    def __str__(self):
+        first = f"{self.title} [{self.code}]" if self.code else self.title
+        label = [f"  = here: {self.label}"] if self.label else []
+        return "\n".join([first, *label, *(f"  = cause: {text}" for text in self.causes), *(f"  = hint: {text}" for text in self.hints)])
+
+    def __reduce__(self):
+        return (type(self), (self.title, self.code, self.causes, self.hints, self.label))
+
+
+class ScriptError(ConservaError):
+    """A call is wrong: a name, a type, a range, or a callable that raised."""
+
+
+class ModelError(ScriptError):
+    """A model cannot be simulated as it is."""
+
+
+class StepFailed(ConservaError):
+    """A step or an equilibrium was not found; ``simulation.why()`` has its report."""
+
+
+class CheckFailed(ConservaError, AssertionError):
+    """A check, such as ``expect_close``, does not hold."""
+
+
+class OutputError(ConservaError, OSError):
+    """A file of the results could not be written."""
+
+    def __str__(self):
+        return ConservaError.__str__(self)
+
+
+class Interrupted(KeyboardInterrupt):
+    """A computation that Conserva itself has ended, by ``stop_after`` or for the interrupt key."""
+
+
+class ConservaWarning(UserWarning):
+    """A warning about a model or a run; the run goes on."""
+
+
+CLASSES = {"check": CheckFailed, "numerics": StepFailed, "output": OutputError}
+
+# Codes of models begin so in `docs/errors.md`.
+MODEL_CODES = ("C01",)
+
+
+def exception_of(parts):
+    """The exception of a message."""
+    if parts["kind"] == "interrupted":
+        return Interrupted(parts["title"])
+    kind = CLASSES.get(parts["kind"], ConservaError)
+    if parts["kind"] == "script":
+        kind = ModelError if parts["code"].startswith(MODEL_CODES) else ScriptError
+    words = {key: translated(parts[key]) for key in ("title", "label")}
+    causes, hints = ([translated(text) for text in parts[key]] for key in ("causes", "hints"))
+    return kind(words["title"], parts["code"], causes, hints, words["label"])
