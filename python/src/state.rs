@@ -22,7 +22,8 @@ use crate::raise::{diagnostic_error, script_error};
 /// Bits of a number below those of its thread.
 const SERIAL_BITS: u32 = 40;
 
-/// Calls that may be open at a time, where functions of Python call Conserva again. The stack of a main thread holds more than twice as many.
+/// Calls that may be open at a time, where functions of Python call Conserva again. The stack of a main thread holds more than twice as
+/// many.
 const MOST_CALLS: usize = 12;
 
 static THREADS: AtomicU64 = AtomicU64::new(1);
