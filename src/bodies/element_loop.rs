@@ -52,8 +52,8 @@ pub struct Present<'a> {
     pub u: &'a [f64],
     /// History variables ([`ElementLoop::history`]).
     pub history: &'a [f64],
-    /// Second Piola-Kirchhoff stresses beside those of the law `[stress]`, xx, yy, zz, xy, yz, xz of each point, cell after cell; empty where
-    /// there are none.
+    /// Second Piola-Kirchhoff stresses beside those of the law `[stress]`, xx, yy, zz, xy, yz, xz of each point, cell after cell; empty
+    /// where there are none.
     pub beside: &'a [[f64; 6]],
 }
 

@@ -48,8 +48,8 @@ impl<'a, const S: usize> StrainStep<'a, S> {
     }
 }
 
-/// A law with history variables, in `S` Mandel components: 4 where the third direction is stretched but not sheared, 6 in space. All history
-/// variables are 0 at the start.
+/// A law with history variables, in `S` Mandel components: 4 where the third direction is stretched but not sheared, 6 in space. All
+/// history variables are 0 at the start.
 pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// Number of history variables of a point.
     fn variables(&self) -> usize;

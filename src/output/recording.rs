@@ -275,6 +275,7 @@ fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
             body.contact_pressure[node],
             square(body.displacement[node]),
             square(body.velocity[node]),
+            body.plastic_strain[node],
             body.contact_slip[node],
         ];
         for ([low, high], value) in all.iter_mut().zip(values.into_iter().chain(body.stress[node])) {

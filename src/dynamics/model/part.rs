@@ -123,8 +123,8 @@ pub trait Part: Send {
     /// What it stores where the nodes are, remembering `memory` `[energy]`; 0 for what pushes from outside.
     fn energy(&self, at: Pose, memory: &[f64]) -> f64;
 
-    /// Second Piola-Kirchhoff stresses that it adds to those of the law of the body with these nodes, at all of its points, cell after cell:
-    /// xx, yy, zz, xy, yz, xz `[stress]`. None where it adds none, or is no part of that body.
+    /// Second Piola-Kirchhoff stresses that it adds to those of the law of the body with these nodes, at all of its points, cell after
+    /// cell: xx, yy, zz, xy, yz, xz `[stress]`. None where it adds none, or is no part of that body.
     fn stresses_of(&self, _nodes: &Range<usize>, _memory: &[f64]) -> Option<Vec<[f64; 6]>> {
         None
     }

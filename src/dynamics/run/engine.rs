@@ -110,7 +110,6 @@ where
             potential: system.nodes.potential_energy(&positions) + system.stored_energy(Pose { q: &positions, u: &displacements }, &memory),
             momentum,
             angular_momentum,
-            plastic_work: system.bodies.iter().filter(|body| body.elements.history() > 0).map(|_| 0.0).collect(),
             parts: system.part_totals(Pose { q: &positions, u: &displacements }, &velocities, &memory, &[]),
             ..LedgerRow::default()
         };

@@ -12,7 +12,7 @@ pub const MOST_BACK_STRESSES: usize = 4;
 #[non_exhaustive]
 pub enum PlasticityError {
     /// A constant outside its range.
-    #[error("`{constant}` of `elastic_plastic` {fault}")]
+    #[error("`{constant}` of a material with plastic flow {fault}")]
     Constant {
         /// Name of the constant.
         constant: &'static str,

@@ -15,16 +15,13 @@
 use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
 use super::logarithm::{applied, applied_back, dot, plus, times};
 use crate::math::lanes::{Lanes, Real, WIDTH};
-use crate::math::tolerances::{ON_THE_YIELD_SURFACE, OUTSIDE_THE_YIELD_SURFACE, PLASTIC_MULTIPLIER, SMALL_PLASTIC_STEP};
+use crate::math::tolerances::{LEAST_FLOW_SHARE, ON_THE_YIELD_SURFACE, OUTSIDE_THE_YIELD_SURFACE, PLASTIC_MULTIPLIER, SMALL_PLASTIC_STEP};
 
 /// `sqrt(2/3)`.
 pub(super) const ROOT: f64 = 0.816_496_580_927_726;
 
 /// Most iterations for the multiplier: Newton's method needs three to six, and each bisection halves what is left.
 const ITERATIONS: usize = 80;
-
-/// Smallest share of a step that is left for flow: a rate over nothing is none.
-const LEAST_SHARE: f64 = 1e-12;
 
 /// Which rule of flow a step has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,7 +107,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         let radius = self.law.at_rest(self.alpha)[0] * ROOT;
         let change = plus(&self.strains[0], Lanes::splat(-1.0), &self.strains[1]);
         let (share, share_slope) = self.elastic_share(radius, &change);
-        let left = (-share + 1.0).greater(Lanes::splat(LEAST_SHARE));
+        let left = (-share + 1.0).greater(Lanes::splat(LEAST_FLOW_SHARE));
         let stress_1 = times(&self.strains[1], two_mu);
         let stress_s = times(&plus(&change, share, &self.strains[0]), two_mu);
         let driven = plus(&stress_s, Lanes::splat(-1.0), &stress_1);

@@ -1,3 +1,5 @@
+//! The law by itself: its work, its tangents, and shears without end.
+
 use super::law::PlasticLaw;
 use super::*;
 use crate::materials::batched::{Components, Response};

@@ -10,6 +10,9 @@ pub const OUTSIDE_THE_YIELD_SURFACE: f64 = 1e-9;
 /// Residual of the yield condition, relative to the stresses in it, at which the plastic multiplier is found.
 pub const PLASTIC_MULTIPLIER: f64 = 1e-14;
 
+/// Smallest share of a step that is left for plastic flow: below it there is no rate.
+pub const LEAST_FLOW_SHARE: f64 = 1e-12;
+
 /// Step over the yield strain below which the direction of flow is fitted by a series: its first term left out is 1e-15.
 pub const SMALL_PLASTIC_STEP: f64 = 1e-2;
 

@@ -14,7 +14,7 @@ impl Handle for MaterialHandle {
 
     fn describe(&self) -> String {
         if let Some(constants) = self.0.plasticity() {
-            return super::plasticity::describe(constants);
+            return super::flow_text::describe(constants);
         }
         let mut entries = Vec::new();
         if let (HYPERELASTIC, Some(energy)) = (self.0.name(), self.0.energy()) {

@@ -3,6 +3,7 @@
 mod behavior;
 pub mod energies;
 mod fitting;
+mod flow_text;
 mod handle;
 mod laws;
 mod plasticity;

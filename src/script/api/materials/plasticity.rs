@@ -25,47 +25,6 @@ pub fn functions() -> Vec<Function> {
     vec![elastic_plastic(), back_stress(), rate_dependent(), hardening_curve()]
 }
 
-/// A material as the script that makes it.
-pub(super) fn describe(constants: &ElasticPlastic) -> String {
-    let number = |name: &str, value: f64| format!("{name}: {}", number_text(value));
-    let mut entries = vec![
-        number("youngs_modulus", constants.youngs_modulus),
-        number("poisson_ratio", constants.poisson_ratio),
-        number("density", constants.density),
-        number("yield_stress", constants.yield_stress),
-    ];
-    match &constants.hardening {
-        Hardening::Saturating { modulus, saturation, .. } if *saturation == 0.0 && *modulus == 0.0 => {}
-        Hardening::Saturating { modulus, saturation, .. } if *saturation == 0.0 => entries.push(number("hardening", *modulus)),
-        Hardening::Saturating { modulus, saturation, exponent } => {
-            let all = [number("saturation", *saturation), number("exponent", *exponent), number("modulus", *modulus)];
-            entries.push(format!("hardening: #{{ {} }}", all.join(", ")));
-        }
-        Hardening::Swift { strain, exponent } => {
-            entries.push(format!("hardening: #{{ {}, {} }}", number("strain", *strain), number("exponent", *exponent)));
-        }
-        Hardening::Ludwik { modulus, exponent } => {
-            entries.push(format!("hardening: #{{ {}, {} }}", number("modulus", *modulus), number("exponent", *exponent)));
-        }
-        Hardening::Table(points) => {
-            let all: Vec<String> = points.iter().map(|[strain, k]| format!("[{}, {}]", number_text(*strain), number_text(*k))).collect();
-            entries.push(format!("hardening: [{}]", all.join(", ")));
-        }
-    }
-    let mut text = format!("elastic_plastic(#{{ {} }})", entries.join(", "));
-    for back in &constants.back_stresses {
-        text += &format!(".back_stress(#{{ {}, {} }})", number("modulus", back.modulus), number("recovery", back.recovery));
-    }
-    match constants.rate {
-        RateDependence::None => {}
-        RateDependence::Perzyna { viscosity } => text += &format!(".rate_dependent(#{{ {} }})", number("viscosity", viscosity)),
-        RateDependence::JohnsonCook { factor, reference_rate } => {
-            text += &format!(".rate_dependent(#{{ {}, {} }})", number("factor", factor), number("reference_rate", reference_rate));
-        }
-    }
-    text
-}
-
 fn elastic_plastic() -> Function {
     Function {
         name: "elastic_plastic",
@@ -78,7 +37,7 @@ fn elastic_plastic() -> Function {
             "options",
             Kind::Options(vec![
                 Parameter::number("youngs_modulus", "stress", Interval::Positive, "stiffness in uniaxial tension"),
-                Parameter::number("poisson_ratio", "", Interval::Open(-1.0, 0.5), "lateral contraction over extension"),
+                Parameter::number("poisson_ratio", "1", Interval::Open(-1.0, 0.5), "lateral contraction over extension"),
                 Parameter::number("density", "mass/volume", Interval::Positive, "mass per undeformed volume"),
                 Parameter::number("yield_stress", "stress", Interval::Positive, "true stress in tension at which flow begins")
                     .or(Absent::Means("the first of the points of `hardening`")),
@@ -103,7 +62,7 @@ fn elastic_plastic() -> Function {
                 && first != given.number()?
             {
                 let title = format!("the hardening table begins at a yield stress of {}, not at `yield_stress`", number_text(first));
-                return Err(given.fail(title).code("C0306").hint("leave `yield_stress` out: the table has it").into());
+                return Err(given.fail(title).hint("leave `yield_stress` out: the table has it").into());
             }
             let yield_stress = match first {
                 Some(first) if !given.is_given() => first,
@@ -220,7 +179,7 @@ fn back_stress() -> Function {
             "options",
             Kind::Options(vec![
                 Parameter::number("modulus", "stress", Interval::Positive, "what it gains per plastic strain in uniaxial tension"),
-                Parameter::number("recovery", "", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery")
+                Parameter::number("recovery", "1", Interval::NonNegative, "dynamic recovery: it saturates at modulus over recovery")
                     .or(Absent::Number(0.0)),
             ]),
             "the back stress",
@@ -251,7 +210,7 @@ fn rate_dependent() -> Function {
             "options",
             Kind::Options(vec![
                 optional("viscosity", "stress*time", "overstress per rate (Perzyna)"),
-                optional("factor", "", "C of Johnson and Cook"),
+                optional("factor", "1", "C of Johnson and Cook"),
                 optional("reference_rate", "1/time", "the rate up to which nothing changes (Johnson and Cook)"),
             ]),
             "the dependence: `viscosity` alone, or `factor` and `reference_rate`",

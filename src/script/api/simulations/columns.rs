@@ -57,7 +57,9 @@ pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     values.extend(joints.iter().zip(&row.joints).flat_map(|(joint, totals)| totals.values(joint, dimension)));
     values.resize(known + joints.iter().map(|joint| JointTotals::columns(joint, dimension).len()).sum::<usize>(), f64::NAN);
     values.extend(model.has_rigid_contacts().then_some(row.impact));
+    let known = values.len();
     values.extend(&row.plastic_work);
+    values.resize(known + model.flowing_bodies().count(), 0.0);
     values.extend(row.probes.iter().flat_map(|probe| probe.values(dimension)));
     values
 }
