@@ -208,8 +208,8 @@ impl Material {
         Ok(Material { plasticity: Some(Arc::new(constants.clone())), ..elastic.with_history(laws) })
     }
 
-    /// The material of a law with history variables that is written beside the crate. An elastic material tells its stiffness at rest; cells
-    /// take the law point by point.
+    /// The material of a law with history variables that is written beside the crate. An elastic material tells its stiffness at rest;
+    /// cells take the law point by point.
     pub fn of_history_law<H: HistoryLaw<4> + HistoryLaw<6> + Clone + 'static>(name: &'static str, elastic: Self, law: H) -> Self {
         let laws = Laws { split: None, ..elastic.laws.clone() };
         Material { origin: Origin::Outside(name), energy: None, laws, ..elastic.with_history([law.clone(), law]) }

@@ -99,7 +99,7 @@ where
                 strain = next;
                 std::mem::swap(&mut history, &mut after);
             }
-            assert!(yielded || size < 1e-3);
+            assert!(yielded || size < 0.01);
         }
     }
 }
