@@ -23,7 +23,7 @@ RENAMED = {"Error": "Failure"}
 
 
 class Signature:
-    """How values and keywords become the values of a call."""
+    """Rules by which positional and keyword arguments become the arguments of a call."""
 
     __slots__ = ("first", "function", "is_needed", "names", "options")
 

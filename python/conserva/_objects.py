@@ -72,7 +72,7 @@ class Object:
 
 
 def missing(kind, name):
-    """What to say of an attribute that a class does not have."""
+    """Message about an attribute that a class does not have."""
     near = difflib.get_close_matches(name, [known for known in dir(kind) if not known.startswith("_")], 3)
     hint = f"; did you mean {' or '.join(f'`{known}`' for known in near)}?" if near else ""
     return f"`{kind.__name__}` has no attribute `{name}`{hint}"
@@ -113,7 +113,7 @@ collections.abc.Mapping.register(Columns)
 
 
 class MeshMethods(Object):
-    """What Python has of meshes besides the language: arrays, and other programs' meshes."""
+    """Methods of meshes that exist in Python alone: arrays, and meshes of other programs."""
 
     __slots__ = ()
 

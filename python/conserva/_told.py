@@ -1,4 +1,4 @@
-"""What a session tells while it computes."""
+"""Output of a session while it computes: printed lines, warnings, checks, progress."""
 
 import logging
 import sys
@@ -8,7 +8,7 @@ from ._errors import ConservaWarning, exception_of
 
 LOG = logging.getLogger("conserva")
 
-# Whether a line on a terminal shows how far a computation is; ``conserva.progress`` sets it.
+# True where a line on a terminal shows the progress of a computation; ``conserva.progress`` sets it.
 shows_progress = False
 _line = ""
 

@@ -11,7 +11,7 @@ use pyo3::types::PyTuple;
 use rhai::{Dynamic, EvalAltResult, FnPtr, Position};
 
 use crate::convert::{to_engine, to_python};
-use crate::raise::script_error;
+use crate::raise::{is_of, script_error};
 use crate::state;
 
 /// Number of the next callable, which is a part of its name: the engine may take functions of one name for one function.
@@ -39,7 +39,8 @@ fn call(py: Python, callable: &Bound<'_, PyAny>, values: &mut [&mut Dynamic]) ->
     result().map_err(|error| {
         let title =
             format!("the callable raised {}", error.value(py).repr().map_or_else(|_| "an exception".into(), |text| text.to_string()));
-        if is_stop(py, &error) {
+        // Conserva itself has ended the computation of a call within.
+        if is_of(py, &error, "Interrupted") {
             return Calls::interrupted();
         }
         let is_interrupt = error.is_instance_of::<PyKeyboardInterrupt>(py);
@@ -51,10 +52,4 @@ fn call(py: Python, callable: &Bound<'_, PyAny>, values: &mut [&mut Dynamic]) ->
         });
         if is_interrupt { Calls::interrupted() } else { Box::new(EvalAltResult::ErrorRuntime(title.into(), Position::NONE)) }
     })
-}
-
-/// Whether an exception says that Conserva itself has ended a computation.
-fn is_stop(py: Python, error: &PyErr) -> bool {
-    let class = py.import("conserva._errors").and_then(|errors| errors.getattr("Interrupted"));
-    class.is_ok_and(|class| error.matches(py, class).unwrap_or(false))
 }

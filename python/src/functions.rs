@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict, PyList, PyTuple, PyType};
 
 use crate::convert::{number_of, numpy, set_classes, to_engine, to_python};
-use crate::raise::{diagnostic_error, script_error};
+use crate::raise::{diagnostic_error, is_of, script_error};
 use crate::script::{described, run};
 use crate::state::{self, Pending};
 
@@ -123,7 +123,7 @@ fn failed(py: Python, error: &conserva::script::Diagnostic, raised: Option<PyErr
     match raised {
         Some(raised) if is_interrupt || !raised.is_instance_of::<pyo3::exceptions::PyException>(py) => raised,
         // A message of a call within a callable says more than that the callable raised.
-        Some(raised) if is_own(py, &raised) && error.title.starts_with("the callable raised") => raised,
+        Some(raised) if is_of(py, &raised, "ConservaError") && error.title.starts_with("the callable raised") => raised,
         Some(raised) if error.title.starts_with("the callable raised") => {
             let cause = format!("a function that was passed to Conserva raised {raised}");
             let hint = "the traceback above is that of the function; check it by calling it with numbers";
@@ -137,12 +137,6 @@ fn failed(py: Python, error: &conserva::script::Diagnostic, raised: Option<PyErr
             exception
         }
     }
-}
-
-/// Whether an exception is one of Conserva.
-fn is_own(py: Python, error: &PyErr) -> bool {
-    let class = py.import("conserva._errors").and_then(|errors| errors.getattr("ConservaError"));
-    class.is_ok_and(|class| error.matches(py, class).unwrap_or(false))
 }
 
 /// `reference()`: the registry as JSON.

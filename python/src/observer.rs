@@ -1,4 +1,4 @@
-//! What a session tells while it computes, for Python: printed lines, warnings, checks, progress, and a look at Python's signals.
+//! Observer of a session for Python: printed lines, warnings, checks and progress go to `conserva._told`, signals end the computation.
 
 use std::cell::Cell;
 use std::sync::Arc;

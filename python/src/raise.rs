@@ -43,6 +43,12 @@ pub fn diagnostic_error(py: Python, error: &Diagnostic) -> PyErr {
     made().unwrap_or_else(|_| PyRuntimeError::new_err(error.title.clone()))
 }
 
+/// True of an exception of a class of `conserva._errors`.
+pub fn is_of(py: Python, error: &PyErr, class: &str) -> bool {
+    let class = py.import("conserva._errors").and_then(|errors| errors.getattr(class));
+    class.is_ok_and(|class| error.matches(py, class).unwrap_or(false))
+}
+
 /// An exception about a call that never reached the engine.
 pub fn script_error(py: Python, title: &str, cause: &str, hint: &str) -> PyErr {
     diagnostic_error(py, &Diagnostic::error(Class::Script, title).code("C1020").cause(cause).hint(hint))

@@ -1,4 +1,4 @@
-//! What a thread has of Conserva: its sessions, and the values behind the objects of Python, by their numbers.
+//! State of a thread: sessions of the script engine, and the engine's values behind objects of Python, by number.
 //!
 //! Values of the script engine stay on their thread. An object of Python holds a number, whose upper bits name the thread, so that it may
 //! go anywhere: on another thread it is not found, which is an error with a message, and where it is freed there, the thread of the value
@@ -39,13 +39,13 @@ static MAIN: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// A session with what ends its computations.
 pub struct Live {
-    /// Its functions.
+    /// Functions of the session.
     pub calls: Calls,
     /// Ends a computation at the next whole step.
     pub interrupt: Arc<AtomicBool>,
 }
 
-/// What a thread has.
+/// Sessions and values of one thread.
 pub struct State {
     thread: u64,
     serial: Cell<u64>,
@@ -53,7 +53,7 @@ pub struct State {
     sessions: RefCell<BTreeMap<u64, Rc<Live>>>,
     current: Cell<u64>,
     depth: Cell<usize>,
-    /// The call that is about to run without Python's lock, and what came of it.
+    /// Calls that run without Python's lock, the innermost last, with their outcomes.
     pub pending: RefCell<Vec<Pending>>,
     /// Exceptions of Python that travel through the engine.
     pub raised: RefCell<Option<PyErr>>,
@@ -61,13 +61,13 @@ pub struct State {
 
 /// A call between Python and the engine.
 pub struct Pending {
-    /// Its session.
+    /// Session of the call.
     pub live: Rc<Live>,
-    /// Place of its function in the registry.
+    /// Place of the function in the registry.
     pub function: usize,
-    /// Its values.
+    /// Arguments of the call.
     pub values: Vec<Dynamic>,
-    /// What came of it.
+    /// Outcome of the call, once it has run.
     pub outcome: Option<Result<Dynamic, Box<conserva::script::Diagnostic>>>,
 }
 
@@ -101,7 +101,7 @@ impl State {
     /// The value of a number.
     ///
     /// # Errors
-    /// It belongs to another thread, or its session has ended.
+    /// The object belongs to another thread, or its session has ended.
     pub fn value(&self, py: Python, number: u64) -> PyResult<(Rc<Live>, Dynamic)> {
         if let Some(found) = self.values.borrow().get(&number) {
             return Ok(found.clone());

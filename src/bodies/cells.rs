@@ -170,8 +170,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let around = [Some(step.u_0), Some(step.u_1)].map(|u| u.filter(|_| is_axisymmetric));
             let points = work.special_points(batch, table, around);
             let answer = answer.get_or_insert_with(|| Box::new(Answer::EMPTY));
-            self.history_of(index, step.history, &mut answer.history);
-            special.respond(&points, Course { derivative: step.derivative, history: &[], dt: step.dt }, answer);
+            let kept = self.history_of(index, step.history);
+            special.respond(&points, Course { derivative: step.derivative, history: &kept, dt: step.dt }, answer);
             work.take(answer);
             points
         });
@@ -420,12 +420,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn strain_energy(&self, Present { u, history, .. }: Present) -> f64 {
-        let (mut sum, mut kept) = (0.0, Vec::new());
+        let mut sum = 0.0;
         for (index, batch) in self.batches.iter().enumerate() {
             let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(u));
             if let (Some(special), Some(points)) = (&self.physics.special, points) {
-                self.history_of(index, history, &mut kept);
-                sum += special.energy(&points, &kept).0[..batch.count].iter().sum::<f64>();
+                sum += special.energy(&points, &self.history_of(index, history)).0[..batch.count].iter().sum::<f64>();
                 continue;
             }
             let mut energy = [Lanes::ZERO; Q];
@@ -451,13 +450,12 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     fn visit_stresses(&self, Present { u, history, beside }: Present, visit: &mut dyn FnMut(&PointStress)) {
-        let mut kept = Vec::new();
         for (index, batch) in self.batches.iter().enumerate() {
             let deformation = self.deform(batch, Some(u));
             let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
             let pressures = special.map(|(special, points)| special.pressures(points));
             let cell_volume: [f64; WIDTH] = std::array::from_fn(|lane| deformation.volumes.iter().map(|volume| volume.0[lane]).sum());
-            self.history_of(index, history, &mut kept);
+            let kept = self.history_of(index, history);
             for point in 0..Q {
                 let around = special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]);
                 let seen = self.physics.seen(&deformation.strain[point], around, &kept, point);

@@ -39,13 +39,14 @@ pub struct Step<'a> {
     pub u_0: &'a [f64],
     /// Displacements at the end.
     pub u_1: &'a [f64],
-    /// History variables at the start ([`ElementLoop::history`]); without any a law that has some answers with its stiffness at rest.
+    /// History variables at the start ([`ElementLoop::history`]). An empty slice asks a law that has such variables for its elastic
+    /// stiffness at rest.
     pub history: &'a [f64],
     /// Size of the step `[time]`, 0 at rest.
     pub dt: f64,
 }
 
-/// A body at rest or in motion: where its nodes are, and what its points keep.
+/// State of a body: displacements, history variables, and stresses of other parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Present<'a> {
     /// Displacements, flat, node after node, of the whole model.
@@ -57,7 +58,7 @@ pub struct Present<'a> {
     pub beside: &'a [[f64; 6]],
 }
 
-/// What a step leaves at the points of a body.
+/// Results of an accepted step at the quadrature points of a body.
 #[derive(Clone, Debug)]
 pub struct Advance {
     /// History variables at the end.
@@ -85,8 +86,8 @@ pub struct PointStress<'a> {
     pub stress: [f64; 6],
     /// Green-Lagrange strain, likewise.
     pub strain: [f64; 6],
-    /// What the law keeps.
-    pub kept: PointHistory,
+    /// Plastic strain, heat and back stress, of a law with history variables.
+    pub kept: Option<PointHistory>,
 }
 
 /// The cells of a body in `D` dimensions. Displacements and forces are flat, node after node, of the whole model.

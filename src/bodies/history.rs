@@ -1,12 +1,12 @@
-//! What the points of a body keep: history variables, batch after batch, and what a step makes of them.
+//! History variables at the quadrature points of a body, and their change in a step.
 //!
-//! Those of a batch stand point after point, variable after variable, the eight cells of each beside each other; what is left over in the
-//! last batch repeats its first cell.
+//! Their order in memory: batch after batch, in it point after point, in it variable after variable, and of each variable the values of the
+//! eight cells of the batch. Lanes that are left over in the last batch repeat its first cell.
 
 use super::batch::MOST_POINTS;
 use super::cells::Cells;
 use super::element_loop::{Advance, Step};
-use super::special::Course;
+use super::special::stress_of;
 use crate::materials::StrainStep;
 use crate::math::lanes::{Lanes, WIDTH};
 
@@ -16,13 +16,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         self.physics.special.as_ref().map_or(0, |special| special.law.variables() * Q * WIDTH)
     }
 
-    /// History variables of a batch, of those of all, into `kept`.
-    pub(super) fn history_of(&self, index: usize, history: &[f64], kept: &mut Vec<Lanes<false>>) {
-        kept.clear();
+    /// History variables of a batch, of those of all batches; none where the law has none or `history` is empty.
+    pub(super) fn history_of(&self, index: usize, history: &[f64]) -> Vec<Lanes<false>> {
         let size = self.history_per_batch();
-        if size > 0 && !history.is_empty() {
-            kept.extend(history[index * size..][..size].as_chunks::<WIDTH>().0.iter().map(|lanes| Lanes(*lanes)));
-        }
+        let own = history.get(index * size..(index + 1) * size).unwrap_or_default();
+        own.as_chunks::<WIDTH>().0.iter().map(|lanes| Lanes(*lanes)).collect()
     }
 
     /// [`ElementLoop::advance`](super::ElementLoop::advance).
@@ -31,22 +29,16 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
             return advance;
         };
-        let (mut kept, mut after) = (Vec::new(), Vec::new());
         for (index, batch) in self.batches.iter().enumerate() {
-            self.history_of(index, step.history, &mut kept);
-            after.clone_from(&kept);
+            let kept = self.history_of(index, step.history);
+            let mut after = kept.clone();
             let [start, end] = [step.u_0, step.u_1].map(|u| self.deform(batch, Some(u)));
             let (Some(start), Some(end)) = (&start.special, &end.special) else { continue };
-            let [start, strains] = [start, end].map(|points| special.strains(points));
-            let course = Course { derivative: step.derivative, history: &kept, dt: step.dt };
-            let step = StrainStep {
-                start: &start[..Q],
-                end: &strains[..Q],
-                middle: &strains[..Q],
-                history: course.history,
-                dt: course.dt,
-                stress: course.stress(),
-            };
+            let strains = [start, end].map(|points| special.strains(points));
+            let [first, last] = strains.each_ref().map(|strains| &strains[..Q]);
+            // What is kept follows from both ends alone.
+            let (dt, stress) = (step.dt, stress_of(step.derivative));
+            let step = StrainStep { start: first, end: last, middle: last, history: &kept, dt, stress };
             let mut heat = [Lanes::ZERO; MOST_POINTS];
             law.advance_into(&step, &mut after, &mut heat[..Q]);
             for lane in 0..batch.count {

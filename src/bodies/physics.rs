@@ -92,9 +92,9 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         Seen { strain: space, stress: stress[0] }
     }
 
-    /// What a point of a batch shows of what it keeps.
-    pub(super) fn shown(&self, kept: &[Lanes<false>], point: usize, lane: usize) -> PointHistory {
-        self.history_of(kept, point).map_or_else(PointHistory::default, |(law, kept)| law.shown(kept, lane))
+    /// Values of the history of a point for fields, in one lane of a batch.
+    pub(super) fn shown(&self, kept: &[Lanes<false>], point: usize, lane: usize) -> Option<PointHistory> {
+        self.history_of(kept, point).map(|(law, kept)| law.shown(kept, lane))
     }
 
     /// The law with history variables, and those of a point of a batch.

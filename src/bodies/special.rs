@@ -52,7 +52,7 @@ impl<const L: usize> PointLaw<L> {
     }
 }
 
-/// How a batch goes through a step: what its points keep at the start, and how long it takes.
+/// Time integration of a batch in a step: the derivative, the history variables at its start, its size.
 #[derive(Clone, Copy)]
 pub(super) struct Course<'a> {
     pub(super) derivative: Derivative,
@@ -61,14 +61,12 @@ pub(super) struct Course<'a> {
     pub(super) dt: f64,
 }
 
-impl Course<'_> {
-    /// The stress of a law with history variables that the derivative stands for.
-    pub(super) fn stress(&self) -> StressOf {
-        match self.derivative {
-            Derivative::DiscreteGradient => StressOf::Step,
-            Derivative::Gradient(Configuration::Middle) => StressOf::Middle,
-            Derivative::Gradient(Configuration::End) => StressOf::End,
-        }
+/// Stress of a law with history variables that takes the place of the derivative of an energy.
+pub(super) fn stress_of(derivative: Derivative) -> StressOf {
+    match derivative {
+        Derivative::DiscreteGradient => StressOf::Step,
+        Derivative::Gradient(Configuration::Middle) => StressOf::Middle,
+        Derivative::Gradient(Configuration::End) => StressOf::End,
     }
 }
 
@@ -90,25 +88,17 @@ pub(super) struct Answer<const L: usize> {
     pub(super) ratios: [[Components<L>; 2]; MOST_POINTS],
     /// Modes of the cell's dilatation, where there is one, and the derivatives of its pressures ([`Modes::slopes`]).
     pub(super) dilatation: Option<(Modes, [[Lanes<false>; MOST_MODES]; MOST_MODES])>,
-    /// History variables of the batch at the start of the step.
-    pub(super) history: Vec<Lanes<false>>,
 }
 
 impl<const L: usize> Answer<L> {
-    pub(super) const EMPTY: Self = Answer {
-        responses: [Response::ZERO; MOST_POINTS],
-        ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS],
-        dilatation: None,
-        history: Vec::new(),
-    };
+    pub(super) const EMPTY: Self =
+        Answer { responses: [Response::ZERO; MOST_POINTS], ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS], dilatation: None };
 }
 
 impl<const L: usize> Special<L> {
     /// The stresses of a step, into `answer`.
     pub(super) fn respond<const D: usize>(&self, points: &SpecialPoints<D>, course: Course, answer: &mut Answer<L>) {
-        let history = std::mem::take(&mut answer.history);
-        dispatch(Respond { special: self, points, course: Course { history: &history, ..course }, answer });
-        answer.history = history;
+        dispatch(Respond { special: self, points, course, answer });
     }
 
     /// Strains at the end of a step.
@@ -206,7 +196,7 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
             PointLaw::History(law, _) => {
                 let [start, end, middle] = all;
                 let Course { history, dt, .. } = course;
-                law.responses_into(&StrainStep { start, end, middle, history, dt, stress: course.stress() }, responses);
+                law.responses_into(&StrainStep { start, end, middle, history, dt, stress: stress_of(derivative) }, responses);
             }
         }
         answer.dilatation = None;

@@ -28,7 +28,9 @@ impl Stresses {
         let add = |sum: &mut [f64; 6], values: &[f64; 6]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
         add(&mut self.stress[place], &point.stress);
         add(&mut self.strain[place], &point.strain);
-        add(&mut self.kept[place], &[point.kept.plastic_strain, point.kept.back_stress, 0.0, 0.0, 0.0, 0.0]);
+        if let Some(kept) = &point.kept {
+            add(&mut self.kept[place], &[kept.plastic_strain, kept.back_stress, 0.0, 0.0, 0.0, 0.0]);
+        }
     }
 
     /// Values at the nodes of a body, these numbers of the model: recovered from the cells nearby where they are of first order, elsewhere
@@ -45,8 +47,10 @@ impl Stresses {
                 values.add(node, share, point);
             }
         });
-        let all = [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain), (&mut values.kept, &means.kept)];
-        for (values, means) in all {
+        let flows = elements.history() > 0;
+        let kept = flows.then_some((&mut values.kept, &means.kept));
+        let both = [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain)];
+        for (values, means) in both.into_iter().chain(kept) {
             values.iter_mut().zip(&weight).for_each(|(value, weight)| *value = value.map(|value| value / weight));
             recovery.recovered(means).for_each(|(node, value)| values[node] = value);
         }

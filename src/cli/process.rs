@@ -1,4 +1,4 @@
-//! What a process of this program has: its executable, the stack of the threads that run scripts, and its exit codes.
+//! The process: its executable, the stack of the threads that run scripts, and its exit codes.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;

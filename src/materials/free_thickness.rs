@@ -1,6 +1,6 @@
 //! Plane stress of laws with history variables: the strain across the plane is the one at which no stress acts there.
 //!
-//! It is one more history variable, because the stress of a step that conserves is a mean over the step: at its end alone it does not
+//! That strain is one more history variable, because the stress of a step that conserves is a mean over the step: at its end alone it does not
 //! vanish. In a step it is solved for by Newton's method, `S_33 = 0` of the stress that is asked for, so that nothing across the plane does
 //! work; the tangent is condensed (de Borst, Communications in Applied Numerical Methods 7, 1991).
 
@@ -17,7 +17,7 @@ const ITERATIONS: usize = 40;
 /// Part of the present thickness, as a strain, that one iteration may take: a tenth would be left.
 const LARGEST_CUT: f64 = 0.45;
 
-/// Where the direction across the plane stands among four components.
+/// Index of the direction across the plane among four Mandel components.
 const ACROSS: usize = 2;
 
 /// A law without stress across the plane.

@@ -13,14 +13,14 @@ use std::sync::Arc;
 use super::batched::{Components, Response};
 use crate::math::lanes::Lanes;
 
-/// Which stress of a step is asked for.
+/// The kind of stress that a step asks a law for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StressOf {
-    /// The mean one, whose work is what is stored and what becomes heat.
+    /// Mean stress of the step: its work is exactly the change of the stored energy and the heat.
     Step,
-    /// That at the strain in the middle of the step.
+    /// Stress at the strain in the middle of the step.
     Middle,
-    /// That at its end.
+    /// Stress at the end of the step.
     End,
 }
 
@@ -72,11 +72,11 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
         None
     }
 
-    /// What one point has to show of its history: see [`PointHistory`].
+    /// Values of the history of one point for fields.
     fn shown(&self, history: &[Lanes<false>], lane: usize) -> PointHistory;
 }
 
-/// What fields show of the history of a point.
+/// Values of the history of a point for fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointHistory {
     /// Equivalent plastic strain, the integral of `sqrt(2/3) |d eps_p|`.
@@ -87,7 +87,7 @@ pub struct PointHistory {
     pub back_stress: f64,
 }
 
-/// A law of history as bodies ask for it.
+/// A law with history variables in the forms that bodies need: plane and space, with and without the energy of the volume.
 #[derive(Clone)]
 pub struct HistoryLaws {
     plane: [Arc<dyn HistoryLaw<4>>; 2],
@@ -95,7 +95,7 @@ pub struct HistoryLaws {
 }
 
 impl HistoryLaws {
-    /// Of a law, and of the same without the energy of the volume.
+    /// The laws of a pair: the whole law, and the law without the energy of the volume.
     pub(super) fn new<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(laws: [H; 2]) -> Self {
         let [whole, rest] = laws.map(Arc::new);
         HistoryLaws { plane: [whole.clone(), rest.clone()], space: [whole, rest] }

@@ -128,17 +128,7 @@ impl Material {
         let given = row.parameters.iter().position(|parameter| parameter.name == YOUNGS_MODULUS.name);
         let youngs_modulus = given.map_or_else(|| modulus_at_rest(&*laws.space), |index| values[index]);
         let density = *values.last().expect("every row has a density");
-        Material {
-            origin: Origin::Row(row, values.to_vec()),
-            energy,
-            density,
-            laws,
-            youngs_modulus,
-            viscosity: Viscosity::default(),
-            history: None,
-            plasticity: None,
-        }
-        .stiff()
+        Material::sound(Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus)
     }
 
     /// The material of an energy that is given as text.
@@ -158,17 +148,7 @@ impl Material {
         Interval::Positive.check(density).map_err(wrong)?;
         let laws = energy.laws()?;
         let youngs_modulus = modulus_at_rest(&*laws.space);
-        Material {
-            origin: Origin::Text,
-            energy: Some(energy),
-            density,
-            laws,
-            youngs_modulus,
-            viscosity: Viscosity::default(),
-            history: None,
-            plasticity: None,
-        }
-        .stiff()
+        Material::sound(Origin::Text, Some(energy), density, laws, youngs_modulus)
     }
 
     /// The material of an isotropic law that is written beside the crate (`examples/law.rs` is one).
@@ -180,17 +160,7 @@ impl Material {
         Interval::Positive.check(density).map_err(wrong)?;
         let laws = Laws::new(law);
         let youngs_modulus = modulus_at_rest(&*laws.space);
-        Material {
-            origin: Origin::Outside(name),
-            energy: None,
-            density,
-            laws,
-            youngs_modulus,
-            viscosity: Viscosity::default(),
-            history: None,
-            plasticity: None,
-        }
-        .stiff()
+        Material::sound(Origin::Outside(name), None, density, laws, youngs_modulus)
     }
 
     /// An elastic-plastic material: Hencky's law with the flow of [`ElasticPlastic`].
@@ -215,19 +185,17 @@ impl Material {
         Material { origin: Origin::Outside(name), energy: None, laws, ..elastic.with_history([law.clone(), law]) }
     }
 
-    /// The same with a law of history in the place of its own, which still tells its stiffness at rest; the second one leaves the
-    /// volumetric part of the own law to cells that have a dilatation.
+    /// The material with a law that has history variables. Its elastic law remains for the stiffness at rest. Of `laws` the second one has no
+    /// energy of the volume, for cells with a dilatation of their own.
     fn with_history<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(self, laws: [H; 2]) -> Self {
         Material { history: Some(HistoryLaws::new(laws)), ..self }
     }
 
-    /// The same, if contact and tolerances can be scaled by its stiffness.
-    fn stiff(self) -> Result<Self, MaterialError> {
-        let modulus = self.youngs_modulus.abs();
-        if modulus > 0.0 && modulus.is_finite() {
-            return Ok(Material { youngs_modulus: modulus, ..self });
-        }
-        Err(MaterialError::Slack { law: self.name() })
+    /// An elastic material, if contact and tolerances can be scaled by its stiffness.
+    fn sound(origin: Origin, energy: Option<StoredEnergy>, density: f64, laws: Laws, youngs_modulus: f64) -> Result<Self, MaterialError> {
+        let (viscosity, youngs_modulus) = (Viscosity::default(), youngs_modulus.abs());
+        let material = Material { origin, energy, density, laws, youngs_modulus, viscosity, history: None, plasticity: None };
+        if youngs_modulus > 0.0 && youngs_modulus.is_finite() { Ok(material) } else { Err(MaterialError::Slack { law: material.name() }) }
     }
 
     /// The same in other units; `factor` gives what a value of a dimension, such as `"stress"`, is multiplied by.
@@ -344,7 +312,7 @@ impl Material {
         self.plasticity.as_deref()
     }
 
-    /// The laws of a stress that depends on what happened before.
+    /// The laws with history variables, of a material whose stress depends on earlier steps.
     pub fn history(&self) -> Option<&HistoryLaws> {
         self.history.as_ref()
     }
@@ -380,8 +348,8 @@ impl Material {
         bulk / shear
     }
 
-    /// Whether the volume hardly changes, as with a Poisson's ratio of 0.49 and more or where plastic flow keeps it: cells that keep it at
-    /// every point lock.
+    /// True where the volume hardly changes: with a Poisson's ratio of 0.49 and more, and where plastic flow keeps it. Cells that keep the
+    /// volume at every point then lock.
     pub fn hardly_changes_volume(&self) -> bool {
         self.plasticity.is_some() || self.bulk_over_shear() >= HARDLY_CHANGES_VOLUME
     }

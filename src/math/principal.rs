@@ -13,14 +13,21 @@ pub(crate) struct PrincipalAxes<const FMA: bool> {
     pub(crate) directions: [[Lanes<FMA>; 3]; 3],
 }
 
+/// The matrix of a symmetric tensor in Mandel components.
+#[inline(always)]
+pub(crate) fn matrix<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> [[Lanes<FMA>; 3]; 3] {
+    let mut matrix = [[Lanes::ZERO; 3]; 3];
+    for (k, &(i, j)) in mandel_pairs::<S>().iter().enumerate() {
+        let entry = tensor[k] * mandel_scale(i, j);
+        (matrix[i][j], matrix[j][i]) = (entry, entry);
+    }
+    matrix
+}
+
 /// Principal values and directions of a tensor in Mandel components; of one in the plane the third value is 0.
 #[inline(always)]
 pub(crate) fn principal<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> PrincipalAxes<FMA> {
-    let mut a = [[Lanes::ZERO; 3]; 3];
-    for (k, &(i, j)) in mandel_pairs::<S>().iter().enumerate() {
-        let entry = tensor[k] * mandel_scale(i, j);
-        (a[i][j], a[j][i]) = (entry, entry);
-    }
+    let mut a = matrix(tensor);
     let (zero, one) = (Lanes::ZERO, Lanes::splat(1.0));
     let mut directions = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     if S == 6 {

@@ -89,8 +89,8 @@ pub const KEYS: &[(&str, &str)] = &[
     ("worst_energy_defect", "the largest energy defect of a step, relative to the largest kinetic + strain + |potential| of the run"),
     (
         "energy_changes",
-        "an object: what changed the energy beyond round-off (`loads`, `contact`, `friction`, `viscosity`, `integrator`, `settling`), each \
-         with `energy`, positive where it was given, and its `share` of the largest energy",
+        "an object: what changed the energy beyond round-off (`loads`, `contact`, `friction`, `viscosity`, `plastic flow`, `dampers`, \
+         `numerical damping`, `impacts`, `integrator`, `settling`), each with `energy`, positive where it was given, and its `share` of the largest energy",
     ),
     (
         "halvings_by_cause",

@@ -32,7 +32,7 @@ pub struct BodyDefinition {
 }
 
 impl BodyDefinition {
-    /// Whether it deforms and its material flows plastically.
+    /// True of a deformable body whose material flows plastically.
     pub fn flows(&self) -> bool {
         self.rigid.is_none() && self.material.history().is_some()
     }

@@ -24,7 +24,7 @@ pub struct Locking {
     pub is_curable: bool,
     /// Whether the law has a form that takes one.
     pub has_mean: bool,
-    /// Whether it is plastic flow that keeps the volume.
+    /// True where plastic flow keeps the volume, not the elastic law.
     pub flows: bool,
 }
 

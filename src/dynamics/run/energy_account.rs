@@ -22,7 +22,7 @@ pub struct EnergyAccount {
     pub friction: f64,
     /// What viscous materials turned into heat, negative.
     pub viscosity: f64,
-    /// What plastic flow turned into heat, negative.
+    /// Heat of plastic flow, negative.
     pub plastic: f64,
     /// What dampers and drag turned into heat, negative.
     pub damping: f64,

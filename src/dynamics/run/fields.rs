@@ -24,7 +24,7 @@ pub struct BodyFields {
     /// Estimated error of the stresses around a node `[stress]`: how far those of its cells are from the continuous stress of the nodes, a
     /// root mean square of the tensor's size (Zienkiewicz and Zhu 1987).
     pub stress_error: Vec<f64>,
-    /// Whether its material flows plastically.
+    /// True of a deformable body whose material flows plastically.
     pub flows: bool,
     /// Equivalent plastic strain, recovered as the stresses are and never below 0; 0 of a material that does not flow.
     pub plastic_strain: Vec<f64>,

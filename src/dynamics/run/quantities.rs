@@ -108,8 +108,8 @@ where
 
     /// Second Piola-Kirchhoff stresses of other parts at the points of a body, such as those of its viscosity; empty where there are none.
     pub(super) fn beside(&self, body: &Body<D>) -> Vec<[f64; 6]> {
-        let parts = self.system.parts().zip(&*self.state.memory).skip(self.system.bodies.len());
-        parts.filter_map(|(part, memory)| part.stresses_of(&body.nodes, memory)).next().unwrap_or_default()
+        let mut parts = self.system.parts().zip(&*self.state.memory).skip(self.system.bodies.len());
+        parts.find_map(|(part, memory)| part.stresses_of(&body.nodes, memory)).unwrap_or_default()
     }
 
     /// Stress and strain at the nodes of a body.
@@ -139,6 +139,7 @@ where
                 (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
             }
             let share = point.volume / point.cell_volume;
+            let kept = point.kept.unwrap_or_default();
             points.push((
                 point.cell,
                 share,
@@ -146,8 +147,8 @@ where
                     position,
                     stress: point.stress,
                     strain: point.strain,
-                    plastic_strain: point.kept.plastic_strain,
-                    back_stress: point.kept.back_stress,
+                    plastic_strain: kept.plastic_strain,
+                    back_stress: kept.back_stress,
                 },
             ));
         });

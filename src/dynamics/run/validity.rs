@@ -109,8 +109,9 @@ where
         let last = material.plasticity()?.hardening.last_strain()?;
         let (mut cell, mut value) = (0, 0.0);
         body.elements.visit_stresses(self.present(body, &[]), &mut |point| {
-            if point.kept.plastic_strain / last > value {
-                (cell, value) = (point.cell, point.kept.plastic_strain / last);
+            let strain = point.kept.map_or(0.0, |kept| kept.plastic_strain) / last;
+            if strain > value {
+                (cell, value) = (point.cell, strain);
             }
         });
         Some(Excess { body: body.name.clone(), kind: ExcessKind::BeyondTable, value, cell, angle: last })

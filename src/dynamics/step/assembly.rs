@@ -232,11 +232,11 @@ where
         Ok((Arc::new(remembered), dissipated))
     }
 
-    /// What the parts remember after a step at rest, and the heat of each body: the histories of bodies go on, all else stays until it is
-    /// relaxed.
+    /// Memory of all parts after a step at rest, and the heat of each body in it `[energy]`. History variables of bodies change; the memory
+    /// of other parts stays as it is.
     ///
     /// # Errors
-    /// None of a body; those of other parts are not asked for.
+    /// The step of a body cannot be accepted; of the parts that exist none refuses.
     pub fn history_after(
         &self,
         start: &StepStart,

@@ -81,7 +81,7 @@ where
         Arc::new(self.parts().map(|part| part.memory()).collect())
     }
 
-    /// What the parts remember once all else than the histories of bodies has relaxed.
+    /// Memory of all parts in an equilibrium: history variables of bodies stay, what depends on rates (viscosity) has relaxed.
     pub fn relaxed(&self, memory: &[Vec<f64>]) -> PartHistories {
         let of =
             |(index, (part, kept)): (usize, (&dyn Part, &Vec<f64>))| if index < self.bodies.len() { kept.clone() } else { part.memory() };

@@ -22,31 +22,31 @@ pub enum PlasticityError {
     /// A table that is no hardening curve.
     #[error("point {number} of the hardening table, [{strain}, {stress}], {fault}")]
     Table {
-        /// Its number, from 1.
+        /// Number of the point, from 1.
         number: usize,
-        /// Its plastic strain.
+        /// Plastic strain of the point.
         strain: f64,
-        /// Its yield stress `[stress]`.
+        /// Yield stress of the point `[stress]`.
         stress: f64,
-        /// What is wrong with it.
+        /// The fault, as the end of the sentence.
         fault: &'static str,
     },
     /// A table with too few points.
     #[error("the hardening table has {count} points; at least 2 make a curve")]
     ShortTable {
-        /// How many it has.
+        /// Number of points.
         count: usize,
     },
     /// More back stresses than there is room for.
     #[error("{count} back stresses are given; there may be {MOST_BACK_STRESSES} at most")]
     BackStresses {
-        /// How many are given.
+        /// Number of back stresses that were given.
         count: usize,
     },
 }
 
 impl PlasticityError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the message, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             PlasticityError::Constant { .. } => "C0305",
@@ -56,7 +56,7 @@ impl PlasticityError {
     }
 }
 
-/// How the yield stress `k` grows with the equivalent plastic strain `alpha`.
+/// Isotropic hardening: the yield stress `k` as a function of the equivalent plastic strain `alpha`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hardening {
     /// `k = yield_stress + modulus alpha + saturation (1 - exp(-exponent alpha))` (linear; Voce, Journal of the Institute of Metals 74,
@@ -64,23 +64,23 @@ pub enum Hardening {
     Saturating {
         /// `[stress]`.
         modulus: f64,
-        /// What the yield stress gains at last `[stress]`.
+        /// Gain of the yield stress in the limit of large plastic strain `[stress]`.
         saturation: f64,
-        /// One over the plastic strain by which 63 % of that are gained.
+        /// One over the plastic strain at which 63 % of the saturation are reached.
         exponent: f64,
     },
     /// `k = yield_stress (1 + alpha/strain)^exponent` (Swift, Journal of the Mechanics and Physics of Solids 1, 1952).
     Swift {
-        /// Strain at which hardening bends.
+        /// Plastic strain `strain` of the formula, over which the slope falls.
         strain: f64,
-        /// From 0 to 1.
+        /// Exponent, from 0 to 1.
         exponent: f64,
     },
     /// `k = yield_stress + modulus alpha^exponent` (Ludwik 1909; Johnson and Cook 1983).
     Ludwik {
         /// `[stress]`.
         modulus: f64,
-        /// From 0 to 1.
+        /// Exponent, from 0 to 1.
         exponent: f64,
     },
     /// Straight lines between points `[alpha, k]`, the first at 0; constant beyond the last.
@@ -91,14 +91,14 @@ impl Hardening {
     /// Perfect plasticity.
     pub const NONE: Self = Hardening::Saturating { modulus: 0.0, saturation: 0.0, exponent: 0.0 };
 
-    /// The last plastic strain of which a table tells.
+    /// Plastic strain of the last point of a table.
     pub fn last_strain(&self) -> Option<f64> {
         if let Hardening::Table(points) = self { points.last().map(|point| point[0]) } else { None }
     }
 }
 
 /// A back stress `X = 2/3 modulus a` with `da = dep - recovery a d alpha` (Armstrong and Frederick 1966; without recovery Prager 1955).
-/// In uniaxial tension it grows by `modulus` per plastic strain, up to `modulus/recovery`.
+/// The uniaxial back stress grows by `modulus` per plastic strain, up to `modulus/recovery`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BackStress {
     /// `[stress]`.
@@ -114,10 +114,10 @@ impl BackStress {
     }
 }
 
-/// How the yield stress depends on the rate of the plastic strain.
+/// Dependence of the yield stress on the rate of the plastic strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum RateDependence {
-    /// Not at all.
+    /// No dependence.
     #[default]
     None,
     /// `k + viscosity d alpha/dt` (Perzyna 1963, of exponent 1).
@@ -164,7 +164,7 @@ impl ElasticPlastic {
         self.youngs_modulus / (3.0 - 6.0 * self.poisson_ratio)
     }
 
-    /// Checks what the elastic law does not: yield stress, hardening, back stresses and rate.
+    /// Checks yield stress, hardening, back stresses and rate; the elastic law checks the other constants.
     ///
     /// # Errors
     /// The first constant that is outside its range.
@@ -207,7 +207,7 @@ impl ElasticPlastic {
         Ok(())
     }
 
-    /// The same in other units.
+    /// The constants in other units, by the factors of stress, density and time.
     pub fn rescaled(&self, stress: f64, density: f64, time: f64) -> Self {
         let hardening = match &self.hardening {
             Hardening::Saturating { modulus, saturation, exponent } => {

@@ -1,4 +1,4 @@
-//! How far a point yields in a step.
+//! Plastic flow of a quadrature point in a step: elastic share, flow direction, plastic multiplier, and their derivatives.
 //!
 //! The way is straight in the logarithmic strain. Up to a share `s` it is elastic, `s` being the larger root of
 //! `|xi_0 + s d| = sqrt(2/3) k(alpha_0)` with `d = 2 mu dev(eps_1 - eps_0)`. On the rest the point flows by `dep = g N` with
@@ -23,12 +23,12 @@ pub(super) const ROOT: f64 = 0.816_496_580_927_726;
 /// Most iterations for the multiplier: Newton's method needs three to six, and each bisection halves what is left.
 const ITERATIONS: usize = 80;
 
-/// Which rule of flow a step has.
+/// Rule of flow of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// The fitted one after the elastic share.
+    /// Elastic share first, then flow in the fitted direction: second order.
     Fitted,
-    /// The radial return of the whole step.
+    /// Radial return over the whole step: first order, depends on the end alone.
     RadialReturn,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct FlowStep<'a, const FMA: bool, const S: usize> {
     pub(super) alpha: Lanes<FMA>,
 }
 
-/// What a step leaves.
+/// Result of the flow in a step.
 pub(super) struct Flow<const FMA: bool, const S: usize> {
     /// Elastic share `s` of the step.
     pub(super) share: Lanes<FMA>,
@@ -61,15 +61,15 @@ pub(super) struct Flow<const FMA: bool, const S: usize> {
     pub(super) slopes: Option<Slopes<FMA, S>>,
 }
 
-/// Derivatives of what yields, times `2 mu` those of the plastic strain `[stress]`.
+/// Derivatives of the elastic share, and of the plastic strain times `2 mu` `[stress]`.
 pub(super) struct Slopes<const FMA: bool, const S: usize> {
-    /// Of the elastic share with respect to the strain at the end.
+    /// Derivative of the elastic share with respect to the strain at the end.
     pub(super) share: [Lanes<FMA>; S],
-    /// Of the plastic strain with respect to the strain at the end, for a fixed start of the flow.
+    /// Derivative of the plastic strain with respect to the strain at the end, for a fixed start of the flow.
     pub(super) by_end: [[Lanes<FMA>; S]; S],
-    /// With respect to the strain at which the flow starts.
+    /// Derivative of the plastic strain with respect to the strain at which the flow starts.
     pub(super) by_start: [[Lanes<FMA>; S]; S],
-    /// Of minus the plastic strain with respect to the share, through the time that is left for the flow.
+    /// Derivative of minus the plastic strain with respect to the elastic share, through the time that is left for the flow.
     pub(super) by_time: [Lanes<FMA>; S],
 }
 
@@ -83,7 +83,7 @@ struct Recovery<const FMA: bool> {
     dpush: Lanes<FMA>,
 }
 
-/// Where Newton's method for the multiplier stands.
+/// Iterate of Newton's method for the plastic multiplier.
 struct Iterate<const FMA: bool, const S: usize> {
     normal: [Lanes<FMA>; S],
     /// Derivative of the normal with respect to the multiplier.
@@ -100,7 +100,7 @@ struct Iterate<const FMA: bool, const S: usize> {
 }
 
 impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
-    /// Flows.
+    /// The flow of the step, with its derivatives where they are wanted.
     #[inline(always)]
     pub(super) fn flow(&self, with_slopes: bool) -> Flow<FMA, S> {
         let two_mu = Lanes::splat(2.0 * self.shear);
@@ -305,7 +305,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
     ) -> Slopes<FMA, S> {
         let Iterate { normal, turning, size, outward, stiffness, slope, .. } = at;
         let two_mu = Lanes::splat(2.0 * self.shear);
-        // What theta weighs: stresses and back stresses at the end less those at the start of the flow, across the normal.
+        // Derivative of v with respect to theta: stresses and back stresses at the end less those at the start of the flow.
         let mut weighed = *driven;
         for (back, constants) in self.back.iter().zip(&self.law.back_stresses) {
             let Recovery { q, .. } = self.recovery(constants.factor(), constants.recovery, g);
@@ -324,17 +324,17 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
     }
 }
 
-/// What turns the normal with a strain.
+/// Terms of the derivative of the flow direction `N = v/|v|` with respect to a strain.
 struct Turned<'a, const FMA: bool, const S: usize> {
     normal: &'a [Lanes<FMA>; S],
-    /// What `theta` weighs, over the length of what the normal is along.
+    /// Derivative of `v` with respect to `theta`, without its component along `N`, over `|v|`.
     weighed: [Lanes<FMA>; S],
-    /// `2 mu` over that length.
+    /// `2 mu/|v|`.
     inverse: Lanes<FMA>,
 }
 
 impl<const FMA: bool, const S: usize> Turned<'_, FMA, S> {
-    /// Derivative of the normal with respect to a strain that has a share of it, and its sign in the slope of `theta`:
+    /// Derivative of the flow direction with respect to the strain that has the weight `share` in `v`; `sign` is that of `theta'`:
     /// `share 2 mu (I_dev - N N)/|v| + sign weighed theta'`.
     #[inline(always)]
     fn derivative(&self, share: Lanes<FMA>, sign: Lanes<FMA>, theta_slope: &[Lanes<FMA>; S]) -> [[Lanes<FMA>; S]; S] {
@@ -357,7 +357,7 @@ impl<const FMA: bool, const S: usize> Turned<'_, FMA, S> {
     }
 }
 
-/// How the multiplier follows a strain through the normal.
+/// Terms of the derivative of the plastic strain `g N` with respect to a strain.
 struct Multiplied<'a, const FMA: bool, const S: usize> {
     outward: &'a [Lanes<FMA>; S],
     /// Derivative of `g N` with respect to `g`.
@@ -368,7 +368,8 @@ struct Multiplied<'a, const FMA: bool, const S: usize> {
 }
 
 impl<const FMA: bool, const S: usize> Multiplied<'_, FMA, S> {
-    /// `2 mu` times the derivative of the plastic strain, from that of the normal and the direct one of the stress.
+    /// `2 mu` times the derivative of the plastic strain, from that of the flow direction; `direct` is the derivative of the stress at the
+    /// end with respect to the same strain.
     #[inline(always)]
     fn derivative(&self, turned: &[[Lanes<FMA>; S]; S], direct: Lanes<FMA>) -> [[Lanes<FMA>; S]; S] {
         let back = times(&applied_back(turned, self.outward), -self.push);

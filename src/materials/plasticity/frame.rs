@@ -1,9 +1,9 @@
-//! What a point keeps, and its frame: tensors pulled from the reference to where the plastic deformation has left the material.
+//! History variables of a quadrature point, and strains in the frame `P = F_p^-1` that the plastic deformation has left.
 
 use super::constants::MOST_BACK_STRESSES;
-use super::logarithm::{Matrix, applied, congruence, linked, matrix, place};
+use super::logarithm::{Matrix, applied, congruence, linked, place};
 use crate::math::lanes::{Lanes, Real, relabel};
-use crate::math::principal::{PrincipalAxes, principal};
+use crate::math::principal::{PrincipalAxes, matrix, principal};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 
 /// Number of entries of `P` where tensors have `S` components.
@@ -16,7 +16,7 @@ pub(super) const fn variables<const S: usize>(back_stresses: usize) -> usize {
     frame_entries::<S>() + 2 + S * back_stresses
 }
 
-/// What a point of eight elements keeps.
+/// History variables of a quadrature point in eight elements.
 #[derive(Clone, Copy)]
 pub(super) struct Kept<const FMA: bool, const S: usize> {
     /// `P - I`, `P = F_p^-1`.
@@ -40,7 +40,7 @@ pub(super) struct Stretches<const FMA: bool> {
 }
 
 impl<const FMA: bool, const S: usize> Kept<FMA, S> {
-    /// From the history variables of a point.
+    /// Reads the history variables of a point.
     #[inline(always)]
     pub(super) fn read(history: &[Lanes<false>], back_stresses: usize) -> Self {
         let mut kept = Kept {
@@ -67,7 +67,7 @@ impl<const FMA: bool, const S: usize> Kept<FMA, S> {
         kept
     }
 
-    /// Into the history variables of a point.
+    /// Writes the history variables of a point.
     #[inline(always)]
     pub(super) fn write(&self, history: &mut [Lanes<false>]) {
         let mut next = history.iter_mut();

@@ -26,7 +26,16 @@ impl ElasticPlastic {
                 let stress = alpha.mul_add(Lanes::splat(*modulus), part * *saturation) + self.yield_stress;
                 [stress, (-part + 1.0) * (saturation * exponent) + *modulus]
             }
-            hardening => by_lane(alpha, |alpha| hardening.at(self.yield_stress, alpha)),
+            Hardening::Swift { strain, exponent } => by_lane(alpha, |alpha| {
+                let stress = self.yield_stress * (1.0 + alpha / strain).powf(*exponent);
+                [stress, stress * exponent / (strain + alpha)]
+            }),
+            Hardening::Ludwik { modulus, exponent } => by_lane(alpha, |alpha| {
+                // The slope is infinite at the first yielding; a large one serves Newton's method.
+                let start = alpha.max(FIRST_PLASTIC_STRAIN);
+                [self.yield_stress + modulus * alpha.powf(*exponent), modulus * exponent * start.powf(exponent - 1.0)]
+            }),
+            Hardening::Table(points) => by_lane(alpha, |alpha| on_lines(points, alpha)),
         }
     }
 
@@ -60,34 +69,12 @@ fn by_lane<const FMA: bool>(x: Lanes<FMA>, of: impl Fn(f64) -> [f64; 2]) -> [Lan
     both
 }
 
-impl Hardening {
-    /// Yield stress and its derivative at a plastic strain.
-    fn at(&self, yield_stress: f64, alpha: f64) -> [f64; 2] {
-        match self {
-            Hardening::Saturating { modulus, saturation, exponent } => {
-                let left = (-exponent * alpha).exp();
-                [yield_stress + modulus * alpha + saturation * (1.0 - left), modulus + saturation * exponent * left]
-            }
-            Hardening::Swift { strain, exponent } => {
-                let stress = yield_stress * (1.0 + alpha / strain).powf(*exponent);
-                [stress, stress * exponent / (strain + alpha)]
-            }
-            Hardening::Ludwik { modulus, exponent } => {
-                // The slope is infinite at the first yielding; a large one serves Newton's method.
-                let start = alpha.max(FIRST_PLASTIC_STRAIN);
-                [yield_stress + modulus * alpha.powf(*exponent), modulus * exponent * start.powf(exponent - 1.0)]
-            }
-            Hardening::Table(points) => {
-                let above = points.partition_point(|[strain, _]| *strain <= alpha);
-                match (above.checked_sub(1).map(|below| points[below]), points.get(above)) {
-                    (Some([x, y]), Some([to_x, to_y])) => {
-                        let slope = (to_y - y) / (to_x - x);
-                        [y + slope * (alpha - x), slope]
-                    }
-                    (Some([_, y]), None) => [y, 0.0],
-                    (None, _) => [yield_stress, 0.0],
-                }
-            }
-        }
-    }
+/// Value and slope of straight lines between points, the first of which is at 0; constant beyond the last.
+fn on_lines(points: &[[f64; 2]], alpha: f64) -> [f64; 2] {
+    let next = points.partition_point(|[strain, _]| *strain <= alpha).max(1);
+    let [x, y] = points[next - 1];
+    points.get(next).map_or([y, 0.0], |[to_x, to_y]| {
+        let slope = (to_y - y) / (to_x - x);
+        [y + slope * (alpha - x), slope]
+    })
 }

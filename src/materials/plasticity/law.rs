@@ -1,15 +1,16 @@
-//! The elastic-plastic law behind [`HistoryLaw`]: stress and tangent of a step, and what it leaves.
+//! The elastic-plastic law behind [`HistoryLaw`]: stress and tangent of a step, history variables and heat at its end.
 
 use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
 use super::flow::{Flow, FlowStep, Rule, Slopes};
 use super::frame::{Kept, Stretches, variables};
 use super::logarithm::{
-    Matrix, adjoint, applied, applied_back, congruence, curvature, deviator, dot, first_difference, matrix, place, plus, product,
+    Matrix, adjoint, applied, applied_back, congruence, curvature, deviator, dot, first_difference, place, plus, product,
     product_with_transpose, symmetric_map, times, trace,
 };
 use crate::materials::batched::{Components, Response};
 use crate::materials::history::{HistoryLaw, PointHistory, StrainStep, StressOf};
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
+use crate::math::principal::matrix;
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 
@@ -37,7 +38,7 @@ struct Step<const FMA: bool, const S: usize> {
 }
 
 impl PlasticLaw {
-    /// Of constants that were checked; without its bulk modulus where that is the cells' own.
+    /// The law of checked constants; with a bulk modulus of 0 where cells have the energy of the volume (`has_volume` is false).
     pub(crate) fn new(constants: &ElasticPlastic, has_volume: bool) -> Self {
         let bulk = if has_volume { constants.bulk_modulus() } else { 0.0 };
         PlasticLaw { constants: constants.clone(), bulk, shear: constants.shear_modulus() }
@@ -56,7 +57,7 @@ impl PlasticLaw {
         stress
     }
 
-    /// Goes a step between two strains.
+    /// Strains and flow of a step between two Green-Lagrange strains.
     #[inline(always)]
     fn step<const FMA: bool, const S: usize>(
         &self,
@@ -98,7 +99,7 @@ impl PlasticLaw {
         [self.elastic(&before), self.elastic(&plus(&step.flow.strain, Lanes::splat(-1.0), &step.strains[1]))]
     }
 
-    /// The stress that is asked for and its derivative with respect to the strain at the end.
+    /// Stress of the kind `at.stress`, and its derivative with respect to the strain at the end.
     #[inline(always)]
     fn respond<const FMA: bool, const S: usize>(&self, at: &StrainStep<S>, point: usize) -> Response<S> {
         let history = at.history_of(point, variables::<S>(self.back_stresses()));
@@ -157,7 +158,7 @@ impl PlasticLaw {
         slopes
     }
 
-    /// What the stress at the end changes by with the elastic share.
+    /// Derivative of the stress at the end with respect to the elastic share.
     #[inline(always)]
     fn along_share<const FMA: bool, const S: usize>(&self, step: &Step<FMA, S>) -> [Lanes<FMA>; S] {
         let change = plus(&step.strains[0], Lanes::splat(-1.0), &step.strains[1]);
@@ -246,7 +247,7 @@ impl PlasticLaw {
         Lanes(heat.0)
     }
 
-    /// Energy of a strain with what a point keeps.
+    /// Stored energy at a strain with history variables.
     #[inline(always)]
     fn energy<const FMA: bool, const S: usize>(&self, strain: &Components<S>, history: &[Lanes<false>]) -> Lanes<false> {
         let kept = Kept::<FMA, S>::read(history, self.back_stresses());
@@ -260,7 +261,7 @@ impl PlasticLaw {
         Lanes(energy.0)
     }
 
-    /// Stress at a strain with what a point keeps.
+    /// Second Piola-Kirchhoff stress at a strain with history variables.
     #[inline(always)]
     fn stress<const FMA: bool, const S: usize>(&self, strain: &Components<S>, history: &[Lanes<false>]) -> Components<S> {
         let kept = Kept::<FMA, S>::read(history, self.back_stresses());

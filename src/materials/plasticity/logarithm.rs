@@ -16,27 +16,16 @@ pub(super) type Matrix<const FMA: bool> = [[Lanes<FMA>; 3]; 3];
 /// left out is below 1e-17.
 const TERMS: [i32; 3] = [7, 10, 18];
 
-/// Whether directions `i` and `j` are sheared with each other where a tensor has `S` components.
+/// True of directions `i` and `j` that a tensor of `S` Mandel components can shear with each other.
 #[inline(always)]
 pub(super) const fn linked<const S: usize>(i: usize, j: usize) -> bool {
     S == 6 || i == j || (i < 2 && j < 2)
 }
 
-/// Where component `(i, j)` stands among the Mandel components of three directions.
+/// Index of component `(i, j)` among the Mandel components of three directions.
 #[inline(always)]
 pub(super) const fn place(i: usize, j: usize) -> usize {
     crate::math::tensor::mandel_index::<3>(i, j)
-}
-
-/// The matrix of a tensor.
-#[inline(always)]
-pub(super) fn matrix<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> Matrix<FMA> {
-    let mut matrix = [[Lanes::ZERO; 3]; 3];
-    for (k, &(i, j)) in mandel_pairs::<S>().iter().enumerate() {
-        let entry = tensor[k] * mandel_scale(i, j);
-        (matrix[i][j], matrix[j][i]) = (entry, entry);
-    }
-    matrix
 }
 
 /// `ln[a, b]`, with relative accuracy also where they are equal.
@@ -80,7 +69,7 @@ pub(super) fn second_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>, c
     if spread <= WIDE_STRETCHES { near } else { of_wide_spread(near, [a, b, c]) }
 }
 
-/// The same lane by lane where stretches lie far apart.
+/// `ln[a, b, c]` lane by lane, by the recursion where the spread is wide, else `near`.
 #[cold]
 #[inline(never)]
 fn of_wide_spread<const FMA: bool>(near: Lanes<FMA>, all: [Lanes<FMA>; 3]) -> Lanes<FMA> {

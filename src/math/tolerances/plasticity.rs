@@ -22,8 +22,9 @@ pub const FIRST_PLASTIC_STRAIN: f64 = 1e-10;
 /// Spread of the squares of stretches, relative to their mean, up to which five terms give divided differences of logarithms.
 pub const CLOSE_STRETCHES: f64 = 1e-3;
 
-/// The same for eight terms.
+/// Spread of the squares of stretches, relative to their mean, up to which eight terms give divided differences of logarithms.
 pub const NEAR_STRETCHES: f64 = 1e-2;
 
-/// The same for all terms; beyond it the differences themselves have enough digits.
+/// Spread of the squares of stretches, relative to their mean, up to which a series gives divided differences of logarithms; beyond it
+/// the differences themselves have enough digits.
 pub const WIDE_STRETCHES: f64 = 0.1;

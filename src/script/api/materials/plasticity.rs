@@ -16,7 +16,7 @@ use crate::script::language::values::{as_number, describe as described};
 
 const STEEL: &str = "let steel = elastic_plastic(#{ youngs_modulus: 210e3, poisson_ratio: 0.3, density: 7.85e-9, yield_stress: 235.0 });\n";
 
-/// What `hardening` may be.
+/// Forms of the option `hardening`.
 const FORMS: &str = "a modulus; points `[[plastic strain, yield stress], …]`; or an object map, `#{ saturation, exponent, modulus }`, \
                      `#{ strain, exponent }` or `#{ modulus, exponent }`";
 
@@ -113,7 +113,7 @@ fn made(constants: &ElasticPlastic, argument: &Argument) -> Result<Dynamic, Box<
     Ok(Dynamic::from(MaterialHandle(material)))
 }
 
-/// What `hardening` means.
+/// Hardening law of the option `hardening`.
 fn hardening_of(argument: &Argument) -> Result<Hardening, Failure> {
     let value = argument.value();
     if let Some(modulus) = as_number(&value) {

@@ -43,7 +43,7 @@ pub(super) fn warn_of_mixed_units(call: &Call, model: &Model) {
     }
 }
 
-/// Whether fields show the stress of the stored energy of a body alone, although more acts: in plane stress the thickness is then another.
+/// True of a viscous or relaxing body in plane stress: its fields show the stress of the stored energy alone, at the thickness of that.
 pub(super) fn shows_elastic_stress(body: &BodyDefinition) -> bool {
     body.rigid.is_none() && body.formulation.plane == Plane::Stress && !body.material.viscosity().is_none()
 }
