@@ -2,9 +2,9 @@
 //!
 //! A *still* is kept of every nominal step at first; whenever there are more than allowed, every second one is dropped and the spacing
 //! doubles. So which stills are there depends on the steps alone, never on the clock, and a long run costs what a short one does. A still
-//! holds displacement, velocity and stress of all nodes that can be seen (in space those of the hull, unless the inside is asked for) as
-//! 16-bit numbers between the extremes of each component: an error of 1/131072 of the range. It is the state's picture, not the state:
-//! nothing can be computed from it again.
+//! holds displacement, velocity and stress of all nodes that can be seen (in space those of the hull, unless the inside is asked for), and
+//! the plastic strain of bodies that flow, as 16-bit numbers between the extremes of each component: an error of 1/131072 of the range. It
+//! is the state's picture, not the state: nothing can be computed from it again.
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of
@@ -53,10 +53,12 @@ pub struct Skin {
     pub nodes: Vec<u32>,
     /// Space dimension.
     pub dimension: usize,
+    /// True of a body whose material flows plastically: its plastic strain is recorded.
+    pub flows: bool,
 }
 
 impl Skin {
-    fn new(mesh: &Mesh, has_inside: bool) -> Self {
+    fn new(mesh: &Mesh, flows: bool, has_inside: bool) -> Self {
         let dimension = mesh.dimension();
         let mut nodes: Vec<u32> = if dimension == 2 || has_inside {
             (0..mesh.points.len() as u32).collect()
@@ -65,7 +67,7 @@ impl Skin {
         };
         nodes.sort_unstable();
         nodes.dedup();
-        Skin { nodes, dimension }
+        Skin { nodes, dimension, flows }
     }
 
     /// Components of the stress that a body of this dimension has, as indices into [`BodyFields::stress`].
@@ -75,7 +77,7 @@ impl Skin {
 
     /// Numbers that are recorded of a node.
     fn components(&self) -> usize {
-        2 * self.dimension + self.stresses().len()
+        2 * self.dimension + self.stresses().len() + usize::from(self.flows)
     }
 }
 
@@ -156,7 +158,7 @@ impl Recording {
     /// Of a model, with so many stills at most (2 at least); by default 160, or fewer where they would take too much memory. `has_inside`:
     /// whether all nodes of bodies in space are recorded.
     pub fn new(model: &Model, most: Option<usize>, has_inside: bool) -> Self {
-        let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh, has_inside)).collect();
+        let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh, body.flows(), has_inside)).collect();
         let size: usize = bodies.iter().map(|skin| 2 * skin.components() * skin.nodes.len()).sum();
         let most = most.unwrap_or_else(|| (BYTES / size.max(1)).clamp(FEWEST, STILLS)).max(2);
         Recording { most, spacing: 1, steps: 0, stills: Vec::new(), bodies }
@@ -292,7 +294,7 @@ fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
     let value = |component: usize, node: usize| match component {
         c if c < dimension => body.displacement[node][c],
         c if c < 2 * dimension => body.velocity[node][c - dimension],
-        c => body.stress[node][skin.stresses()[c - 2 * dimension]],
+        c => skin.stresses().get(c - 2 * dimension).map_or(body.plastic_strain[node], |&stress| body.stress[node][stress]),
     };
     let count = skin.components() * skin.nodes.len();
     bytes.reserve(8 * skin.components() + 2 * count);
@@ -351,7 +353,7 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         stress: vec![[0.0; 6]; nodes],
         strain: vec![[0.0; 6]; nodes],
         stress_error: vec![0.0; nodes],
-        flows: false,
+        flows: skin.flows,
         plastic_strain: vec![0.0; nodes],
         back_stress: vec![0.0; nodes],
         contact_pressure: vec![0.0; nodes],
@@ -366,7 +368,10 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         let mut put = |node: usize, value: f64| match component {
             c if c < dimension => fields.displacement[node][c] = value,
             c if c < 2 * dimension => fields.velocity[node][c - dimension] = value,
-            c => fields.stress[node][skin.stresses()[c - 2 * dimension]] = value,
+            c => match skin.stresses().get(c - 2 * dimension) {
+                Some(&stress) => fields.stress[node][stress] = value,
+                None => fields.plastic_strain[node] = value,
+            },
         };
         for (place, &node) in skin.nodes.iter().enumerate() {
             let at = component * recorded + place;
@@ -395,7 +400,8 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
 }
 
 impl Still {
-    /// The bodies as they were; strains and gaps are not recorded, and inner nodes of bodies in space have the values of one on the hull.
+    /// The bodies as they were; strains, back stresses and gaps are not recorded, and inner nodes of bodies in space have the values of one
+    /// on the hull.
     pub fn fields(&self, bodies: &[BodyDefinition], skins: &[Skin]) -> Vec<BodyFields> {
         let mut rest = self.bytes();
         bodies.iter().zip(skins).map(|(body, skin)| unpack(&mut rest, body, skin)).collect()
@@ -437,12 +443,18 @@ mod tests {
     use super::*;
 
     fn skin(body: &BodyFields) -> Skin {
-        Skin::new(&body.mesh, false)
+        Skin::new(&body.mesh, body.flows, false)
     }
 
     #[test]
     fn what_is_packed_comes_back_to_the_last_of_65535_parts() {
-        for fields in [ring("ring", [1.0, 1.5], [3, 20]), block([2, 3, 4], [1.0, 2.0, 3.0])] {
+        let flowing = |fields: BodyFields| BodyFields {
+            flows: true,
+            plastic_strain: fields.displacement.iter().map(|u| u[0].abs()).collect(),
+            ..fields
+        };
+        let bodies = [ring("ring", [1.0, 1.5], [3, 20]), block([2, 3, 4], [1.0, 2.0, 3.0])];
+        for fields in bodies.clone().into_iter().chain(bodies.map(flowing)) {
             let skin = skin(&fields);
             let mut bytes = Vec::new();
             pack_into(&mut bytes, &fields, &skin);
@@ -459,6 +471,7 @@ mod tests {
                 for &i in skin.stresses() {
                     assert!((back.stress[node][i] - fields.stress[node][i]).abs() < 0.1, "of thousands");
                 }
+                assert!((back.plastic_strain[node] - fields.plastic_strain[node]).abs() < 1e-4);
                 assert!((back.contact_pressure[node] - fields.contact_pressure[node]).abs() < 1e-6);
                 assert_eq!(back.contact_slip[node], fields.contact_slip[node]);
             }

@@ -90,7 +90,8 @@ pub const KEYS: &[(&str, &str)] = &[
     (
         "energy_changes",
         "an object: what changed the energy beyond round-off (`loads`, `contact`, `friction`, `viscosity`, `plastic flow`, `dampers`, \
-         `numerical damping`, `impacts`, `integrator`, `settling`), each with `energy`, positive where it was given, and its `share` of the largest energy",
+         `numerical damping`, `impacts`, `integrator`, `settling`), each with `energy`, positive where it was given, and its `share` of \
+         the largest energy",
     ),
     (
         "halvings_by_cause",

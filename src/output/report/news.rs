@@ -123,11 +123,10 @@ fn tell(answer: &mut Value, followed: &FollowedSimulation, known: u64) {
         return;
     }
     let all: Vec<&Still> = followed.stills.entries().iter().map(|(_, still)| &**still).collect();
-    let dimension = followed.model.skins.first().map_or(2, |skin| skin.dimension);
     let list = stills.added.iter().map(|(_, still)| json!({ "time": still.time, "row": still.row, "obstacles": still.obstacles }));
     let bytes: Vec<u8> = stills.added.iter().flat_map(|(_, still)| still.bytes()).copied().collect();
     answer["stills"] = json!({
         "left": stills.left, "numbers": stills.added.iter().map(|(number, _)| number).collect::<Vec<_>>(), "list": list.collect::<Vec<_>>(),
-        "bytes": blob(&bytes), "fields": fields(dimension, &all), "pressing": pressing(&all),
+        "bytes": blob(&bytes), "fields": fields(&followed.model.skins, &all), "pressing": pressing(&all),
     });
 }

@@ -13,7 +13,7 @@ use crate::output::colormap::viridis;
 use crate::output::markup::escaped;
 use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
-use crate::output::picture::Field;
+use crate::output::picture::{Component, Field};
 use crate::output::recording::{Skin, Still};
 
 /// Bytes of stills that are compressed together.
@@ -108,7 +108,7 @@ fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
         bodies.push(json!({
             "name": body.name, "nodes": surface.points.len(), "triangles": surface.triangles.len(), "edges": surface.edges.len(),
             "outline": surface.outline.len(), "tetrahedra": surface.tetrahedra.len(),
-            "cells": body.mesh.cell_count(),
+            "cells": body.mesh.cell_count(), "flows": skin.flows,
         }));
     }
     (bytes, bodies)
@@ -138,7 +138,7 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
         "scripts": scripts.collect::<Vec<_>>(), "parameters": report.parameters, "tables": report.tables, "warnings": report.warnings,
         "columns": report.columns.iter().map(|(name, _)| name).collect::<Vec<_>>(), "rows": report.rows.len(),
         "row_count": report.row_count, "contacts": report.contacts, "dimension": dimension, "bodies": bodies,
-        "fields": fields(dimension, report.stills), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
+        "fields": fields(report.skins, report.stills), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
         "pressing": pressing(report.stills),
         "walls": report.obstacles.iter().map(wall).collect::<Vec<_>>(),
         "colors": (0..256).map(|k| viridis(f64::from(k) / 255.0).map(f64::round)).collect::<Vec<_>>(),
@@ -146,8 +146,14 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
 }
 
 /// The fields by which a picture may be colored, with their ranges in all stills.
-pub fn fields(dimension: usize, stills: &[&Still]) -> Vec<Value> {
-    let fields = Field::ALL.iter().enumerate().filter(|(_, (name, ..))| dimension == 3 || !["stress_yz", "stress_xz"].contains(name));
+pub fn fields(skins: &[Skin], stills: &[&Still]) -> Vec<Value> {
+    let (in_space, flows) = (skins.iter().any(|skin| skin.dimension == 3), skins.iter().any(|skin| skin.flows));
+    let is_known = |field: Field| match field {
+        Field::Stress(Component::Yz | Component::Xz) => in_space,
+        Field::PlasticStrain => flows,
+        _ => true,
+    };
+    let fields = Field::ALL.iter().enumerate().filter(|(_, (.., field))| is_known(*field));
     let field_of = |(index, (name, words, field)): (usize, &(&str, &str, Field))| {
         let ranges = stills.iter().map(|still| still.extremes[index]);
         let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);

@@ -35,7 +35,7 @@ const readBodies = async (data) => {
     return array;
   };
   return data.bodies.map((body) => ({
-    name: body.name, nodes: body.nodes,
+    name: body.name, nodes: body.nodes, flows: body.flows,
     points: next(Float32Array, 3 * body.nodes), triangles: next(Uint32Array, 3 * body.triangles),
     edges: next(Uint32Array, 2 * body.edges), outline: next(Uint32Array, 2 * body.outline), cells: next(Uint32Array, 4 * body.tetrahedra),
   }));
@@ -49,12 +49,16 @@ class Film {
     this.places = new Array(data.stills.length).fill(null);
     this.dimension = data.dimension;
     this.stresses = data.dimension === 2 ? 4 : 6;
-    this.components = 2 * data.dimension + this.stresses;
     this.at = -1;
     this.now = bodies.map((body) => ({
-      values: Array.from({ length: this.components }, () => new Float32Array(body.nodes)),
+      values: Array.from({ length: this.components(body) }, () => new Float32Array(body.nodes)),
       touching: new Uint32Array(0), slip: new Uint8Array(0), pressure: new Float32Array(0), pressing: new Float32Array(0),
     }));
+  }
+
+  // Numbers of a node: displacement, velocity, stress, and plastic strain where the body flows.
+  components({ flows }) {
+    return 2 * this.dimension + this.stresses + (flows ? 1 : 0);
   }
 
   // Unpacks all chunks; `ready` is called after each.
@@ -73,8 +77,8 @@ class Film {
     let at = 0;
     for (let k = 0; k < count; k += 1) {
       this.places[first + k] = { view, bytes, at };
-      for (const { nodes } of this.bodies) {
-        at += 8 * this.components + 2 * this.components * nodes;
+      for (const body of this.bodies) {
+        at += this.components(body) * (8 + 2 * body.nodes);
         at += 4 + view.getUint32(at, true) * 4 * (2 + this.dimension);
       }
     }
@@ -87,10 +91,10 @@ class Film {
     if (this.at === index) return true;
     const { view, bytes } = place;
     let { at } = place;
-    this.bodies.forEach(({ nodes }, k) => {
-      const now = this.now[k];
-      const high = at + 8 * this.components, low = high + this.components * nodes;
-      for (let c = 0; c < this.components; c += 1) {
+    this.bodies.forEach((body, k) => {
+      const now = this.now[k], { nodes } = body, components = this.components(body);
+      const high = at + 8 * components, low = high + components * nodes;
+      for (let c = 0; c < components; c += 1) {
         const least = view.getFloat32(at + 8 * c, true), greatest = view.getFloat32(at + 8 * c + 4, true);
         const factor = (greatest - least) / 65535, values = now.values[c], h = high + c * nodes, l = low + c * nodes;
         for (let i = 0, word = 0; i < nodes; i += 1) {
@@ -98,7 +102,7 @@ class Film {
           values[i] = least + factor * word;
         }
       }
-      at = low + this.components * nodes;
+      at = low + components * nodes;
       const count = view.getUint32(at, true), D = this.dimension;
       at += 4;
       now.touching = new Uint32Array(count);
@@ -132,6 +136,9 @@ class Film {
     else if (name === "contact_pressure") {
       out.fill(0);
       touching.forEach((node, i) => { out[node] = pressure[i]; });
+    } else if (name === "plastic_strain") {
+      if (this.bodies[body].flows) out.set(S[this.stresses]);
+      else out.fill(0);
     } else if (name === "slip") {
       out.fill(0);
       touching.forEach((node, i) => { out[node] = slip[i]; });

@@ -31,8 +31,8 @@ fn elastic_plastic() -> Function {
         form: Form::Function,
         topic: Topic::Materials,
         summary: "a metal: Hencky's law up to a yield stress (von Mises), then plastic flow with hardening; what flows turns into heat, \
-                  column `BODY.plastic_work` since the start; field `plastic_strain`. Cells of first order take a mean dilatation by \
-                  themselves. Formulas: `docs/tasks/plasticity.md`",
+                  column `BODY.plastic_work` since the start; field `plastic_strain`. Cells take a mean dilatation by themselves. \
+                  Formulas: `docs/tasks/plasticity.md`",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
