@@ -185,7 +185,7 @@ impl Material {
         Material { origin: Origin::Outside(name), energy: None, laws, ..elastic.with_history([law.clone(), law]) }
     }
 
-    /// The material with a law that has history variables. Its elastic law remains for the stiffness at rest. Of `laws` the second one has no
+    /// The material with a law that has history variables. Its elastic law remains for the stiffness at rest. The second of `laws` has no
     /// energy of the volume, for cells with a dilatation of their own.
     fn with_history<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(self, laws: [H; 2]) -> Self {
         Material { history: Some(HistoryLaws::new(laws)), ..self }
@@ -264,6 +264,13 @@ impl Material {
 
     /// Names and values of its constants, in the row's order; the density is the last.
     pub fn constants(&self) -> Vec<(&str, f64)> {
+        let mut constants = self.elastic_constants();
+        let flow = self.plasticity.iter().map(|flow| ("yield_stress", flow.yield_stress));
+        constants.splice(constants.len() - 1..constants.len() - 1, flow);
+        constants
+    }
+
+    fn elastic_constants(&self) -> Vec<(&str, f64)> {
         match (&self.origin, &self.energy) {
             (Origin::Row(row, values), _) => row.parameters.iter().map(|parameter| parameter.name).zip(values.iter().copied()).collect(),
             (_, energy) => {

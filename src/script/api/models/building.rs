@@ -133,8 +133,8 @@ fn formulation_keys() -> Vec<Parameter> {
              volume; of `quad9` and `hex27` cells also linear in each cell, which is more accurate",
         )
         .or(Absent::Means(
-            "where Poisson's ratio is 0.49 or more and the law has a volumetric part, `\"linear\"` for `quad9` and `hex27` and `\"mean\"` \
-             for all others but `tri3` and `tet4`; otherwise `\"pointwise\"`",
+            "where Poisson's ratio is 0.49 or more or the material flows plastically, and the law has a volumetric part, `\"linear\"` for \
+             `quad9` and `hex27` and `\"mean\"` for all others but `tri3` and `tet4`; otherwise `\"pointwise\"`",
         )),
         Parameter::new("rigid", Kind::Flag, "whether it does not deform: of its material only the density is used").or(Absent::Flag(false)),
     ]
