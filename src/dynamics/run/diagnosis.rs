@@ -257,7 +257,11 @@ impl<const D: usize> Evidence<'_, D> {
         let vertex = *vertex as usize;
         if vertex >= system.nodes.count() {
             let row = vertex - system.nodes.count();
-            let node = system.pair_of(row).and_then(|pair| pair.node_of(row));
+            let own = system.pair_of(row);
+            let node = own.and_then(|pair| pair.node_of(row));
+            if let (Some(own), None) = (own, node) {
+                return format!("the constraints of \"{}\" and others depend on one another: singular matrix", own.name);
+            }
             // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
             let pairs = system.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
             let mut names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();
