@@ -46,6 +46,10 @@ class ScriptError(ConservaError):
     """A call is wrong: a name, a type, a range, or a callable that raised."""
 
 
+class NotPickled(ScriptError, TypeError):
+    """An object that cannot be pickled or copied deeply."""
+
+
 class ModelError(ScriptError):
     """A model cannot be simulated as it is."""
 

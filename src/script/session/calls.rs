@@ -15,8 +15,6 @@ use super::compile::compile;
 use super::reference::Reference;
 use super::session::{Report, Session};
 use super::shown::shown;
-use crate::mesh::Mesh;
-use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
 use crate::script::language::failure::interrupted;
@@ -27,8 +25,8 @@ use crate::script::language::settings::Settings;
 
 /// Functions of a session for a program that has no script.
 pub struct Calls {
-    session: RefCell<Session>,
-    registry: Rc<Registry>,
+    pub(super) session: RefCell<Session>,
+    pub(super) registry: Rc<Registry>,
     /// Compiled calls by the number of the function in the registry and the number of values.
     prepared: RefCell<HashMap<(usize, usize), Rc<Prepared>>>,
 }
@@ -80,11 +78,6 @@ impl Calls {
     /// A value as `print` shows it.
     pub fn printed(&self, value: &Dynamic) -> String {
         self.registry.types().print(value).unwrap_or_else(|| value.to_string())
-    }
-
-    /// The mesh behind an object of the type `Mesh`.
-    pub fn mesh(&self, value: &Dynamic) -> Option<std::sync::Arc<Mesh>> {
-        value.clone().try_cast::<MeshHandle>().map(|handle| handle.mesh())
     }
 
     /// Calls a function by its place in [`Self::functions`]; the object of a method is the first value.
