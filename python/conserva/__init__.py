@@ -20,7 +20,7 @@ import math as _math
 
 from . import _api, _core, _told
 from ._errors import CheckFailed, ConservaError, ConservaWarning, ModelError, OutputError, ScriptError, StepFailed
-from ._magic import load_ipython_extension, text
+from ._magic import load_ipython_extension, text, unload_ipython_extension
 from ._meshes import from_meshio
 from ._objects import Object, Record
 from ._run import Run, run, session

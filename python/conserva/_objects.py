@@ -138,4 +138,9 @@ class StateMethods(Object):
     __slots__ = ()
 
     def __reduce__(self):
-        return _core.state_object, _core.state_bytes(self._number)
+        return state_again, _core.state_bytes(self._number)
+
+
+def state_again(state, rows):
+    """A state from its bytes; a simulation of an equal model can restore it."""
+    return _core.state_object(state, rows)

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from . import _core
+from ._errors import ScriptError
 from ._objects import Object
 
 # Kinds of files that a notebook shows.
@@ -25,7 +26,10 @@ class Shown:
     """
 
     def __init__(self, content, ending):
-        self.content, self.ending = content or b"", ending
+        if not content:
+            hint = "make the simulation in `with cs.session(output=folder):`, in a notebook after `%load_ext conserva`"
+            raise ScriptError("there is no recording of the run", "C1020", ["a session without a folder of results records nothing"], [hint])
+        self.content, self.ending = content, ending
 
     def save(self, path):
         """Writes the file."""

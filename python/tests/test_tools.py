@@ -120,13 +120,20 @@ def test_multiprocessing_goes_on_from_a_pickled_state_in_a_spawned_process(simul
         assert np.array_equal(pool.apply(go_on, (whole,)), simulation.history.total)
 
 
-def test_ipython_runs_a_cell_of_the_language():
+def test_ipython_runs_a_cell_of_the_language(folder):
     shell = needs("IPython.core.interactiveshell").InteractiveShell.instance()
     shell.run_line_magic("load_ext", "conserva")
     shell.user_ns["numbers"] = np.array([1.0, 2.0])
     value = shell.run_cell_magic("conserva", "", "let total = sum(numbers); let plate = rectangle(#{ size: [2.0, 1.0], cells: [4, 2] });\ntotal * 2.0")
     assert value == 6.0 and shell.user_ns["total"] == 3.0 and shell.user_ns["plate"].cells == 8
     assert shell.run_cell_magic("conserva", "", "plate.nodes") == 15
+    with pytest.raises(cs.ScriptError, match="no words"):
+        shell.run_cell_magic("conserva", "out", "1")
+    shell.run_line_magic("conserva", "out")
+    shell.user_ns["plate"].write("plate.msh")
+    shell.run_cell_magic("conserva", "", "rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }).write(\"other.msh\");")
+    shell.run_line_magic("unload_ext", "conserva")
+    assert (folder / "out" / "other.msh").exists() and not (folder / "out" / "plate.msh").exists()
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.ipynb")))

@@ -185,18 +185,31 @@ def test_a_state_of_another_model_is_refused(simulation):
         cs.simulate(model, integrator=cs.energy_momentum(), dt=0.01).restore(state)
 
 
-def test_pictures_movies_and_pages_are_shown_without_a_path(simulation):
+def test_pictures_are_shown_without_a_path(simulation):
     simulation.step(3)
     assert simulation.picture(field="velocity")._repr_html_().startswith("<svg")
     assert simulation.plot("total").content.startswith(b"<svg") and cs.plot_curves([{"x": [0.0, 1.0], "y": [0.0, 1.0]}]).ending == ".svg"
-    movie = simulation.movie(seconds=1)
+    for unrecorded in (simulation.movie, simulation.report):
+        with pytest.raises(cs.ScriptError, match="no recording"):
+            unrecorded()
+    with pytest.raises(cs.ScriptError, match="gif"):
+        simulation.movie("a.mp4")
+
+
+def test_movies_and_pages_are_shown_without_a_path(folder):
+    with cs.session(output="out"):
+        model = cs.model("flight")
+        rubber = cs.neo_hookean(youngs_modulus=100.0, poisson_ratio=0.3, density=1.0)
+        model.add_body("plate", cs.rectangle(size=[2.0, 1.0], cells=[4, 2]), rubber)
+        model.gravity([0.0, -1.0])
+        simulation = cs.simulate(model, integrator=cs.energy_momentum(), dt=0.01)
+        simulation.step(3)
+        movie, page = simulation.movie(seconds=1), simulation.report()
+    assert not list(folder.rglob("shown*"))
     assert movie.content.startswith(b"\x89PNG") and b"acTL" in movie.content and "base64" in movie._repr_html_()
-    page = simulation.report()
     assert page._repr_html_().startswith("<iframe srcdoc=") and b"</html>" in page.content
     page.save("page.html")
     assert Path("page.html").read_bytes() == page.content
-    with pytest.raises(cs.ScriptError, match=r"gif"):
-        simulation.movie("a.mp4")
 
 
 def test_exceptions_can_be_pickled():
