@@ -18,7 +18,7 @@ def in_python(function):
     if function["form"] == "property":
         return f"{place}{function['name']}"
     if function["form"] == "column":
-        return f'{owner}["column"]'
+        return f'{owner}["{function["name"]}"]'
     plain = [parameter for parameter in function["parameters"] if not parameter["keys"]]
     keys = sorted((key for parameter in function["parameters"] for key in parameter["keys"]), key=lambda key: not key["required"])
     given, named = ([keyword_name(row["name"]) + ("" if row["required"] else "=…") for row in rows] for rows in (plain, keys))
@@ -28,7 +28,7 @@ def in_python(function):
 def anchor(function):
     """The heading of a function in the reference."""
     name = f"{function['of']}.{function['name']}" if function["of"] else function["name"]
-    name = f"{function['of']}[column]" if function["form"] == "column" else name
+    name = f"{function['of']}[{function['name']}]" if function["form"] == "column" else name
     return name, "".join(letter for letter in name.lower() if letter.isalnum() or letter == "_")
 
 

@@ -71,7 +71,7 @@ pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
     let points = coordinates.as_chunks().0.to_vec();
     let parts = parts.into_iter().map(|(name, cells)| (name, numbers(&cells))).collect();
     let mut mesh = Mesh { kind, points, connectivity: numbers(&connectivity), boundaries: Vec::new(), parts };
-    if mesh.connectivity.len() % kind.nodes() != 0 {
+    if !mesh.connectivity.len().is_multiple_of(kind.nodes()) {
         return Err(PyValueError::new_err(format!("a {element} has {} nodes", kind.nodes())));
     }
     for (name, sides, nodes) in boundaries {

