@@ -5,6 +5,7 @@ itself is made from, so that both are the same by construction.
 """
 
 import difflib
+import inspect
 import json
 import keyword
 
@@ -124,6 +125,10 @@ def callable_of(place, function):
         made._recipe = (key, signature.bind(values, named) if named else values)
         return made
 
+    def study(*values, **named):
+        made = call(*values, **named)
+        return _views.Rows(made) if isinstance(made, list) else made
+
     def shown(*values, **named):
         ax = named.pop("ax", None)
         if ax is not None and key in _axes.DRAWN:
@@ -134,7 +139,8 @@ def callable_of(place, function):
         return _views.Shown(_core.file(place, values), ending)
 
     ending = _views.ending_of(function)
-    return shown if ending else value if function["returns"] in VALUES else call
+    is_study = function["topic"] == "Studies" and function["returns"] == "Array"
+    return shown if ending else study if is_study else value if function["returns"] in VALUES else call
 
 
 def alternatives(rows):
@@ -196,7 +202,32 @@ def documentation(function):
     return "\n".join(lines).rstrip() + "\n"
 
 
+class Left:
+    """Stands for a value that is left out, whose meaning the docstring has."""
+
+    def __repr__(self):
+        return "…"
+
+
+LEFT = Left()
+
+
+def signature_of(function, owner):
+    """The parameters of a function by place and the keys of its options by name, for completion."""
+    plain = [parameter for parameter in function["parameters"] if not parameter["keys"]]
+    keys = [key for parameter in function["parameters"] for key in parameter["keys"]]
+    required = inspect.Parameter.empty
+
+    def shown(rows, kind):
+        rows = sorted(rows, key=lambda row: not row["required"])
+        return [inspect.Parameter(_translate.keyword_name(row["name"]), kind, default=required if row["required"] else LEFT) for row in rows]
+
+    first = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)] if owner else []
+    return inspect.Signature(first + shown(plain, inspect.Parameter.POSITIONAL_OR_KEYWORD) + shown(keys, inspect.Parameter.KEYWORD_ONLY))
+
+
 def named(call, function, owner=None):
+    call.__signature__ = signature_of(function, owner)
     call.__name__ = call.__qualname__ = function["name"]
     if owner:
         call.__qualname__ = f"{owner}.{function['name']}"

@@ -47,6 +47,21 @@ class Shown:
         return f'<img src="data:image/png;base64,{base64.b64encode(self.content).decode()}">'
 
 
+class Rows(list):
+    """Rows of a study, a list of records that shows itself as a table; ``pandas.DataFrame(rows)`` takes it."""
+
+    def _repr_html_(self):
+        names = list(dict.fromkeys(name for row in self for name in row))
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
+        lines = ("".join(f"<td>{html.escape(format_of(row.get(name, '')))}</td>" for name in names) for row in self)
+        return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+
+
+def format_of(value):
+    """A value in a table."""
+    return f"{value:.6g}" if isinstance(value, float) else "" if value is None else str(value)
+
+
 def ending_of(function):
     """Ending of the file that a function shows without a path; None for functions that show none."""
     for parameter in function["parameters"]:

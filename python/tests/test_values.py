@@ -2,6 +2,7 @@
 
 import copy
 import gc
+import inspect
 import pickle
 import threading
 from pathlib import Path
@@ -151,6 +152,19 @@ def test_an_array_outlives_the_thread_that_made_it():
     thread.join()
     gc.collect()
     assert made[0][:, 0].max() == 2.0
+
+
+def test_a_study_shows_itself_as_a_table():
+    rows = cs.sweep(vary={"n": [1, 2]}, run=lambda p: {"half": 0.5 * p.n})
+    assert isinstance(rows, list) and rows[1].half == 1.0
+    table = rows._repr_html_()
+    assert "<th>half</th>" in table and "<td>0.5</td>" in table and table.count("<tr>") == 3
+
+
+def test_completion_knows_the_keys():
+    assert list(inspect.signature(cs.rectangle).parameters) == ["size", "cells", "origin", "grading", "element"]
+    fix = inspect.signature(cs.model("a").fix)
+    assert list(fix.parameters) == ["boundary", "components"] and fix.parameters["boundary"].default is inspect.Parameter.empty
 
 
 def test_what_cannot_be_pickled_says_what_to_do(simulation, plate):
