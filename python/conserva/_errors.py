@@ -18,10 +18,12 @@ class ConservaError(Exception):
         How to mend it.
     causes, hints : list of str
         Each of them where there is more than one.
+    drawn : str
+        The message with its place, where it is about a text in the script language.
     """
 
-    def __init__(self, title="", code="", causes=(), hints=(), label=""):
-        self.title, self.code, self.label = title, code, label
+    def __init__(self, title="", code="", causes=(), hints=(), label="", drawn=""):
+        self.title, self.code, self.label, self.drawn = title, code, label, drawn
         self.causes, self.hints = list(causes), list(hints)
         super().__init__(title)
 
@@ -34,12 +36,14 @@ class ConservaError(Exception):
         return "; ".join(self.hints)
 
     def __str__(self):
+        if self.drawn:
+            return self.drawn
         first = f"{self.title} [{self.code}]" if self.code else self.title
         label = [f"  = here: {self.label}"] if self.label else []
         return "\n".join([first, *label, *(f"  = cause: {text}" for text in self.causes), *(f"  = hint: {text}" for text in self.hints)])
 
     def __reduce__(self):
-        return (type(self), (self.title, self.code, self.causes, self.hints, self.label))
+        return (type(self), (self.title, self.code, self.causes, self.hints, self.label, self.drawn))
 
 
 class ScriptError(ConservaError):
@@ -90,6 +94,8 @@ def exception_of(parts):
     kind = CLASSES.get(parts["kind"], ConservaError)
     if parts["kind"] == "script":
         kind = ModelError if parts["code"].startswith(MODEL_CODES) else ScriptError
+    if parts["is_in_script"]:
+        return kind(parts["title"], parts["code"], parts["causes"], parts["hints"], parts["label"], parts["drawn"].strip())
     words = {key: translated(parts[key]) for key in ("title", "label")}
     causes, hints = ([translated(text) for text in parts[key]] for key in ("causes", "hints"))
     return kind(words["title"], parts["code"], causes, hints, words["label"])

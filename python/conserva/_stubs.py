@@ -24,6 +24,7 @@ class ConservaError(Exception):
     title: str
     code: str
     label: str
+    drawn: str
     causes: list[str]
     hints: list[str]
     @property

@@ -23,6 +23,9 @@ use crate::script::language::observer::Observer;
 use crate::script::language::registry::Registry;
 use crate::script::language::settings::Settings;
 
+/// First letters of the names of the texts of calls.
+const CALL: &str = "call ";
+
 /// Functions of a session for a program that has no script.
 pub struct Calls {
     pub(super) session: RefCell<Session>,
@@ -70,6 +73,11 @@ impl Calls {
         self.registry.types().names()
     }
 
+    /// True of a message about a text that the user has written, and not about the text of a call.
+    pub fn is_in_text(error: &Diagnostic) -> bool {
+        error.place.as_ref().is_some_and(|place| !place.source.starts_with(CALL))
+    }
+
     /// A value as the prompt shows it.
     pub fn shown(&self, value: &Dynamic) -> String {
         shown(&self.registry, value)
@@ -114,7 +122,7 @@ impl Calls {
         let description = &self.registry.functions()[function];
         let variables: Vec<String> = (0..count).map(|index| format!("a{index}")).collect();
         let text = text_of(description, &variables);
-        let source = format!("call {function} of {count}");
+        let source = format!("{CALL}{function} of {count}");
         let mut scope = Scope::new();
         for variable in &variables {
             scope.push(variable.as_str(), ());

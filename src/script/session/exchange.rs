@@ -9,8 +9,8 @@ use rhai::{Dynamic, Map, Scope};
 use super::calls::Calls;
 use super::compile::{compile, constants};
 use crate::mesh::Mesh;
-use crate::output::checkpoint::{Checkpoint, SavedSimulation};
-use crate::output::{History, RowStore, encoded};
+use crate::output::checkpoint::{Checkpoint, CheckpointError, SavedSimulation};
+use crate::output::{History, RowStore, decoded, encoded};
 use crate::script::api::files::writing::Wanted;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::remedies::ScriptWords;
@@ -58,9 +58,9 @@ impl Calls {
             Box::new(error.hint("pickle states only between processes with the same version of Conserva; compute it anew"))
         };
         let saved = Checkpoint::from_bytes(checkpoint).map_err(|error| refused(error.to_string(), error.code()))?.simulations.pop();
-        let rows = postcard::from_bytes(rows).ok();
+        let rows = decoded(rows);
         let (Some(SavedSimulation { name, state: Some(state), .. }), Some(rows)) = (saved, rows) else {
-            return Err(refused("the bytes hold no state".into(), "C0912"));
+            return Err(refused("the bytes hold no state".into(), CheckpointError::Foreign.code()));
         };
         let history = History::new(Rc::<RowStore>::default(), rows);
         Ok(Dynamic::from(StateHandle { state, history, name, simulation: None }))
@@ -95,15 +95,16 @@ impl Calls {
             (session.engine.clone(), session.host.clone())
         };
         let engine = engine.borrow();
-        let (source, mut scope): (_, Scope) = ("cell", constants());
+        // Closures of earlier texts keep their places.
+        let (source, mut scope): (_, Scope) = (format!("cell {}", host.sources.all().len()), constants());
         let constant = scope.len();
         for (name, value) in variables {
             scope.push_dynamic(name, value);
         }
-        host.sources.insert(source, text);
-        let tree = compile(&engine, &scope, source, text);
+        host.sources.insert(&source, text);
+        let tree = compile(&engine, &scope, &source, text);
         let value = tree.and_then(|tree| engine.eval_ast_with_scope::<Dynamic>(&mut scope, &tree));
-        let value = value.map_err(|error| Box::new(explain(&host, &engine, &error, source)))?;
+        let value = value.map_err(|error| Box::new(explain(&host, &engine, &error, &source)))?;
         let variables = scope.iter().skip(constant).map(|(name, _, value)| (name.into(), value.flatten_clone()));
         Ok(variables.chain([("".into(), value.flatten())]).collect())
     }
@@ -156,7 +157,7 @@ mod tests {
     fn the_file_of_a_call_is_returned_without_a_folder() {
         let calls = calls();
         let made = calls.text(&format!("{FLIGHT} sim.step(3);"), vec![("columns".to_string(), Dynamic::from(4_i64))]).unwrap();
-        let picture = calls.functions().iter().position(|function| function.signature().starts_with("Simulation.picture")).unwrap();
+        let picture = calls.functions().iter().position(|function| function.signature().starts_with("simulation.picture")).unwrap();
         let bytes = calls.file(picture, vec![made["sim"].clone(), "a.svg".into()]).unwrap().unwrap();
         assert!(bytes.starts_with(b"<svg"));
     }
