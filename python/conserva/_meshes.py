@@ -136,15 +136,17 @@ def from_meshio(mesh):
     cells = turned(points[used], cells.reshape(numbers.shape), kind)
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
+    sides_of = set(FACETS[2 if ELEMENTS[kind] in CORNERS_OF_PLANE else 3].values())
+    blocks = [block for block in mesh.cells if block.type == kind]
+    starts = dict(zip(map(id, blocks), np.cumsum([0, *(len(block.data) for block in blocks)])))
     parts, sides, nodes = [], [], []
     for name, members in sets_of(mesh).items():
-        starts = np.cumsum([0, *(len(block.data) for block in mesh.cells if block.type == kind)])
-        own = [entries + start for start, (block, entries) in zip(starts, [pair for pair in members if pair[0].type == kind])]
-        facets = [np.asarray(block.data)[entries, : FACET_CORNERS[block.type]] for block, entries in members if block.type in FACET_CORNERS and block.type != kind]
-        if sum(map(len, own)):
+        members = [(block, entries) for block, entries in members if len(entries)]
+        own = [entries + starts[id(block)] for block, entries in members if block.type == kind]
+        facets = [np.asarray(block.data)[entries, : FACET_CORNERS[block.type]] for block, entries in members if block.type in sides_of]
+        if own:
             parts.append((name, as_bytes(np.concatenate(own))))
-        facets = [rows for rows in facets if len(rows)]
-        if facets and (facets[0].shape[1] == 2) == (len(CORNERS_OF_PLANE.intersection([ELEMENTS[kind]])) == 1):
+        if facets:
             sides.append((name, as_bytes(place[np.concatenate(facets)])))
     for name, members in mesh.point_sets.items():
         known = place[np.asarray(members, dtype=int)]

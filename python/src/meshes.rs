@@ -87,7 +87,11 @@ pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
         }
         for (name, nodes) in node_sets {
             let boundary = boundary_of_nodes(&sides, name, numbers(&nodes).into_iter().collect());
-            mesh.boundaries.push(boundary);
+            // A facet set of the same name is a part of the boundary.
+            match mesh.boundaries.iter_mut().find(|known| known.name == boundary.name) {
+                Some(known) => *known = Boundary { name: boundary.name.clone(), ..Boundary::union(&[known.clone(), boundary]) },
+                None => mesh.boundaries.push(boundary),
+            }
         }
     }
     let live = state::with(|state| state.current(py))?;

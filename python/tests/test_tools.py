@@ -68,6 +68,21 @@ def test_meshio_and_back_is_the_same_mesh(element):
     assert given == found
 
 
+def test_sets_of_meshio_are_boundaries_and_parts():
+    meshio = needs("meshio")
+    points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0], [9.0, 9.0]]
+    # The second cell runs clockwise, and no cell has the last point.
+    cells = [("quad", [[0, 1, 2, 3], [2, 5, 4, 1]]), ("line", [[0, 1], [1, 4]])]
+    none = np.zeros(0, int)
+    sets = {"right cell": [np.array([1]), none], "floor": [none, np.array([0, 1])]}
+    mesh = cs.from_meshio(meshio.Mesh(points, cells, cell_sets=sets, point_sets={"left": [0, 3], "floor": [5], "corner": [2, 6]}))
+    assert (mesh.nodes, mesh.cells, mesh.parts) == (6, 2, ["right cell"])
+    model = cs.model("a")
+    body = model.add_body("b", mesh, cs.neo_hookean(youngs_modulus=1.0, poisson_ratio=0.3, density=1.0))
+    assert {name: body.boundary(name).measure for name in ("floor", "left", "corner")} == {"floor": 2.0, "left": 1.0, "corner": 0.0}
+    assert body.mass == pytest.approx(2.0) and str(cs.from_meshio(mesh.to_meshio())) == str(mesh)
+
+
 def test_meshio_reads_a_file_that_gmsh_wrote():
     meshio = needs("meshio")
     path = ROOT / "scripts" / "meshes" / "punch.msh"
