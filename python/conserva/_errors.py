@@ -83,6 +83,9 @@ class ConservaWarning(UserWarning):
 
 CLASSES = {"check": CheckFailed, "numerics": StepFailed, "output": OutputError}
 
+# Words of hints that are true at the prompt of the command alone.
+OF_PROMPT = "; `:vars` lists the variables"
+
 # Codes of models begin so in `docs/errors.md`.
 MODEL_CODES = ("C01",)
 
@@ -95,7 +98,8 @@ def exception_of(parts):
     if parts["kind"] == "script":
         kind = ModelError if parts["code"].startswith(MODEL_CODES) else ScriptError
     if parts["is_in_script"]:
-        return kind(parts["title"], parts["code"], parts["causes"], parts["hints"], parts["label"], parts["drawn"].strip())
+        hints = [hint.replace(OF_PROMPT, "") for hint in parts["hints"]]
+        return kind(parts["title"], parts["code"], parts["causes"], hints, parts["label"], parts["drawn"].replace(OF_PROMPT, "").strip())
     words = {key: translated(parts[key]) for key in ("title", "label")}
     causes, hints = ([translated(text) for text in parts[key]] for key in ("causes", "hints"))
     return kind(words["title"], parts["code"], causes, hints, words["label"])

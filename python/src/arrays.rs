@@ -1,7 +1,8 @@
 //! NumPy arrays over memory of Conserva, without a copy.
 //!
 //! NumPy takes the address of numbers from an object with the attribute `__array_interface__`, and keeps that object, which holds the owner
-//! of the memory in a capsule. So the memory lives as long as the last view of the array, on whatever thread it ends.
+//! of the memory in a capsule. So the memory lives as long as the last view of the array, on whatever thread it ends. Rust itself reads and
+//! writes nothing through the address: the owner of a writable array is in the capsule alone, other arrays are read-only.
 
 use std::sync::Arc;
 

@@ -58,6 +58,12 @@ def test_a_message_about_a_script_has_its_place_and_the_words_of_the_language(fo
         assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
 
 
+def test_a_hint_about_a_cell_names_no_command_of_the_prompt():
+    with pytest.raises(cs.ScriptError) as caught:
+        cs.text("let a = 1;\na + b")
+    assert "let b" in caught.value.hint and ":vars" not in caught.value.hint + str(caught.value)
+
+
 def test_a_parameter_that_the_script_does_not_have_is_an_error(folder):
     (folder / "a.rhai").write_text("print(1);")
     with pytest.raises(cs.ScriptError):
