@@ -27,7 +27,7 @@ impl MeshHandle {
         Self::shared(Arc::new(mesh))
     }
 
-    /// A handle of a mesh that others have, too; a change through the handle leaves theirs as it is.
+    /// A handle of a shared mesh; [`Self::replace`] changes the handle alone.
     pub fn shared(mesh: Arc<Mesh>) -> Self {
         MeshHandle(Rc::new(RefCell::new(mesh)))
     }
