@@ -62,6 +62,11 @@ pub fn encoded(value: &(impl Serialize + ?Sized)) -> Vec<u8> {
     postcard::to_allocvec(value).unwrap_or_default()
 }
 
+/// The value of bytes that [`encoded`] has made; `None` for others.
+pub fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    postcard::from_bytes(bytes).ok()
+}
+
 fn path(study: &str) -> String {
     format!("{FOLDER}/{study}.{POINTS}")
 }

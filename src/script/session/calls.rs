@@ -15,8 +15,6 @@ use super::compile::compile;
 use super::reference::Reference;
 use super::session::{Report, Session};
 use super::shown::shown;
-use crate::mesh::Mesh;
-use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
 use crate::script::language::failure::interrupted;
@@ -25,10 +23,13 @@ use crate::script::language::observer::Observer;
 use crate::script::language::registry::Registry;
 use crate::script::language::settings::Settings;
 
+/// First letters of the names of the texts of calls.
+const CALL: &str = "call ";
+
 /// Functions of a session for a program that has no script.
 pub struct Calls {
-    session: RefCell<Session>,
-    registry: Rc<Registry>,
+    pub(super) session: RefCell<Session>,
+    pub(super) registry: Rc<Registry>,
     /// Compiled calls by the number of the function in the registry and the number of values.
     prepared: RefCell<HashMap<(usize, usize), Rc<Prepared>>>,
 }
@@ -72,6 +73,11 @@ impl Calls {
         self.registry.types().names()
     }
 
+    /// True of a message about a text that the user has written, and not about the text of a call.
+    pub fn is_in_text(error: &Diagnostic) -> bool {
+        error.place.as_ref().is_some_and(|place| !place.source.starts_with(CALL))
+    }
+
     /// A value as the prompt shows it.
     pub fn shown(&self, value: &Dynamic) -> String {
         shown(&self.registry, value)
@@ -80,11 +86,6 @@ impl Calls {
     /// A value as `print` shows it.
     pub fn printed(&self, value: &Dynamic) -> String {
         self.registry.types().print(value).unwrap_or_else(|| value.to_string())
-    }
-
-    /// The mesh behind an object of the type `Mesh`.
-    pub fn mesh(&self, value: &Dynamic) -> Option<std::sync::Arc<Mesh>> {
-        value.clone().try_cast::<MeshHandle>().map(|handle| handle.mesh())
     }
 
     /// Calls a function by its place in [`Self::functions`]; the object of a method is the first value.
@@ -121,7 +122,7 @@ impl Calls {
         let description = &self.registry.functions()[function];
         let variables: Vec<String> = (0..count).map(|index| format!("a{index}")).collect();
         let text = text_of(description, &variables);
-        let source = format!("call {function} of {count}");
+        let source = format!("{CALL}{function} of {count}");
         let mut scope = Scope::new();
         for variable in &variables {
             scope.push(variable.as_str(), ());

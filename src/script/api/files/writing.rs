@@ -1,5 +1,8 @@
 //! Files at the paths that a script gives: below the run's output folder, with the endings of their formats.
 
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
 use rhai::Dynamic;
 
 use super::failures::output_class;
@@ -15,6 +18,38 @@ use crate::script::language::wording::joined;
 pub trait Destination {
     /// Writes a file there; `None` where the session writes none.
     fn put(&self, path: &str, bytes: &[u8]) -> Option<Result<(), OutputError>>;
+}
+
+/// Bytes of the file that the next call would write, for a program that shows the file in place of writing it.
+#[derive(Default)]
+pub struct Wanted {
+    is_asked: Cell<bool>,
+    bytes: RefCell<Option<Vec<u8>>>,
+}
+
+impl Wanted {
+    /// Keeps the bytes of the next file.
+    pub fn ask(&self) {
+        self.is_asked.set(true);
+    }
+
+    /// The bytes of the file, if one was made. Files are written again.
+    pub fn take(&self) -> Option<Vec<u8>> {
+        self.is_asked.set(false);
+        self.bytes.take()
+    }
+
+    /// Place for the bytes of the file of a call, where they are asked for.
+    pub fn of(call: &Call) -> Option<Rc<Wanted>> {
+        let wanted: Rc<Wanted> = call.host.slots.get();
+        wanted.is_asked.get().then_some(wanted)
+    }
+
+    /// Keeps the bytes of a file.
+    pub fn put(&self, bytes: Vec<u8>) -> Dynamic {
+        self.bytes.replace(Some(bytes));
+        Dynamic::UNIT
+    }
 }
 
 /// Writes a drawing below the output folder, as SVG or PNG as the ending says.
@@ -43,6 +78,9 @@ pub fn write(
     if call.host.is_check() {
         call.host.findings.borrow_mut().push(format!("would write {path}"));
         return Ok(Dynamic::UNIT);
+    }
+    if let Some(wanted) = Wanted::of(call) {
+        return Ok(wanted.put(content()?));
     }
     write_at(call, into, &path, &content()?)?;
     Ok(Dynamic::UNIT)

@@ -24,7 +24,12 @@ pub struct MeshHandle(Rc<RefCell<Arc<Mesh>>>);
 impl MeshHandle {
     /// A handle of a mesh.
     pub fn new(mesh: Mesh) -> Self {
-        MeshHandle(Rc::new(RefCell::new(Arc::new(mesh))))
+        Self::shared(Arc::new(mesh))
+    }
+
+    /// A handle of a shared mesh; [`Self::replace`] changes the handle alone.
+    pub fn shared(mesh: Arc<Mesh>) -> Self {
+        MeshHandle(Rc::new(RefCell::new(mesh)))
     }
 
     /// The mesh as it is now.

@@ -29,7 +29,7 @@ pub fn functions() -> Vec<Function> {
             call.receiver::<BodyHandle>().definition().name.into()
         }),
         member(BodyHandle::receiver(), "mesh", "the mesh of the body at rest", MeshHandle::NAME, |call| {
-            Dynamic::from(MeshHandle::new((*call.receiver::<BodyHandle>().definition().mesh).clone()))
+            Dynamic::from(MeshHandle::shared(call.receiver::<BodyHandle>().definition().mesh))
         }),
         member(BodyHandle::receiver(), "material", "the material of the body", MaterialHandle::NAME, |call| {
             Dynamic::from(MaterialHandle(call.receiver::<BodyHandle>().definition().material))

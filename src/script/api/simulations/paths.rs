@@ -254,7 +254,7 @@ fn state() -> Function {
             push_equilibrium(&mut history, path.rows[0].clone());
             path.rows[1..=index].iter().for_each(|row| history.push(row.clone()));
             let state = path.path.points[index].state.clone();
-            Ok(Dynamic::from(StateHandle { state, history, simulation: path.simulation }))
+            Ok(Dynamic::from(StateHandle::of(path.simulation, state, history)))
         }),
     }
 }
