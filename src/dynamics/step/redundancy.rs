@@ -12,7 +12,7 @@ use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::integrators::Derivative;
 use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY, ZERO_ROW};
 
-/// A constraint row by its unknowns.
+/// Constraint gradient by unknowns.
 type Row = BTreeMap<usize, f64>;
 
 impl<const D: usize> Equations<D> {
@@ -79,8 +79,8 @@ impl<const D: usize> Equations<D> {
     }
 }
 
-/// What is left of a row of that size when the unknowns of all pivots are eliminated. Couplings along a surface fade from node to node, and
-/// are dropped where they are round-off.
+/// Remainder of a constraint gradient after the elimination of all pivot unknowns. Entries below round-off relative to `size` are dropped,
+/// since couplings along a surface decay from node to node.
 fn reduced(mut row: Row, size: f64, pivots: &BTreeMap<usize, Row>) -> Row {
     while let Some(unknown) = row.keys().copied().find(|unknown| pivots.contains_key(unknown)) {
         let factor = row[&unknown];
