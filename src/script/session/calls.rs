@@ -1,7 +1,7 @@
-//! Calls of single functions by a program in another language, with the checks and messages that scripts have.
+//! Calls of single functions by a program in another language, with the checks and messages of scripts.
 //!
 //! A call is a short text such as `a0.add_body(a1, a2)`, compiled once for each function and number of values; the values are the variables
-//! of its scope. So operators, checks and messages are those of the engine, and nothing about a function is written a second time.
+//! of its scope. Operators, checks and messages are thus those of the engine, and functions need no second description.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -26,7 +26,7 @@ use crate::script::language::settings::Settings;
 /// First letters of the names of the texts of calls.
 const CALL: &str = "call ";
 
-/// Functions of a session for a program that has no script.
+/// Functions of a session for a program without a script.
 pub struct Calls {
     pub(super) session: RefCell<Session>,
     pub(super) registry: Rc<Registry>,
@@ -78,12 +78,12 @@ impl Calls {
         error.place.as_ref().is_some_and(|place| !place.source.starts_with(CALL))
     }
 
-    /// A value as the prompt shows it.
+    /// Returns a value as shown at the prompt.
     pub fn shown(&self, value: &Dynamic) -> String {
         shown(&self.registry, value)
     }
 
-    /// A value as `print` shows it.
+    /// Returns a value as shown by `print`.
     pub fn printed(&self, value: &Dynamic) -> String {
         self.registry.types().print(value).unwrap_or_else(|| value.to_string())
     }
@@ -91,7 +91,7 @@ impl Calls {
     /// Calls a function by its place in [`Self::functions`]; the object of a method is the first value.
     ///
     /// # Errors
-    /// The message that a script would end with.
+    /// The message with which a script would end.
     pub fn call(&self, function: usize, values: Vec<Dynamic>) -> Result<Dynamic, Box<Diagnostic>> {
         match catch_unwind(AssertUnwindSafe(|| self.evaluate(function, values))) {
             Ok(outcome) => outcome,
@@ -141,7 +141,7 @@ impl Calls {
         interrupted("interrupted").into()
     }
 
-    /// Ends the session as a run ends: warnings, and the files of its folder, where it has one.
+    /// Ends the session like a run: warnings, and the files of its folder, if there is one.
     pub fn finish(&self, error: Option<Box<Diagnostic>>) -> Report {
         let finished = catch_unwind(AssertUnwindSafe(|| self.session.borrow_mut().finish(error)));
         finished.unwrap_or_else(|panic| Report::failed(*defect(&*panic)))

@@ -18,7 +18,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// What a body offers.
+/// Functions of bodies.
 pub fn functions() -> Vec<Function> {
     vec![
         boundary_of_body(),
@@ -52,7 +52,7 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-/// What a boundary says about itself.
+/// Properties of boundaries.
 pub fn boundary_functions() -> Vec<Function> {
     vec![
         of_boundary("name", "the name of the boundary", "String", |boundary| boundary.boundary.name.clone().into()),

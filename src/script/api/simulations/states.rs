@@ -1,6 +1,6 @@
-//! States as values: save and restore, step back, branch, change how the next steps are taken.
+//! States as values: save and restore, step back, branch, change options of the next steps.
 //!
-//! A simulation keeps the states before its last steps as far as memory allows. Going on from a state gives the same bytes as before.
+//! A simulation keeps the states before its last steps as far as memory allows. Continuing from a state gives byte-identical results.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 pub struct StateHandle {
     /// The state.
     pub state: Arc<State>,
-    /// The history up to it.
+    /// History up to the state.
     pub history: History,
     /// Name of its simulation.
     pub name: String,
@@ -246,7 +246,7 @@ fn dt() -> Function {
 }
 
 impl SimulationHandle {
-    /// Goes to a state; the history is what it was then.
+    /// Restores a state, with its history.
     pub fn go_to(&self, call: &Call, state: &State, history: History) -> Result<(), Failure> {
         self.refuse_nested(call)?;
         self.take_down_way_back(call.host)?;
@@ -257,7 +257,7 @@ impl SimulationHandle {
         let common = self.0.history.borrow().common(&history);
         self.0.past.borrow_mut().retain(|past| past.rows < history.len() && past.rows <= common);
         self.replace_history(history)?;
-        // After the last event of an earlier program.
+        // After the last computation of an earlier process.
         go_on(call.host)
     }
 }

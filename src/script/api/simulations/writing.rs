@@ -1,4 +1,4 @@
-//! What results of a simulation have in common: its folder, files that show the run so far, columns by their names.
+//! Common parts of results of a simulation: its folder, files that show the run so far, columns by name.
 
 use rhai::{Array, Dynamic};
 
@@ -18,7 +18,7 @@ impl Destination for SimulationHandle {
     }
 }
 
-/// Writes a file that shows the run so far: while steps come from the journal, the file is that which an earlier program has written.
+/// Writes a file that shows the run so far; while steps come from the journal, the file of an earlier process is kept.
 pub fn write_course(
     call: &Call,
     into: &SimulationHandle,
