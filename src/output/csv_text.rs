@@ -19,7 +19,7 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
     if is_formula(text) && text.parse::<f64>().is_err() { format!("{MARK}{text}").into() } else { text.into() }
 }
 
-/// Inverse of [`harmless`].
+/// Inverse of `harmless`.
 pub fn meant(field: &str) -> &str {
     field.strip_prefix(MARK).filter(|text| is_formula(text)).unwrap_or(field)
 }
