@@ -192,3 +192,39 @@ fn simple_shear_does_not_soften() {
         }
     }
 }
+
+/// Tangents of steps from nothing to a hundredth of the yield strain, from points that flow steadily: finite, and no larger than that of
+/// elasticity.
+fn tangents_of_small_steps_are_bounded<const S: usize>()
+where
+    PlasticLaw: HistoryLaw<S>,
+{
+    for constants in laws() {
+        let law = PlasticLaw::new(&constants, true);
+        let mut random = Random(11);
+        let (mut strain, mut history) = ([[ZERO; S]], vec![ZERO; law.variables()]);
+        let (mut after, mut heat) = (history.clone(), [ZERO]);
+        let drift = random.strain(&[ZERO; S], 2e-4);
+        for count in 0..300 {
+            let mut next = [random.strain(&strain[0], if count % 3 == 0 { 1e-4 } else { 1e-5 })];
+            next[0].iter_mut().zip(&drift).for_each(|(component, drift)| *component = *component + *drift);
+            law.advance_into(&step([&strain, &next], &next, &history, StressOf::Step), &mut after, &mut heat);
+            std::mem::swap(&mut history, &mut after);
+            strain = next;
+            for size in [0.0, 1e-20, 1e-19, 1e-18, 1e-17, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 2e-5] {
+                let end = [random.strain(&strain[0], size)];
+                let mut response = [Response::ZERO];
+                law.responses_into(&step([&strain, &end], &end, &history, StressOf::Step), &mut response);
+                for entry in response[0].tangent.iter().flatten().flat_map(|entry| entry.0) {
+                    assert!(entry.abs() < 2.0 * constants.youngs_modulus, "{constants:?}: {entry:e} at step {count} with {size:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn tangents_of_small_steps_are_no_larger_than_elastic_ones() {
+    tangents_of_small_steps_are_bounded::<4>();
+    tangents_of_small_steps_are_bounded::<6>();
+}
