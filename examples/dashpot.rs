@@ -72,7 +72,7 @@ impl Part for Dashpot {
     fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
         let [a, b] = self.placed.0.map(|node| 2 * node as usize);
         let power = (0..2).map(|i| self.viscosity * (at.velocity[b + i] - at.velocity[a + i]).powi(2)).sum::<f64>();
-        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * power })
+        Ok(Remembered { dissipated: at.dt * power, ..Remembered::default() })
     }
 }
 

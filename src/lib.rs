@@ -100,7 +100,7 @@
 //!     }
 //!     fn remembered(&self, at: &Iterate, _: &[f64]) -> Result<Remembered, StepError> {
 //!         let power: f64 = (0..2).map(|i| self.viscosity * self.rate(at, i).powi(2)).sum();
-//!         Ok(Remembered { memory: Vec::new(), dissipated: at.dt * power })
+//!         Ok(Remembered { dissipated: at.dt * power, ..Remembered::default() })
 //!     }
 //! }
 //!

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use conserva::script::Form;
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyImportError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict, PyList, PyTuple, PyType};
 
@@ -25,6 +25,10 @@ type Body = for<'py> fn(&Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>>;
 /// # Errors
 /// Python has no memory left.
 pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    if !conserva::math::simd::is_supported() {
+        let title = "this processor has no AVX2 and FMA, for which the module was compiled; compile it with the feature `portable`";
+        return Err(PyImportError::new_err(title));
+    }
     let functions: [(&'static CStr, Body); 12] = [
         (c"call", call),
         (c"reference", reference),

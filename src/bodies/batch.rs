@@ -318,6 +318,35 @@ impl Strain {
         strain
     }
 
+    /// Change of the strain between two displacement gradients, `sym(F_mid^T (H_1 - H_0))`, without the cancellation of the two strains.
+    #[inline(always)]
+    pub(super) fn change<const FMA: bool, const D: usize, const S: usize>(
+        self,
+        [h_0, h_1]: [&[[Lanes<FMA>; D]; D]; 2],
+        hoop: [Lanes<FMA>; 2],
+    ) -> Components<S> {
+        let (middle, mut moved) = (mean(h_0, h_1), *h_1);
+        moved.iter_mut().flatten().zip(h_0.iter().flatten()).for_each(|(end, start)| *end = *end - *start);
+        let mut change = [Lanes::ZERO; S];
+        for i in 0..D {
+            for j in i..D {
+                let mut sum = moved[i][j] + moved[j][i];
+                if self == Strain::Large {
+                    for (middle, moved) in middle.iter().zip(&moved) {
+                        sum = middle[i].mul_add(moved[j], middle[j].mul_add(moved[i], sum));
+                    }
+                }
+                change[if S == 4 && i != j { 3 } else { mandel_index::<D>(i, j) }] = Lanes((sum * (0.5 / mandel_scale(i, j))).0);
+            }
+        }
+        if S == 4 {
+            let moved = hoop[1] - hoop[0];
+            let around = if self == Strain::Large { ((hoop[0] + hoop[1]) * 0.5).mul_add(moved, moved) } else { moved };
+            change[2] = Lanes(around.0);
+        }
+        change
+    }
+
     /// The strain around an axis of such a displacement gradient.
     #[inline(always)]
     pub(super) fn around<const FMA: bool>(self, hoop: Lanes<FMA>) -> Lanes<FMA> {

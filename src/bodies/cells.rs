@@ -28,7 +28,6 @@ use crate::linear::{Block, NodeMatrix, Pattern};
 use crate::materials::Components;
 use crate::math::lanes::{Lanes, WIDTH, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
-use crate::math::tensor::{mandel_index, mandel_scale};
 use crate::math::workers::Workers;
 use crate::mesh::Mesh;
 
@@ -131,6 +130,13 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         })
     }
 
+    /// Adds force and derivative of a step with a share of the geometric stiffness, in a configuration that a step came through to: no cell
+    /// is inside out.
+    fn add_all(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, geometric: f64) {
+        let sums = Sums { force, values, first_unknown: 0, first_value: 0 };
+        let _ = dispatch(Assemble { cells: self, step, batches: 0..self.batches.len(), sums, geometric });
+    }
+
     /// The nodes of a cell of a batch.
     pub(super) fn nodes(&self, batch: usize, lane: usize) -> &[u32] {
         &self.cliques[batch * WIDTH + lane]
@@ -179,7 +185,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             work.respond(&*physics.law, step.derivative);
         }
         if let Some(geometric) = geometric {
-            work.integrate(step.derivative, step.weight, geometric);
+            let rates = answer.as_ref().and_then(|answer| answer.rates.as_deref()).filter(|_| special.is_some());
+            work.integrate(step.derivative, step.weight, geometric, rates);
             work.add_mass(batch, table, step.inertia * physics.density);
         } else {
             work.integrate_force(step.derivative, step.weight);
@@ -237,8 +244,8 @@ pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     pub(super) volumes: [Lanes<false>; Q],
     /// Those that have the mass.
     pub(super) weighed: [Lanes<false>; Q],
-    gradient: [[[Lanes<false>; D]; D]; Q],
-    strain: [Components<S>; Q],
+    pub(super) gradient: [[[Lanes<false>; D]; D]; Q],
+    pub(super) strain: [Components<S>; Q],
     /// What a special stress needs to know, where there is one.
     pub(super) special: Option<Box<SpecialPoints<D>>>,
     smallest_determinants: [f64; WIDTH],
@@ -405,21 +412,31 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]) {
         let step = Step { derivative: Derivative::AT_END, weight: factor, inertia: 1.0, u_0: u, u_1: u, history: &[], dt: 0.0 };
-        let mut force = vec![0.0; u.len()];
-        let sums = Sums { force: &mut force, values: Some(values), first_unknown: 0, first_value: 0 };
-        // Of a configuration that a step came through to: no cell is inside out.
-        let _ = dispatch(Assemble { cells: self, step: &step, batches: 0..self.batches.len(), sums, geometric: 0.0 });
+        self.add_all(&step, &mut vec![0.0; u.len()], Some(values), 0.0);
+    }
+
+    fn add_step(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>) {
+        self.add_all(step, force, values, 1.0);
     }
 
     fn history(&self) -> usize {
         self.batches.len() * self.history_per_batch()
     }
 
+    fn relaxed(&self, at: Present) -> Vec<f64> {
+        self.relaxed_history(at)
+    }
+
+    fn flows(&self) -> bool {
+        let law = self.physics.special.as_ref().and_then(|special| special.law.history());
+        law.is_some_and(|law| law.shown(&vec![Lanes::ZERO; law.variables()], 0).is_some())
+    }
+
     fn advance(&self, step: &Step) -> Advance {
         self.advanced(step)
     }
 
-    fn strain_energy(&self, Present { u, history, .. }: Present) -> f64 {
+    fn strain_energy(&self, Present { u, history }: Present) -> f64 {
         let mut sum = 0.0;
         for (index, batch) in self.batches.iter().enumerate() {
             let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(u));
@@ -436,6 +453,10 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         sum
     }
 
+    fn relaxing_energy(&self, history: &[f64]) -> f64 {
+        self.relaxing_energy_of(history)
+    }
+
     fn smallest_determinant(&self, u: &[f64]) -> Inverted {
         let mut least = Inverted { cell: 0, determinant: f64::INFINITY };
         for (index, batch) in self.batches.iter().enumerate() {
@@ -449,39 +470,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         least
     }
 
-    fn visit_stresses(&self, Present { u, history, beside }: Present, visit: &mut dyn FnMut(&PointStress)) {
-        for (index, batch) in self.batches.iter().enumerate() {
-            let deformation = self.deform(batch, Some(u));
-            let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
-            let pressures = special.map(|(special, points)| special.pressures(points));
-            let cell_volume: [f64; WIDTH] = std::array::from_fn(|lane| deformation.volumes.iter().map(|volume| volume.0[lane]).sum());
-            let kept = self.history_of(index, history);
-            for point in 0..Q {
-                let around = special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]);
-                let seen = self.physics.seen(&deformation.strain[point], around, &kept, point);
-                for lane in 0..batch.count {
-                    let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &seen.strain, lane);
-                    let more = beside.get((index * WIDTH + lane) * Q + point).copied().unwrap_or_default();
-                    let s = nalgebra::Matrix3::from_fn(|i, j| {
-                        let place = mandel_index::<3>(i, j);
-                        seen.stress[place].0[lane] * mandel_scale(i, j) + more[place]
-                    });
-                    let pressure = nalgebra::Matrix3::identity() * pressures.map_or(0.0, |pressures| pressures[point].0[lane]);
-                    let cauchy = f * s * f.transpose() / f.determinant() + pressure;
-                    let green = |i: usize, j: usize| seen.strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
-                    visit(&PointStress {
-                        cell: index * WIDTH + lane,
-                        nodes: self.nodes(index, lane),
-                        shapes: &self.table.shapes[point],
-                        extrapolation: &self.table.extrapolation[point],
-                        volume: deformation.volumes[point].0[lane],
-                        cell_volume: cell_volume[lane],
-                        stress: [cauchy.m11, cauchy.m22, cauchy.m33, cauchy.m12, cauchy.m23, cauchy.m13],
-                        strain: [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)],
-                        kept: self.physics.shown(&kept, point, lane),
-                    });
-                }
-            }
-        }
+    fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress)) {
+        self.visit_points(at, visit);
     }
 }

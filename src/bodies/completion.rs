@@ -2,12 +2,13 @@
 //!
 //! See `special.rs` for the formulas.
 
-use super::batch::{Table, cast, many};
+use super::batch::{MOST_POINTS, Table, cast, many};
 use super::dilatation::{MOST_MODES, Modes};
 use super::special::{Answer, SpecialPoints};
 use super::sums::{add_force, finish_force};
 use super::workspace::Workspace;
 use crate::integrators::{Configuration, Derivative, Placement};
+use crate::materials::Response;
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::{mandel_index, mandel_place, mandel_scale};
 
@@ -39,14 +40,18 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             Configuration::Middle => self.frame_around((points.hoop[0][q] + points.hoop[1][q]) * 0.5),
             Configuration::End => self.frame_around(points.hoop[1][q]),
         };
-        let mut around = [[Lanes::<FMA>::ZERO; 2]; Q];
+        let (mut around, mut at_end) = ([[Lanes::<FMA>::ZERO; 2]; Q], [[Lanes::<FMA>::ZERO; 2]; Q]);
         for q in 0..many::<Q>() {
             if is_axisymmetric {
                 around[q] = [stretch(q, test), stretch(q, trial)];
+                at_end[q] = [around[q][0], stretch(q, Configuration::End)];
             }
         }
         if is_axisymmetric {
-            self.add_around(answer, table, &around, share);
+            self.add_around(&answer.responses, table, &around, (share, trial));
+        }
+        if let Some(rates) = answer.rates.as_ref().filter(|_| is_axisymmetric && share.with_tangent) {
+            self.add_around(rates, table, &at_end, (Share { geometric: 0.0, ..share }, Configuration::End));
         }
         if share.with_tangent
             && let Some((modes, slopes)) = &answer.dilatation
@@ -57,10 +62,16 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
 
     /// Adds the forces around the axis and their derivative, and what the stretch there changes of the others.
     #[inline(always)]
-    fn add_around<const L: usize>(&mut self, answer: &Answer<L>, table: &Table<D, A, Q>, around: &[[Lanes<FMA>; 2]; Q], share: Share) {
-        let Placement { test, trial, .. } = share.derivative.placement();
+    fn add_around<const L: usize>(
+        &mut self,
+        responses: &[Response<L>; MOST_POINTS],
+        table: &Table<D, A, Q>,
+        around: &[[Lanes<FMA>; 2]; Q],
+        (share, trial): (Share, Configuration),
+    ) {
+        let Placement { test, .. } = share.derivative.placement();
         for q in 0..many::<Q>() {
-            let (response, [around_test, around_trial]) = (&answer.responses[q], around[q]);
+            let (response, [around_test, around_trial]) = (&responses[q], around[q]);
             let (volume, curvature) = (self.points[q].volume * share.weight, self.points[q].curvature);
             let stress = cast::<FMA>(response.stress[2]);
             let pull = stress * around_test * volume * curvature;

@@ -46,16 +46,13 @@ pub struct Step<'a> {
     pub dt: f64,
 }
 
-/// State of a body: displacements, history variables, and stresses of other parts.
+/// State of a body: displacements and history variables.
 #[derive(Clone, Copy, Debug)]
 pub struct Present<'a> {
     /// Displacements, flat, node after node, of the whole model.
     pub u: &'a [f64],
     /// History variables ([`ElementLoop::history`]).
     pub history: &'a [f64],
-    /// Second Piola-Kirchhoff stresses beside those of the law `[stress]`, xx, yy, zz, xy, yz, xz of each point, cell after cell; empty
-    /// where there are none.
-    pub beside: &'a [[f64; 6]],
 }
 
 /// Results of an accepted step at the quadrature points of a body.
@@ -63,8 +60,10 @@ pub struct Present<'a> {
 pub struct Advance {
     /// History variables at the end.
     pub history: Vec<f64>,
-    /// Heat of the step `[energy]`.
-    pub heat: f64,
+    /// Heat of plastic flow in the step `[energy]`.
+    pub plastic: f64,
+    /// Heat of viscosity in the step `[energy]`.
+    pub viscous: f64,
 }
 
 /// Stress and strain at a quadrature point.
@@ -121,18 +120,30 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// A cell that is inside out at `u_1`, the same one for any number of threads; forces and values are then of no use.
     fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted>;
 
+    /// Adds force and derivative that [`Self::assemble`] would set, in a configuration in which no cell is inside out.
+    fn add_step(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>);
+
     /// Adds the mass and `factor` times the material stiffness `int B^T D B dV` at `u`, the tangent of the static forces without its
     /// geometric part.
     fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]);
 
-    /// Number of history variables of all points, which are 0 at the start; none where stresses follow from displacements alone.
+    /// Number of history variables of all points, which are 0 at rest; none where stresses follow from displacements alone.
     fn history(&self) -> usize;
+
+    /// History variables after what depends on rates has relaxed at displacements that stay.
+    fn relaxed(&self, at: Present) -> Vec<f64>;
+
+    /// True if its material flows plastically.
+    fn flows(&self) -> bool;
 
     /// History variables at the end of a step, and its heat.
     fn advance(&self, step: &Step) -> Advance;
 
-    /// Energy that is stored by strains and history variables `[energy]`.
+    /// Energy that is stored by strains and history variables, but for what relaxes `[energy]`.
     fn strain_energy(&self, at: Present) -> f64;
+
+    /// Stored energy that relaxes, that of branches of a viscosity `[energy]`.
+    fn relaxing_energy(&self, history: &[f64]) -> f64;
 
     /// Smallest determinant of the deformation gradient, and its cell.
     fn smallest_determinant(&self, u: &[f64]) -> Inverted;

@@ -66,12 +66,6 @@ pub enum FormulationError {
         /// Its cells.
         cells: &'static str,
     },
-    /// Viscosity beside plastic flow, both of which want the thickness for themselves.
-    #[error("a body of `{law}` in plane stress takes no viscosity beside its plastic flow")]
-    ViscousFlow {
-        /// The law.
-        law: &'static str,
-    },
     /// A body of revolution that crosses its axis.
     #[error("a node of an axisymmetric body is at x = {x}, on the other side of the axis x = 0")]
     BeyondAxis {
@@ -96,7 +90,6 @@ impl FormulationError {
             FormulationError::NotPlane { .. } => "C0154",
             FormulationError::BeyondAxis { .. } => "C0155",
             FormulationError::MeanOfLinear { .. } => "C0156",
-            FormulationError::ViscousFlow { .. } => "C0157",
         }
     }
 
@@ -109,7 +102,6 @@ impl FormulationError {
             LinearOfOthers { .. } => "take a mean dilatation, or cells of `quad9` or `hex27`".into(),
             NotPlane { .. } => "leave the plane condition out".into(),
             BeyondAxis { .. } => "mesh one half of the section, with x >= 0 as the radius".into(),
-            ViscousFlow { .. } => "let the yield stress depend on the rate, or leave the viscosity out".into(),
             MeanOfLinear { .. } => "take `neo_hookean`, whose small strains are those of linear elasticity".into(),
         }
     }
@@ -161,9 +153,6 @@ impl Formulation {
             if material.split().is_none() {
                 return Err(FormulationError::NoVolumetricPart { law });
             }
-        }
-        if self.plane == Plane::Stress && material.history().is_some() && !material.viscosity().is_none() {
-            return Err(FormulationError::ViscousFlow { law });
         }
         let least = mesh.points.iter().map(|point| point[0]).fold(f64::INFINITY, f64::min);
         if self.plane == Plane::Axisymmetric && least < 0.0 {

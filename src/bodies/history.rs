@@ -5,9 +5,9 @@
 
 use super::batch::MOST_POINTS;
 use super::cells::Cells;
-use super::element_loop::{Advance, Step};
+use super::element_loop::{Advance, Present, Step};
 use super::special::stress_of;
-use crate::materials::StrainStep;
+use crate::materials::{Heat, StrainStep};
 use crate::math::lanes::{Lanes, WIDTH};
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
@@ -25,7 +25,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     /// [`ElementLoop::advance`](super::ElementLoop::advance).
     pub(super) fn advanced(&self, step: &Step) -> Advance {
-        let mut advance = Advance { history: Vec::with_capacity(step.history.len()), heat: 0.0 };
+        let mut advance = Advance { history: Vec::with_capacity(step.history.len()), plastic: 0.0, viscous: 0.0 };
         let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
             return advance;
         };
@@ -36,16 +36,55 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let (Some(start), Some(end)) = (&start.special, &end.special) else { continue };
             let strains = [start, end].map(|points| special.strains(points));
             let [first, last] = strains.each_ref().map(|strains| &strains[..Q]);
-            // What is kept follows from both ends alone.
-            let (dt, stress) = (step.dt, stress_of(step.derivative));
-            let step = StrainStep { start: first, end: last, middle: last, history: &kept, dt, stress };
-            let mut heat = [Lanes::ZERO; MOST_POINTS];
+            let (changes, dt, stress) = (special.changes(start, end), step.dt, stress_of(step.derivative));
+            let middles = special.middles(start, end);
+            let (change, middle) = (&changes[..Q], &middles[..Q]);
+            let step = StrainStep { start: first, end: last, middle, change, history: &kept, dt, stress };
+            let mut heat = [Heat::ZERO; MOST_POINTS];
             law.advance_into(&step, &mut after, &mut heat[..Q]);
             for lane in 0..batch.count {
-                advance.heat += (0..Q).map(|q| end.volume[q].0[lane] * heat[q].0[lane]).sum::<f64>();
+                let sum = |of: fn(&Heat) -> Lanes<false>| (0..Q).map(|q| end.volume[q].0[lane] * of(&heat[q]).0[lane]).sum::<f64>();
+                advance.plastic += sum(|heat| heat.plastic);
+                advance.viscous += sum(|heat| heat.viscous);
             }
             advance.history.extend(after.iter().flat_map(|lanes| lanes.0));
         }
         advance
+    }
+
+    /// [`ElementLoop::relaxed`](super::ElementLoop::relaxed).
+    pub(super) fn relaxed_history(&self, Present { u, history }: Present) -> Vec<f64> {
+        let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
+            return Vec::new();
+        };
+        let mut relaxed = Vec::with_capacity(history.len());
+        for (index, batch) in self.batches.iter().enumerate() {
+            let mut kept = self.history_of(index, history);
+            if let Some(points) = &self.deform(batch, Some(u)).special {
+                law.relax(&special.strains(points)[..Q], &mut kept);
+            }
+            relaxed.extend(kept.iter().flat_map(|lanes| lanes.0));
+        }
+        relaxed
+    }
+
+    /// [`ElementLoop::relaxing_energy`](super::ElementLoop::relaxing_energy).
+    pub(super) fn relaxing_energy_of(&self, history: &[f64]) -> f64 {
+        let Some(law) = self.physics.special.as_ref().and_then(|special| special.law.history()).filter(|law| law.variables() > 0) else {
+            return 0.0;
+        };
+        let mut sum = 0.0;
+        for (index, batch) in self.batches.iter().enumerate() {
+            let mut energies = [Lanes::ZERO; MOST_POINTS];
+            law.add_relaxing_energies(&self.history_of(index, history), &mut energies[..Q]);
+            if energies[..Q].iter().flat_map(|energy| energy.0).all(|energy| energy == 0.0) {
+                continue;
+            }
+            let volumes = self.deform(batch, None).volumes;
+            for lane in 0..batch.count {
+                sum += (0..Q).map(|q| volumes[q].0[lane] * energies[q].0[lane]).sum::<f64>();
+            }
+        }
+        sum
     }
 }

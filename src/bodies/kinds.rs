@@ -2,36 +2,12 @@
 
 use super::cells::Cells;
 use super::element_loop::{ElementLoop, Inverted};
-use super::formulation::Formulation;
-use super::physics::Physics;
+use super::physics::{BodyCells, Physics};
 use crate::elements::{CellKind, Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, ReferenceCell, Tet4, Tet10, Tri3, Tri6};
-use crate::materials::Material;
 use crate::mesh::Mesh;
 
 /// A space dimension for which there are cells.
 pub struct Space<const D: usize>;
-
-/// Cells of a body, as an element loop goes over them.
-#[derive(Clone, Copy, Debug)]
-pub struct BodyCells<'a> {
-    /// The mesh.
-    pub mesh: &'a Mesh,
-    /// The material.
-    pub material: &'a Material,
-    /// A formulation that goes with mesh and material ([`Formulation::check`]).
-    pub formulation: Formulation,
-    /// Number of the mesh's first node among those of the model.
-    pub first_node: usize,
-    /// Whether the time integrator averages the stress over a step.
-    pub averages_stress: bool,
-}
-
-impl<'a> BodyCells<'a> {
-    /// Those of a body by itself, whose stress is not averaged.
-    pub fn new(mesh: &'a Mesh, material: &'a Material, formulation: Formulation) -> Self {
-        BodyCells { mesh, material, formulation, first_node: 0, averages_stress: false }
-    }
-}
 
 /// Chooses the cells of a mesh by its cell kind.
 pub trait Elements<const D: usize> {
@@ -53,11 +29,7 @@ fn cells<C: ReferenceCell<D, A, Q>, const D: usize, const S: usize, const L: usi
 
 impl Elements<2> for Space<2> {
     fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<2>>, Inverted> {
-        let &BodyCells { mesh, material, formulation, first_node, averages_stress } = body;
-        let mut physics = Physics::of_plane(material, formulation);
-        if averages_stress {
-            physics = physics.averaged();
-        }
+        let (&BodyCells { mesh, first_node, .. }, physics) = (body, Physics::of_plane(body));
         match mesh.kind {
             CellKind::Tri3 => cells::<Tri3, 2, 3, 4, 3, 1>(mesh, physics, first_node),
             CellKind::Quad4 => cells::<Quad4, 2, 3, 4, 4, 4>(mesh, physics, first_node),
@@ -71,11 +43,7 @@ impl Elements<2> for Space<2> {
 
 impl Elements<3> for Space<3> {
     fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<3>>, Inverted> {
-        let &BodyCells { mesh, material, formulation, first_node, averages_stress } = body;
-        let mut physics = Physics::of_space(material, formulation);
-        if averages_stress {
-            physics = physics.averaged();
-        }
+        let (&BodyCells { mesh, first_node, .. }, physics) = (body, Physics::of_space(body));
         match mesh.kind {
             CellKind::Tet4 => cells::<Tet4, 3, 6, 6, 4, 1>(mesh, physics, first_node),
             CellKind::Hex8 => cells::<Hex8, 3, 6, 6, 8, 8>(mesh, physics, first_node),

@@ -5,9 +5,37 @@ use std::sync::Arc;
 use super::batch::Strain;
 use super::formulation::{Dilatation, Formulation, Plane};
 use super::special::{PointLaw, Special};
-use crate::materials::{BatchedLaw, Components, FreeThickness, HistoryLaw, Kinematics, Material, MeanValue, PlaneStress, PointHistory};
+use super::viscous::ViscousLaw;
+use crate::materials::{
+    BatchedLaw, Components, FreeThickness, HistoryLaw, Kinematics, Material, MeanValue, PlaneStress, PointHistory, Viscosity,
+};
 use crate::math::lanes::Lanes;
 use crate::math::tensor::mandel_place;
+use crate::mesh::Mesh;
+
+/// Cells of a body, as an element loop goes over them.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyCells<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// The material.
+    pub material: &'a Material,
+    /// A formulation that goes with mesh and material ([`Formulation::check`]).
+    pub formulation: Formulation,
+    /// Number of the mesh's first node among those of the model.
+    pub first_node: usize,
+    /// Whether the time integrator averages the stress over a step.
+    pub averages_stress: bool,
+    /// A resistance to the rate of strain that takes the place of all stresses of the material.
+    pub resistance: Option<&'a Viscosity>,
+}
+
+impl<'a> BodyCells<'a> {
+    /// Those of a body by itself, whose stress is not averaged.
+    pub fn new(mesh: &'a Mesh, material: &'a Material, formulation: Formulation) -> Self {
+        BodyCells { mesh, material, formulation, first_node: 0, averages_stress: false, resistance: None }
+    }
+}
 
 /// Laws and strains of a body.
 pub(super) struct Physics<const S: usize, const L: usize> {
@@ -45,21 +73,6 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         Physics { law, special, spatial_law, plane_stress: None, strain: strain_of(material), density: material.density() }
     }
 
-    /// With the mean-value discrete gradients of its laws. The volumetric part of a law is a function of one number, which has but one
-    /// discrete gradient.
-    pub(super) fn averaged(self) -> Self
-    where
-        MeanValue<S>: BatchedLaw<S>,
-        MeanValue<L>: BatchedLaw<L>,
-    {
-        let averaged = |law: PointLaw<L>| match law {
-            PointLaw::Elastic(law) => PointLaw::Elastic(Arc::new(MeanValue(law))),
-            history => history,
-        };
-        let special = self.special.map(|special| Special { law: averaged(special.law), ..special });
-        Physics { law: Arc::new(MeanValue(self.law)), special, ..self }
-    }
-
     /// Whether the body is stretched around an axis.
     pub(super) fn is_axisymmetric(&self) -> bool {
         self.special.as_ref().is_some_and(|special| special.is_axisymmetric)
@@ -94,7 +107,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
 
     /// Values of the history of a point for fields, in one lane of a batch.
     pub(super) fn shown(&self, kept: &[Lanes<false>], point: usize, lane: usize) -> Option<PointHistory> {
-        self.history_of(kept, point).map(|(law, kept)| law.shown(kept, lane))
+        self.history_of(kept, point).and_then(|(law, kept)| law.shown(kept, lane))
     }
 
     /// The law with history variables, and those of a point of a batch.
@@ -119,41 +132,66 @@ impl<const S: usize, const L: usize> Physics<S, L> {
     }
 }
 
+/// An elastic law, with the mean-value discrete gradient where the time integrator averages the stress over a step. (The volumetric part of
+/// a law is a function of one number, which has but one discrete gradient.)
+fn of_step<const S: usize>(body: &BodyCells, law: Arc<dyn BatchedLaw<S>>) -> Arc<dyn BatchedLaw<S>>
+where
+    MeanValue<S>: BatchedLaw<S>,
+{
+    if body.averages_stress { Arc::new(MeanValue(law)) } else { law }
+}
+
+/// The law of the points of a body: an elastic one or one with history variables, and the viscosity of the material.
+fn point_law<const L: usize>(body: &BodyCells, elastic: Arc<dyn BatchedLaw<L>>, history: Option<Arc<dyn HistoryLaw<L>>>) -> PointLaw<L>
+where
+    MeanValue<L>: BatchedLaw<L>,
+{
+    if let Some(resistance) = body.resistance {
+        return PointLaw::History(Arc::new(ViscousLaw::alone(resistance)));
+    }
+    let law = history.map_or_else(|| PointLaw::Elastic(of_step(body, elastic)), PointLaw::History);
+    let viscosity = body.material.viscosity();
+    if viscosity.is_none() { law } else { PointLaw::History(Arc::new(ViscousLaw::new(law, viscosity))) }
+}
+
+/// True of a body whose stress depends on more than the strain.
+fn remembers(body: &BodyCells) -> bool {
+    body.resistance.is_some() || body.material.history().is_some() || !body.material.viscosity().is_none()
+}
+
 impl Physics<3, 4> {
     /// Of a plane body, or one of revolution.
-    pub(super) fn of_plane(material: &Material, formulation: Formulation) -> Self {
+    pub(super) fn of_plane(body: &BodyCells) -> Self {
+        let &BodyCells { material, formulation, .. } = body;
         let (is_axisymmetric, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
         let is_free = formulation.plane == Plane::Stress;
-        let law = |has_volume: bool, elastic: Arc<dyn BatchedLaw<4>>| match material.history() {
-            Some(history) if is_free => PointLaw::History(Arc::new(FreeThickness(history.plane(true))), elastic),
-            Some(history) => PointLaw::History(history.plane(has_volume), elastic),
-            None => PointLaw::Elastic(elastic),
+        let law = |has_volume: bool, elastic| match point_law(body, elastic, material.history().map(|history| history.plane(has_volume))) {
+            PointLaw::History(law) if is_free => PointLaw::History(Arc::new(FreeThickness(law))),
+            law => law,
         };
         let whole = || Special { law: law(true, material.axisymmetric()), volumetric: None, is_linear: false, strain, is_axisymmetric };
+        let of = |special| Physics::new(material, of_step(body, material.plane()), special);
         match (formulation.dilatation, material.split()) {
             (Dilatation::Mean | Dilatation::Linear, Some(split)) => {
                 let volumetric = Some(split.volumetric.clone());
                 let is_linear = formulation.dilatation == Dilatation::Linear;
-                let special = Special { law: law(false, split.axisymmetric.clone()), volumetric, is_linear, ..whole() };
-                Physics::new(material, material.plane(), Some(special))
+                of(Some(Special { law: law(false, split.axisymmetric.clone()), volumetric, is_linear, ..whole() }))
             }
-            _ if is_axisymmetric || material.history().is_some() => Physics::new(material, material.plane(), Some(whole())),
-            _ if formulation.plane == Plane::Stress => {
+            _ if is_axisymmetric || remembers(body) => of(Some(whole())),
+            _ if is_free => {
                 let law = || PlaneStress(material.axisymmetric());
-                Physics { plane_stress: Some(law()), ..Physics::new(material, Arc::new(law()), None) }
+                Physics { plane_stress: Some(law()), ..Physics::new(material, of_step(body, Arc::new(law())), None) }
             }
-            _ => Physics::new(material, material.plane(), None),
+            _ => of(None),
         }
     }
 }
 
 impl Physics<6, 6> {
     /// Of a body in space.
-    pub(super) fn of_space(material: &Material, formulation: Formulation) -> Self {
-        let law = |has_volume: bool, elastic: Arc<dyn BatchedLaw<6>>| match material.history() {
-            Some(history) => PointLaw::History(history.space(has_volume), elastic),
-            None => PointLaw::Elastic(elastic),
-        };
+    pub(super) fn of_space(body: &BodyCells) -> Self {
+        let &BodyCells { material, formulation, .. } = body;
+        let law = |has_volume: bool, elastic| point_law(body, elastic, material.history().map(|history| history.space(has_volume)));
         let of = |law, volumetric| Special {
             law,
             volumetric,
@@ -163,8 +201,8 @@ impl Physics<6, 6> {
         };
         let special = match material.split().filter(|_| formulation.dilatation != Dilatation::Pointwise) {
             Some(split) => Some(of(law(false, split.space.clone()), Some(split.volumetric.clone()))),
-            None => material.history().map(|_| of(law(true, material.space()), None)),
+            None => remembers(body).then(|| of(law(true, material.space()), None)),
         };
-        Physics::new(material, material.space(), special)
+        Physics::new(material, of_step(body, material.space()), special)
     }
 }

@@ -18,7 +18,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::element_loop::{Advance, ElementLoop, FastestCell, Inverted, PointStress, Present, Step};
 use super::formulation::Formulation;
-use super::kinds::{BodyCells, Elements, Space};
+use super::kinds::{Elements, Space};
+use super::physics::BodyCells;
 use crate::integrators::Lumping;
 use crate::linear::{Block, NodeMatrix, Pattern, Vertex};
 use crate::materials::Material;
@@ -275,15 +276,29 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         self.add_inertia::<D>(1.0, values);
     }
 
+    fn add_step(&self, _step: &Step, _force: &mut [f64], _values: Option<&mut [f64]>) {}
+
     fn history(&self) -> usize {
         0
     }
 
+    fn relaxed(&self, _at: Present) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn flows(&self) -> bool {
+        false
+    }
+
     fn advance(&self, _step: &Step) -> Advance {
-        Advance { history: Vec::new(), heat: 0.0 }
+        Advance { history: Vec::new(), plastic: 0.0, viscous: 0.0 }
     }
 
     fn strain_energy(&self, _at: Present) -> f64 {
+        0.0
+    }
+
+    fn relaxing_energy(&self, _history: &[f64]) -> f64 {
         0.0
     }
 

@@ -36,14 +36,14 @@ pub(super) struct Special<const L: usize> {
 pub(super) enum PointLaw<const L: usize> {
     /// A stress that follows from the strain.
     Elastic(Arc<dyn BatchedLaw<L>>),
-    /// A stress that depends on history variables, too, and an elastic law with its stiffness at rest.
-    History(Arc<dyn HistoryLaw<L>>, Arc<dyn BatchedLaw<L>>),
+    /// A stress that depends on history variables or the rate of strain, too.
+    History(Arc<dyn HistoryLaw<L>>),
 }
 
 impl<const L: usize> PointLaw<L> {
     /// The law with history variables.
     pub(super) fn history(&self) -> Option<&dyn HistoryLaw<L>> {
-        if let PointLaw::History(law, _) = self { Some(&**law) } else { None }
+        if let PointLaw::History(law) = self { Some(&**law) } else { None }
     }
 
     /// Number of history variables of a point.
@@ -84,6 +84,8 @@ pub(super) struct SpecialPoints<const D: usize> {
 /// Stresses of a step with their derivatives with respect to the strains at the end, and what a dilatation of the cell adds.
 pub(super) struct Answer<const L: usize> {
     pub(super) responses: [Response<L>; MOST_POINTS],
+    /// Derivatives with respect to the change of the strain, of a stress in the middle of a step that depends on that, too.
+    pub(super) rates: Option<Box<[Response<L>; MOST_POINTS]>>,
     /// `DG[J]` and, at the trial configuration, `dJ/dE`.
     pub(super) ratios: [[Components<L>; 2]; MOST_POINTS],
     /// Modes of the cell's dilatation, where there is one, and the derivatives of its pressures ([`Modes::slopes`]).
@@ -92,7 +94,7 @@ pub(super) struct Answer<const L: usize> {
 
 impl<const L: usize> Answer<L> {
     pub(super) const EMPTY: Self =
-        Answer { responses: [Response::ZERO; MOST_POINTS], ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS], dilatation: None };
+        Answer { responses: [Response::ZERO; MOST_POINTS], rates: None, ratios: [[[Lanes::ZERO; L]; 2]; MOST_POINTS], dilatation: None };
 }
 
 impl<const L: usize> Special<L> {
@@ -110,13 +112,31 @@ impl<const L: usize> Special<L> {
         strains
     }
 
+    /// Strains of the mean displacement gradients of the ends of two steps.
+    pub(super) fn middles<const D: usize>(&self, from: &SpecialPoints<D>, to: &SpecialPoints<D>) -> [Components<L>; MOST_POINTS] {
+        let mut strains = [[Lanes::ZERO; L]; MOST_POINTS];
+        for q in 0..to.count {
+            strains[q] = self.strain.of(&mean(&from.gradients[1][q], &to.gradients[1][q]), (from.hoop[1][q] + to.hoop[1][q]) * 0.5);
+        }
+        strains
+    }
+
+    /// Changes of the strain from the end of one step to that of another.
+    pub(super) fn changes<const D: usize>(&self, from: &SpecialPoints<D>, to: &SpecialPoints<D>) -> [Components<L>; MOST_POINTS] {
+        let mut changes = [[Lanes::ZERO; L]; MOST_POINTS];
+        for q in 0..to.count {
+            changes[q] = self.strain.change([&from.gradients[1][q], &to.gradients[1][q]], [from.hoop[1][q], to.hoop[1][q]]);
+        }
+        changes
+    }
+
     /// Energy of each cell at the end of a step, with the history variables of the batch there.
     pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>, history: &[Lanes<false>]) -> Lanes<false> {
         let count = points.count;
         let (strains, mut energies) = (self.strains(points), [Lanes::ZERO; MOST_POINTS]);
         match &self.law {
             PointLaw::Elastic(law) => law.energies_into(&strains[..count], &mut energies[..count]),
-            PointLaw::History(law, _) => law.energies_into(&strains[..count], history, &mut energies[..count]),
+            PointLaw::History(law) => law.energies_into(&strains[..count], history, &mut energies[..count]),
         }
         let mut volumetric = [Lanes::ZERO; MOST_POINTS];
         if let Some(law) = &self.volumetric {
@@ -189,14 +209,23 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
         let all = strains.each_ref().map(|strains| &strains[..count]);
         let responses = &mut answer.responses[..count];
         match &special.law {
-            PointLaw::Elastic(law) => law_responses::<FMA, L>(&**law, all, derivative, responses),
-            PointLaw::History(_, elastic) if course.history.is_empty() => {
-                elastic.responses_into(&[[Lanes::ZERO; L]; MOST_POINTS][..count], responses);
-            }
-            PointLaw::History(law, _) => {
-                let [start, end, middle] = all;
+            PointLaw::Elastic(law) => law_responses::<FMA, L>(&**law, all, stress_of(derivative), responses),
+            PointLaw::History(law) if course.history.is_empty() && law.variables() > 0 => law.rest_responses_into(all[1], responses),
+            PointLaw::History(law) => {
+                let mut changes = [[Lanes::ZERO; L]; MOST_POINTS];
+                for q in 0..count {
+                    let [start, end] = &points.gradients;
+                    changes[q] = special.strain.change([&start[q], &end[q]], [points.hoop[0][q], points.hoop[1][q]]);
+                }
+                let ([start, end, middle], change) = (all, &changes[..count]);
                 let Course { history, dt, .. } = course;
-                law.responses_into(&StrainStep { start, end, middle, history, dt, stress: stress_of(derivative) }, responses);
+                let step = StrainStep { start, end, middle, change, history, dt, stress: stress_of(derivative) };
+                law.responses_into(&step, responses);
+                answer.rates = None;
+                if step.stress == StressOf::Middle {
+                    let mut rates = Box::new([Response::ZERO; MOST_POINTS]);
+                    answer.rates = law.rate_responses_into(&step, &mut rates[..count]).then_some(rates);
+                }
             }
         }
         answer.dilatation = None;
@@ -239,11 +268,11 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
 pub(super) fn law_responses<const FMA: bool, const L: usize>(
     law: &dyn BatchedLaw<L>,
     [start, end, middle]: [&[Components<L>]; 3],
-    derivative: Derivative,
+    stress: StressOf,
     responses: &mut [Response<L>],
 ) {
-    match derivative {
-        Derivative::DiscreteGradient => {
+    match stress {
+        StressOf::Step => {
             let mut increments = [IncrementResponse::ZERO; MOST_POINTS];
             law.increments_into(start, end, &mut increments[..start.len()]);
             for q in 0..start.len() {
@@ -251,12 +280,12 @@ pub(super) fn law_responses<const FMA: bool, const L: usize>(
                 responses[q] = Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) };
             }
         }
-        Derivative::Gradient(Configuration::Middle) => {
+        StressOf::Middle => {
             law.responses_into(middle, responses);
             for component in responses.iter_mut().flat_map(|response| response.tangent.iter_mut().flatten()) {
                 *component = *component * 0.5;
             }
         }
-        Derivative::Gradient(Configuration::End) => law.responses_into(end, responses),
+        StressOf::End => law.responses_into(end, responses),
     }
 }

@@ -47,7 +47,7 @@ impl Stresses {
                 values.add(node, share, point);
             }
         });
-        let flows = elements.history() > 0;
+        let flows = elements.flows();
         let kept = flows.then_some((&mut values.kept, &means.kept));
         let both = [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain)];
         for (values, means) in both.into_iter().chain(kept) {

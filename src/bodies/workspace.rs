@@ -108,12 +108,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     pub(super) fn take<const L: usize>(&mut self, answer: &Answer<L>) {
         self.is_final = true;
         for q in 0..many::<Q>() {
-            for k in 0..S {
-                self.responses[q].stress[k] = answer.responses[q].stress[mandel_place::<S>(k)];
-                for l in 0..S {
-                    self.responses[q].tangent[k][l] = answer.responses[q].tangent[mandel_place::<S>(k)][mandel_place::<S>(l)];
-                }
-            }
+            self.responses[q] = in_components(&answer.responses[q]);
         }
     }
 
@@ -230,17 +225,33 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         finish_force(&mut self.force);
     }
 
-    /// Sums weighted force and tangent over the points, `geometric` times its part that belongs to the stress itself.
+    /// Sums weighted force and tangent over the points, `geometric` times its part that belongs to the stress itself, and what belongs to
+    /// the change of the strain (`rates`) by variations at the end of the step.
     #[inline(always)]
-    pub(super) fn integrate(&mut self, derivative: Derivative, weight: f64, geometric: f64) {
+    pub(super) fn integrate<const L: usize>(
+        &mut self,
+        derivative: Derivative,
+        weight: f64,
+        geometric: f64,
+        rates: Option<&[Response<L>; MOST_POINTS]>,
+    ) {
         let Placement { test, trial, share } = derivative.placement();
         let share = geometric * self.geometric_share(share);
         self.clear();
         for q in 0..many::<Q>() {
-            let (stress, tangent) = self.stress_and_tangent(q, derivative);
-            let (test, trial) = (self.deformation_gradient(q, test), self.deformation_gradient(q, trial));
-            let Point { gradients, volume, .. } = &self.points[q];
-            add_point(gradients, &test, &trial, &stress, &tangent, *volume * weight, share, &mut self.force, &mut self.tangent);
+            let test = self.deformation_gradient(q, test);
+            for pass in 0..=usize::from(rates.is_some()) {
+                let (trial, share, (stress, tangent)) = match rates.filter(|_| pass == 1) {
+                    Some(rates) => {
+                        let Response { stress, tangent } = in_components::<L, S>(&rates[q]);
+                        (Configuration::End, 0.0, (relabel(&stress), relabel_rows(&tangent)))
+                    }
+                    None => (trial, share, self.stress_and_tangent(q, derivative)),
+                };
+                let trial = self.deformation_gradient(q, trial);
+                let Point { gradients, volume, .. } = &self.points[q];
+                add_point(gradients, &test, &trial, &stress, &tangent, *volume * weight, share, &mut self.force, &mut self.tangent);
+            }
         }
         self.finish();
     }
@@ -298,4 +309,17 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             }
         }
     }
+}
+
+/// A response in `L` components in the `S` of the cells among them.
+#[inline(always)]
+fn in_components<const L: usize, const S: usize>(response: &Response<L>) -> Response<S> {
+    let mut own = Response::ZERO;
+    for k in 0..S {
+        own.stress[k] = response.stress[mandel_place::<S>(k)];
+        for l in 0..S {
+            own.tangent[k][l] = response.tangent[mandel_place::<S>(k)][mandel_place::<S>(l)];
+        }
+    }
+    own
 }

@@ -30,9 +30,14 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::math::simd::is_supported;
 use crate::script::{Class, Diagnostic};
 use console::{judge, with_loss, write_out};
 use process::{STACK, exit_code};
+
+/// Complaint of a program without kernels for the processor that it runs on.
+const UNSUPPORTED: &str = "error: this processor has no AVX2 and FMA, for which the program was compiled\n\
+    = hint: compile it with `cargo build --release --locked --features portable`, for every x86-64 processor\n";
 
 /// Contact dynamics that conserves energy and momentum, from scripts.
 #[derive(Parser)]
@@ -129,6 +134,10 @@ fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         Ok(arguments) => arguments,
         Err(error) => return told(&error),
     };
+    if !is_supported() {
+        console::complain(UNSUPPORTED);
+        return exit_code(Class::Internal);
+    }
     // A defect is reported as a message of its own, not by the default hook.
     std::panic::set_hook(Box::new(|_| {}));
     let work = move || match arguments.command {

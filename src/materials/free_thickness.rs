@@ -1,13 +1,13 @@
 //! Plane stress of laws with history variables: the strain across the plane is the one at which no stress acts there.
 //!
 //! That strain is one more history variable, because the stress of a step that conserves is a mean over the step: at its end alone it does
-//! not vanish. In a step it is solved for by Newton's method, `S_33 = 0` of the stress that is asked for, so that nothing across the plane does
-//! work; the tangent is condensed (de Borst, Communications in Applied Numerical Methods 7, 1991).
+//! not vanish. In a step it is solved for by Newton's method, `S_33 = 0` of the stress that is asked for, so that nothing across the plane
+//! does work; the tangent is condensed (de Borst, Communications in Applied Numerical Methods 7, 1991).
 
 use std::sync::Arc;
 
 use super::batched::{Components, Response};
-use super::history::{HistoryLaw, PointHistory, StrainStep};
+use super::history::{Heat, HistoryLaw, PointHistory, StrainStep, StressOf};
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::tolerances::THICKNESS_STRAIN;
 
@@ -28,9 +28,12 @@ struct Found {
     start: Vec<Components<4>>,
     end: Vec<Components<4>>,
     middle: Vec<Components<4>>,
+    change: Vec<Components<4>>,
     /// History variables of the law itself.
     inner: Vec<Lanes<false>>,
     responses: Vec<Response<4>>,
+    /// Derivatives with respect to the change of the strain, where there are some.
+    rates: Option<Vec<Response<4>>>,
 }
 
 impl FreeThickness {
@@ -45,43 +48,59 @@ impl FreeThickness {
         (inner, across)
     }
 
+    /// History variables of the law itself and strains, joined to history variables.
+    fn join(&self, inner: &[Lanes<false>], strain: &[Components<4>], history: &mut [Lanes<false>]) {
+        let size = self.variables();
+        for (point, (history, strain)) in history.chunks_exact_mut(size).zip(strain).enumerate() {
+            history[..size - 1].copy_from_slice(&inner[point * (size - 1)..(point + 1) * (size - 1)]);
+            history[size - 1] = strain[ACROSS];
+        }
+    }
+
     /// Finds the strains across at the end of a step. Where there is none, the stress is no number, and the step is taken in halves.
     fn solve(&self, step: &StrainStep<4>) -> Found {
         let (inner, start) = self.parted(step.history);
+        let count = start.len();
         let mut found = Found {
             start: completed(step.start, &start),
             end: completed(step.end, &start),
             middle: completed(step.middle, &start),
+            change: completed(step.change, &vec![Lanes::ZERO; count]),
             inner,
             responses: Vec::new(),
+            rates: None,
         };
-        let mut responses = vec![Response::ZERO; step.start.len()];
-        let (mut across, mut changes, mut is_found) = (start.clone(), vec![[0.0f64; WIDTH]; start.len()], false);
+        let (mut responses, mut rates) = (vec![Response::ZERO; count], vec![Response::ZERO; count]);
+        let (mut across, mut changes, mut is_found) = (start.clone(), vec![[0.0f64; WIDTH]; count], false);
+        let mut has_rates = false;
         for _ in 0..ITERATIONS {
             self.0.responses_into(&found.step(step), &mut responses);
+            has_rates = step.stress == StressOf::Middle && self.0.rate_responses_into(&found.step(step), &mut rates);
             if is_found {
                 break;
             }
-            for (point, Response { stress, tangent }) in responses.iter().enumerate() {
+            for (point, (Response { stress, tangent }, rates)) in responses.iter().zip(&rates).enumerate() {
+                let stiffness = tangent[ACROSS][ACROSS] + rates.tangent[ACROSS][ACROSS];
                 for lane in 0..WIDTH {
                     let least = -LARGEST_CUT * (1.0 + 2.0 * across[point].0[lane]);
-                    changes[point][lane] = (-stress[ACROSS].0[lane] / tangent[ACROSS][ACROSS].0[lane]).max(least);
+                    changes[point][lane] = (-stress[ACROSS].0[lane] / stiffness.0[lane]).max(least);
                     across[point].0[lane] += changes[point][lane];
                 }
                 found.end[point][ACROSS] = across[point];
                 found.middle[point][ACROSS] = (start[point] + across[point]) * 0.5;
+                found.change[point][ACROSS] = across[point] - start[point];
             }
             is_found = changes.iter().flatten().all(|change| change.abs() <= THICKNESS_STRAIN);
         }
-        for (response, changes) in responses.iter_mut().zip(&changes) {
-            condense(response);
+        for ((response, rates), changes) in responses.iter_mut().zip(&mut rates).zip(&changes) {
+            condense(response, rates);
             for (lane, change) in changes.iter().enumerate() {
                 if change.is_nan() || change.abs() > THICKNESS_STRAIN {
                     response.stress[0].0[lane] = f64::NAN;
                 }
             }
         }
-        Found { responses, ..found }
+        Found { responses, rates: has_rates.then_some(rates), ..found }
     }
 }
 
@@ -92,24 +111,24 @@ fn completed(strain: &[Components<4>], across: &[Lanes<false>]) -> Vec<Component
 
 impl Found {
     fn step<'a>(&'a self, step: &StrainStep<'a, 4>) -> StrainStep<'a, 4> {
-        StrainStep { start: &self.start, end: &self.end, middle: &self.middle, history: &self.inner, ..*step }
+        let Found { start, end, middle, change, inner, .. } = self;
+        StrainStep { start, end, middle, change, history: inner, ..*step }
     }
 }
 
-/// Takes the strain across out of a response.
-fn condense(response: &mut Response<4>) {
-    let Response { stress, tangent } = response;
-    let full = *tangent;
-    for k in 0..4 {
-        for l in 0..4 {
-            tangent[k][l] = if k == ACROSS || l == ACROSS {
-                Lanes::ZERO
-            } else {
-                full[k][l] - full[k][ACROSS] * full[ACROSS][l] / full[ACROSS][ACROSS]
-            };
+/// Takes the strain across out of a response and its derivatives with respect to the change of the strain, zero where there are none.
+fn condense(response: &mut Response<4>, rates: &mut Response<4>) {
+    let full = [response.tangent, rates.tangent];
+    let whole = |k: usize| full[0][k][ACROSS] + full[1][k][ACROSS];
+    for (condensed, full) in [&mut response.tangent, &mut rates.tangent].into_iter().zip(&full) {
+        for k in 0..4 {
+            for l in 0..4 {
+                condensed[k][l] =
+                    if k == ACROSS || l == ACROSS { Lanes::ZERO } else { full[k][l] - whole(k) * full[ACROSS][l] / whole(ACROSS) };
+            }
         }
     }
-    stress[ACROSS] = Lanes::ZERO;
+    response.stress[ACROSS] = Lanes::ZERO;
 }
 
 impl HistoryLaw<4> for FreeThickness {
@@ -121,20 +140,35 @@ impl HistoryLaw<4> for FreeThickness {
         responses.copy_from_slice(&self.solve(step).responses);
     }
 
-    fn advance_into(&self, step: &StrainStep<4>, after: &mut [Lanes<false>], heat: &mut [Lanes<false>]) {
+    fn rate_responses_into(&self, step: &StrainStep<4>, responses: &mut [Response<4>]) -> bool {
+        let rates = self.solve(step).rates;
+        rates.iter().for_each(|rates| responses.copy_from_slice(rates));
+        rates.is_some()
+    }
+
+    fn advance_into(&self, step: &StrainStep<4>, after: &mut [Lanes<false>], heat: &mut [Heat]) {
         let found = self.solve(step);
         let mut inner = found.inner.clone();
         self.0.advance_into(&found.step(step), &mut inner, heat);
-        let size = self.variables();
-        for ((after, inner), end) in after.chunks_exact_mut(size).zip(inner.chunks_exact(size - 1)).zip(&found.end) {
-            after[..size - 1].copy_from_slice(inner);
-            after[size - 1] = end[ACROSS];
-        }
+        self.join(&inner, &found.end, after);
+    }
+
+    fn relax(&self, strain: &[Components<4>], history: &mut [Lanes<false>]) {
+        let (mut inner, across) = self.parted(history);
+        self.0.relax(&completed(strain, &across), &mut inner);
+        self.join(&inner, &completed(strain, &across), history);
+        let still = vec![[Lanes::ZERO; 4]; strain.len()];
+        let Found { end, .. } = self.solve(&StrainStep::at_rest(strain, &still, history));
+        self.join(&inner, &end, history);
     }
 
     fn energies_into(&self, strain: &[Components<4>], history: &[Lanes<false>], energies: &mut [Lanes<false>]) {
         let (inner, across) = self.parted(history);
         self.0.energies_into(&completed(strain, &across), &inner, energies);
+    }
+
+    fn add_relaxing_energies(&self, history: &[Lanes<false>], energies: &mut [Lanes<false>]) {
+        self.0.add_relaxing_energies(&self.parted(history).0, energies);
     }
 
     fn stresses_into(&self, strain: &[Components<4>], history: &[Lanes<false>], stresses: &mut [Components<4>]) {
@@ -146,7 +180,7 @@ impl HistoryLaw<4> for FreeThickness {
         history.last().copied()
     }
 
-    fn shown(&self, history: &[Lanes<false>], lane: usize) -> PointHistory {
+    fn shown(&self, history: &[Lanes<false>], lane: usize) -> Option<PointHistory> {
         self.0.shown(&history[..self.0.variables()], lane)
     }
 }

@@ -33,6 +33,8 @@ pub struct StrainStep<'a, const S: usize> {
     pub end: &'a [Components<S>],
     /// Strains of the mean displacement gradient.
     pub middle: &'a [Components<S>],
+    /// Changes of the strain from start to end, without the cancellation of two strains that are nearly the same.
+    pub change: &'a [Components<S>],
     /// History variables at the start, [`HistoryLaw::variables`] of each point, point after point.
     pub history: &'a [Lanes<false>],
     /// Size of the step `[time]`; 0 at rest, where whatever depends on a rate has relaxed.
@@ -42,6 +44,11 @@ pub struct StrainStep<'a, const S: usize> {
 }
 
 impl<'a, const S: usize> StrainStep<'a, S> {
+    /// A step at rest in which nothing moves.
+    pub fn at_rest(strain: &'a [Components<S>], change: &'a [Components<S>], history: &'a [Lanes<false>]) -> Self {
+        StrainStep { start: strain, end: strain, middle: strain, change, history, dt: 0.0, stress: StressOf::End }
+    }
+
     /// History variables of a point, of which there are so many.
     pub fn history_of(&self, point: usize, variables: usize) -> &'a [Lanes<false>] {
         &self.history[point * variables..(point + 1) * variables]
@@ -58,11 +65,31 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// to the strain in the middle `[stress]`.
     fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]);
 
-    /// History variables at the end of a step, into `after`, and the heat of the step at each point `[energy/volume]`.
-    fn advance_into(&self, step: &StrainStep<S>, after: &mut [Lanes<false>], heat: &mut [Lanes<false>]);
+    /// Derivatives of the stress with respect to the change of the strain, where the stress in the middle of a step depends on that, too,
+    /// as responses without a stress; otherwise false. They are asked for of [`StressOf::Middle`] alone, whose other derivatives belong to
+    /// variations of the strain in the middle.
+    fn rate_responses_into(&self, _step: &StrainStep<S>, _responses: &mut [Response<S>]) -> bool {
+        false
+    }
 
-    /// Energies that are stored at strains with such history variables `[energy/volume]`.
+    /// Elastic stiffness at rest, at strains or at none.
+    fn rest_responses_into(&self, strain: &[Components<S>], responses: &mut [Response<S>]) {
+        let none = vec![[Lanes::ZERO; S]; strain.len()];
+        let history = vec![Lanes::ZERO; self.variables() * strain.len()];
+        self.responses_into(&StrainStep::at_rest(&none, &none, &history), responses);
+    }
+
+    /// History variables at the end of a step, into `after`, and the heat of the step at each point.
+    fn advance_into(&self, step: &StrainStep<S>, after: &mut [Lanes<false>], heat: &mut [Heat]);
+
+    /// Lets what depends on rates relax at strains that stay.
+    fn relax(&self, _strain: &[Components<S>], _history: &mut [Lanes<false>]) {}
+
+    /// Energies that are stored at strains with such history variables `[energy/volume]`, but for those that relax.
     fn energies_into(&self, strain: &[Components<S>], history: &[Lanes<false>], energies: &mut [Lanes<false>]);
+
+    /// Adds the stored energies that relax, those of branches of a viscosity `[energy/volume]`.
+    fn add_relaxing_energies(&self, _history: &[Lanes<false>], _energies: &mut [Lanes<false>]) {}
 
     /// Second Piola-Kirchhoff stresses at strains with such history variables `[stress]`.
     fn stresses_into(&self, strain: &[Components<S>], history: &[Lanes<false>], stresses: &mut [Components<S>]);
@@ -72,8 +99,24 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
         None
     }
 
-    /// Values of the history of one point for fields.
-    fn shown(&self, history: &[Lanes<false>], lane: usize) -> PointHistory;
+    /// Values of the history of one point for fields, of a law that flows.
+    fn shown(&self, _history: &[Lanes<false>], _lane: usize) -> Option<PointHistory> {
+        None
+    }
+}
+
+/// Heat of a step at a point of eight elements `[energy/volume]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Heat {
+    /// Heat of plastic flow.
+    pub plastic: Lanes<false>,
+    /// Heat of viscosity.
+    pub viscous: Lanes<false>,
+}
+
+impl Heat {
+    /// No heat.
+    pub const ZERO: Self = Heat { plastic: Lanes::ZERO, viscous: Lanes::ZERO };
 }
 
 /// Values of the history of a point for fields.

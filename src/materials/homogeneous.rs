@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use super::batched::{BatchedLaw, Components, Response};
-use super::history::{HistoryLaw, StrainStep, StressOf};
+use super::history::{Heat, HistoryLaw, StrainStep};
 use super::laws::Kinematics;
 use super::material::Material;
 use crate::math::lanes::Lanes;
@@ -95,8 +95,8 @@ impl AtHistory {
         AtHistory { law, history }
     }
 
-    fn step<'a>(&'a self, strain: &'a [Components<6>]) -> StrainStep<'a, 6> {
-        StrainStep { start: strain, end: strain, middle: strain, history: &self.history, dt: 0.0, stress: StressOf::End }
+    fn step<'a>(&'a self, strain: &'a [Components<6>; 1]) -> StrainStep<'a, 6> {
+        StrainStep::at_rest(strain, &[[Lanes::ZERO; 6]], &self.history)
     }
 
     /// Stress and tangent of the next strain.
@@ -108,7 +108,7 @@ impl AtHistory {
 
     /// Goes on to a strain.
     fn advance(&mut self, strain: &[f64; 6]) {
-        let (strain, mut after, mut heat) = ([strain.map(|x| Lanes([x; 8]))], self.history.clone(), [Lanes::ZERO]);
+        let (strain, mut after, mut heat) = ([strain.map(|x| Lanes([x; 8]))], self.history.clone(), [Heat::ZERO]);
         self.law.advance_into(&self.step(&strain), &mut after, &mut heat);
         self.history = after;
     }

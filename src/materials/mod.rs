@@ -40,7 +40,7 @@ pub use batched::{BatchedLaw, Components, IncrementResponse, Response};
 pub use energy::{EnergyError, EnergyText, Jet, ScalarText, StoredEnergy, functions_of_energies, quantities_of_energies};
 pub use fit::{Fit, FitError, Measured, fit, incompressible_stress};
 pub use free_thickness::FreeThickness;
-pub use history::{HistoryLaw, HistoryLaws, PointHistory, StrainStep, StressOf};
+pub use history::{Heat, HistoryLaw, HistoryLaws, PointHistory, StrainStep, StressOf};
 pub use homogeneous::{Homogeneous, Piece, path};
 pub use law::{Increment, Law};
 pub use laws::Kinematics;

@@ -1,11 +1,15 @@
 //! Running a kernel with the instructions that the processor has.
 //!
-//! The program is compiled for every x86-64 processor. A kernel is compiled twice, once plain and once with AVX2 and FMA allowed, and the
-//! choice is made here at run time, by the crate `pulp` (three to four times faster where the instructions exist). Wider registers gain
-//! nothing on the processors measured: a tile of 8 x 4 numbers keeps their multipliers as busy. Results differ in the last bits between
-//! processors with and without these instructions; on one kind they are the same.
+//! On x86-64 kernels take AVX2 and FMA (processors since about 2013; three to four times faster than without), through the crate `pulp`.
+//! With the feature `portable` every kernel is compiled a second time without them, and the choice is made at run time; without it a
+//! processor that lacks them is not supported ([`is_supported`]), because the second version takes a sixth of the time to compile. Other
+//! architectures have the plain version alone. Wider registers gain nothing on the processors measured: a tile of 8 x 4 numbers keeps their
+//! multipliers as busy. Results differ in the last bits between processors with and without these instructions; on one kind they are the
+//! same.
 
-use pulp::{NullaryFnOnce, Scalar256b, Simd, WithSimd};
+#[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
+use pulp::Scalar256b;
+use pulp::{NullaryFnOnce, Simd, WithSimd};
 
 /// A computation on [`super::lanes::Lanes`] that is compiled for more than one instruction set. `run` must be `#[inline(always)]`, and so
 /// must all it calls.
@@ -41,7 +45,30 @@ pub fn instructions() -> String {
     std::env::consts::ARCH.into()
 }
 
+/// True if the program has kernels for this processor. Without that, computing panics.
+pub fn is_supported() -> bool {
+    #[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
+    return pulp::x86::V3::try_new().is_some();
+    #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
+    true
+}
+
+/// The instructions that kernels take.
+#[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
+#[inline]
+fn registers() -> pulp::x86::V3 {
+    pulp::x86::V3::try_new().expect("a processor with AVX2 and FMA, or the feature `portable`")
+}
+
 /// Runs a kernel with the best instructions at hand.
+#[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
+#[inline]
+pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    registers().vectorize(WithFma(kernel))
+}
+
+/// Runs a kernel with the best instructions at hand.
+#[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
@@ -52,12 +79,21 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 }
 
 /// What is known of a batch fills much of a thread's stack: the version that is not chosen must not take as much again.
+#[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline(never)]
 fn plain<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<false>()
 }
 
+/// Runs a computation on registers of four numbers.
+#[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
+#[inline]
+pub(crate) fn with_registers<K: WithSimd>(kernel: K) -> K::Output {
+    Simd::vectorize(registers(), kernel)
+}
+
 /// Runs a computation on registers of four numbers: those of AVX2 where the processor has them, plain numbers elsewhere.
+#[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline]
 pub(crate) fn with_registers<K: WithSimd>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]

@@ -7,7 +7,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 mod circles;
+mod documents;
 mod exceptions;
+mod prose;
 mod script_words;
 mod sizes;
 mod source;

@@ -97,7 +97,7 @@ where
     }
 
     fn strain_energy(&self, q: &[f64]) -> f64 {
-        self.elements.strain_energy(Present { u: &self.displacements(q), history: &[], beside: &[] })
+        self.elements.strain_energy(Present { u: &self.displacements(q), history: &[] })
     }
 
     /// Force and values of the tangent of a step.

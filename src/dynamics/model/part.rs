@@ -5,7 +5,6 @@
 //! with a [`PartDefinition`], which goes into [`Model::parts`](super::definitions::Model::parts), and its [`Part`]; nobody else asks what
 //! it is.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::amplitude::Amplitude;
@@ -123,12 +122,6 @@ pub trait Part: Send {
     /// What it stores where the nodes are, remembering `memory` `[energy]`; 0 for what pushes from outside.
     fn energy(&self, at: Pose, memory: &[f64]) -> f64;
 
-    /// Second Piola-Kirchhoff stresses that it adds to those of the law of the body with these nodes, at all of its points, cell after
-    /// cell: xx, yy, zz, xy, yz, xz `[stress]`. None where it adds none, or is no part of that body.
-    fn stresses_of(&self, _nodes: &Range<usize>, _memory: &[f64]) -> Option<Vec<[f64; 6]>> {
-        None
-    }
-
     /// Whether its forces come from outside the model, such as from the ground: then they change the momenta.
     fn is_outside(&self) -> bool {
         false
@@ -155,7 +148,7 @@ pub trait Part: Send {
     /// # Errors
     /// A time function failed, or was interrupted: the step is not taken.
     fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
-        Ok(Remembered { memory: memory.to_vec(), dissipated: 0.0 })
+        Ok(Remembered { memory: memory.to_vec(), ..Remembered::default() })
     }
 }
 
@@ -163,11 +156,31 @@ pub trait Part: Send {
 pub type PartHistories = Arc<Vec<Vec<f64>>>;
 
 /// What a step leaves in a part.
+#[derive(Default)]
 pub struct Remembered {
     /// What it remembers at the end.
     pub memory: Vec<f64>,
     /// What it has turned into heat in the step `[energy]`.
     pub dissipated: f64,
+    /// The share of plastic flow in it `[energy]`.
+    pub plastic: f64,
+}
+
+/// Heat of each part in a step `[energy]`, bodies first; empty where nothing dissipates.
+#[derive(Clone, Debug, Default)]
+pub struct Heats {
+    /// All of it.
+    pub all: Vec<f64>,
+    /// The share of plastic flow.
+    pub plastic: Vec<f64>,
+}
+
+impl Heats {
+    /// Adds the heat of the next part.
+    pub fn push(&mut self, remembered: &Remembered) {
+        self.all.push(remembered.dissipated);
+        self.plastic.push(remembered.plastic);
+    }
 }
 
 /// The numbers of a model's nodes, for parts that are made.

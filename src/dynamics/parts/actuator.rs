@@ -86,6 +86,6 @@ impl Part for Actuator {
         let force = value_of(&self.name, &self.force, at.time)?;
         let ((r, length), (r_0, _), (r_1, _)) = (self.line.vector(at.q_test), self.line.vector(at.q_0), self.line.vector(at.q_1));
         let moved: f64 = if length > 0.0 { (0..3).map(|i| r[i] / length * (r_1[i] - r_0[i])).sum() } else { 0.0 };
-        Ok(Remembered { memory: vec![force, force * moved], dissipated: 0.0 })
+        Ok(Remembered { memory: vec![force, force * moved], ..Remembered::default() })
     }
 }

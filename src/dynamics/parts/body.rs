@@ -44,7 +44,7 @@ impl<const D: usize> Part for Body<D> {
     }
 
     fn energy(&self, at: Pose, history: &[f64]) -> f64 {
-        self.elements.strain_energy(Present { u: at.u, history, beside: &[] })
+        self.elements.strain_energy(Present { u: at.u, history }) + self.elements.relaxing_energy(history)
     }
 
     fn memory(&self) -> Vec<f64> {
@@ -52,13 +52,13 @@ impl<const D: usize> Part for Body<D> {
     }
 
     fn remembered(&self, at: &Iterate, history: &[f64]) -> Result<Remembered, StepError> {
-        let Advance { history, heat } = self.elements.advance(&step_of(at, history));
-        Ok(Remembered { memory: history, dissipated: heat })
+        let Advance { history, plastic, viscous } = self.elements.advance(&step_of(at, history));
+        Ok(Remembered { memory: history, dissipated: plastic + viscous, plastic })
     }
 }
 
 /// A step as cells see it that have no mass.
-fn step_of<'a>(at: &Iterate<'a>, history: &'a [f64]) -> Step<'a> {
+pub(super) fn step_of<'a>(at: &Iterate<'a>, history: &'a [f64]) -> Step<'a> {
     let Iterate { derivative, weight, u_0, u_1, dt, .. } = *at;
     Step { derivative, weight, inertia: 0.0, u_0, u_1, history, dt }
 }

@@ -333,7 +333,7 @@ impl Part for Bushing {
     }
 
     fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
-        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * self.response(at, false).power })
+        Ok(Remembered { dissipated: at.dt * self.response(at, false).power, ..Remembered::default() })
     }
 }
 

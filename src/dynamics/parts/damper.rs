@@ -103,7 +103,7 @@ impl Part for Damper {
 
     fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
         let power = self.stroke(at.q_test, at.velocity).map_or(0.0, |stroke| stroke.speed * self.law.force(stroke.speed).0);
-        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * power })
+        Ok(Remembered { dissipated: at.dt * power, ..Remembered::default() })
     }
 }
 

@@ -142,7 +142,7 @@ impl Part for NodeDrag {
             let speed = self.velocity(node, at.velocity).1;
             share * speed * self.law.force(speed).0
         };
-        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * self.nodes.iter().map(power).sum::<f64>() })
+        Ok(Remembered { dissipated: at.dt * self.nodes.iter().map(power).sum::<f64>(), ..Remembered::default() })
     }
 }
 
@@ -184,6 +184,6 @@ impl Part for MassDrag {
     fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
         let mut square = 0.0;
         self.mass.visit(self.dimension, at.velocity, |unknown, momentum| square += at.velocity[unknown] * momentum);
-        Ok(Remembered { memory: Vec::new(), dissipated: at.dt * self.rate * square })
+        Ok(Remembered { dissipated: at.dt * self.rate * square, ..Remembered::default() })
     }
 }

@@ -37,5 +37,3 @@ pub mod step_damping;
 pub mod supports;
 pub mod time_values;
 pub mod torsion;
-pub mod viscosity;
-pub mod viscous_points;

@@ -216,7 +216,7 @@ impl Part for Motor {
         let moved = |node: u32, i: usize| at.q_1[node as usize * d + i] - at.q_0[node as usize * d + i];
         let forces = self.forces(at.q_test);
         let work: f64 = self.nodes().iter().zip(&forces).map(|(&node, force)| (0..d).map(|i| force[i] * moved(node, i)).sum::<f64>()).sum();
-        Ok(Remembered { memory: vec![torque, torque * work], dissipated: 0.0 })
+        Ok(Remembered { memory: vec![torque, torque * work], ..Remembered::default() })
     }
 }
 

@@ -5,24 +5,26 @@
 //! negative, wherever the law itself softens; in plane stress those of a plane that is free across. Where cells have a dilatation of their
 //! own, the change of volume at a point is nothing that they resist, and only shear is taken.
 
-use super::viscosity::ViscousBody;
-use crate::bodies::{Dilatation, Plane};
+use super::body::step_of;
+use crate::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
 use crate::dynamics::model::definitions::BodyDefinition;
-use crate::dynamics::model::part::{Iterate, Part, Refusal, Sums};
+use crate::dynamics::model::part::{Iterate, Sums};
 use crate::integrators::Derivative;
 use crate::linear::Pattern;
 use crate::materials::Viscosity;
-use crate::math::workers::Workers;
 
 /// The dissipation of a deformable body in the numbering of the model.
-pub struct StepDamping {
-    /// With the moduli of the body as viscosities.
-    body: ViscousBody,
+pub struct StepDamping<const D: usize> {
+    /// Cells that resist the rate of strain with the moduli of the body as viscosities.
+    elements: Box<dyn ElementLoop<D>>,
 }
 
-impl StepDamping {
-    /// That of a body whose nodes are numbered from `first`.
-    pub fn new(body: &BodyDefinition, first: usize) -> Self {
+impl<const D: usize> StepDamping<D>
+where
+    Space<D>: Elements<D>,
+{
+    /// That of a body whose nodes are numbered from `first`; none of a mesh that is unsound, which the body itself refuses.
+    pub fn new(body: &BodyDefinition, first: usize) -> Option<Self> {
         let [bulk, shear] = body.material.moduli_at_rest().map(|modulus| modulus.max(0.0));
         let lame = bulk - 2.0 / 3.0 * shear;
         let (plane, lame) = match (body.formulation.plane, body.formulation.dilatation) {
@@ -31,44 +33,34 @@ impl StepDamping {
             (plane, Dilatation::Pointwise) => (plane, lame),
             (plane, Dilatation::Mean | Dilatation::Linear) => (plane, 0.0),
         };
-        StepDamping { body: ViscousBody::with(body, first, plane, Viscosity { shear, bulk: lame, branches: Vec::new() }) }
+        let (formulation, moduli) =
+            (Formulation { plane, dilatation: Dilatation::Pointwise }, Viscosity { shear, bulk: lame, branches: Vec::new() });
+        let cells = BodyCells { first_node: first, resistance: Some(&moduli), ..BodyCells::new(&body.mesh, &body.material, formulation) };
+        Some(StepDamping { elements: Space::<D>::elements(&cells).ok()? })
     }
+}
 
+impl<const D: usize> StepDamping<D> {
     /// Finds its places in a new pattern.
     pub fn place(&mut self, pattern: &Pattern) {
-        self.body.place(pattern);
+        self.elements.place(pattern);
     }
 
     /// Adds the stress `chi/2 C (E_1 - E_0)` at an iterate, and its derivative.
-    pub fn linearize(&self, at: &Iterate, chi: f64, sums: &mut Sums) -> Result<(), Refusal> {
-        self.body.linearize(&Iterate { weight: 0.5 * chi * at.weight, dt: 1.0, ..*at }, &[], sums)
+    pub fn linearize(&self, at: &Iterate, chi: f64, sums: &mut Sums) {
+        let step = Step { weight: 0.5 * chi * at.weight, dt: 1.0, ..step_of(at, &[]) };
+        self.elements.add_step(&step, sums.internal, sums.tangent.as_deref_mut());
     }
 
     /// What that stress has dissipated at the end of a step `[energy]`.
     pub fn dissipated(&self, at: &Iterate, chi: f64) -> f64 {
-        0.5 * chi * self.body.after(&Iterate { dt: 1.0, ..*at }, &[]).dissipated
+        0.5 * chi * self.elements.advance(&Step { dt: 1.0, ..step_of(at, &[]) }).viscous
     }
 
     /// Adds `beta` times the stiffness `B^T C B` at displacements to values of the matrix: its null space are the rigid velocities there.
-    pub fn add_stiffness(&self, u: &[f64], beta: f64, workers: &Workers, values: &mut [f64]) {
-        let at = Iterate {
-            derivative: Derivative::AT_END,
-            weight: beta,
-            time: 0.0,
-            dt: 1.0,
-            q_0: &[],
-            q_1: &[],
-            u_0: u,
-            u_1: u,
-            q_test: &[],
-            velocity: &[],
-            velocity_slope: 0.0,
-            is_still: false,
-            inertia: &[],
-        };
-        let (mut internal, mut load) = (vec![0.0; u.len()], Vec::new());
-        let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: Some(values), workers };
-        // A strain that does not change has no stress, and a viscous body refuses nothing.
-        let _ = self.body.linearize(&at, &[], &mut sums);
+    pub fn add_stiffness(&self, u: &[f64], beta: f64, values: &mut [f64]) {
+        // A strain that does not change has no stress.
+        let step = Step { derivative: Derivative::AT_END, weight: beta, inertia: 0.0, u_0: u, u_1: u, history: &[], dt: 1.0 };
+        self.elements.add_step(&step, &mut vec![0.0; u.len()], Some(values));
     }
 }

@@ -253,7 +253,7 @@ impl Part for Torsion {
     fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
         let (x_0, x_1) = (self.own(at.q_0), self.own(at.q_1));
         let end = self.angle(&x_0, memory[0]) + self.turned(&x_0, &x_1);
-        Ok(Remembered { memory: vec![self.angle(&x_1, end)], dissipated: 0.0 })
+        Ok(Remembered { memory: vec![self.angle(&x_1, end)], ..Remembered::default() })
     }
 }
 

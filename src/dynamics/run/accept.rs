@@ -9,7 +9,7 @@ use super::slip_memory::{add_heat, slipped};
 use super::state::State;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::part::PartHistories;
+use crate::dynamics::model::part::{Heats, PartHistories};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowBlock};
 use crate::dynamics::parts::force_shares::ForceShares;
@@ -104,7 +104,7 @@ where
         let (momenta, old) = (system.nodes.momenta_of(&v_1), &self.state.row);
         let reserve = jump.as_ref().map_or_else(|| self.state.reserve.clone(), |jump| jump.reserve.clone());
         let touched = touched(&active, jump.as_ref());
-        let (memory, dissipated) = self.memory_after(start, &at)?;
+        let (memory, heats) = self.memory_after(start, &at)?;
         let mut row = LedgerRow {
             step: old.step + 1,
             dt,
@@ -116,11 +116,11 @@ where
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             ..LedgerRow::default()
         };
-        row.parts = system.part_totals(at.pose(), &v_1, &memory, &dissipated);
-        [row.dissipation, row.damping, row.numerical] = heat(&dissipated, &row.parts, self.taken(start, &at, jump.as_ref()));
+        row.parts = system.part_totals(at.pose(), &v_1, &memory, &heats.all);
+        [row.dissipation, row.damping, row.numerical] = heat(&heats.all, &row.parts, self.taken(start, &at, jump.as_ref()));
         row.impact = jump.as_ref().map_or(0.0, |jump| jump.impact);
         row.dissipation += row.impact;
-        row.book_plastic(&system.bodies, old, &dissipated);
+        row.book_plastic(&system.bodies, old, &heats.plastic);
         row.potential = self.potential(&at, &penalty_gap, &memory) + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, &lambda, conditions, jump.as_ref(), row.reserve);
@@ -185,10 +185,10 @@ where
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
     }
 
-    /// History variables of the parts after a step, and the energy that each of them dissipated in it.
-    pub(super) fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Vec<f64>), StepError> {
+    /// History variables of the parts after a step, and the heat of each of them in it.
+    pub(super) fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Heats), StepError> {
         let remembers = self.state.memory.iter().any(|memory| !memory.is_empty()) || !self.system.others.is_empty();
-        if remembers { self.system.memory_after(start, at) } else { Ok((self.state.memory.clone(), Vec::new())) }
+        if remembers { self.system.memory_after(start, at) } else { Ok((self.state.memory.clone(), Heats::default())) }
     }
 
     /// What the time integrator remembers of this step; nothing changes where it remembers nothing.

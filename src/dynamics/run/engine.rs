@@ -102,7 +102,7 @@ where
             .map_err(|shortage| ModelError::TooLarge { reason: format!("whose contacts couple many nodes: {shortage}") })?;
         open_equality(&system, &positions)?;
         let (momentum, angular_momentum) = system.nodes.momenta(&positions, &velocities);
-        let memory = system.memory_at_rest();
+        let memory = system.memory_at_rest(&displacements);
         let is_strained = !(model.initial_displacements.is_empty() && model.growths.is_empty());
         let row = LedgerRow {
             kinetic: system.nodes.kinetic_energy(&velocities),

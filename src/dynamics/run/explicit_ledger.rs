@@ -55,7 +55,7 @@ where
             v_1[one.unknown] = *rate;
         }
         let ends = self.ends(motion, &leap, &at, &forces, [&f_1, &v_1]);
-        let (memory, dissipated) = self.memory_after(start, &at).map_err(Failure::Fatal)?;
+        let (memory, heats) = self.memory_after(start, &at).map_err(Failure::Fatal)?;
         let active: Vec<RowState> = leap.lambda[1].iter().map(|lambda| RowState::closed_if(*lambda > 0.0)).collect();
         let mut penalty_gap: Vec<f64> = at.pairs.iter().flat_map(|pair| pair.gap.iter().copied()).collect();
         penalty_gap.resize(system.multipliers, 0.0);
@@ -69,12 +69,12 @@ where
             active: system.touching(&active),
             momentum: system.nodes.resultant(&momenta),
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
-            parts: system.part_totals(at.pose(), &v_1, &memory, &dissipated),
+            parts: system.part_totals(at.pose(), &v_1, &memory, &heats.all),
             probes: self.probe_values(&at.u_1, &v_1),
             ..LedgerRow::default()
         };
-        [row.dissipation, row.damping, _] = heat(&dissipated, &row.parts, 0.0);
-        row.book_plastic(&system.bodies, &old.row, &dissipated);
+        [row.dissipation, row.damping, _] = heat(&heats.all, &row.parts, 0.0);
+        row.book_plastic(&system.bodies, &old.row, &heats.plastic);
         row.potential = self.potential(&at, &penalty_gap, &memory);
         self.book_explicit_work(&mut row, motion, &leap, &at, &forces, (&ends, &v_1));
         self.book_explicit_momenta(&mut row, start, &at, &ends);

@@ -229,10 +229,10 @@ pub(super) fn heat(dissipated: &[f64], own: &[PartTotals], numerical: f64) -> [f
 }
 
 impl LedgerRow {
-    /// Books the heat of plastic flow in a step after the row `before`, with what each part dissipated, bodies first.
-    pub(super) fn book_plastic<const D: usize>(&mut self, bodies: &[Body<D>], before: &LedgerRow, dissipated: &[f64]) {
-        let flowing = bodies.iter().enumerate().filter(|(_, body)| body.elements.history() > 0);
-        let heat: Vec<f64> = flowing.map(|(index, _)| dissipated.get(index).copied().unwrap_or(0.0)).collect();
+    /// Books the heat of plastic flow in a step after the row `before`, with that of each part, bodies first.
+    pub(super) fn book_plastic<const D: usize>(&mut self, bodies: &[Body<D>], before: &LedgerRow, plastic: &[f64]) {
+        let flowing = bodies.iter().enumerate().filter(|(_, body)| body.elements.flows());
+        let heat: Vec<f64> = flowing.map(|(index, _)| plastic.get(index).copied().unwrap_or(0.0)).collect();
         self.plastic = heat.iter().sum::<f64>() + 0.0; // no zero with a sign
         self.plastic_work = before.plastic_work.clone();
         self.plastic_work.resize(heat.len(), 0.0);

@@ -76,14 +76,13 @@ where
             .iter()
             .zip(&self.model.bodies)
             .map(|(body, definition)| {
-                let beside = self.beside(body);
-                let Stresses { stress, strain, kept } = self.stresses_at(body, &beside);
+                let Stresses { stress, strain, kept } = self.stresses_at(body);
                 BodyFields {
                     name: body.name.clone(),
                     mesh: definition.mesh.clone(),
                     displacement: body.nodes.clone().map(|node| vector(u, node)).collect(),
                     velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
-                    stress_error: StressError::new(&*body.elements, self.present(body, &beside), body.nodes.clone(), &stress).at_nodes(),
+                    stress_error: StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &stress).at_nodes(),
                     stress,
                     strain,
                     flows: definition.flows(),
@@ -100,40 +99,33 @@ where
             .collect()
     }
 
-    /// A body as its element loop sees the present state, with stresses beside those of its law ([`Self::beside`]).
-    pub(super) fn present<'a>(&'a self, body: &Body<D>, beside: &'a [[f64; 6]]) -> Present<'a> {
+    /// A body as its element loop sees the present state.
+    pub(super) fn present(&self, body: &Body<D>) -> Present<'_> {
         let history = self.state.memory.get(body.number).map_or(&[][..], Vec::as_slice);
-        Present { u: &self.state.displacements, history, beside }
-    }
-
-    /// Second Piola-Kirchhoff stresses of other parts at the points of a body, such as those of its viscosity; empty where there are none.
-    pub(super) fn beside(&self, body: &Body<D>) -> Vec<[f64; 6]> {
-        let mut parts = self.system.parts().zip(&*self.state.memory).skip(self.system.bodies.len());
-        parts.find_map(|(part, memory)| part.stresses_of(&body.nodes, memory)).unwrap_or_default()
+        Present { u: &self.state.displacements, history }
     }
 
     /// Stress and strain at the nodes of a body.
-    fn stresses_at(&self, body: &Body<D>, beside: &[[f64; 6]]) -> Stresses {
+    fn stresses_at(&self, body: &Body<D>) -> Stresses {
         if body.rigid.is_some() {
             return Stresses::zeros(body.nodes.len());
         }
         let recovery = body.recovery.get_or_init(|| Recovery::new(&self.model.bodies[body.number].mesh));
-        Stresses::at_nodes(&*body.elements, self.present(body, beside), body.nodes.clone(), recovery)
+        Stresses::at_nodes(&*body.elements, self.present(body), body.nodes.clone(), recovery)
     }
 
     /// Estimated error of the stresses of a body over the size of the stresses.
     pub fn estimated_error(&self, body: usize) -> f64 {
         let body = &self.system.bodies[body];
-        let beside = self.beside(body);
-        let continuous = self.stresses_at(body, &beside).stress;
-        StressError::new(&*body.elements, self.present(body, &beside), body.nodes.clone(), &continuous).relative()
+        let continuous = self.stresses_at(body).stress;
+        StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &continuous).relative()
     }
 
     /// Stress and strain inside of the cells of a body, in the order of the cells.
     pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
         let (q, body) = (&self.state.positions, &self.system.bodies[body]);
-        let (mut points, beside) = (Vec::new(), self.beside(body));
-        body.elements.visit_stresses(self.present(body, &beside), &mut |point| {
+        let mut points = Vec::new();
+        body.elements.visit_stresses(self.present(body), &mut |point| {
             let mut position = [0.0; 3];
             for (shape, &node) in point.shapes.iter().zip(point.nodes) {
                 (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
@@ -176,7 +168,7 @@ where
             mass,
             stress_error: self.estimated_error(body),
             kinetic: half_product(v, momenta),
-            strain: elements.strain_energy(self.present(&system.bodies[body], &[])),
+            strain: elements.strain_energy(self.present(&system.bodies[body])),
             potential: -q.iter().zip(&system.nodes.weight[range]).map(|(q, weight)| q * weight).sum::<f64>(),
             momentum: system.nodes.resultant(momenta),
             angular_momentum: system.nodes.moment(q, momenta),

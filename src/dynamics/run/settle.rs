@@ -157,7 +157,7 @@ where
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
         let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
             Arc::make_mut(&mut self.state);
-        *memory = self.system.relaxed(memory);
+        *memory = self.system.relaxed(u, memory);
         *carried = row.time;
         row.strain = self.system.strain_energy(u, memory);
         let mut gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();
@@ -187,10 +187,10 @@ where
         let (state, undamped) = (self.state.clone(), vec![0.0; self.system.bodies.len()]);
         let kind = StepKind::Rest { damping: &undamped, velocities: None };
         let start = StepStart { time: state.row.time, q_0: &state.positions, u_0: &state.displacements, memory: &state.memory, kind };
-        let (memory, heat) = self.system.history_after(&start, at, &state.memory)?;
+        let (memory, heats) = self.system.history_after(&start, at, &state.memory)?;
         let present = Arc::make_mut(&mut self.state);
         present.memory = memory;
-        present.row.book_plastic(&self.system.bodies, &state.row, &heat);
+        present.row.book_plastic(&self.system.bodies, &state.row, &heats.plastic);
         Ok(())
     }
 

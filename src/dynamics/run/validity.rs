@@ -108,7 +108,7 @@ where
     fn beyond_table(&self, body: &Body<D>, material: &Material) -> Option<Excess> {
         let last = material.plasticity()?.hardening.last_strain()?;
         let (mut cell, mut value) = (0, 0.0);
-        body.elements.visit_stresses(self.present(body, &[]), &mut |point| {
+        body.elements.visit_stresses(self.present(body), &mut |point| {
             let strain = point.kept.map_or(0.0, |kept| kept.plastic_strain) / last;
             if strain > value {
                 (cell, value) = (point.cell, strain);
@@ -145,7 +145,7 @@ where
     /// Moment of the stresses of a body that has turned without them.
     fn spurious_moment(&self, body: &Body<D>, turn: &Vector3<f64>) -> f64 {
         let mut mean = Matrix3::zeros();
-        body.elements.visit_stresses(self.present(body, &[]), &mut |point| {
+        body.elements.visit_stresses(self.present(body), &mut |point| {
             let [xx, yy, zz, xy, yz, zx] = point.stress;
             mean += Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * point.volume;
         });

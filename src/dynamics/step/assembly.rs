@@ -12,7 +12,7 @@ use super::start::{StepStart, Stopping, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep};
-use crate::dynamics::model::part::{Iterate, Part, PartHistories, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Heats, Iterate, Part, PartHistories, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::integrators::{Configuration, Derivative};
@@ -86,7 +86,7 @@ where
         let mut sums = Sums { internal: &mut internal, load: &mut forces.load, tangent, workers: &self.workers };
         self.parts().zip(start.memory).try_for_each(|(part, memory)| part.linearize(&iterate, memory, &mut sums))?;
         let chi = start.dissipation().strain;
-        self.dampings.iter().filter(|_| chi > 0.0).try_for_each(|damping| damping.linearize(&iterate, chi, &mut sums))?;
+        self.dampings.iter().filter(|_| chi > 0.0).for_each(|damping| damping.linearize(&iterate, chi, &mut sums));
         if let Some(values) = sums.tangent {
             self.add_point_inertia(|body| told.inertia[body], values);
             *tangent_of = generation;
@@ -218,18 +218,18 @@ where
     ///
     /// # Errors
     /// A time function failed.
-    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Vec<f64>), StepError> {
+    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Heats), StepError> {
         let mut told = Told::default();
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
-        let mut dissipated = Vec::with_capacity(start.memory.len());
+        let mut heats = Heats::default();
         let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
-            let Remembered { memory, dissipated: more } = part.remembered(&iterate, memory)?;
-            dissipated.push(more);
-            Ok(memory)
+            let remembered = part.remembered(&iterate, memory)?;
+            heats.push(&remembered);
+            Ok(remembered.memory)
         });
         let remembered = remembered.collect::<Result<_, StepError>>()?;
-        Ok((Arc::new(remembered), dissipated))
+        Ok((Arc::new(remembered), heats))
     }
 
     /// Memory of all parts after a step at rest, and the heat of each body in it `[energy]`. History variables of bodies change; the memory
@@ -242,18 +242,18 @@ where
         start: &StepStart,
         at: &Linearization,
         memory: &PartHistories,
-    ) -> Result<(PartHistories, Vec<f64>), StepError> {
+    ) -> Result<(PartHistories, Heats), StepError> {
         if self.bodies.iter().all(|body| body.elements.history() == 0) {
-            return Ok((memory.clone(), Vec::new()));
+            return Ok((memory.clone(), Heats::default()));
         }
-        let (mut after, told, mut heat) = (memory.to_vec(), Told::default(), Vec::new());
+        let (mut after, told, mut heats) = (memory.to_vec(), Told::default(), Heats::default());
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         for (body, kept) in self.bodies.iter().zip(&mut after) {
-            let Remembered { memory, dissipated } = body.remembered(&iterate, kept)?;
-            *kept = memory;
-            heat.push(dissipated);
+            let remembered = body.remembered(&iterate, kept)?;
+            heats.push(&remembered);
+            *kept = remembered.memory;
         }
-        Ok((Arc::new(after), heat))
+        Ok((Arc::new(after), heats))
     }
 
     /// What the stress of the time integrator has dissipated in a step that ends at an iterate `[energy]`.

@@ -37,7 +37,7 @@ pub struct Equations<const D: usize> {
     /// How many of these, the first, are the model's own parts.
     pub own_parts: usize,
     /// What the time integrator takes from the vibrations of deformable bodies; none where it takes nothing.
-    pub dampings: Vec<StepDamping>,
+    pub dampings: Vec<StepDamping<D>>,
     /// Masses that these have at nodes.
     pub(super) point_masses: Vec<PointInertia>,
     /// Contacts, obstacles and ties, then the corners that belong to them.
@@ -71,21 +71,21 @@ where
         !self.pairs.is_empty() || !self.others.is_empty()
     }
 
-    /// Energy that parts other than bodies store with what each part remembers `[energy]`.
+    /// Energy that parts other than bodies store with what each part remembers, and what relaxes in bodies `[energy]`.
     pub fn stored_energy(&self, at: Pose, memory: &[Vec<f64>]) -> f64 {
-        self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.energy(at, memory)).sum()
+        let others: f64 = self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.energy(at, memory)).sum();
+        others + self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxing_energy(history)).sum::<f64>()
     }
 
-    /// What the parts remember at the start, and at rest.
-    pub fn memory_at_rest(&self) -> Arc<Vec<Vec<f64>>> {
-        Arc::new(self.parts().map(|part| part.memory()).collect())
+    /// Memory of all parts at rest with displacements `u`, before anything has happened.
+    pub fn memory_at_rest(&self, u: &[f64]) -> PartHistories {
+        self.relaxed(u, &self.parts().map(|part| part.memory()).collect::<Vec<_>>())
     }
 
-    /// Memory of all parts in an equilibrium: history variables of bodies stay, what depends on rates (viscosity) has relaxed.
-    pub fn relaxed(&self, memory: &[Vec<f64>]) -> PartHistories {
-        let of =
-            |(index, (part, kept)): (usize, (&dyn Part, &Vec<f64>))| if index < self.bodies.len() { kept.clone() } else { part.memory() };
-        Arc::new(self.parts().zip(memory).enumerate().map(of).collect())
+    /// Memory of all parts in an equilibrium: plastic strains of bodies stay, what depends on rates (viscosity) has relaxed.
+    pub fn relaxed(&self, u: &[f64], memory: &[Vec<f64>]) -> PartHistories {
+        let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(Present { u, history }));
+        Arc::new(bodies.chain(self.parts().skip(self.bodies.len()).map(|part| part.memory())).collect())
     }
 
     /// The model's own parts with what each remembers.
@@ -95,7 +95,7 @@ where
 
     /// Strain energy with what each part remembers `[energy]`.
     pub fn strain_energy(&self, u: &[f64], memory: &[Vec<f64>]) -> f64 {
-        let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(Present { u, history, beside: &[] });
+        let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(Present { u, history });
         self.bodies.iter().zip(memory).map(of).sum()
     }
 }

@@ -32,7 +32,6 @@ use crate::dynamics::parts::pairing::contact_pairs;
 use crate::dynamics::parts::rigid_bodies::point_pairs;
 use crate::dynamics::parts::step_damping::StepDamping;
 use crate::dynamics::parts::supports::Supports;
-use crate::dynamics::parts::viscosity::ViscousBody;
 use crate::integrators::Scheme;
 use crate::linear::{Block, LinearError, Pattern, Watch, Work};
 use crate::machine::memory::Shortage;
@@ -87,9 +86,8 @@ where
         let mut loads = loads_of(model, &bodies);
         let numbering = Numbering { dimension: D, first: &firsts, reference: &reference };
         let mut others: Vec<Box<dyn Part>> = model.parts.iter().map(|part| part.part(&numbering)).collect();
-        others.extend(deformable(model).filter_map(|(index, body)| Some(Box::new(ViscousBody::new(body, first(index))?) as Box<dyn Part>)));
         let damped = deformable(model).filter(|_| !integrator.dissipation.is_none());
-        let dampings = damped.map(|(index, body)| StepDamping::new(body, first(index))).collect();
+        let dampings = damped.filter_map(|(index, body)| StepDamping::new(body, first(index))).collect();
         let followers = part_followers(model, &mut bodies, first, &others);
         followers.iter().for_each(|&node| supports.fixed[node as usize * D..][..D].fill(true));
         let middles = middles(model, first);

@@ -48,7 +48,7 @@ where
         let (unknowns, scale) =
             (v.len(), if hold.contains(&true) { self.end_scale(evaluated) } else { 1.0 / self.nodes.largest_nodal_mass });
         let mut stiffness = vec![0.0; self.matrix.pattern.values()];
-        self.dampings.iter().for_each(|damping| damping.add_stiffness(&at.u_1, beta, &self.workers, &mut stiffness));
+        self.dampings.iter().for_each(|damping| damping.add_stiffness(&at.u_1, beta, &mut stiffness));
         let mut values = stiffness.clone();
         self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
         let rows = ConstraintRows::held(hold);

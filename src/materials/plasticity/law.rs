@@ -8,7 +8,7 @@ use super::logarithm::{
     product_with_transpose, symmetric_map, times, trace,
 };
 use crate::materials::batched::{Components, Response};
-use crate::materials::history::{HistoryLaw, PointHistory, StrainStep, StressOf};
+use crate::materials::history::{Heat, HistoryLaw, PointHistory, StrainStep, StressOf};
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::principal::matrix;
 use crate::math::simd::{Kernel, dispatch};
@@ -291,7 +291,7 @@ fn by_square<const FMA: bool, const S: usize>(slopes: &[[Lanes<FMA>; S]; S], squ
 }
 
 struct Respond<'a, 'b, const S: usize>(&'a PlasticLaw, &'a StrainStep<'b, S>, &'a mut [Response<S>]);
-struct Advance<'a, 'b, const S: usize>(&'a PlasticLaw, &'a StrainStep<'b, S>, &'a mut [Lanes<false>], &'a mut [Lanes<false>]);
+struct Advance<'a, 'b, const S: usize>(&'a PlasticLaw, &'a StrainStep<'b, S>, &'a mut [Lanes<false>], &'a mut [Heat]);
 struct Energies<'a, const S: usize>(&'a PlasticLaw, &'a [Components<S>], &'a [Lanes<false>], &'a mut [Lanes<false>]);
 struct Stresses<'a, const S: usize>(&'a PlasticLaw, &'a [Components<S>], &'a [Lanes<false>], &'a mut [Components<S>]);
 
@@ -311,7 +311,7 @@ impl<const S: usize> Kernel for Advance<'_, '_, S> {
     fn run<const FMA: bool>(self) {
         let Advance(law, step, after, heat) = self;
         for ((point, after), heat) in after.chunks_exact_mut(variables::<S>(law.back_stresses())).enumerate().zip(heat) {
-            *heat = law.advance::<FMA, S>(step, point, after);
+            heat.plastic = law.advance::<FMA, S>(step, point, after);
         }
     }
 }
@@ -349,7 +349,7 @@ macro_rules! history_law {
             fn responses_into(&self, step: &StrainStep<$size>, responses: &mut [Response<$size>]) {
                 dispatch(Respond(self, step, responses));
             }
-            fn advance_into(&self, step: &StrainStep<$size>, after: &mut [Lanes<false>], heat: &mut [Lanes<false>]) {
+            fn advance_into(&self, step: &StrainStep<$size>, after: &mut [Lanes<false>], heat: &mut [Heat]) {
                 dispatch(Advance(self, step, after, heat));
             }
             fn energies_into(&self, strain: &[Components<$size>], history: &[Lanes<false>], energies: &mut [Lanes<false>]) {
@@ -358,14 +358,14 @@ macro_rules! history_law {
             fn stresses_into(&self, strain: &[Components<$size>], history: &[Lanes<false>], stresses: &mut [Components<$size>]) {
                 dispatch(Stresses(self, strain, history, stresses));
             }
-            fn shown(&self, history: &[Lanes<false>], lane: usize) -> PointHistory {
+            fn shown(&self, history: &[Lanes<false>], lane: usize) -> Option<PointHistory> {
                 let kept = Kept::<false, $size>::read(history, self.back_stresses());
                 let mut back = [0.0; $size];
                 for (strain, constants) in kept.back.iter().zip(&self.constants.back_stresses) {
                     back.iter_mut().zip(strain).for_each(|(sum, component)| *sum += constants.factor() * component.0[lane]);
                 }
                 let back_stress = (1.5 * back.iter().map(|x| x * x).sum::<f64>()).sqrt();
-                PointHistory { plastic_strain: kept.alpha.0[lane], heat: kept.heat.0[lane], back_stress }
+                Some(PointHistory { plastic_strain: kept.alpha.0[lane], heat: kept.heat.0[lane], back_stress })
             }
         }
     };

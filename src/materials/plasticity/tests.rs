@@ -3,7 +3,7 @@
 use super::law::PlasticLaw;
 use super::*;
 use crate::materials::batched::{Components, Response};
-use crate::materials::history::{HistoryLaw, StrainStep, StressOf};
+use crate::materials::history::{Heat, HistoryLaw, StrainStep, StressOf};
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
@@ -59,7 +59,7 @@ fn step<'a, const S: usize>(
     history: &'a [Lanes<false>],
     stress: StressOf,
 ) -> StrainStep<'a, S> {
-    StrainStep { start: ends[0], end: ends[1], middle, history, dt: 0.3, stress }
+    StrainStep { start: ends[0], end: ends[1], middle, change: middle, history, dt: 0.3, stress }
 }
 
 fn dotted<const S: usize>(a: &Components<S>, b: &Components<S>, lane: usize) -> f64 {
@@ -75,7 +75,7 @@ where
             let law = PlasticLaw::new(&constants, true);
             let mut random = Random(7);
             let (mut strain, mut history) = ([[ZERO; S]], vec![ZERO; law.variables()]);
-            let (mut yielded, mut after, mut heat) = (false, history.clone(), [ZERO]);
+            let (mut yielded, mut after, mut heat) = (false, history.clone(), [Heat::ZERO]);
             for _ in 0..12 {
                 let next = [random.strain(&[ZERO; S], size)];
                 let at = step([&strain, &next], &next, &history, StressOf::Step);
@@ -89,14 +89,14 @@ where
                     let mut change = next[0];
                     (0..S).for_each(|k| change[k].0[lane] -= strain[0][k].0[lane]);
                     let work = dotted(&response[0].stress, &change, lane);
-                    let defect = work - (stored[0].0[lane] - before[0].0[lane]) - heat[0].0[lane];
+                    let defect = work - (stored[0].0[lane] - before[0].0[lane]) - heat[0].plastic.0[lane];
                     // Round-off of strains that would have a stress of the elastic law.
-                    let scale = stored[0].0[lane] + before[0].0[lane] + heat[0].0[lane] + 1e-3;
+                    let scale = stored[0].0[lane] + before[0].0[lane] + heat[0].plastic.0[lane] + 1e-3;
                     assert!(defect.abs() < 1e-13 * scale.max(1.0), "{constants:?} {size}: {defect:e} of {scale:e}");
                     // A step of many yield strains that reverses an overstress gives back a little of its work.
                     let least = if constants.rate == RateDependence::None { -1e-14 } else { -size * constants.yield_stress };
-                    assert!(heat[0].0[lane] >= least, "{constants:?} {size}: heat {:e}", heat[0].0[lane]);
-                    yielded |= heat[0].0[lane] > 0.0;
+                    assert!(heat[0].plastic.0[lane] >= least, "{constants:?} {size}: heat {:e}", heat[0].plastic.0[lane]);
+                    yielded |= heat[0].plastic.0[lane] > 0.0;
                 }
                 strain = next;
                 std::mem::swap(&mut history, &mut after);
@@ -121,7 +121,7 @@ where
             let law = PlasticLaw::new(&constants, true);
             let mut random = Random(3);
             let (mut strain, mut history) = ([[ZERO; S]], vec![ZERO; law.variables()]);
-            let (mut after, mut heat, mut wrong) = (history.clone(), [ZERO], Vec::new());
+            let (mut after, mut heat, mut wrong) = (history.clone(), [Heat::ZERO], Vec::new());
             for _ in 0..8 {
                 let next = [random.strain(&strain[0], size)];
                 let mut response = [Response::ZERO];
@@ -176,7 +176,7 @@ fn simple_shear_does_not_soften() {
         strain[0][1] = Lanes([0.5 * shear * shear; WIDTH]);
         strain
     };
-    let (mut history, mut after, mut heat) = (vec![ZERO; law.variables()], vec![ZERO; law.variables()], [ZERO]);
+    let (mut history, mut after, mut heat) = (vec![ZERO; law.variables()], vec![ZERO; law.variables()], [Heat::ZERO]);
     let count = 1000;
     for k in 1..=count {
         let [start, end] = [k - 1, k].map(|k| strain(0.01 * f64::from(k)));

@@ -1,8 +1,7 @@
 //! Warnings of what a model means by its numbers, units and degrees, and of stresses that leave something out.
 
 use super::handle::SimulationHandle;
-use crate::bodies::Plane;
-use crate::dynamics::{BodyDefinition, JointKind, Model};
+use crate::dynamics::{JointKind, Model};
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, number_text};
 use crate::script::language::function::Call;
@@ -43,33 +42,9 @@ pub(super) fn warn_of_mixed_units(call: &Call, model: &Model) {
     }
 }
 
-/// True of a viscous or relaxing body in plane stress: its fields show the stress of the stored energy alone, at the thickness of that.
-pub(super) fn shows_elastic_stress(body: &BodyDefinition) -> bool {
-    body.rigid.is_none() && body.formulation.plane == Plane::Stress && !body.material.viscosity().is_none()
-}
-
 impl SimulationHandle {
-    /// Warns of stresses without their viscous part, and of turns that end at a number of degrees.
-    pub(super) fn warn_of_doubts(&self, host: &Host) {
-        let is_static = self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.options().integrator.is_static());
-        if !is_static {
-            self.warn_of_elastic_stress(host);
-        }
-        self.warn_of_degrees(host);
-    }
-
-    /// Warns that stresses of bodies in plane stress that are viscous or relax are those of the stored energy alone.
-    pub(super) fn warn_of_elastic_stress(&self, host: &Host) {
-        let bodies = &self.0.model.model.bodies;
-        let Some(body) = bodies.iter().find(|body| shows_elastic_stress(body)) else { return };
-        let title = format!("stresses of body \"{}\" leave out what its viscosity adds", body.name);
-        let cause = "fields, pictures and files have the stress of the stored energy alone; forces and reactions have all of it";
-        let warning = Diagnostic::warning(title, self.0.place.clone()).code("C0654").cause(cause);
-        host.warn(warning.hint("read stresses where nothing moves and all has relaxed, or forces with `reaction`"));
-    }
-
     /// Warns of prescribed turns that stand at a number of degrees at the end.
-    fn warn_of_degrees(&self, host: &Host) {
+    pub(super) fn warn_of_degrees(&self, host: &Host) {
         let (model, Ok(simulation)) = (&self.0.model.model, self.0.simulation.try_borrow()) else { return };
         let time = simulation.time();
         let turns = model.prescriptions.iter().filter_map(|one| one.turn.as_ref()).map(|turn| &turn.angle);

@@ -4,7 +4,6 @@ use std::sync::LazyLock;
 
 use rhai::{Array, Dynamic, Map};
 
-use super::doubts::shows_elastic_stress;
 use super::handle::SimulationHandle;
 use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, pressure, von_mises};
 use crate::script::api::examples::flight_example;
@@ -219,10 +218,6 @@ fn chosen(call: &Call) -> Result<Chosen, Failure> {
     let (handle, name, options) = (call.receiver::<SimulationHandle>(), call.text("name")?, call.options("options")?);
     let (index, at) = (handle.body_index(call)?, options.text("at")?);
     let value = FIELDS.iter().find(|row| row.0 == name).map_or(FIELDS[0].1, |row| row.1);
-    let is_static = handle.with(call, |simulation| simulation.options().integrator.is_static())?;
-    if matches!(value, Value::Stress(_)) && !is_static && shows_elastic_stress(&handle.0.model.model.bodies[index]) {
-        handle.warn_of_elastic_stress(call.host);
-    }
     let Some(places) = PLACES.iter().find(|row| row.0 == at).and_then(|row| row.1) else {
         return handle.with(call, |simulation| value.at_nodes(&simulation.fields()[index]));
     };

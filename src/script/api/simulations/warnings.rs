@@ -21,7 +21,7 @@ impl SimulationHandle {
         if !stepped {
             return;
         }
-        self.warn_of_doubts(host);
+        self.warn_of_degrees(host);
         for load in self.0.model.loads.iter().filter(|load| load.amplitude.never_acted()) {
             let warning = Diagnostic::warning(format!("the {} never acted", load.title), load.place.clone())
                 .code("C0641")

@@ -1,0 +1,426 @@
+//! Viscosity beside another law: stresses on the change of the strain in a step, and branches that relax.
+//!
+//! With the Green-Lagrange strain `E`, in a step from `E_0` to `E_1` of size `dt` (formulas: [`Viscosity`]):
+//!
+//! ```text
+//! stress    2 eta D + zeta tr(D) I + sum 2 mu Y_mid,     D = (E_1 - E_0)/dt,   Y_mid = (Y_0 + Y_1)/2
+//! tangent   a I_4 + b I (x) I,   a = 2 eta/dt + sum mu/(1 + h/2),   b = zeta/dt,   h = dt/tau
+//! heat      dt (2 eta D:D + zeta tr(D)^2) + sum 2 mu h Y_mid:Y_mid
+//! ```
+//!
+//! This stress is the same whatever the stress of the other law is asked for. It acts in the configuration of the forces of the step; where
+//! that is the middle, its work on the change of the strain is exactly what branches store and the heat. At rest all of it has relaxed.
+//!
+//! History variables of a point: those of the other law; the strain `Y` of each branch; the stress on the rate, for fields.
+
+use std::ops::Range;
+
+use super::special::{PointLaw, law_responses};
+use crate::materials::{BatchedLaw, Components, Heat, HistoryLaw, PointHistory, Response, StrainStep, StressOf, Viscosity};
+use crate::math::lanes::Lanes;
+use crate::math::simd::{Kernel, dispatch};
+
+/// A viscosity beside a law, or by itself.
+pub(super) struct ViscousLaw<const S: usize> {
+    base: Option<PointLaw<S>>,
+    viscosity: Viscosity,
+}
+
+/// Viscous part of a step at a point.
+struct Contribution<const S: usize> {
+    stress: Components<S>,
+    /// The part of the stress on the rate of strain.
+    of_rate: Components<S>,
+    heat: Lanes<false>,
+}
+
+/// `a` and `b` of the tangent `a I_4 + b I (x) I` `[stress]`.
+struct Moduli {
+    identity: f64,
+    volume: f64,
+}
+
+impl<const S: usize> ViscousLaw<S> {
+    /// A viscosity beside a law.
+    pub(super) fn new(base: PointLaw<S>, viscosity: &Viscosity) -> Self {
+        ViscousLaw { base: Some(base), viscosity: viscosity.clone() }
+    }
+
+    /// The stress on the rate of strain of a viscosity, without another law and without memory.
+    pub(super) fn alone(viscosity: &Viscosity) -> Self {
+        ViscousLaw { base: None, viscosity: Viscosity { branches: Vec::new(), ..*viscosity } }
+    }
+
+    /// Number of history variables of the other law.
+    fn of_base(&self) -> usize {
+        self.base.as_ref().map_or(0, PointLaw::variables)
+    }
+
+    /// Places of the branches among the history variables of a point.
+    fn branches(&self) -> Range<usize> {
+        let first = self.of_base();
+        first..first + S * self.viscosity.branches.len()
+    }
+
+    /// Places of the stress on the rate among them; none where nothing shows it.
+    fn of_rate(&self) -> Range<usize> {
+        let (first, resists) = (self.branches().end, self.viscosity.shear != 0.0 || self.viscosity.bulk != 0.0);
+        first..first + if resists && self.base.is_some() { S } else { 0 }
+    }
+
+    /// Stress and heat of a step whose strain changes by `change`; the strains of the branches at its end take the place of those at its
+    /// start.
+    fn contribution(&self, change: &Components<S>, branches: &mut [Lanes<false>], dt: f64) -> Contribution<S> {
+        let Viscosity { shear, bulk, branches: constants } = &self.viscosity;
+        let mut of_rate = change.map(|component| component * (2.0 * shear / dt));
+        let volumetric = trace(change) * (bulk / dt);
+        of_rate.iter_mut().take(3).for_each(|component| *component = *component + volumetric);
+        let (mut stress, mut heat) = (of_rate, dot(&of_rate, change));
+        for (branch, strain) in constants.iter().zip(branches.chunks_exact_mut(S)) {
+            let [left, comes] = branch.shares(dt);
+            let mut middle = [Lanes::ZERO; S];
+            for k in 0..S {
+                let end = strain[k] * left + change[k] * comes;
+                middle[k] = (strain[k] + end) * 0.5;
+                strain[k] = end;
+                stress[k] = stress[k] + middle[k] * (2.0 * branch.shear_modulus);
+            }
+            heat = heat + dot(&middle, &middle) * (2.0 * branch.shear_modulus * dt / branch.relaxation_time);
+        }
+        Contribution { stress, of_rate, heat }
+    }
+
+    fn moduli(&self, dt: f64) -> Moduli {
+        let Viscosity { shear, bulk, branches } = &self.viscosity;
+        let of_branches: f64 = branches.iter().map(|branch| branch.shear_modulus * branch.shares(dt)[1]).sum();
+        Moduli { identity: 2.0 * shear / dt + of_branches, volume: bulk / dt }
+    }
+
+    /// History variables of the other law at all points.
+    fn base_history(&self, history: &[Lanes<false>]) -> Vec<Lanes<false>> {
+        let own = self.of_base();
+        if own == 0 { Vec::new() } else { history.chunks_exact(self.variables()).flat_map(|point| &point[..own]).copied().collect() }
+    }
+
+    /// Stresses and heat of the viscosity at all points of a step in which time passes, with the history variables at its end.
+    fn for_each_point(&self, step: &StrainStep<S>, mut visit: impl FnMut(usize, &[Lanes<false>], Contribution<S>)) {
+        let mut branches = Vec::with_capacity(self.branches().len());
+        for (point, change) in step.change.iter().enumerate() {
+            branches.clear();
+            branches.extend_from_slice(&step.history_of(point, self.variables())[self.branches()]);
+            let contribution = self.contribution(change, &mut branches, step.dt);
+            visit(point, &branches, contribution);
+        }
+    }
+}
+
+impl Moduli {
+    /// Adds the tangent.
+    fn add_to<const S: usize>(&self, tangent: &mut [Components<S>; S]) {
+        for (k, row) in tangent.iter_mut().enumerate() {
+            row[k] = row[k] + self.identity;
+            if k < 3 {
+                row.iter_mut().take(3).for_each(|component| *component = *component + self.volume);
+            }
+        }
+    }
+}
+
+fn trace<const S: usize>(tensor: &Components<S>) -> Lanes<false> {
+    tensor[0] + tensor[1] + tensor[2]
+}
+
+fn dot<const S: usize>(a: &Components<S>, b: &Components<S>) -> Lanes<false> {
+    a.iter().zip(b).fold(Lanes::ZERO, |sum, (a, b)| sum + *a * *b)
+}
+
+/// Stresses and tangents of an elastic law in a step.
+struct OfElastic<'a, 'b, const S: usize> {
+    law: &'a dyn BatchedLaw<S>,
+    step: &'a StrainStep<'b, S>,
+    responses: &'a mut [Response<S>],
+}
+
+impl<const S: usize> Kernel for OfElastic<'_, '_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let StrainStep { start, end, middle, stress, .. } = *self.step;
+        law_responses::<FMA, S>(self.law, [start, end, middle], stress, self.responses);
+    }
+}
+
+impl<const S: usize> HistoryLaw<S> for ViscousLaw<S> {
+    fn variables(&self) -> usize {
+        self.of_rate().end
+    }
+
+    fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]) {
+        match &self.base {
+            None => responses.fill(Response::ZERO),
+            Some(PointLaw::Elastic(law)) => dispatch(OfElastic { law: &**law, step, responses }),
+            Some(PointLaw::History(law)) => {
+                law.responses_into(&StrainStep { history: &self.base_history(step.history), ..*step }, responses);
+            }
+        }
+        if step.dt == 0.0 {
+            return;
+        }
+        let moduli = self.moduli(step.dt);
+        self.for_each_point(step, |point, _, Contribution { stress, .. }| {
+            let response = &mut responses[point];
+            response.stress.iter_mut().zip(stress).for_each(|(sum, more)| *sum = *sum + more);
+            if step.stress != StressOf::Middle {
+                moduli.add_to(&mut response.tangent);
+            }
+        });
+    }
+
+    fn rate_responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]) -> bool {
+        let of_base = match &self.base {
+            Some(PointLaw::History(law)) => {
+                law.rate_responses_into(&StrainStep { history: &self.base_history(step.history), ..*step }, responses)
+            }
+            _ => false,
+        };
+        if !of_base {
+            responses.fill(Response::ZERO);
+        }
+        if step.dt == 0.0 {
+            return of_base;
+        }
+        let moduli = self.moduli(step.dt);
+        responses.iter_mut().for_each(|response| moduli.add_to(&mut response.tangent));
+        true
+    }
+
+    fn rest_responses_into(&self, strain: &[Components<S>], responses: &mut [Response<S>]) {
+        match &self.base {
+            None => responses.fill(Response::ZERO),
+            Some(PointLaw::Elastic(law)) => law.responses_into(strain, responses),
+            Some(PointLaw::History(law)) => law.rest_responses_into(strain, responses),
+        }
+    }
+
+    fn advance_into(&self, step: &StrainStep<S>, after: &mut [Lanes<false>], heat: &mut [Heat]) {
+        let (own, size) = (self.of_base(), self.variables());
+        if let Some(PointLaw::History(law)) = &self.base {
+            let before = self.base_history(step.history);
+            let mut inner = before.clone();
+            law.advance_into(&StrainStep { history: &before, ..*step }, &mut inner, heat);
+            if own > 0 {
+                after.chunks_exact_mut(size).zip(inner.chunks_exact(own)).for_each(|(after, inner)| after[..own].copy_from_slice(inner));
+            }
+        }
+        if step.dt == 0.0 {
+            self.relax(step.end, after);
+            return;
+        }
+        self.for_each_point(step, |point, branches, contribution| {
+            let after = &mut after[point * size..(point + 1) * size];
+            after[self.branches()].copy_from_slice(branches);
+            let shown = self.of_rate();
+            if !shown.is_empty() {
+                after[shown].copy_from_slice(&contribution.of_rate);
+            }
+            heat[point].viscous = heat[point].viscous + contribution.heat;
+        });
+    }
+
+    fn relax(&self, strain: &[Components<S>], history: &mut [Lanes<false>]) {
+        let (own, size) = (self.of_base(), self.variables());
+        if let Some(PointLaw::History(law)) = &self.base {
+            let mut inner = self.base_history(history);
+            law.relax(strain, &mut inner);
+            if own > 0 {
+                history.chunks_exact_mut(size).zip(inner.chunks_exact(own)).for_each(|(all, inner)| all[..own].copy_from_slice(inner));
+            }
+        }
+        if size > own {
+            history.chunks_exact_mut(size).for_each(|point| point[own..].fill(Lanes::ZERO));
+        }
+    }
+
+    fn energies_into(&self, strain: &[Components<S>], history: &[Lanes<false>], energies: &mut [Lanes<false>]) {
+        match &self.base {
+            None => energies.fill(Lanes::ZERO),
+            Some(PointLaw::Elastic(law)) => law.energies_into(strain, energies),
+            Some(PointLaw::History(law)) => law.energies_into(strain, &self.base_history(history), energies),
+        }
+    }
+
+    fn add_relaxing_energies(&self, history: &[Lanes<false>], energies: &mut [Lanes<false>]) {
+        if let Some(PointLaw::History(law)) = &self.base {
+            law.add_relaxing_energies(&self.base_history(history), energies);
+        }
+        if self.viscosity.branches.is_empty() {
+            return;
+        }
+        for (energy, point) in energies.iter_mut().zip(history.chunks_exact(self.variables())) {
+            for (strain, branch) in point[self.branches()].as_chunks::<S>().0.iter().zip(&self.viscosity.branches) {
+                *energy = *energy + dot(strain, strain) * branch.shear_modulus;
+            }
+        }
+    }
+
+    fn stresses_into(&self, strain: &[Components<S>], history: &[Lanes<false>], stresses: &mut [Components<S>]) {
+        match &self.base {
+            None => stresses.fill([Lanes::ZERO; S]),
+            Some(PointLaw::Elastic(law)) => law.stresses_into(strain, stresses),
+            Some(PointLaw::History(law)) => law.stresses_into(strain, &self.base_history(history), stresses),
+        }
+        for (stress, point) in stresses.iter_mut().zip(history.chunks_exact(self.variables().max(1))) {
+            let branches = point[self.branches()].as_chunks::<S>().0.iter().zip(&self.viscosity.branches);
+            for (strain, branch) in branches {
+                stress.iter_mut().zip(strain).for_each(|(sum, y)| *sum = *sum + *y * (2.0 * branch.shear_modulus));
+            }
+            stress.iter_mut().zip(&point[self.of_rate()]).for_each(|(sum, more)| *sum = *sum + *more);
+        }
+    }
+
+    fn across(&self, history: &[Lanes<false>]) -> Option<Lanes<false>> {
+        let Some(PointLaw::History(law)) = &self.base else { return None };
+        law.across(&history[..self.of_base()])
+    }
+
+    fn shown(&self, history: &[Lanes<false>], lane: usize) -> Option<PointHistory> {
+        let Some(PointLaw::History(law)) = &self.base else { return None };
+        law.shown(&history[..self.of_base()], lane)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Present, Space, Step};
+    use crate::elements::CellKind;
+    use crate::integrators::Derivative;
+    use crate::linear::{Pattern, Vertex};
+    use crate::materials::{Branch, ElasticPlastic, Hardening, LINEAR, Material, NeoHookean, RateDependence};
+    use crate::math::workers::Workers;
+    use crate::mesh::{Mesh, block, rectangle};
+
+    /// A viscous body of few cells with displacements at start and end of a step.
+    struct Body<const D: usize> {
+        elements: Box<dyn ElementLoop<D>>,
+        pattern: Pattern,
+        ends: [Vec<f64>; 2],
+    }
+
+    impl<const D: usize> Body<D>
+    where
+        Space<D>: Elements<D>,
+    {
+        fn new(mesh: &Mesh, plane: Plane, law: &Material) -> Self {
+            let branches = [(30.0, 0.05), (7.0, 0.4)].map(|(shear_modulus, relaxation_time)| Branch { shear_modulus, relaxation_time });
+            let material = law.clone().with_viscosity(Viscosity { shear: 0.4, bulk: 0.1, branches: branches.to_vec() });
+            let formulation = Formulation { plane, dilatation: Dilatation::Pointwise };
+            let mut elements = Space::<D>::elements(&BodyCells::new(mesh, &material, formulation)).unwrap();
+            let vertices = vec![Vertex::coordinates(D as u8); mesh.points.len()];
+            let pattern = Pattern::new(&vertices, elements.cliques().iter().map(|clique| &clique[..]));
+            elements.place(&pattern);
+            let mut seed = 3u64;
+            let ends = [0.02, 0.05].map(|size| {
+                let mut random = || {
+                    seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                    size * ((seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
+                };
+                (0..D * mesh.points.len()).map(|_| random()).collect()
+            });
+            Body { elements, pattern, ends }
+        }
+
+        fn step<'a>(derivative: Derivative, [u_0, u_1]: [&'a [f64]; 2], history: &'a [f64]) -> Step<'a> {
+            Step { derivative, weight: 0.7, inertia: 0.0, u_0, u_1, history, dt: 0.05 }
+        }
+
+        fn forces(&self, step: &Step, values: Option<&mut [f64]>) -> Vec<f64> {
+            let mut forces = vec![0.0; step.u_1.len()];
+            self.elements.assemble(step, &mut forces, values, &Workers::new(1)).unwrap();
+            forces
+        }
+
+        fn tangent_is_the_derivative_of_the_force(&self, name: &str) {
+            let [u_0, u_1] = &self.ends;
+            let at_rest = self.elements.relaxed(Present { u: u_1, history: &vec![0.0; self.elements.history()] });
+            // A step back, so that there is something to remember.
+            let history = self.elements.advance(&Self::step(Derivative::DiscreteGradient, [u_1, u_0], &at_rest)).history;
+            for derivative in Derivative::ALL {
+                let mut values = vec![0.0; self.pattern.values()];
+                self.forces(&Self::step(derivative, [u_0, u_1], &history), Some(&mut values));
+                let h = 1e-6;
+                for unknown in 0..u_1.len() {
+                    let [up, down] = [h, -h].map(|h| {
+                        let mut u = u_1.clone();
+                        u[unknown] += h;
+                        self.forces(&Self::step(derivative, [u_0, &u], &history), None)
+                    });
+                    for &node in self.pattern.neighbors(unknown / D) {
+                        let place = self.pattern.block(node, (unknown / D) as u32);
+                        for i in 0..D {
+                            let difference = (up[node as usize * D + i] - down[node as usize * D + i]) / (2.0 * h);
+                            let value = values[place.at(i, unknown % D)];
+                            // Of some hundreds, around the axis some thousands: truncation h^2, round-off 1e-16/h.
+                            assert!((difference - value).abs() < 1e-5, "{name} {derivative:?}: {difference} {value}");
+                        }
+                    }
+                }
+            }
+        }
+
+        fn work_is_stored_or_heat(&self, name: &str) {
+            let [mut from, mut to] = self.ends.each_ref().map(Vec::as_slice);
+            let mut history = self.elements.relaxed(Present { u: from, history: &vec![0.0; self.elements.history()] });
+            let energy =
+                |u: &[f64], history: &[f64]| self.elements.strain_energy(Present { u, history }) + self.elements.relaxing_energy(history);
+            let mut stored = energy(from, &history);
+            for _ in 0..3 {
+                let step = Self::step(Derivative::DiscreteGradient, [from, to], &history);
+                let work: f64 = self.forces(&step, None).iter().zip(to.iter().zip(from)).map(|(f, (a, b))| f * (a - b)).sum();
+                let after = self.elements.advance(&step);
+                let energy = energy(to, &after.history);
+                let heat = after.viscous + after.plastic;
+                assert!(after.viscous > 0.0 && after.plastic >= 0.0 && energy > 0.0, "{name}");
+                let defect = work / step.weight - (energy - stored) - heat;
+                // Round-off of energies of a hundred times a volume.
+                assert!(defect.abs() < 1e-13 * (work.abs() + energy + heat).max(10.0), "{name}: {defect:e}");
+                (stored, history) = (energy, after.history);
+                std::mem::swap(&mut from, &mut to);
+            }
+        }
+
+        fn check(&self, name: &str) {
+            self.tangent_is_the_derivative_of_the_force(name);
+            self.work_is_stored_or_heat(name);
+        }
+    }
+
+    fn laws() -> Vec<Material> {
+        let large = NeoHookean { youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 }.material().unwrap();
+        let metal = ElasticPlastic {
+            youngs_modulus: 100.0,
+            poisson_ratio: 0.3,
+            density: 1.0,
+            yield_stress: 1.0,
+            hardening: Hardening::NONE,
+            back_stresses: Vec::new(),
+            rate: RateDependence::None,
+        };
+        vec![large, Material::new(&LINEAR[0], &[100.0, 0.3, 1.0]).unwrap(), Material::elastic_plastic(&metal).unwrap()]
+    }
+
+    #[test]
+    fn forces_of_viscous_cells_have_exact_tangents_and_exact_work() {
+        for law in laws() {
+            for plane in [Plane::Strain, Plane::Stress, Plane::Axisymmetric] {
+                for kind in [CellKind::Quad4, CellKind::Tri6] {
+                    let mesh = rectangle([2.0, 1.0], [2, 1], [0.5, 0.0]).and_then(|mesh| mesh.with_cells(kind)).unwrap();
+                    Body::<2>::new(&mesh, plane, &law).check(&format!("{law:?} {plane:?} {kind:?}"));
+                }
+            }
+            let mesh = block([1.0; 3], [1; 3], [0.0; 3]).unwrap();
+            Body::<3>::new(&mesh, Plane::Strain, &law).check(&format!("{law:?} hex8"));
+        }
+    }
+}

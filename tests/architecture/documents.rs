@@ -1,0 +1,81 @@
+//! Names that documents of the project's structure give in backticks exist: paths as files or folders, types as identifiers of the source.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use super::source::{repository, sources};
+
+/// Documents of the structure.
+const DOCUMENTS: [&str; 3] = ["ARCHITECTURE.md", "src/README.md", "CONTRIBUTING.md"];
+
+/// Folders in which paths are looked for.
+const FOLDERS: [&str; 8] = ["src", "tests", "examples", "benches", "docs", "scripts", "packages", "python"];
+
+/// Files and folders below a folder, from the repository.
+fn add_paths(folder: &Path, paths: &mut Vec<String>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        let inner = path.strip_prefix(repository()).unwrap_or(&path);
+        paths.push(inner.to_string_lossy().replace('\\', "/"));
+        if path.is_dir() {
+            add_paths(&path, paths);
+        }
+    }
+}
+
+/// Texts in single backticks, code blocks left out.
+fn quoted(text: &str) -> Vec<&str> {
+    let outside = text.split("```").step_by(2);
+    outside.flat_map(|part| part.split('`').skip(1).step_by(2)).collect()
+}
+
+fn is_path(name: &str) -> bool {
+    let is_plain = name.chars().all(|c| c.is_alphanumeric() || "_-./".contains(c));
+    is_plain && (name.ends_with('/') || name.ends_with(".rs") || name.ends_with(".md") || name.ends_with(".rhai"))
+}
+
+fn is_type(name: &str) -> bool {
+    let mut letters = name.chars();
+    letters.next().is_some_and(char::is_uppercase)
+        && letters.next().is_some_and(char::is_lowercase)
+        && name.chars().all(|c| c.is_alphanumeric() || "_:".contains(c))
+}
+
+/// Names in a document that are neither among the paths nor among the identifiers.
+fn unknown(text: &str, paths: &[String], identifiers: &HashSet<String>) -> Vec<String> {
+    let exists = |name: &str| paths.iter().any(|path| path == name || path.strip_suffix(name).is_some_and(|rest| rest.ends_with('/')));
+    let is_unknown = |name: &&str| {
+        if is_path(name) {
+            return !exists(name.trim_end_matches('/'));
+        }
+        is_type(name) && name.split("::").any(|part| !identifiers.contains(part))
+    };
+    quoted(text).into_iter().filter(is_unknown).map(String::from).collect()
+}
+
+#[test]
+fn documents_of_the_structure_name_what_exists() {
+    let mut paths: Vec<String> =
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "THIRD-PARTY-LICENSES.md"].map(String::from).to_vec();
+    paths.extend(FOLDERS.map(String::from));
+    FOLDERS.iter().for_each(|folder| add_paths(&repository().join(folder), &mut paths));
+    let sources = sources(&["src", "tests", "examples", "benches"]);
+    let identifiers: HashSet<String> = sources.iter().flat_map(|source| source.tokens.iter().map(|token| token.text.clone())).collect();
+    let violations: Vec<String> = DOCUMENTS
+        .iter()
+        .flat_map(|document| {
+            let text = std::fs::read_to_string(repository().join(document)).expect("the document is there");
+            unknown(&text, &paths, &identifiers).into_iter().map(move |name| format!("{document}: `{name}` does not exist"))
+        })
+        .collect();
+    assert!(violations.is_empty(), "\n{}\n", violations.join("\n"));
+}
+
+#[test]
+fn names_that_do_not_exist_are_found() {
+    let (paths, identifiers) = (["src/mesh/cell.rs".to_string(), "src/mesh".into()], HashSet::from(["Cell".to_string()]));
+    let found = |text: &str| unknown(text, &paths, &identifiers);
+    assert!(found("`mesh/cell.rs`, `mesh/`, `Cell` and `x y`").is_empty());
+    assert_eq!(found("`mesh/cells.rs` `esh/cell.rs` `Cells`"), ["mesh/cells.rs", "esh/cell.rs", "Cells"]);
+    assert!(found("```\n`Cells`\n```").is_empty());
+}
