@@ -64,7 +64,7 @@ where
             let strains = |state: &State| {
                 let (u, history) = (&state.displacements[..], &state.memory[body.number][..]);
                 let mut strains = Vec::new();
-                body.elements.visit_stresses(Present { u, history, beside: &[] }, &mut |point| {
+                body.elements.visit_stresses(Present { u, history }, &mut |point| {
                     strains.push(point.kept.map_or(0.0, |kept| kept.plastic_strain));
                 });
                 strains

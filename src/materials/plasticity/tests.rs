@@ -203,7 +203,7 @@ where
         let law = PlasticLaw::new(&constants, true);
         let mut random = Random(11);
         let (mut strain, mut history) = ([[ZERO; S]], vec![ZERO; law.variables()]);
-        let (mut after, mut heat) = (history.clone(), [ZERO]);
+        let (mut after, mut heat) = (history.clone(), [Heat::ZERO]);
         let drift = random.strain(&[ZERO; S], 2e-4);
         for count in 0..300 {
             let mut next = [random.strain(&strain[0], if count % 3 == 0 { 1e-4 } else { 1e-5 })];
