@@ -59,7 +59,8 @@ impl Outcome {
     /// What is wrong; empty where nothing is.
     pub fn faults(&self) -> String {
         let limits = [("defect", self.defect, DEFECT), ("momentum", self.momentum, DEFECT), ("gain", self.gain, GAIN)];
-        let mut found: Vec<String> = limits.into_iter().filter(|(_, value, most)| !(value <= most)).map(|(n, v, _)| format!("{n} {v:.1e}")).collect();
+        let mut found: Vec<String> =
+            limits.into_iter().filter(|(_, value, most)| !(value <= most)).map(|(n, v, _)| format!("{n} {v:.1e}")).collect();
         if self.cooled > 0.0 {
             found.push(format!("heat falls by {:.1e}", self.cooled));
         }
@@ -138,8 +139,8 @@ pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
         let mut mesh = shape(random, place);
         let turn = if is_round { 0.0 } else { random.between(-PI, PI) };
         let (s, c) = turn.sin_cos();
-        let away = if number == 0 { 0.0 } else { -1.6 };
-        let aside = if is_round || number == 0 { 0.0 } else { random.between(-0.4, 0.4) };
+        let away = if number == 0 { 0.0 } else { -1.45 };
+        let aside = if is_round || number == 0 { 0.0 } else { random.between(-0.3, 0.3) };
         for point in &mut mesh.points {
             let [x, y, z] = *point;
             *point = [c * x - s * y + aside, s * x + c * y + away, z];
@@ -148,9 +149,12 @@ pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
         let constants = law(random);
         // The yield stress over the impedance is the speed at which a bar yields.
         let stiff = (constants.youngs_modulus * constants.density).sqrt();
-        speed = speed.min(constants.yield_stress / stiff * 10f64.powf(random.between(0.3, 1.2)).min(0.1 * stiff / constants.yield_stress));
+        // Up to a fifth of the speed of sound: beyond, cells are crushed to nothing.
+        let own = constants.yield_stress / stiff * 10f64.powf(random.between(0.5, 1.5));
+        speed = speed.min(own.min(0.2 * stiff));
         facet = facet.min(1.0 / (mesh.points.len() as f64).powf(1.0 / mesh.dimension() as f64));
-        title += &format!(", {} {:?} {:?} {} back", mesh.kind.name(), mesh.points.len(), constants.hardening, constants.back_stresses.len());
+        title +=
+            &format!(", {} {:?} {:?} {} back", mesh.kind.name(), mesh.points.len(), constants.hardening, constants.back_stresses.len());
         let kind = mesh.kind;
         let body = model.add_body(&format!("body {number}"), mesh, &Material::elastic_plastic(&constants).expect("constants are sound"));
         let plane = if let Place::Plane(plane) = place { plane } else { Plane::Strain };
@@ -170,7 +174,8 @@ pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
     }
     let hull = |model: &Model, body: usize| model.boundary(body, "hull").expect("it was added");
     let rule = pick(random, UPDATE_RULES);
-    let method = pick(random, METHODS);
+    let methods: Vec<_> = METHODS.iter().copied().filter(|method| place != Place::Space || method.in_space.is_some()).collect();
+    let method = pick(random, &methods);
     let pair = if has_partner {
         let (secondary, primary) = (hull(&model, 0), hull(&model, 1));
         Interaction { method, ..Interaction::new("touch", secondary, Partner::Surfaces(vec![primary])) }
@@ -187,7 +192,7 @@ pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
     model.set_initial_velocity(0, [0.0, -speed, 0.0], [0.0, 0.0, spin]);
     title += &format!(", {} {}, {}", method.name, rule.name, if has_partner { "two bodies" } else { "an obstacle" });
     let dt = random.between(0.02, 0.1) * facet / speed;
-    (model, dt, 60, place, title)
+    (model, dt, (1.2 / (speed * dt)) as usize, place, title)
 }
 
 /// Takes the scene of a seed through its steps, or to its failure.

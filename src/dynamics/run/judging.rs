@@ -59,7 +59,7 @@ where
 
     /// Largest change of the equivalent plastic strain of a point, from the present state to another.
     fn plastic_strain(&self, state: &State) -> f64 {
-        let flowing = self.system.bodies.iter().filter(|body| body.elements.history() > 0);
+        let flowing = self.system.bodies.iter().filter(|body| body.elements.flows());
         let of_body = |body: &Body<D>| {
             let strains = |state: &State| {
                 let (u, history) = (&state.displacements[..], &state.memory[body.number][..]);

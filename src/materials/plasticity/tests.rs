@@ -1,8 +1,8 @@
 //! The law by itself: its work, its tangents, and shears without end.
 
+use super::constants::MOST_BACK_STRESSES;
 use super::flow::{FlowStep, ROOT, Rule};
 use super::law::PlasticLaw;
-use super::constants::MOST_BACK_STRESSES;
 use super::*;
 use crate::materials::batched::{Components, Response};
 use crate::materials::history::{Heat, HistoryLaw, StrainStep, StressOf};

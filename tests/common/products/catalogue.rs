@@ -136,7 +136,7 @@ impl Catalogue {
             factor("plane", plain_first(choices(&registry, "add_body", "plane"), "strain")),
             factor("shape", words(&["box", "round"])),
             factor("body", words(&["elastic", "viscous", "relaxing", RIGID[0], RIGID[1]])),
-            factor("material", with(&[], materials).into_iter().chain(["hyperelastic".to_string()]).collect()),
+            factor("material", with(&[], materials).into_iter().chain(["hyperelastic", "elastic_plastic"].map(String::from)).collect()),
             factor("dilatation", with(&["default"], choices(&registry, "add_body", "dilatation"))),
             factor("partner", with(&["none", "held_body", "free_body", "rigid_body", "tie", "self"], obstacles)),
             factor("moving", words(&["rest", "moving"])),
@@ -203,8 +203,7 @@ impl Catalogue {
         found.extend(unknown("part", &|row| row == "none" || script::PARTS.contains(&row)));
         found.extend(unknown("load", &|row| row == "none" || script::LOADS.contains(&row)));
         found.extend(unknown("amplitude", &|row| script::AMPLITUDES.contains(&row)));
-        // A material that flows has heat, and no elastic path back: `tests/scripts/plasticity.rhai` has its products.
-        for (factor, name) in self.makers.iter().filter(|(_, name)| name != "elastic_plastic") {
+        for (factor, name) in &self.makers {
             let rows = &self.factors[self.index(factor)].rows;
             if !rows.iter().any(|row| row.split(',').next() == Some(name)) {
                 found.push(format!("{factor}: {name}"));

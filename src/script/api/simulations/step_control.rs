@@ -118,8 +118,13 @@ pub fn auto() -> Function {
                         .or(Absent::Means("a millionth of the first step")),
                     Parameter::number("largest", "time", Interval::Positive, "the largest size: a part of what must be seen")
                         .or(Absent::Means("no bound")),
-                    Parameter::number("plastic_strain", "1", Interval::Positive, "the largest plastic strain of a step at any point of a body")
-                        .or(Absent::Means("no bound")),
+                    Parameter::number(
+                        "plastic_strain",
+                        "1",
+                        Interval::Positive,
+                        "the largest plastic strain of a step at any point of a body",
+                    )
+                    .or(Absent::Means("no bound")),
                 ]),
                 "how accurate steps are, and how long they may be",
             )
