@@ -1,5 +1,5 @@
 //! Random impacts of bodies that yield by the hundred, judged by the ledger (`tests/common/yielding.rs`): one line for each run with a
-//! fault, then a line for each formulation.
+//! fault or without an end, then a line for each formulation.
 //!
 //! `cargo run --release --example yielding -- [count] [--first SEED]`, or `--seed N` for every step of one
 
@@ -69,8 +69,8 @@ fn main() {
     });
     let mut found = found.into_inner().expect("no thread panics");
     found.sort_by_key(|(seed, _)| *seed);
-    for (seed, outcome) in found.iter().filter(|(_, outcome)| !outcome.faults().is_empty()) {
-        println!("{seed}: {} ({})", outcome.faults(), outcome.title);
+    for (seed, outcome) in found.iter().filter(|(_, outcome)| !outcome.faults().is_empty() || outcome.failure.is_some()) {
+        println!("{seed}: {} {} ({})", outcome.faults(), outcome.failure.as_deref().unwrap_or(""), outcome.title);
     }
     for group in 0..4 {
         let own: Vec<&Outcome> = found.iter().filter(|(seed, _)| seed % 4 == group).map(|(_, outcome)| outcome).collect();
@@ -78,12 +78,13 @@ fn main() {
         let largest = |of: fn(&Outcome) -> f64| own.iter().map(|outcome| of(outcome)).fold(0.0, f64::max);
         let sum = |of: fn(&Outcome) -> usize| own.iter().map(|outcome| of(outcome)).sum::<usize>();
         println!(
-            "{place:?}: {} runs, {} touch, {} yield, {} with a fault; largest defect {:.1e}, momentum {:.1e}, gain {:.1e}; heat {:.1} % in \
+            "{place:?}: {} runs, {} touch, {} yield, {} with a fault, {} not to their end; largest defect {:.1e}, momentum {:.1e}, gain {:.1e}; heat {:.1} % in \
              the mean; {:.2} iterations a step, {} halvings",
             own.len(),
             sum(|outcome| usize::from(outcome.touching > 0)),
             sum(|outcome| usize::from(outcome.heat > 0.0)),
             sum(|outcome| usize::from(!outcome.faults().is_empty())),
+            sum(|outcome| usize::from(outcome.failure.is_some())),
             largest(|outcome| outcome.defect),
             largest(|outcome| outcome.momentum),
             largest(|outcome| outcome.gain),

@@ -323,5 +323,8 @@ fn bodies_that_yield_turn_energy_into_heat_and_gain_none() {
     for (seed, outcome) in &found {
         assert!(outcome.faults().is_empty(), "seed {seed}, {}: {}", outcome.title, outcome.faults());
     }
-    assert!(found.iter().filter(|(_, outcome)| outcome.touching > 0 && outcome.heat > 1e-3).count() > 20);
+    assert!(found.iter().filter(|(_, outcome)| outcome.touching > 0 && outcome.heat > 1e-3).count() > 35);
+    // Node-to-segment contact of two bodies in space may find no solution.
+    let failed: Vec<&(u64, yielding::Outcome)> = found.iter().filter(|(_, outcome)| outcome.failure.is_some()).collect();
+    assert!(failed.iter().all(|(_, outcome)| outcome.title.contains("node_to_segment")) && failed.len() < 3, "{failed:?}");
 }

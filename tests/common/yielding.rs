@@ -56,7 +56,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// What is wrong; empty where nothing is.
+    /// Violations of what holds in every accepted step; empty where there are none.
     pub fn faults(&self) -> String {
         let limits = [("defect", self.defect, DEFECT), ("momentum", self.momentum, DEFECT), ("gain", self.gain, GAIN)];
         let mut found: Vec<String> =
@@ -64,7 +64,6 @@ impl Outcome {
         if self.cooled > 0.0 {
             found.push(format!("heat falls by {:.1e}", self.cooled));
         }
-        found.extend(self.failure.clone());
         found.join(", ")
     }
 }
