@@ -69,7 +69,8 @@ fn main() {
     });
     let mut found = found.into_inner().expect("no thread panics");
     found.sort_by_key(|(seed, _)| *seed);
-    for (seed, outcome) in found.iter().filter(|(_, outcome)| !outcome.faults().is_empty() || outcome.failure.is_some()) {
+    let is_wrong = |outcome: &Outcome| !outcome.faults().is_empty() || outcome.failure.is_some();
+    for (seed, outcome) in found.iter().filter(|(_, outcome)| is_wrong(outcome)) {
         println!("{seed}: {} {} ({})", outcome.faults(), outcome.failure.as_deref().unwrap_or(""), outcome.title);
     }
     for group in 0..4 {
@@ -78,8 +79,8 @@ fn main() {
         let largest = |of: fn(&Outcome) -> f64| own.iter().map(|outcome| of(outcome)).fold(0.0, f64::max);
         let sum = |of: fn(&Outcome) -> usize| own.iter().map(|outcome| of(outcome)).sum::<usize>();
         println!(
-            "{place:?}: {} runs, {} touch, {} yield, {} with a fault, {} not to their end; largest defect {:.1e}, momentum {:.1e}, gain {:.1e}; heat {:.1} % in \
-             the mean; {:.2} iterations a step, {} halvings",
+            "{place:?}: {} runs, {} touch, {} yield, {} with a fault, {} not to their end; largest defect {:.1e}, momentum {:.1e}, \
+             gain {:.1e}; heat {:.1} % in the mean; {:.2} iterations a step, {} halvings",
             own.len(),
             sum(|outcome| usize::from(outcome.touching > 0)),
             sum(|outcome| usize::from(outcome.heat > 0.0)),

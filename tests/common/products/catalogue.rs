@@ -57,6 +57,9 @@ const TASKS: [&str; 12] = [
 /// Trials: what is done with a run besides.
 pub const TRIALS: [&str; 8] = ["once", "threads", "resume", "rotate", "translate", "units", "renumber", "process"];
 
+/// A material of no catalogue of stored energies, which [`Catalogue::flowing`] draws.
+const FLOWS: &str = "elastic_plastic";
+
 /// Options of a body that does not deform.
 const RIGID: [&str; 2] = ["rigid", "rigid_numbers"];
 
@@ -136,7 +139,7 @@ impl Catalogue {
             factor("plane", plain_first(choices(&registry, "add_body", "plane"), "strain")),
             factor("shape", words(&["box", "round"])),
             factor("body", words(&["elastic", "viscous", "relaxing", RIGID[0], RIGID[1]])),
-            factor("material", with(&[], materials).into_iter().chain(["hyperelastic", "elastic_plastic"].map(String::from)).collect()),
+            factor("material", with(&[], materials).into_iter().chain(["hyperelastic".to_string()]).collect()),
             factor("dilatation", with(&["default"], choices(&registry, "add_body", "dilatation"))),
             factor("partner", with(&["none", "held_body", "free_body", "rigid_body", "tie", "self"], obstacles)),
             factor("moving", words(&["rest", "moving"])),
@@ -158,6 +161,16 @@ impl Catalogue {
         let drawn = |name: &String| factors.iter().any(|factor| factor.rows.contains(name)) || OTHER_METHODS.contains(&name.as_str());
         let methods = methods(&registry, "Model", |_| true).into_iter().filter(|name| !drawn(name)).collect();
         Catalogue { factors, methods, makers }
+    }
+
+    /// The factors of bodies that deform, with the material that flows in place of all others.
+    pub fn flowing() -> Self {
+        let mut catalogue = Catalogue::new();
+        let material = catalogue.index("material");
+        catalogue.factors[material].rows = vec![FLOWS.to_string()];
+        let body = catalogue.index("body");
+        catalogue.factors[body].rows.retain(|row| !RIGID.contains(&row.as_str()));
+        catalogue
     }
 
     /// Place of a factor.
@@ -203,7 +216,7 @@ impl Catalogue {
         found.extend(unknown("part", &|row| row == "none" || script::PARTS.contains(&row)));
         found.extend(unknown("load", &|row| row == "none" || script::LOADS.contains(&row)));
         found.extend(unknown("amplitude", &|row| script::AMPLITUDES.contains(&row)));
-        for (factor, name) in &self.makers {
+        for (factor, name) in self.makers.iter().filter(|(_, name)| name != FLOWS) {
             let rows = &self.factors[self.index(factor)].rows;
             if !rows.iter().any(|row| row.split(',').next() == Some(name)) {
                 found.push(format!("{factor}: {name}"));
