@@ -38,8 +38,14 @@ const KNOWN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/known.t
 /// Known violations of the array of all pairs, in the form of [`KNOWN`].
 const KNOWN_OF_PAIRS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/known_of_pairs.txt");
 
+/// Known violations of the products of a material that flows, in the form of [`KNOWN`].
+const KNOWN_OF_FLOW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/known_of_flow.txt");
+
 /// Number of random products.
 const RANDOM: u64 = 300;
+
+/// Number of random products of a material that flows.
+const FLOWING: u64 = 200;
 
 /// Least part of the pairs with a meaning that are drawn; the rest is refused.
 const DRAWN: f64 = 0.8;
@@ -83,6 +89,16 @@ fn random_products_keep_what_holds_for_all() {
     let (catalogue, (refused, known)) = (Catalogue::new(), tables(KNOWN));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let study = Study::random(&catalogue, &home("random"), program(), threads, &refused, &known, 0..RANDOM);
+    println!("{} sound, {} refused, {} with a known fault", study.sound, study.refused, study.known);
+    judge(&catalogue, &study, &known);
+    assert!(3 * study.refused < study.times.len(), "{} of {} are refused", study.refused, study.times.len());
+}
+
+#[test]
+fn random_products_that_flow_keep_what_holds_for_all() {
+    let (catalogue, (refused, known)) = (Catalogue::flowing(), tables(KNOWN_OF_FLOW));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let study = Study::random(&catalogue, &home("flow"), program(), threads, &refused, &known, 0..FLOWING);
     println!("{} sound, {} refused, {} with a known fault", study.sound, study.refused, study.known);
     judge(&catalogue, &study, &known);
     assert!(3 * study.refused < study.times.len(), "{} of {} are refused", study.refused, study.times.len());

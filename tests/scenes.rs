@@ -6,6 +6,8 @@
 mod common;
 #[path = "common/scenes/mod.rs"]
 mod scenes;
+#[path = "common/yielding.rs"]
+mod yielding;
 
 use std::process::Command;
 use std::sync::OnceLock;
@@ -300,4 +302,29 @@ fn depth_is_measured_where_it_is() {
     assert!(near(depth.length, 0.1) && near(depth.facets, 0.2), "{depth:?}");
     let (depth, _) = measured(vec![block], vec![Wall::Plane { point: [0.0; 2], normal: [0.0, 2.0] }]);
     assert!(near(depth.length, 0.1), "{depth:?}");
+}
+
+/// Bodies that yield: ten in each formulation, more by `cargo run --release --example yielding`.
+#[test]
+fn bodies_that_yield_turn_energy_into_heat_and_gain_none() {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut found = Vec::new();
+        while let Some(seed) = Some(next.fetch_add(1, Ordering::Relaxed) as u64).filter(|&seed| seed < 40) {
+            found.push((seed, yielding::run(seed)));
+        }
+        found
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let found: Vec<(u64, yielding::Outcome)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("a run does not panic")).collect()
+    });
+    for (seed, outcome) in &found {
+        assert!(outcome.faults().is_empty(), "seed {seed}, {}: {}", outcome.title, outcome.faults());
+    }
+    assert!(found.iter().filter(|(_, outcome)| outcome.touching > 0 && outcome.heat > 1e-3).count() > 35);
+    // Node-to-segment contact of two bodies in space may find no solution.
+    let failed: Vec<&(u64, yielding::Outcome)> = found.iter().filter(|(_, outcome)| outcome.failure.is_some()).collect();
+    assert!(failed.iter().all(|(_, outcome)| outcome.title.contains("node_to_segment")) && failed.len() < 3, "{failed:?}");
 }

@@ -131,7 +131,7 @@ impl Case {
 
     /// The simulation, or `None` where the integrator does not take what is in the model.
     fn simulation(&self, model: &Model, threads: usize) -> Option<Simulation> {
-        let control = self.chooses_steps.then_some(StepControl { tolerance: 1e-3, smallest: None, largest: None });
+        let control = self.chooses_steps.then_some(StepControl { tolerance: 1e-3, smallest: None, largest: None, plastic_strain: None });
         Simulation::new(model, Options { control, threads, ..Options::new(self.scheme, 0.01) }).ok()
     }
 }

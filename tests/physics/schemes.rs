@@ -25,6 +25,9 @@ mod dashpot;
 #[allow(dead_code)]
 #[path = "../../examples/law.rs"]
 mod law;
+#[allow(dead_code)]
+#[path = "../../examples/mullins.rs"]
+mod mullins;
 
 use dashpot::newmark::{self, AMPLITUDE, AVERAGE, DAMPED, STIFFNESS, oscillator};
 
@@ -228,6 +231,12 @@ fn a_law_is_right_at_rest_and_keeps_the_energy_in_motion() {
     assert_eq!(material.constants(), [("density", 2.0)]);
     assert!(material.rescaled(|_| Some(2.0)).is_err());
     assert!(Material::of_law("nothing", law::Stiffening { lambda: 0.0, mu: 0.0, k: 1.0 }, 1.0).is_err());
+}
+
+#[test]
+fn a_law_with_history_is_right_at_rest_and_its_heat_is_booked() {
+    let [off, defect, heat] = mullins::run().unwrap_or_else(|error| panic!("{error}"));
+    assert!(off < 1e-9 && defect < 1e-12 && heat > 0.05, "{off:e} off, defect {defect:e}, heat {heat}");
 }
 
 /// The mean rate of a step is that of its middle: what is viscous lags by half a step in schemes that mix the forces of its ends.

@@ -27,6 +27,7 @@ pub const SCRIPTS: &[(&str, usize)] = &[
     ("13_friction", 7),
     ("14_solids_in_space", 30),
     ("15_paths_and_stability", 17),
+    ("16_plasticity", 22),
 ];
 
 /// What a script computes against what is known.

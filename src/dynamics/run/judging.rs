@@ -5,7 +5,8 @@ use super::ledger::ContactTotals;
 use super::pace::{Measure, Stepped, Touch};
 use super::state::State;
 use super::substeps::Substeps;
-use crate::bodies::{Elements, Space};
+use crate::bodies::{Elements, Present, Space};
+use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::counters::Counters;
 use crate::dynamics::step::failure::Failure;
@@ -41,7 +42,8 @@ where
         let (u, v_0) = ([&old.displacements[..], &state.displacements], &old.velocities[..]);
         let reach = || largest_size(&state.positions).max(self.system.nodes.extent);
         let round_off = if self.system.sees_positions() { tolerances::STILL_AT * reach() } else { 0.0 };
-        let step = Stepped { scheme: &scheme, dt, u, v_0, is_cut, touch, round_off };
+        let plastic_strain = if control.plastic_strain.is_some() { self.plastic_strain(&state) } else { 0.0 };
+        let step = Stepped { scheme: &scheme, dt, u, v_0, is_cut, touch, round_off, plastic_strain };
         match old.pace.after(&step, &control, options.dt, &self.system) {
             Ok(pace) => {
                 let pace = pace.with_contacts(dt, state.row.contacts.iter().map(|contact| contact.active > 0));
@@ -54,6 +56,24 @@ where
                 Err(Failure::Inexact { size })
             }
         }
+    }
+
+    /// Largest change of the equivalent plastic strain of a point, from the present state to another.
+    fn plastic_strain(&self, state: &State) -> f64 {
+        let flowing = self.system.bodies.iter().filter(|body| body.elements.flows());
+        let of_body = |body: &Body<D>| {
+            let strains = |state: &State| {
+                let (u, history) = (&state.displacements[..], &state.memory[body.number][..]);
+                let mut strains = Vec::new();
+                body.elements.visit_stresses(Present { u, history }, &mut |point| {
+                    strains.push(point.kept.map_or(0.0, |kept| kept.plastic_strain));
+                });
+                strains
+            };
+            let changes = strains(state).into_iter().zip(strains(&self.state)).map(|(after, before)| after - before);
+            changes.fold(0.0, f64::max)
+        };
+        flowing.map(of_body).fold(0.0, f64::max)
     }
 }
 

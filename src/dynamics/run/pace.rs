@@ -10,6 +10,8 @@
 //! body at rest by friction has no other motion. The error of the first touch of a contact is the penetration at the end of the step or,
 //! where a rule closes the gap within the step, half of the displacement in the step.
 //!
+//! *Plastic strain.* Where a bound is given, a step in which a point yields by more is repeated with a smaller size.
+//!
 //! *Step size.* A proportional-integral controller (Gustafsson, ACM TOMS 17, 1991; in the form of Soederlind, ACM TOMS 29, 2003),
 //! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of error and admissible error, and the order `p`.
 
@@ -43,9 +45,16 @@ pub struct StepControl {
     pub smallest: Option<f64>,
     /// Largest size `[time]`.
     pub largest: Option<f64>,
+    /// Largest plastic strain of a step at a point; no bound by default.
+    pub plastic_strain: Option<f64>,
 }
 
 impl StepControl {
+    /// Plastic strain of a step over the largest one; 0 without a bound.
+    fn plastic_ratio(&self, plastic_strain: f64) -> f64 {
+        self.plastic_strain.map_or(0.0, |largest| plastic_strain / largest)
+    }
+
     /// Smallest size after a first one `[time]`.
     fn smallest(&self, first: f64) -> f64 {
         self.smallest.unwrap_or(tolerances::SMALLEST_STEP * first)
@@ -94,6 +103,8 @@ pub struct Stepped<'a> {
     pub touch: Option<Touch>,
     /// Round-off of the positions, where contacts or rigid bodies depend on them; else 0 `[length]`.
     pub round_off: f64,
+    /// Largest plastic strain of the step at a point.
+    pub plastic_strain: f64,
 }
 
 /// A first touch that does not fall on the end of a step.
@@ -163,6 +174,11 @@ impl Pace {
         if ratio > 1.0 && may_shrink && has_begun {
             return Err((dt * (AIM / ratio).powf(1.0 / order).clamp(SHORTER, LESS)).max(smallest));
         }
+        // Plastic strain grows in proportion to the step.
+        let plastic_ratio = control.plastic_ratio(step.plastic_strain);
+        if plastic_ratio > 1.0 && may_shrink {
+            return Err((dt * (AIM / plastic_ratio).clamp(SHORTER, LESS)).max(smallest));
+        }
         let missed = match touch {
             Some(Touch::Passed(depth)) => depth,
             Some(Touch::Kept) => 0.5 * dt * speed,
@@ -185,6 +201,9 @@ impl Pace {
             next.dt = dt * factor.clamp(SHORTER, LONGER);
             next.usual = if dt >= self.usual { dt } else { self.usual * (dt / self.usual).powf(FORGETTING * dt / self.usual) };
             next.ratio = ratio.min(1.0);
+        }
+        if plastic_ratio > AIM {
+            next.dt = next.dt.min(dt * (AIM / plastic_ratio).max(SHORTER));
         }
         Ok(next)
     }

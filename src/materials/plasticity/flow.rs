@@ -165,7 +165,10 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         let outward = dot(&exit, &way);
         let mut factor = Lanes::ZERO;
         for lane in 0..WIDTH {
-            let is_inner = share.0[lane] > 0.0 && share.0[lane] < 1.0 && outward.0[lane] > 0.0;
+            // In a step next to nothing from the yield surface the share is round-off, and so would be its slope, without bound.
+            let least = OUTSIDE_THE_YIELD_SURFACE * square.0[lane];
+            let is_resolved = a.0[lane] > least || c.0[lane].abs() > least;
+            let is_inner = is_resolved && share.0[lane] > 0.0 && share.0[lane] < 1.0 && outward.0[lane] > 0.0;
             factor.0[lane] = if is_inner { -2.0 * self.shear * share.0[lane] / outward.0[lane] } else { 0.0 };
         }
         (share, times(&exit, factor))

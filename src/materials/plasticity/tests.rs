@@ -1,5 +1,7 @@
 //! The law by itself: its work, its tangents, and shears without end.
 
+use super::constants::MOST_BACK_STRESSES;
+use super::flow::{FlowStep, ROOT, Rule};
 use super::law::PlasticLaw;
 use super::*;
 use crate::materials::batched::{Components, Response};
@@ -190,5 +192,23 @@ fn simple_shear_does_not_soften() {
             let tau = entry(0, 1) + 0.01 * f64::from(k) * entry(1, 1);
             assert!((tau * 3f64.sqrt() / 0.5 - 1.0).abs() < 1e-4, "{k}: {tau}");
         }
+    }
+}
+
+/// A shear of 1e-20 past a point on the yield surface, as the round-off of a rigid motion makes it, whose chord through the surface ends
+/// within the step: the elastic share has no slope, which would be 1e34 times an excess of 1e-15 of the plastic strain.
+#[test]
+fn round_off_on_the_yield_surface_has_no_elastic_share_with_a_slope() {
+    let law = steel();
+    let size = ROOT * law.yield_stress * (1.0 + 1e-12) / (2.0 * law.shear_modulus()) / 2f64.sqrt();
+    let at = |shear: f64| [size, -size, 0.0, shear].map(Lanes::<false>::splat);
+    for way in [1e-20, 1e-14, 1e-10] {
+        let back = [[ZERO; 4]; MOST_BACK_STRESSES];
+        let (strains, shear) = ([at(-0.24 * way), at(0.76 * way)], law.shear_modulus());
+        let flow = FlowStep { law: &law, rule: Rule::Fitted, shear, dt: 0.1, strains, back, alpha: ZERO }.flow(true);
+        let slope = flow.slopes.expect("they were asked for").share.map(|component| component.0[0]);
+        let most = |values: &[f64]| values.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let product = most(&slope) * most(&flow.strain.map(|component| component.0[0]));
+        assert!(flow.strain[0].0[0] > 0.0 && product < 1.0, "{way:e}: {product:e}");
     }
 }

@@ -57,6 +57,9 @@ const TASKS: [&str; 12] = [
 /// Trials: what is done with a run besides.
 pub const TRIALS: [&str; 8] = ["once", "threads", "resume", "rotate", "translate", "units", "renumber", "process"];
 
+/// A material of no catalogue of stored energies, which [`Catalogue::flowing`] draws.
+const FLOWS: &str = "elastic_plastic";
+
 /// Options of a body that does not deform.
 const RIGID: [&str; 2] = ["rigid", "rigid_numbers"];
 
@@ -160,6 +163,16 @@ impl Catalogue {
         Catalogue { factors, methods, makers }
     }
 
+    /// The factors of bodies that deform, with the material that flows in place of all others.
+    pub fn flowing() -> Self {
+        let mut catalogue = Catalogue::new();
+        let material = catalogue.index("material");
+        catalogue.factors[material].rows = vec![FLOWS.to_string()];
+        let body = catalogue.index("body");
+        catalogue.factors[body].rows.retain(|row| !RIGID.contains(&row.as_str()));
+        catalogue
+    }
+
     /// Place of a factor.
     pub fn index(&self, name: &str) -> usize {
         self.factors.iter().position(|factor| factor.name == name).unwrap_or_else(|| panic!("no factor {name}"))
@@ -203,8 +216,7 @@ impl Catalogue {
         found.extend(unknown("part", &|row| row == "none" || script::PARTS.contains(&row)));
         found.extend(unknown("load", &|row| row == "none" || script::LOADS.contains(&row)));
         found.extend(unknown("amplitude", &|row| script::AMPLITUDES.contains(&row)));
-        // A material that flows has heat, and no elastic path back: `tests/scripts/plasticity.rhai` has its products.
-        for (factor, name) in self.makers.iter().filter(|(_, name)| name != "elastic_plastic") {
+        for (factor, name) in self.makers.iter().filter(|(_, name)| name != FLOWS) {
             let rows = &self.factors[self.index(factor)].rows;
             if !rows.iter().any(|row| row.split(',').next() == Some(name)) {
                 found.push(format!("{factor}: {name}"));

@@ -174,6 +174,10 @@ impl<'a> Writer<'a> {
             let energy = "mu/2*(I1bar - 3) + k/2*(J - 1)^2";
             return format!("hyperelastic(#{{ energy: \"{energy}\", mu: 40.0, k: 100.0, density: 1.0 }})");
         }
+        if title == "elastic_plastic" {
+            let constants = "youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0, yield_stress: 0.8, hardening: 5.0";
+            return format!("elastic_plastic(#{{ {constants} }}).back_stress(#{{ modulus: 4.0, recovery: 3.0 }})");
+        }
         let row = materials::CATALOGUE.iter().chain(materials::LINEAR).find(|row| row.title() == title).expect("it is of the catalogue");
         let values = row.example(100.0, 1.0);
         let mut keys: Vec<String> = row.parameters.iter().zip(values).map(|(key, value)| format!("{}: {value:?}", key.name)).collect();

@@ -28,8 +28,8 @@ impl Handle for StepControlHandle {
     const MAKER: &'static str = "make one with `auto(#{ tolerance: 1e-4 })`";
 
     fn describe(&self) -> String {
-        let StepControl { tolerance, smallest, largest } = self.control;
-        let bounds = [("first", self.first), ("smallest", smallest), ("largest", largest)];
+        let StepControl { tolerance, smallest, largest, plastic_strain } = self.control;
+        let bounds = [("first", self.first), ("smallest", smallest), ("largest", largest), ("plastic_strain", plastic_strain)];
         let given = bounds.iter().filter_map(|(name, bound)| bound.map(|bound| format!(", {name}: {}", number_text(bound))));
         format!("auto(#{{ tolerance: {}{} }})", number_text(tolerance), given.collect::<String>())
     }
@@ -118,6 +118,13 @@ pub fn auto() -> Function {
                         .or(Absent::Means("a millionth of the first step")),
                     Parameter::number("largest", "time", Interval::Positive, "the largest size: a part of what must be seen")
                         .or(Absent::Means("no bound")),
+                    Parameter::number(
+                        "plastic_strain",
+                        "1",
+                        Interval::Positive,
+                        "the largest plastic strain of a step at any point of a body",
+                    )
+                    .or(Absent::Means("no bound")),
                 ]),
                 "how accurate steps are, and how long they may be",
             )
@@ -140,6 +147,7 @@ fn make(call: &Call) -> Result<StepControlHandle, Failure> {
         tolerance: options.number("tolerance")?,
         smallest: options.optional_number("smallest")?,
         largest: options.optional_number("largest")?,
+        plastic_strain: options.optional_number("plastic_strain")?,
     };
     let first = options.optional_number("first")?;
     let bounds = [("smallest", control.smallest), ("first", first), ("largest", control.largest)];

@@ -1,0 +1,157 @@
+//! A law with history variables that this crate does not have, written beside it: rubber that softens where it has been strained before
+//! (Mullins 1948), as a damage of the whole energy (Simo, Computer Methods in Applied Mechanics and Engineering 60, 1987).
+//!
+//! Prints how far the pressure of a column is from the closed form down, up and farther down, and how exactly the energy of a column in
+//! motion is what is stored and what became heat. `cargo run --release --example mullins`
+
+use std::array::from_fn;
+use std::error::Error;
+
+use conserva::dynamics::{LoadKind, Model, Options, Simulation, Table};
+use conserva::integrators::ENERGY_MOMENTUM;
+use conserva::materials::{CATALOGUE, Components, Heat, HistoryLaw, Material, PointHistory, Response, StrainStep, StressOf};
+use conserva::math::lanes::{Lanes, WIDTH};
+use conserva::mesh::rectangle;
+
+/// `psi = g(m) w(E)` with `w = lambda/2 (tr E)^2 + mu E:E`, its largest value `m` so far, and `g = rest + (1 - rest) exp(-m/scale)`.
+#[derive(Clone)]
+pub struct Mullins {
+    pub lambda: f64,
+    pub mu: f64,
+    pub rest: f64,
+    pub scale: f64,
+}
+
+impl Mullins {
+    fn stress<const S: usize>(&self, strain: &[f64; S]) -> [f64; S] {
+        let pressure = self.lambda * (strain[0] + strain[1] + strain[2]);
+        from_fn(|k| 2.0 * self.mu * strain[k] + if k < 3 { pressure } else { 0.0 })
+    }
+
+    fn energy<const S: usize>(&self, strain: &[f64; S]) -> f64 {
+        0.5 * self.stress(strain).iter().zip(strain).map(|(stress, strain)| stress * strain).sum::<f64>()
+    }
+
+    fn left(&self, m: f64) -> f64 {
+        self.rest + (1.0 - self.rest) * (-m / self.scale).exp()
+    }
+
+    /// Integral of `g` between two values.
+    fn work(&self, from: f64, to: f64) -> f64 {
+        let share = -(-(to - from) / self.scale).exp_m1() * (-from / self.scale).exp();
+        self.rest * (to - from) + (1.0 - self.rest) * self.scale * share
+    }
+
+    /// `-int g' m dm`, the heat on the way to a largest energy `m` `[energy/volume]`.
+    fn heat(&self, m: f64) -> f64 {
+        self.work(0.0, m) - self.left(m) * m
+    }
+
+    /// Mean of `g` over a step in which `w` goes from `w_0` to `w_1 > m`, and its derivative with respect to `w_1`.
+    fn mean(&self, w_0: f64, w_1: f64, m: f64) -> [f64; 2] {
+        let mean = (self.left(m) * (m - w_0) + self.work(m, w_1)) / (w_1 - w_0);
+        [mean, (self.left(w_1) - mean) / (w_1 - w_0)]
+    }
+
+    /// Stress of a step, or at its end, and the derivative with respect to the strain at the end.
+    fn respond<const S: usize>(&self, [start, end]: [&[f64; S]; 2], m: f64, of_step: bool) -> ([f64; S], [[f64; S]; S]) {
+        let (w_1, last) = (self.energy(end), self.stress(end));
+        // The work of the mean stress of a quadratic energy is its change.
+        let (stress, share) = if of_step { (self.stress(&from_fn(|k| 0.5 * (start[k] + end[k]))), 0.5) } else { (last, 1.0) };
+        let [factor, slope] = match w_1 > m {
+            true if of_step => self.mean(self.energy(start), w_1, m),
+            true => [self.left(w_1), (self.rest - 1.0) / self.scale * (-w_1 / self.scale).exp()],
+            false => [self.left(m), 0.0],
+        };
+        let stiffness: [[f64; S]; S] = from_fn(|l| self.stress(&from_fn(|k| f64::from(u8::from(k == l)))));
+        let tangent = from_fn(|k| from_fn(|l| factor * share * stiffness[l][k] + slope * stress[k] * last[l]));
+        (stress.map(|component| factor * component), tangent)
+    }
+}
+
+fn lane_of<const S: usize>(components: &Components<S>, lane: usize) -> [f64; S] {
+    components.map(|component| component.0[lane])
+}
+
+impl<const S: usize> HistoryLaw<S> for Mullins {
+    fn variables(&self) -> usize {
+        1
+    }
+
+    fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]) {
+        // Half of a derivative with respect to the strain in the middle.
+        let (ends, weight) = if step.stress == StressOf::Middle { (step.middle, 0.5) } else { (step.end, 1.0) };
+        for (point, response) in responses.iter_mut().enumerate() {
+            for lane in 0..WIDTH {
+                let strains = [&lane_of(&step.start[point], lane), &lane_of(&ends[point], lane)];
+                let (stress, tangent) = self.respond(strains, step.history[point].0[lane], step.stress == StressOf::Step);
+                for k in 0..S {
+                    response.stress[k].0[lane] = stress[k];
+                    (0..S).for_each(|l| response.tangent[k][l].0[lane] = weight * tangent[k][l]);
+                }
+            }
+        }
+    }
+
+    fn advance_into(&self, step: &StrainStep<S>, after: &mut [Lanes<false>], heat: &mut [Heat]) {
+        for point in 0..after.len() {
+            for lane in 0..WIDTH {
+                let m = step.history[point].0[lane];
+                after[point].0[lane] = m.max(self.energy(&lane_of(&step.end[point], lane)));
+                heat[point].plastic.0[lane] = self.heat(after[point].0[lane]) - self.heat(m);
+            }
+        }
+    }
+
+    fn energies_into(&self, strain: &[Components<S>], history: &[Lanes<false>], energies: &mut [Lanes<false>]) {
+        for (point, energy) in energies.iter_mut().enumerate() {
+            energy.0 = from_fn(|lane| self.left(history[point].0[lane]) * self.energy(&lane_of(&strain[point], lane)));
+        }
+    }
+
+    fn stresses_into(&self, strain: &[Components<S>], history: &[Lanes<false>], stresses: &mut [Components<S>]) {
+        for (point, stress) in stresses.iter_mut().enumerate() {
+            let own: [[f64; S]; WIDTH] = from_fn(|lane| self.stress(&lane_of(&strain[point], lane)));
+            *stress = from_fn(|k| Lanes(from_fn(|lane| self.left(history[point].0[lane]) * own[lane][k])));
+        }
+    }
+
+    fn shown(&self, history: &[Lanes<false>], lane: usize) -> Option<PointHistory> {
+        Some(PointHistory { heat: self.heat(history[0].0[lane]), ..PointHistory::default() })
+    }
+}
+
+/// Largest distance of the pressure from the closed form, over the pressure; of the motion that follows the largest defect of the energy in
+/// a step, and the heat, over the energy at its start.
+pub fn run() -> Result<[f64; 3], Box<dyn Error>> {
+    let law = Mullins { lambda: 1.0, mu: 0.5, rest: 0.3, scale: 0.02 };
+    let row = CATALOGUE.iter().find(|row| row.name == "saint_venant_kirchhoff").ok_or("it is gone")?;
+    let material = Material::of_history_law("mullins", Material::new(row, &[4.0 / 3.0, 1.0 / 3.0, 1.0])?, law.clone());
+    let mut model = Model::new("column");
+    let body = model.add_body("column", rectangle([1.0, 1.0], [2, 2], [0.0, 0.0])?, &material);
+    for (side, held) in [("left", 0), ("right", 0), ("bottom", 1)] {
+        model.fix(model.boundary(body, side)?, from_fn(|i| i == held));
+    }
+    let pressures = [(0.0, 0.0), (1.0, 0.06), (2.0, 0.03), (3.0, 0.08), (3.01, 0.1)];
+    model.load(model.boundary(body, "top")?, LoadKind::Traction([0.0, -1.0, 0.0]), Table::new(pressures.to_vec()).ok_or("times grow")?);
+    let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, 0.02))?;
+    let (mut off, mut m, mut defect) = (0.0f64, 0.0f64, 0.0f64);
+    for &(time, pressure) in &pressures[1..4] {
+        sim.settle_at(time)?;
+        let stretch = sim.state().positions[2 * 8 + 1];
+        let strain = [0.0, 0.5 * (stretch * stretch - 1.0), 0.0, 0.0];
+        m = m.max(law.energy(&strain));
+        off = off.max((law.left(m) * stretch * law.stress(&strain)[1] / -pressure - 1.0).abs());
+    }
+    let start = sim.row().clone();
+    for _ in 0..200 {
+        sim.step(None, &mut |row| defect = defect.max(row.energy_defect.abs() / start.total()))?;
+    }
+    Ok([off, defect, (sim.row().plastic_work[0] - start.plastic_work[0]) / start.total()])
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let [off, defect, heat] = run()?;
+    println!("pressure {off:.1e} off the closed form; energy of a step closes to {defect:.1e}, {:.1} % became heat", 100.0 * heat);
+    Ok(())
+}
