@@ -201,7 +201,7 @@ fn simple_shear_does_not_soften() {
 fn round_off_on_the_yield_surface_has_no_elastic_share_with_a_slope() {
     let law = steel();
     let size = ROOT * law.yield_stress * (1.0 + 1e-12) / (2.0 * law.shear_modulus()) / 2f64.sqrt();
-    let at = |shear: f64| [size, -size, 0.0, shear].map(Lanes::<false>::splat);
+    let at = |shear: f64| [size, -size, 0.0, shear].map(|x| Lanes([x; WIDTH]));
     for way in [1e-20, 1e-14, 1e-10] {
         let back = [[ZERO; 4]; MOST_BACK_STRESSES];
         let (strains, shear) = ([at(-0.24 * way), at(0.76 * way)], law.shear_modulus());
