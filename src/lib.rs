@@ -1,6 +1,6 @@
-//! Conserva: a scripting engine for contact dynamics that conserves energy and both momenta.
+//! Conserva: a scripting engine for contact dynamics that conserves energy, linear and angular momentum.
 //!
-//! Two blocks collide. The step from contact to no contact and back keeps the energy to round-off:
+//! Two blocks collide. Energy is conserved to round-off in every step, including those in which contact becomes active or inactive:
 //!
 //! ```
 //! use conserva::dynamics::{Model, Options, PERSISTENCY, Simulation};
@@ -27,9 +27,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What pushes on nodes is a [`Part`](dynamics::Part), and a program can bring its own. This one resists the motion of a node relative to
-//! another with a force `c (v_b - v_a)`; it is told the velocity at which forces act in a step, and its derivative, so that it suits every
-//! time integrator (`examples/dashpot.rs` compares it with a closed form, `examples/newmark.rs` writes a time integrator):
+//! A force element is a [`Part`](dynamics::Part), and a program can define its own. This one resists the relative motion of two nodes with
+//! a force `c (v_b - v_a)`. It receives the velocity at which forces act in a step, and the derivative of that velocity, so that it works
+//! with every time integrator (`examples/dashpot.rs` compares it with a closed form, `examples/newmark.rs` defines a time integrator):
 //!
 //! ```
 //! use std::sync::Arc;
@@ -42,7 +42,7 @@
 //! use conserva::materials::NeoHookean;
 //! use conserva::mesh::rectangle;
 //!
-//! /// Between two nodes of the first body of a plane model.
+//! /// Dashpot between two nodes of the first body of a plane model.
 //! #[derive(Clone)]
 //! struct Dashpot {
 //!     viscosity: f64,
@@ -119,16 +119,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Models, simulations and their states can be sent to other threads. `examples/` has more programs, `docs/reference.md` the language of
-//! the scripts.
+//! Models, simulations and their states can be sent to other threads. `examples/` has more programs, `docs/reference.md` the script
+//! language.
 //!
-//! The modules stand in floor order, after those of the kernels: each names only modules above it in this list (`src/README.md` tells why).
-//! The method is that of C. Hesch and P. Betsch, "Energy-momentum schemes for large deformation contact problems", PAMM 2007.
+//! The modules are in floor order, after those of the kernels: each depends only on modules above it in this list (reasons in
+//! `src/README.md`). The method is that of C. Hesch and P. Betsch, "Energy-momentum schemes for large deformation contact problems", PAMM
+//! 2007.
 
 #![deny(missing_docs)]
 #![forbid(unsafe_code)]
 
-// The kernels are packages of their own (`packages/`): what is above one does not compile it again.
+// The kernels are packages of their own (`packages/`), which changes above them do not recompile.
 #[doc(inline)]
 pub use conserva_base::{elements, integrators, linear, machine, materials, math, mesh};
 #[doc(inline)]

@@ -20,8 +20,11 @@ import math as _math
 
 from . import _api, _core, _told
 from ._errors import CheckFailed, ConservaError, ConservaWarning, ModelError, OutputError, ScriptError, StepFailed
+from ._magic import load_ipython_extension, text, unload_ipython_extension
+from ._meshes import from_meshio
 from ._objects import Object, Record
 from ._run import Run, run, session
+from ._views import Shown
 
 __version__ = _api.REGISTRY["version"]
 
@@ -29,7 +32,7 @@ __version__ = _api.REGISTRY["version"]
 PI = _math.pi
 
 globals().update({_api.RENAMED.get(name, name): kind for name, kind in _api.CLASSES.items()})
-globals().update(_api.global_functions())
+globals().update(_api.GLOBALS)
 
 
 def progress(shown=True):
@@ -38,8 +41,8 @@ def progress(shown=True):
 
 
 __all__ = sorted(
-    {"CheckFailed", "ConservaError", "ConservaWarning", "ModelError", "Object", "OutputError", "PI", "Record", "Run", "ScriptError", "StepFailed"}
-    | {"progress", "run", "session"}
+    {"CheckFailed", "ConservaError", "ConservaWarning", "ModelError", "Object", "OutputError", "PI", "Record", "Run", "ScriptError", "Shown", "StepFailed"}
+    | {"from_meshio", "progress", "run", "session", "text"}
     | {_api.RENAMED.get(name, name) for name in _api.CLASSES}
     | {function["name"] for function in _api.FUNCTIONS if function["of"] is None}
 )

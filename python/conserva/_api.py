@@ -5,12 +5,14 @@ itself is made from, so that both are the same by construction.
 """
 
 import difflib
+import inspect
 import json
 import keyword
 
-from . import _core, _translate
+from . import _axes, _core, _translate, _views
 from ._errors import ScriptError
-from ._objects import Columns, MeshMethods, Object, Record
+from ._meshes import MeshMethods
+from ._objects import Columns, Object, Record, StateMethods
 
 REGISTRY, TYPE_NAMES = _core.reference()
 REGISTRY = json.loads(REGISTRY)
@@ -18,8 +20,18 @@ FUNCTIONS = REGISTRY["functions"]
 _translate.KNOWN.__init__(FUNCTIONS)
 
 # Classes with more than the registry says, and names of the language that are names of exceptions here.
-BASES = {"Mesh": MeshMethods, "History": Columns, "Path": Columns}
+BASES = {
+    "Mesh": MeshMethods,
+    "History": Columns,
+    "Path": Columns,
+    "State": StateMethods,
+    "Body": _views.BodyMethods,
+    "Material": _views.MaterialMethods,
+    "Simulation": _views.SimulationMethods,
+}
 RENAMED = {"Error": "Failure"}
+# Types of values that never change: they are pickled by the call that made them.
+VALUES = {"Material", "TimeFunction", "ContactMethod", "FrictionLaw", "Integrator", "StepControl", "Obstacle", "Curve"}
 
 
 class Signature:
@@ -65,6 +77,18 @@ class Signature:
             slots[self.options] = {**before, **options}
         return (*values[: self.first], *self.filled(slots))
 
+    def lacks_path(self, values, named):
+        """True if all arguments but the path of a file are given."""
+        needed = [parameter["name"] for parameter in self.function["parameters"] if parameter["required"]]
+        return "path" not in named and len(values) - self.first + sum(name in named for name in needed) == len(needed) - 1
+
+    def with_path(self, values, named, path):
+        """Arguments with a path in its place."""
+        place = self.first + self.names.index("path")
+        if len(values) < place:
+            return values, {**named, "path": path}
+        return (*values[:place], path, *values[place:]), named
+
     def filled(self, slots):
         found = []
         for place in range(max(slots, default=-1) + 1):
@@ -89,13 +113,34 @@ def callable_of(place, function):
     """The function or method of a row of the registry."""
     signature = Signature(function)
     count = signature.options + signature.first if signature.is_needed else -1
+    key = (function["of"], function["name"])
 
     def call(*values, **named):
         if named or len(values) == count:
             values = signature.bind(values, named)
         return _core.call(place, values)
 
-    return call
+    def value(*values, **named):
+        made = call(*values, **named)
+        made._recipe = (key, signature.bind(values, named) if named else values)
+        return made
+
+    def study(*values, **named):
+        made = call(*values, **named)
+        return _views.Rows(made) if isinstance(made, list) else made
+
+    def shown(*values, **named):
+        ax = named.pop("ax", None)
+        if ax is not None and key in _axes.DRAWN:
+            return _axes.DRAWN[key](*values, ax=ax, **named)
+        if not signature.lacks_path(values, named):
+            return call(*values, **named)
+        values = signature.bind(*signature.with_path(values, named, f"shown{ending}"))
+        return _views.Shown(_core.file(place, values), ending)
+
+    ending = _views.ending_of(function)
+    is_study = function["topic"] == "Studies" and function["returns"] == "Array"
+    return shown if ending else study if is_study else value if function["returns"] in VALUES else call
 
 
 def alternatives(rows):
@@ -157,7 +202,32 @@ def documentation(function):
     return "\n".join(lines).rstrip() + "\n"
 
 
+class Left:
+    """Stands for a value that is left out, whose meaning the docstring has."""
+
+    def __repr__(self):
+        return "…"
+
+
+LEFT = Left()
+
+
+def signature_of(function, owner):
+    """The parameters of a function by place and the keys of its options by name, for completion."""
+    plain = [parameter for parameter in function["parameters"] if not parameter["keys"]]
+    keys = [key for parameter in function["parameters"] for key in parameter["keys"]]
+    required = inspect.Parameter.empty
+
+    def shown(rows, kind):
+        rows = sorted(rows, key=lambda row: not row["required"])
+        return [inspect.Parameter(_translate.keyword_name(row["name"]), kind, default=required if row["required"] else LEFT) for row in rows]
+
+    first = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)] if owner else []
+    return inspect.Signature(first + shown(plain, inspect.Parameter.POSITIONAL_OR_KEYWORD) + shown(keys, inspect.Parameter.KEYWORD_ONLY))
+
+
 def named(call, function, owner=None):
+    call.__signature__ = signature_of(function, owner)
     call.__name__ = call.__qualname__ = function["name"]
     if owner:
         call.__qualname__ = f"{owner}.{function['name']}"
@@ -215,6 +285,15 @@ def global_functions():
         call = callable_of(*of_name[0]) if len(of_name) == 1 else alternatives(of_name)
         made[name] = named(call, of_name[0][1])
     return made
+
+
+GLOBALS = global_functions()
+
+
+def call_by_name(key, values):
+    """Calls a function or method by its owner and name."""
+    owner, name = key
+    return (getattr(CLASSES[owner], name) if owner else GLOBALS[name])(*values)
 
 
 _core.register(Object, {**CLASSES, "Map": Record})

@@ -18,10 +18,12 @@ class ConservaError(Exception):
         How to mend it.
     causes, hints : list of str
         Each of them where there is more than one.
+    drawn : str
+        The message with its place, where it is about a text in the script language.
     """
 
-    def __init__(self, title="", code="", causes=(), hints=(), label=""):
-        self.title, self.code, self.label = title, code, label
+    def __init__(self, title="", code="", causes=(), hints=(), label="", drawn=""):
+        self.title, self.code, self.label, self.drawn = title, code, label, drawn
         self.causes, self.hints = list(causes), list(hints)
         super().__init__(title)
 
@@ -34,16 +36,22 @@ class ConservaError(Exception):
         return "; ".join(self.hints)
 
     def __str__(self):
+        if self.drawn:
+            return self.drawn
         first = f"{self.title} [{self.code}]" if self.code else self.title
         label = [f"  = here: {self.label}"] if self.label else []
         return "\n".join([first, *label, *(f"  = cause: {text}" for text in self.causes), *(f"  = hint: {text}" for text in self.hints)])
 
     def __reduce__(self):
-        return (type(self), (self.title, self.code, self.causes, self.hints, self.label))
+        return (type(self), (self.title, self.code, self.causes, self.hints, self.label, self.drawn))
 
 
 class ScriptError(ConservaError):
     """A call is wrong: a name, a type, a range, or a callable that raised."""
+
+
+class NotPickled(ScriptError, TypeError):
+    """An object that cannot be pickled or copied deeply."""
 
 
 class ModelError(ScriptError):
@@ -75,6 +83,9 @@ class ConservaWarning(UserWarning):
 
 CLASSES = {"check": CheckFailed, "numerics": StepFailed, "output": OutputError}
 
+# Words of hints that are true at the prompt of the command alone.
+OF_PROMPT = "; `:vars` lists the variables"
+
 # Codes of models begin so in `docs/errors.md`.
 MODEL_CODES = ("C01",)
 
@@ -86,6 +97,9 @@ def exception_of(parts):
     kind = CLASSES.get(parts["kind"], ConservaError)
     if parts["kind"] == "script":
         kind = ModelError if parts["code"].startswith(MODEL_CODES) else ScriptError
+    if parts["is_in_script"]:
+        hints = [hint.replace(OF_PROMPT, "") for hint in parts["hints"]]
+        return kind(parts["title"], parts["code"], parts["causes"], hints, parts["label"], parts["drawn"].replace(OF_PROMPT, "").strip())
     words = {key: translated(parts[key]) for key in ("title", "label")}
     causes, hints = ([translated(text) for text in parts[key]] for key in ("causes", "hints"))
     return kind(words["title"], parts["code"], causes, hints, words["label"])

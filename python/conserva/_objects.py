@@ -4,7 +4,7 @@ import collections.abc
 import difflib
 
 from . import _core
-from ._errors import ScriptError
+from ._errors import NotPickled, ScriptError
 
 
 class Record(dict):
@@ -29,7 +29,7 @@ LEAST_NUMBER = 1 << 40
 class Object:
     """An object of the language, bound to the thread and session that made it."""
 
-    __slots__ = ("__weakref__", "_number")
+    __slots__ = ("__weakref__", "_number", "_recipe")
 
     def __init__(self, number=None):
         if type(number) is not int or number < LEAST_NUMBER:
@@ -49,26 +49,42 @@ class Object:
     def __str__(self):
         return _core.printed(self._number)
 
+    def _repr_svg_(self):
+        return None
+
     def _repr_html_(self):
         import html
 
-        return f"<pre>{html.escape(_core.shown(self._number))}</pre>"
+        return f"{self._repr_svg_() or ''}<pre>{html.escape(_core.shown(self._number))}</pre>"
 
     def __reduce__(self):
-        name = type(self).__name__
-        cause = f"a `{name}` is bound to the thread and session that made it"
-        raise ScriptError(f"a `{name}` cannot be pickled", "C1020", [cause], ["pickle what makes it: numbers, arrays and texts"])
+        recipe = getattr(self, "_recipe", None)
+        if recipe is None:
+            name = type(self).__name__
+            cause = f"a `{name}` is bound to the thread and session that made it"
+            raise NotPickled(f"a `{name}` cannot be pickled or copied deeply", "C1020", [cause], [INSTEAD.get(name, "make it anew where it is used")])
+        return made_again, recipe
 
     def __copy__(self):
         return self
 
-    def __deepcopy__(self, _):
-        name = type(self).__name__
-        hint = "`sim.branch()` copies a simulation, `sim.save()` keeps its state" if name == "Simulation" else "make a second one"
-        raise ScriptError(f"a `{name}` cannot be copied deeply", "C1020", ["its parts are shared with other objects"], [hint])
-
     def __getattr__(self, name):
         raise AttributeError(missing(type(self), name))
+
+
+# What to do in place of pickling.
+INSTEAD = {
+    "Simulation": "`sim.branch()` copies a simulation; pickle its state `sim.save()`, and `restore` it in a simulation of an equal model",
+    "Model": "pickle the function that makes the model, and call it where the model is used",
+    "Material": "make it by its function, such as `neo_hookean`",
+}
+
+
+def made_again(place, values):
+    """An object from the call that made it: the function by its owner and name, and its arguments."""
+    from . import _api
+
+    return _api.call_by_name(place, values)
 
 
 def missing(kind, name):
@@ -109,75 +125,22 @@ class Columns(Object):
         return self[name] if name in self else default
 
 
+    def __reduce__(self):
+        return Record, (dict(self),)
+
+
 collections.abc.Mapping.register(Columns)
 
 
-class MeshMethods(Object):
-    """Methods of meshes that exist in Python alone: arrays, and meshes of other programs."""
+class StateMethods(Object):
+    """States are pickled by their bytes."""
 
     __slots__ = ()
 
-    @property
-    def positions(self):
-        """Positions of the nodes, of the shape (nodes, 3) [length]."""
-        return _core.positions(self._number)
-
-    @property
-    def connectivity(self):
-        """Node numbers of the cells, of the shape (cells, nodes of a cell)."""
-        return _core.mesh(self._number)["connectivity"]
-
-    @property
-    def element(self):
-        """Kind of the cells, such as ``quad4``."""
-        return _core.mesh(self._number)["element"]
-
-    def to_meshio(self):
-        """The mesh as a ``meshio.Mesh``; parts become cell sets."""
-        import meshio
-        import numpy as np
-
-        parts = _core.mesh(self._number)
-        sets = {name: [np.asarray(cells, dtype=int)] for name, cells in parts["parts"].items()}
-        return meshio.Mesh(parts["positions"], [(MESHIO[parts["element"]], parts["connectivity"])], cell_sets=sets)
-
-    def to_pyvista(self):
-        """The mesh as a ``pyvista.UnstructuredGrid``."""
-        import pyvista
-
-        return pyvista.from_meshio(self.to_meshio())
-
-    def _repr_svg_(self):
-        parts = _core.mesh(self._number)
-        return drawn(parts) if parts["dimension"] == 2 and len(parts["connectivity"]) <= MOST_DRAWN else None
+    def __reduce__(self):
+        return state_again, _core.state_bytes(self._number)
 
 
-# Kinds of cells in meshio, which has the order of nodes of VTK, as Conserva has.
-MESHIO = {
-    "tri3": "triangle",
-    "tri6": "triangle6",
-    "quad4": "quad",
-    "quad8": "quad8",
-    "quad9": "quad9",
-    "tet4": "tetra",
-    "tet10": "tetra10",
-    "hex8": "hexahedron",
-    "hex20": "hexahedron20",
-    "hex27": "hexahedron27",
-}
-
-# Cells of a mesh that is drawn in a notebook; more make a page slow.
-MOST_DRAWN = 20_000
-CORNERS = {"tri3": 3, "tri6": 3, "quad4": 4, "quad8": 4, "quad9": 4}
-
-
-def drawn(parts):
-    """The cells of a plane mesh as SVG."""
-    x, y = parts["positions"][:, 0], parts["positions"][:, 1]
-    left, width, top, height = x.min(), x.max() - x.min(), y.max(), y.max() - y.min()
-    scale = 400 / max(width, height)
-    px, py = (x - left) * scale + 2, (top - y) * scale + 2
-    corners = parts["connectivity"][:, : CORNERS[parts["element"]]]
-    paths = "".join("M" + "L".join(f"{px[node]:.1f},{py[node]:.1f}" for node in cell) + "Z" for cell in corners)
-    size = f'width="{width * scale + 4:.0f}" height="{height * scale + 4:.0f}"'
-    return f'<svg xmlns="http://www.w3.org/2000/svg" {size}><path d="{paths}" fill="#dbe7f3" stroke="#33506d" stroke-width="0.7"/></svg>'
+def state_again(state, rows):
+    """A state from its bytes; a simulation of an equal model can restore it."""
+    return _core.state_object(state, rows)

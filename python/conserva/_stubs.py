@@ -1,6 +1,6 @@
 """Writes the type stubs of the package: ``python -m conserva._stubs > python/conserva/__init__.pyi``."""
 
-from . import _api
+from . import _api, _axes, _views
 from ._translate import keyword_name
 
 HEAD = '''"""Types of the package, made by `python -m conserva._stubs`; do not edit."""
@@ -24,6 +24,7 @@ class ConservaError(Exception):
     title: str
     code: str
     label: str
+    drawn: str
     causes: list[str]
     hints: list[str]
     @property
@@ -42,6 +43,12 @@ class Record(dict[str, Any]):
     def __getattr__(self, name: str) -> Any: ...
 
 class Object:
+    def _repr_html_(self) -> str: ...
+
+class Shown:
+    content: bytes
+    ending: str
+    def save(self, path: str | os.PathLike[str]) -> None: ...
     def _repr_html_(self) -> str: ...
 
 class Run:
@@ -70,6 +77,10 @@ class session:
 
 def run(script: str | os.PathLike[str], *, output: str | os.PathLike[str] | Literal[False] | None = ..., threads: int = ..., **parameters: Any) -> Run: ...
 def progress(shown: bool = ...) -> None: ...
+def text(code: str, variables: dict[str, Any] | None = ...) -> Record: ...
+def from_meshio(mesh: Any) -> Mesh: ...
+def load_ipython_extension(ipython: Any) -> None: ...
+def unload_ipython_extension(ipython: Any) -> None: ...
 '''
 TAKES = {
     "number": "float", "int": "int", "bool": "bool", "String": "str", "Array": "ArrayLike", "Amplitude": "float | TimeFunction | Callable[[float], float]",
@@ -92,8 +103,11 @@ MESH = """    @property
     @property
     def element(self) -> str: ...
     def to_meshio(self) -> Any: ...
-    def to_pyvista(self) -> Any: ..."""
-EXTRAS = {"History": COLUMNS, "Path": COLUMNS, "Mesh": MESH}
+    def to_pyvista(self) -> Any: ...
+    def plot(self, *, ax: Any = ..., **style: Any) -> Any: ..."""
+SIMULATION = """    def report(self) -> Shown: ...
+    def to_pyvista(self, fields: Sequence[str] = ...) -> Any: ..."""
+EXTRAS = {"History": COLUMNS, "Path": COLUMNS, "Mesh": MESH, "Simulation": SIMULATION}
 
 
 def type_of(parameter):
@@ -126,6 +140,18 @@ def declared(function, indent=""):
     return f"{indent}def {function['name']}({', '.join([*self_, *([given] if given else [])])}) -> {gives}: ..."
 
 
+def forms(function, indent=""):
+    """A function in all of its forms: one that writes a picture or a page returns it where the path is left out, or draws on axes."""
+    if not _views.ending_of(function):
+        return [declared(function, indent)]
+    is_drawn = (function["of"], function["name"]) in _axes.DRAWN
+    pathless = {**function, "parameters": [parameter for parameter in function["parameters"] if parameter["name"] != "path"]}
+    with_axes = declared({**pathless, "returns": "Any" if is_drawn else "Shown"}, indent)
+    if is_drawn:
+        with_axes = with_axes.replace(") -> Any", ", ax: Any = ...) -> Any")
+    return [line for form in (declared(function, indent), with_axes) for line in (f"{indent}@overload", form)]
+
+
 def text():
     """The stubs of the whole package."""
     lines = [HEAD]
@@ -138,7 +164,7 @@ def text():
             elif function["form"] == "column":
                 lines += ["    def __getitem__(self, name: str) -> Any: ...", "    def __getattr__(self, name: str) -> Any: ..."]
             else:
-                lines.append(declared(function, "    "))
+                lines += forms(function, "    ")
         lines += [EXTRAS[name]] if name in EXTRAS else [] if own else ["    ..."]
         lines.append("")
     rows = {}
@@ -147,7 +173,7 @@ def text():
             rows.setdefault(function["name"], []).append(function)
     for alike in rows.values():
         for function in alike:
-            lines += (["@overload"] if len(alike) > 1 else []) + [declared(function)]
+            lines += ["@overload", declared(function)] if len(alike) > 1 else forms(function)
     return "\n".join(lines).rstrip() + "\n"
 
 

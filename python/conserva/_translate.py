@@ -18,6 +18,8 @@ TOKEN = re.compile(
     re.X | re.S,
 )
 OPERATORS = [["||"], ["&&"], ["==", "!=", "<", ">", "<=", ">=", "in"], ["+", "-"], ["*", "/", "%"], ["**"]]
+LEVELS = {sign: level for level, signs in enumerate(OPERATORS) for sign in signs}
+SUM = LEVELS["+"]
 IN_PYTHON = {"||": "or", "&&": "and"}
 CONSTANTS = {"true": "True", "false": "False", "PI": "cs.PI"}
 # Methods of arrays, texts and numbers that the engine brings with it.
@@ -101,14 +103,15 @@ class Translator:
 
     def __init__(self, text, known):
         self.tokens = [token for token in tokens_of(text) if token[0] != "comment"]
+        # Signs and names; beyond the end there is none.
+        self.words = [word if kind in ("sign", "name") else None for kind, word in self.tokens] + [None, None]
         self.known, self.place, self.types = known, 0, {}
         self.lines, self.depth, self.count, self.locals = [], 0, 0, []
 
     # Tokens
 
     def peek(self, ahead=0):
-        place = self.place + ahead
-        return self.tokens[place][1] if place < len(self.tokens) and self.tokens[place][0] in ("sign", "name") else None
+        return self.words[self.place + ahead]
 
     def take(self, word=None):
         if self.place >= len(self.tokens) or (word is not None and self.peek() != word):
@@ -274,27 +277,30 @@ class Translator:
     # Expressions: the code and what is known of its type
 
     def expression(self, level=0):
+        """An expression of operators from a level on."""
         if self.peek() == "if":
             return self.choice()
         if self.peek() == "switch":
             return self.switch()
-        if level == len(OPERATORS):
-            return self.unary()
-        code, kind = self.expression(level + 1)
-        while self.peek() in OPERATORS[level]:
-            sign = self.take()
-            other, other_kind = self.expression(level + 1)
-            if level >= 3 and sign in "+-*/%**":
-                code, other = self.operand(code, kind, other_kind), self.operand(other, other_kind, kind)
-                kind = "Array" if "Array" in (kind, other_kind) or "list" in (kind, other_kind) else kind
+        code, kind = self.unary()
+        while True:
+            sign = self.peek()
+            place = LEVELS.get(sign, -1)
+            if place >= level:
+                self.place += 1
+                other, other_kind = self.expression(place + 1)
+                if place >= SUM:
+                    code, other = self.operand(code, kind, other_kind), self.operand(other, other_kind, kind)
+                    kind = "Array" if "Array" in (kind, other_kind) or "list" in (kind, other_kind) else kind
+                else:
+                    kind = None
+                code = f"{code} {IN_PYTHON.get(sign, sign)} {other}"
+            elif sign in ("..", "..=") and level <= SUM:
+                self.place += 1
+                end = self.expression(SUM)[0]
+                code, kind = f"range({code}, {end}{' + 1' if sign == '..=' else ''})", None
             else:
-                kind = None
-            code = f"{code} {IN_PYTHON.get(sign, sign)} {other}"
-        if level == 3 and self.peek() in ("..", "..="):
-            closed = self.take() == "..="
-            end = self.expression(level)[0]
-            code, kind = f"range({code}, {end}{' + 1' if closed else ''})", None
-        return code, kind
+                return code, kind
 
     @staticmethod
     def operand(code, kind, other):

@@ -5,9 +5,10 @@ use std::rc::Rc;
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyByteArray, PyBytes, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
+use pyo3::types::{PyBool, PyBytes, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple, PyType};
 use rhai::{Array, Dynamic, Map};
 
+use crate::arrays::array;
 use crate::callable::function_of;
 use crate::raise::script_error;
 use crate::state::{self, Live};
@@ -18,7 +19,6 @@ const DEEPEST: usize = 64;
 /// The class of all objects, and the classes of the types of the language by their names.
 static OBJECT: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 static CLASSES: PyOnceLock<Py<PyDict>> = PyOnceLock::new();
-static FROM_BUFFER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
 
 /// Sets the classes that values of the language become.
 ///
@@ -210,31 +210,8 @@ impl Numbers {
 
     fn array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         match self.values {
-            Values::Whole(values) => numpy(py, "int64", values.iter().map(|value| value.to_ne_bytes()), self.rows),
-            Values::Real(values) => numpy(py, "float64", values.iter().map(|value| value.to_ne_bytes()), self.rows),
+            Values::Whole(values) => array(py, values, self.rows),
+            Values::Real(values) => array(py, values, self.rows),
         }
-    }
-}
-
-/// A NumPy array of numbers by their bytes, with so many rows where it has two dimensions.
-///
-/// # Errors
-/// NumPy cannot be imported; there is no memory left.
-pub fn numpy<'py, const N: usize>(
-    py: Python<'py>,
-    kind: &str,
-    values: impl ExactSizeIterator<Item = [u8; N]>,
-    rows: Option<usize>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let count = values.len();
-    let bytes = PyByteArray::new_with(py, N * count, |bytes| {
-        bytes.as_chunks_mut::<N>().0.iter_mut().zip(values).for_each(|(place, value)| *place = value);
-        Ok(())
-    })?;
-    let from_buffer = FROM_BUFFER.get_or_try_init(py, || py.import("numpy")?.getattr("frombuffer").map(Bound::unbind))?;
-    let array = from_buffer.bind(py).call1((bytes, kind))?;
-    match rows {
-        Some(rows) => array.call_method1("reshape", (rows, count.checked_div(rows).unwrap_or(0))),
-        None => Ok(array),
     }
 }

@@ -2,17 +2,20 @@
 
 use std::ffi::CStr;
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::time::Duration;
 
 use conserva::script::Form;
 use pyo3::exceptions::{PyImportError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyCFunction, PyDict, PyList, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyCFunction, PyDict, PyTuple, PyType};
+use rhai::Dynamic;
 
-use crate::convert::{number_of, numpy, set_classes, to_engine, to_python};
+use crate::convert::{number_of, set_classes, to_engine, to_python};
+use crate::meshes;
 use crate::raise::{diagnostic_error, is_of, script_error};
 use crate::script::{described, run};
-use crate::state::{self, Pending};
+use crate::state::{self, Live, Outcome, Pending, Work};
 
 /// Longest wait for computations of other threads when the interpreter ends.
 const LONGEST_END: Duration = Duration::from_secs(10);
@@ -29,15 +32,20 @@ pub fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let title = "this processor has no AVX2 and FMA, for which the module was compiled; compile it with the feature `portable`";
         return Err(PyImportError::new_err(title));
     }
-    let functions: [(&'static CStr, Body); 12] = [
+    let functions: [(&'static CStr, Body); 17] = [
         (c"call", call),
+        (c"file", file),
+        (c"text", text),
         (c"reference", reference),
         (c"register", register),
         (c"release", release),
         (c"printed", printed),
         (c"shown", shown),
-        (c"mesh", mesh),
-        (c"positions", positions),
+        (c"mesh", meshes::mesh),
+        (c"make_mesh", meshes::make_mesh),
+        (c"positions", meshes::positions),
+        (c"state_bytes", state_bytes),
+        (c"state_object", state_object),
         (c"enter", enter),
         (c"leave", leave),
         (c"run", run_script),
@@ -56,6 +64,15 @@ fn add_function(module: &Bound<'_, PyModule>, name: &'static CStr, body: Body) -
 
 /// `call(function, values)`: calls a function by its place in the registry.
 fn call<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+    function(arguments, Work::Function)
+}
+
+/// `file(function, values)`: the bytes of the file that a function would write.
+fn file<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+    function(arguments, Work::File)
+}
+
+fn function<'py>(arguments: &Bound<'py, PyTuple>, work: impl FnOnce(usize, Vec<Dynamic>) -> Work) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let function: usize = arguments.get_item(0)?.extract()?;
     let values = arguments.get_item(1)?;
@@ -70,20 +87,34 @@ fn call<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
         }
         None => state::with(|state| state.current(py))?,
     };
-    if function >= live.calls.functions().len() {
+    let Some(description) = live.calls.functions().get(function) else {
         return Err(PyTypeError::new_err("there is no such function"));
-    }
+    };
     for value in values.iter().skip(converted.len()) {
         converted.push(to_engine(&value)?);
     }
-    let is_property = matches!(live.calls.functions()[function].form, Form::Property(_));
+    // A property returns at once, so that giving the lock away would cost more than it gives others.
+    let is_quick = matches!(description.form, Form::Property(_));
+    run_call(py, &live, work(function, converted), is_quick)
+}
+
+/// `text(text, variables)`: runs a text of the script language; its variables afterwards, and its value under an empty name.
+fn text<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+    let py = arguments.py();
+    let (text, given): (String, Bound<PyDict>) = arguments.extract()?;
+    let variables = given.iter().map(|(name, value)| Ok((name.extract()?, to_engine(&value)?))).collect::<PyResult<Vec<_>>>()?;
+    let live = state::with(|state| state.current(py))?;
+    run_call(py, &live, Work::Text(text, variables), false)
+}
+
+/// Runs a call, without Python's lock unless it is quick.
+fn run_call<'py>(py: Python<'py>, live: &Rc<Live>, work: Work, is_quick: bool) -> PyResult<Bound<'py, PyAny>> {
     state::with(|state| {
-        state.begin(py, &live)?;
-        state.pending.borrow_mut().push(Pending { live: live.clone(), function, values: converted, outcome: None });
+        state.begin(py, live)?;
+        state.pending.borrow_mut().push(Pending { live: live.clone(), work: Some(work), outcome: None });
         Ok::<(), PyErr>(())
     })?;
-    // A property returns at once, so that giving the lock away would cost more than it gives others.
-    if is_property {
+    if is_quick {
         compute()
     } else {
         py.detach(compute)
@@ -93,24 +124,21 @@ fn call<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
         let pending = state.pending.borrow_mut().pop();
         (pending.and_then(|pending| pending.outcome), state.raised.take())
     });
-    match outcome {
-        Some(Ok(value)) => match raised {
-            // A handler of a signal raised after the last step: its exception is not lost.
-            Some(error) if !error.is_instance_of::<pyo3::exceptions::PyException>(py) => Err(error),
-            _ => to_python(py, &live, value),
-        },
-        Some(Err(error)) => Err(failed(py, &error, raised)),
-        None => Err(script_error(py, "the call was lost", "its session ended while it ran", "call it again")),
+    match (outcome, raised) {
+        // A handler of a signal raised after the last step: its exception is not lost.
+        (Some(Ok(_)), Some(error)) if !error.is_instance_of::<pyo3::exceptions::PyException>(py) => Err(error),
+        (Some(Ok(Outcome::Value(value))), _) => to_python(py, live, value),
+        (Some(Ok(Outcome::File(bytes))), _) => Ok(bytes.map(|bytes| PyBytes::new(py, &bytes)).into_pyobject(py)?.into_any()),
+        (Some(Err(error)), raised) => Err(failed(py, &error, raised)),
+        (None, _) => Err(script_error(py, "the call was lost", "its session ended while it ran", "call it again")),
     }
 }
 
 /// Runs the call that is pending on this thread.
 fn compute() {
-    let taken = state::with(|state| {
-        state.pending.borrow_mut().last_mut().map(|pending| (pending.live.clone(), pending.function, std::mem::take(&mut pending.values)))
-    });
-    let Some((live, function, values)) = taken else { return };
-    let outcome = live.calls.call(function, values);
+    let taken = state::with(|state| state.pending.borrow_mut().last_mut().map(|pending| (pending.live.clone(), pending.work.take())));
+    let Some((live, Some(work))) = taken else { return };
+    let outcome = work.run(&live.calls);
     state::with(|state| {
         if let Some(pending) = state.pending.borrow_mut().last_mut() {
             pending.outcome = Some(outcome);
@@ -178,41 +206,22 @@ fn shown<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     Ok(live.calls.shown(&value).into_pyobject(py)?.into_any())
 }
 
-/// `mesh(object)`: kind of its cells, positions, node numbers of cells, boundaries as cells and sides, parts.
-fn mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+/// `state_bytes(object)`: a state and the rows of its history as bytes.
+fn state_bytes<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
     let (live, value) = state::with(|state| state.value(py, arguments.get_item(0)?.extract()?))?;
-    let Some(mesh) = live.calls.mesh(&value) else {
-        return Err(script_error(py, "the object is no mesh", "positions and cells are those of a `Mesh`", "use `body.mesh`"));
-    };
-    let entries = PyDict::new(py);
-    entries.set_item("element", mesh.kind.name())?;
-    entries.set_item("dimension", mesh.dimension())?;
-    let points = numpy(py, "float64", mesh.points.as_flattened().iter().map(|x| x.to_ne_bytes()), Some(mesh.points.len()))?;
-    entries.set_item("positions", points)?;
-    let cells = numpy(py, "uint32", mesh.connectivity.iter().map(|node| node.to_ne_bytes()), Some(mesh.cell_count()))?;
-    entries.set_item("connectivity", cells)?;
-    let boundaries = PyDict::new(py);
-    for boundary in &mesh.boundaries {
-        let facets: Vec<Vec<u32>> = boundary.facets.iter().map(|facet| mesh.facet_nodes(*facet).collect()).collect();
-        boundaries.set_item(&boundary.name, facets)?;
-    }
-    entries.set_item("boundaries", boundaries)?;
-    let parts = PyDict::new(py);
-    for (name, cells) in &mesh.parts {
-        parts.set_item(name, PyList::new(py, cells)?)?;
-    }
-    entries.set_item("parts", parts)?;
-    Ok(entries.into_any())
+    let bytes = live.calls.state_bytes(&value);
+    let bytes = bytes.ok_or_else(|| script_error(py, "the object is no state", "`sim.save()` returns a `State`", "pass a `State`"))?;
+    Ok((PyBytes::new(py, &bytes.0), PyBytes::new(py, &bytes.1)).into_pyobject(py)?.into_any())
 }
 
-/// `positions(object)`: positions of the nodes of a mesh, a row of three for each.
-fn positions<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
+/// `state_object(state, rows)`: a state from its bytes.
+fn state_object<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let py = arguments.py();
-    let (live, value) = state::with(|state| state.value(py, arguments.get_item(0)?.extract()?))?;
-    let points = live.calls.mesh(&value);
-    let points = points.as_ref().map_or(&[][..], |mesh| &mesh.points);
-    numpy(py, "float64", points.as_flattened().iter().map(|x| x.to_ne_bytes()), Some(points.len()))
+    let (bytes, rows): (Vec<u8>, Vec<u8>) = arguments.extract()?;
+    let live = state::with(|state| state.current(py))?;
+    let object = live.calls.state_object(&bytes, &rows).map_err(|error| diagnostic_error(py, &error))?;
+    to_python(py, &live, object)
 }
 
 /// `enter(options)`: opens a session; its number and that of the one before.

@@ -7,9 +7,11 @@
 #![deny(missing_docs)]
 #![deny(unsafe_code)]
 
+mod arrays;
 mod callable;
 mod convert;
 mod functions;
+mod meshes;
 #[allow(unsafe_code)] // the entry point that Python looks up by its name
 mod module;
 mod observer;

@@ -1,6 +1,6 @@
 //! Messages of Conserva as exceptions of Python, which the package makes of their parts.
 
-use conserva::script::{Class, Diagnostic, Ink};
+use conserva::script::{Calls, Class, Diagnostic, Ink};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,6 +30,7 @@ pub fn parts<'py>(py: Python<'py>, error: &Diagnostic) -> PyResult<Bound<'py, Py
     parts.set_item("label", &error.label)?;
     parts.set_item("causes", &error.causes)?;
     parts.set_item("hints", &error.hints)?;
+    parts.set_item("is_in_script", Calls::is_in_text(error))?;
     parts.set_item("drawn", error.render(Ink::Plain))?;
     Ok(parts)
 }

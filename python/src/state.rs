@@ -11,7 +11,7 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use conserva::script::{Calls, Checkpoints, Settings, worthwhile};
+use conserva::script::{Calls, Checkpoints, Diagnostic, Settings, worthwhile};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rhai::Dynamic;
@@ -63,12 +63,42 @@ pub struct State {
 pub struct Pending {
     /// Session of the call.
     pub live: Rc<Live>,
-    /// Place of the function in the registry.
-    pub function: usize,
-    /// Arguments of the call.
-    pub values: Vec<Dynamic>,
+    /// Work of the call, until it runs.
+    pub work: Option<Work>,
     /// Outcome of the call, once it has run.
-    pub outcome: Option<Result<Dynamic, Box<conserva::script::Diagnostic>>>,
+    pub outcome: Option<Result<Outcome, Box<Diagnostic>>>,
+}
+
+/// Work of the engine.
+pub enum Work {
+    /// A function by its place in the registry, with its arguments.
+    Function(usize, Vec<Dynamic>),
+    /// A function whose file is returned in place of writing it.
+    File(usize, Vec<Dynamic>),
+    /// A text with its variables.
+    Text(String, Vec<(String, Dynamic)>),
+}
+
+/// Outcome of a call.
+pub enum Outcome {
+    /// A value of the engine.
+    Value(Dynamic),
+    /// A file.
+    File(Option<Vec<u8>>),
+}
+
+impl Work {
+    /// Does the work.
+    ///
+    /// # Errors
+    /// The message that a script would end with.
+    pub fn run(self, calls: &Calls) -> Result<Outcome, Box<Diagnostic>> {
+        match self {
+            Work::Function(function, values) => calls.call(function, values).map(Outcome::Value),
+            Work::File(function, values) => calls.file(function, values).map(Outcome::File),
+            Work::Text(text, variables) => calls.text(&text, variables).map(|variables| Outcome::Value(Dynamic::from_map(variables))),
+        }
+    }
 }
 
 thread_local! {

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -46,6 +47,21 @@ def test_lines_that_a_script_prints_are_printed(folder, capsys):
     cs.run("told.rhai", output=False)
     cs.help("rectangle")
     assert "line of a script" in capsys.readouterr().out
+
+
+def test_a_message_about_a_script_has_its_place_and_the_words_of_the_language(folder):
+    (folder / "wrong.rhai").write_text("let a = 1;\nlet mesh = rectangle(#{ size: [1.0, 1.0] });")
+    for work in (lambda: cs.run("wrong.rhai", output=False), lambda: cs.text((folder / "wrong.rhai").read_text())):
+        with pytest.raises(cs.ScriptError) as caught:
+            work()
+        assert ":2:22" in str(caught.value) and "rectangle(#{" in str(caught.value), str(caught.value)
+        assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+
+
+def test_a_hint_about_a_cell_names_no_command_of_the_prompt():
+    with pytest.raises(cs.ScriptError) as caught:
+        cs.text("let a = 1;\na + b")
+    assert "let b" in caught.value.hint and ":vars" not in caught.value.hint + str(caught.value)
 
 
 def test_a_parameter_that_the_script_does_not_have_is_an_error(folder):

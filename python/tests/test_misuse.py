@@ -1,6 +1,9 @@
 """Wrong calls: each ends with an exception that has a cause or a hint in Python's words, and the interpreter goes on."""
 
+import copy
+import pickle
 import re
+import threading
 
 import numpy as np
 import pytest
@@ -48,7 +51,69 @@ def loaded(load):
     cs.simulate(made, integrator=cs.energy_momentum(), dt=0.01).step()
 
 
+class Axes:
+    """Axes that take everything."""
+
+    def __getattr__(self, _):
+        return lambda *values, **named: None
+
+
+def on_another_thread(make, use):
+    """Uses on this thread what another thread made."""
+    made = []
+    thread = threading.Thread(target=lambda: made.append(make()))
+    thread.start()
+    thread.join()
+    use(made[0])
+
+
+def pickled_with(change):
+    function, (state, rows) = sim().save().__reduce__()
+    function(*change(state, rows))
+
+
+def meshio_of(cells, points=((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)), **sets):
+    meshio = pytest.importorskip("meshio", reason="the package meshio is not installed")
+    return cs.from_meshio(meshio.Mesh(np.array(points), cells, **sets))
+
+
+def outside():
+    with cs.session(output="out"):
+        mesh().write("../plate.msh")
+
+
 CASES = {
+    "a simulation of another thread": lambda: on_another_thread(sim, lambda other: other.step()),
+    "a mesh of another thread": lambda: on_another_thread(mesh, lambda other: cs.model("a").add_body("b", other, rubber())),
+    "positions of a mesh of another thread": lambda: on_another_thread(mesh, lambda other: other.positions),
+    "a state of another simulation": lambda: sim().restore(sim().save()),
+    "a contact with a body of another model": lambda: model()[0].add_contact("c", secondary=model()[1].boundary("left"), primary=model()[1].boundary("right")),
+    "a spring to a body of another model": lambda: model()[0].add_spring("s", from_=model()[1], to=model()[1], stiffness=1.0),
+    "a field of a body of another model": lambda: sim().field("position", cs.model("a").add_body("other", mesh(), rubber())),
+    "a state without its end": lambda: pickled_with(lambda state, rows: (state[:-9], rows)),
+    "a state with a changed byte": lambda: pickled_with(lambda state, rows: (state[:40] + bytes([state[40] ^ 1]) + state[41:], rows)),
+    "a state without rows": lambda: pickled_with(lambda state, rows: (state, b"\xff")),
+    "bytes that are no state": lambda: pickled_with(lambda state, rows: (b"", b"")),
+    "a simulation that is pickled": lambda: pickle.dumps(sim()),
+    "a model that is copied deeply": lambda: copy.deepcopy(model()[0]),
+    "a mesh of two types from meshio": lambda: meshio_of([("quad", [[0, 1, 2, 3]]), ("triangle", [[0, 1, 2]])]),
+    "a mesh without cells from meshio": lambda: meshio_of([("line", [[0, 1]])]),
+    "a cell without area from meshio": lambda: meshio_of([("triangle", [[0, 1, 1]])]),
+    "a point that is not a number from meshio": lambda: meshio_of([("triangle", [[0, 1, 2]])], points=[(0.0, 0.0), (1.0, 0.0), (np.nan, 1.0)]),
+    "a facet within a mesh from meshio": lambda: meshio_of(
+        [("triangle", [[0, 1, 2], [0, 2, 3]]), ("line", [[0, 2]])], cell_sets={"inner": [np.zeros(0, int), np.array([0])]}
+    ),
+    "points of the wrong shape": lambda: cs.polygon(points=np.ones((2, 4)), size=0.1),
+    "an array of texts": lambda: cs.linspace(np.array(["a", "b"]), 1.0, 3),
+    "an array of complex numbers": lambda: mesh(size=np.array([1j, 2.0])),
+    "a table of three columns": lambda: cs.table(np.ones((3, 3))),
+    "a cell of wrong syntax": lambda: cs.text("let a = ;"),
+    "a cell with an unknown variable": lambda: cs.text("b + 1"),
+    "a cell with a variable that cannot be passed": lambda: cs.text("a", {"a": object()}),
+    "axes for a function that draws none": lambda: mesh().refine(1, ax=None),
+    "an option that axes do not have": lambda: sim().plot("total", ax=Axes(), width=300),
+    "a movie of a run without recording": lambda: sim().movie(),
+    "a file outside of the folder": outside,
     "no values": lambda: cs.rectangle(),
     "a key is missing": lambda: cs.rectangle(size=[1.0, 1.0]),
     "an unknown key": lambda: mesh(elemnt="quad4"),
@@ -134,7 +199,18 @@ def test_a_wrong_call_is_an_exception_with_its_cause(case):
 
 
 def test_there_are_enough_wrong_calls():
-    assert len(CASES) >= 60
+    assert len(CASES) >= 90
+
+
+def test_a_simulation_goes_on_after_errors():
+    simulation, fresh = sim(), sim()
+    simulation.step()
+    for wrong in (lambda: simulation.run_to(-1.0), lambda: simulation.field("stres", simulation.bodies[0]), lambda: simulation.step("a")):
+        with pytest.raises(cs.ScriptError):
+            wrong()
+    simulation.step()
+    fresh.step(2)
+    assert np.array_equal(simulation.history.total, fresh.history.total)
 
 
 def test_what_a_callable_raised_is_the_cause():

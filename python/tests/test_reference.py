@@ -8,7 +8,7 @@ import pytest
 from conftest import ROOT
 
 import conserva as cs
-from conserva import _api, _stubs, _translate
+from conserva import _api, _reference, _stubs, _translate
 
 
 def test_python_has_every_function_method_and_property():
@@ -58,3 +58,14 @@ def test_a_translated_script_computes_the_same_numbers(folder):
 def test_the_stubs_are_current():
     stubs = (ROOT / "python" / "conserva" / "__init__.pyi").read_text(encoding="utf-8")
     assert stubs == _stubs.text(), "make them anew: python -m conserva._stubs > python/conserva/__init__.pyi"
+
+
+def test_the_page_of_both_languages_is_current():
+    page = (ROOT / "docs" / "python-reference.md").read_text(encoding="utf-8")
+    assert page == _reference.text(), "make it anew: python -m conserva._reference > docs/python-reference.md"
+
+
+def test_the_page_of_both_languages_links_to_sections():
+    sections = (ROOT / "docs" / "reference.md").read_text(encoding="utf-8").splitlines()
+    for function in _api.FUNCTIONS:
+        assert f"### {_reference.anchor(function)[0]}" in sections, function["signature"]

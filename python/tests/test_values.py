@@ -1,7 +1,10 @@
 """Values between Python and the engine."""
 
 import copy
+import gc
+import inspect
 import pickle
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -125,14 +128,102 @@ def test_objects_are_shown(simulation, plate):
     assert mesh._repr_svg_().startswith("<svg") and mesh._repr_svg_().count("M") == 8
     assert cs.block(size=[1.0, 1.0, 1.0], cells=[1, 1, 1])._repr_svg_() is None
     assert "plate" in simulation._repr_html_() and "Simulation" in repr(simulation)
+    assert all("<svg" in value._repr_html_() for value in (simulation, plate[1], plate[1].mesh, plate[1].material))
 
 
-def test_copies_and_pickles_say_what_to_do(simulation):
+def test_positions_are_the_memory_of_the_mesh():
+    mesh = cs.rectangle(size=[2.0, 1.0], cells=[4, 2])
+    first, second = mesh.positions, mesh.positions
+    assert first.__array_interface__["data"][0] == second.__array_interface__["data"][0] and not first.flags.writeable
+    with pytest.raises(ValueError, match="read-only"):
+        first[0, 0] = 1.0
+    kept = first.copy()
+    del mesh, second
+    gc.collect()
+    assert np.array_equal(first, kept)
+    # Results belong to the caller.
+    assert cs.linspace(0.0, 1.0, 3).flags.writeable
+
+
+def test_an_array_outlives_the_thread_that_made_it():
+    made = []
+    thread = threading.Thread(target=lambda: made.append(cs.rectangle(size=[2.0, 1.0], cells=[40, 20]).positions))
+    thread.start()
+    thread.join()
+    gc.collect()
+    assert made[0][:, 0].max() == 2.0
+
+
+def test_a_study_shows_itself_as_a_table():
+    rows = cs.sweep(vary={"n": [1, 2]}, run=lambda p: {"half": 0.5 * p.n})
+    assert isinstance(rows, list) and rows[1].half == 1.0
+    table = rows._repr_html_()
+    assert "<th>half</th>" in table and "<td>0.5</td>" in table and table.count("<tr>") == 3
+
+
+def test_completion_knows_the_keys():
+    assert list(inspect.signature(cs.rectangle).parameters) == ["size", "cells", "origin", "grading", "element"]
+    fix = inspect.signature(cs.model("a").fix)
+    assert list(fix.parameters) == ["boundary", "components"] and fix.parameters["boundary"].default is inspect.Parameter.empty
+
+
+def test_what_cannot_be_pickled_says_what_to_do(simulation, plate):
     assert copy.copy(simulation) is simulation
     for work in (copy.deepcopy, pickle.dumps):
-        with pytest.raises(cs.ScriptError) as caught:
-            work(simulation)
-        assert caught.value.cause and caught.value.hint
+        for value in (simulation, *plate):
+            with pytest.raises(TypeError) as caught:
+                work(value)
+            assert caught.value.cause and caught.value.hint
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))], ids=["copy", "pickle"])
+def test_values_are_pickled_and_copied(again, simulation, plate):
+    mesh = cs.disk(radius=1.0, cells=[2, 8], element="quad8")
+    mesh.boundary_where("top", lambda x, y: y > 0.5)
+    other = again(mesh)
+    assert str(other) == str(mesh) and other.element == "quad8" and np.array_equal(other.positions, mesh.positions)
+    rubber = cs.mooney_rivlin(c10=0.16, c01=0.02, bulk_modulus=100.0, density=1e-9).viscous(shear_viscosity=0.1)
+    assert str(again(rubber)) == str(rubber) and again(rubber).uniaxial(1.5) == rubber.uniaxial(1.5)
+    for value in (cs.hat(0.0, 0.5, 2.0), cs.mortar(), cs.newmark(beta=0.3), cs.coulomb(coefficient=0.3), cs.rigid_disk(center=[0.0, 0.0], radius=1.0)):
+        assert type(again(value)) is type(value) and str(again(value)) == str(value)
+    simulation.step(2)
+    assert np.array_equal(again(simulation.history).total, simulation.history.total) and again(simulation.energy) == simulation.energy
+
+
+def test_a_state_of_another_model_is_refused(simulation):
+    state = pickle.loads(pickle.dumps(simulation.save()))
+    assert "state of simulation" in str(state)
+    model = cs.model("other")
+    model.add_body("plate", cs.rectangle(size=[2.0, 1.0], cells=[5, 2]), cs.neo_hookean(youngs_modulus=1.0, poisson_ratio=0.3, density=1.0))
+    with pytest.raises(cs.ScriptError, match="does not fit"):
+        cs.simulate(model, integrator=cs.energy_momentum(), dt=0.01).restore(state)
+
+
+def test_pictures_are_shown_without_a_path(simulation):
+    simulation.step(3)
+    assert simulation.picture(field="velocity")._repr_html_().startswith("<svg")
+    assert simulation.plot("total").content.startswith(b"<svg") and cs.plot_curves([{"x": [0.0, 1.0], "y": [0.0, 1.0]}]).ending == ".svg"
+    for unrecorded in (simulation.movie, simulation.report):
+        with pytest.raises(cs.ScriptError, match="no recording"):
+            unrecorded()
+    with pytest.raises(cs.ScriptError, match="gif"):
+        simulation.movie("a.mp4")
+
+
+def test_movies_and_pages_are_shown_without_a_path(folder):
+    with cs.session(output="out"):
+        model = cs.model("flight")
+        rubber = cs.neo_hookean(youngs_modulus=100.0, poisson_ratio=0.3, density=1.0)
+        model.add_body("plate", cs.rectangle(size=[2.0, 1.0], cells=[4, 2]), rubber)
+        model.gravity([0.0, -1.0])
+        simulation = cs.simulate(model, integrator=cs.energy_momentum(), dt=0.01)
+        simulation.step(3)
+        movie, page = simulation.movie(seconds=1), simulation.report()
+    assert not list(folder.rglob("shown*"))
+    assert movie.content.startswith(b"\x89PNG") and b"acTL" in movie.content and "base64" in movie._repr_html_()
+    assert page._repr_html_().startswith("<iframe srcdoc=") and b"</html>" in page.content
+    page.save("page.html")
+    assert Path("page.html").read_bytes() == page.content
 
 
 def test_exceptions_can_be_pickled():

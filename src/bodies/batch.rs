@@ -11,7 +11,7 @@ use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
 use crate::math::tensor::{mandel_index, mandel_scale};
 use crate::math::tolerances::STRAIN_INCREMENT;
 
-/// Most nodes and points for which loops are written out: those of the cells of first order.
+/// Largest number of nodes or points for which loops are unrolled: that of first-order cells.
 const FEW: usize = 4;
 
 /// Most quadrature points of a cell.
@@ -23,7 +23,7 @@ pub(super) struct Table<const D: usize, const A: usize, const Q: usize> {
     pub(super) shapes: [[f64; A]; Q],
     /// Products of the shape functions, for the mass.
     pub(super) products: [[[f64; A]; A]; Q],
-    /// Factors of the value at a point in what is extrapolated to the nodes.
+    /// Factors of the values at a point in the extrapolation to the nodes.
     pub(super) extrapolation: [[f64; A]; Q],
     pub(super) gradients: [[[f64; D]; A]; Q],
     pub(super) weights: [f64; Q],
@@ -110,11 +110,11 @@ pub(super) struct Point<const FMA: bool, const D: usize, const A: usize> {
     pub(super) gradients: [[Lanes<FMA>; D]; A],
     /// Volume that belongs to the point, without stress.
     pub(super) volume: Lanes<FMA>,
-    /// The same at rest: what has the mass.
+    /// Volume that belongs to the point at rest, which has the mass.
     pub(super) weighed: Lanes<FMA>,
-    /// Stretch at rest less 1, against what is without stress.
+    /// Stretch at rest relative to the stress-free state, less 1.
     pub(super) slack: Lanes<FMA>,
-    /// One over its distance from the axis of a body of revolution.
+    /// Inverse distance of the point from the axis of a body of revolution `[1/length]`.
     pub(super) curvature: Lanes<FMA>,
 }
 
@@ -148,7 +148,7 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         point
     }
 
-    /// The same point of a body of revolution: its volume that of the circumference.
+    /// Converts the point to one of a body of revolution, whose volume is that of the whole circumference.
     #[inline(always)]
     pub(super) fn revolve(&mut self, batch: &Batch<D, A>, shapes: &[f64; A]) {
         let mut radius = cast::<FMA>(batch.last);
@@ -160,7 +160,7 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         self.weighed = self.volume;
     }
 
-    /// The same point of cells whose lengths without stress are larger by a factor, in so many directions.
+    /// Scales the stress-free lengths at the point by a factor; the volume grows by the factor in each of `directions` directions.
     #[inline(always)]
     pub(super) fn grow(&mut self, factor: Lanes<FMA>, directions: usize) {
         let inverse = Lanes::splat(1.0) / factor;
@@ -180,7 +180,7 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         moved * self.curvature
     }
 
-    /// Displacement gradient against what is without stress.
+    /// Displacement gradient relative to the stress-free state.
     #[inline(always)]
     pub(super) fn displacement_gradient(&self, u: &[[Lanes<FMA>; D]; A]) -> [[Lanes<FMA>; D]; D] {
         let mut h = [[Lanes::ZERO; D]; D];
@@ -196,8 +196,8 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
     }
 }
 
-/// A number of nodes or points. Where there are many, the compiler is not told how many: it would write out all loops over them, which
-/// takes it minutes and gains nothing.
+/// Returns `N`, a number of nodes or points. Large numbers are hidden from the optimizer, which would unroll all loops over them; that
+/// takes minutes and gains nothing.
 #[inline(always)]
 pub(super) fn many<const N: usize>() -> usize {
     if N > FEW { std::hint::black_box(N) } else { N }
@@ -287,12 +287,12 @@ pub(super) fn volume_change<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D
     sum
 }
 
-/// Which strain displacement gradients make.
+/// Strain measure computed from displacement gradients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Strain {
     /// Green-Lagrange strain `(H + H^T + H^T H)/2`, with relative accuracy at small strain.
     Large,
-    /// Its linear part.
+    /// Linear part of the Green-Lagrange strain.
     Linear,
 }
 
@@ -347,7 +347,7 @@ impl Strain {
         change
     }
 
-    /// The strain around an axis of such a displacement gradient.
+    /// Hoop strain of a hoop displacement gradient.
     #[inline(always)]
     pub(super) fn around<const FMA: bool>(self, hoop: Lanes<FMA>) -> Lanes<FMA> {
         if self == Strain::Large { hoop + hoop * hoop * 0.5 } else { hoop }

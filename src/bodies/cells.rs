@@ -31,7 +31,7 @@ use crate::math::simd::{Kernel, dispatch};
 use crate::math::workers::Workers;
 use crate::mesh::Mesh;
 
-/// Where the blocks of a cell stand in the array of values.
+/// Places of the blocks of a cell in the array of values.
 #[derive(Clone, Copy)]
 struct Places<const A: usize> {
     /// Per node, the columns of its unknowns: place of the first value, and length.
@@ -50,7 +50,7 @@ pub(super) struct Cells<const D: usize, const S: usize, const L: usize, const A:
     rounds: Vec<Vec<PlacedRun<D>>>,
 }
 
-/// A run of cells with the places of the matrix columns of its nodes, none while there is no matrix.
+/// A run of cells with the places of the matrix columns of its nodes; empty without a matrix.
 struct PlacedRun<const D: usize> {
     run: Run,
     values: Range<usize>,
@@ -142,7 +142,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         &self.cliques[batch * WIDTH + lane]
     }
 
-    /// The points of a batch, around an axis those of the circumference, against what is without stress.
+    /// Points of a batch relative to the stress-free state; of a body of revolution with the volume of the circumference.
     #[inline(always)]
     fn set_points<const FMA: bool>(&self, batch: &Batch<D, A>, work: &mut Workspace<FMA, D, S, A, Q>) {
         work.set_points(batch, &self.table);
@@ -154,7 +154,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
     }
 
-    /// Forces of a batch in a step and, with a share of the geometric stiffness, its tangent; whether no cell is inside out.
+    /// Computes the forces of a batch in a step and, with a share of the geometric stiffness, the tangent; returns true if no cell is
+    /// inside out.
     #[inline(always)]
     pub(super) fn respond<const FMA: bool>(
         &self,
@@ -242,11 +243,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 /// A batch at its points.
 pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     pub(super) volumes: [Lanes<false>; Q],
-    /// Those that have the mass.
+    /// Volumes at rest, which have the mass.
     pub(super) weighed: [Lanes<false>; Q],
     pub(super) gradient: [[[Lanes<false>; D]; D]; Q],
     pub(super) strain: [Components<S>; Q],
-    /// What a special stress needs to know, where there is one.
+    /// Data of the points for a special stress, if the body has one.
     pub(super) special: Option<Box<SpecialPoints<D>>>,
     smallest_determinants: [f64; WIDTH],
 }

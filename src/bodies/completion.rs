@@ -1,4 +1,5 @@
-//! What a special stress does beyond the components of its cells: forces around an axis, and the change of a dilatation's pressures.
+//! Contributions of a special stress beyond the components of its cells: forces around an axis, and the derivative of the pressures of a
+//! dilatation.
 //!
 //! See `special.rs` for the formulas.
 
@@ -12,20 +13,20 @@ use crate::materials::Response;
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::{mandel_index, mandel_place, mandel_scale};
 
-/// How a step takes what is added.
+/// Weights of the added forces in a step.
 #[derive(Clone, Copy)]
 pub(super) struct Share {
     pub(super) derivative: Derivative,
     /// Weight of the force.
     pub(super) weight: f64,
-    /// Whether the derivative of the force is wanted, too.
+    /// True if the derivative of the force is computed, too.
     pub(super) with_tangent: bool,
     /// Share of the end of the step in the configuration of the forces; 0 leaves out what belongs to the stress itself.
     pub(super) geometric: f64,
 }
 
 impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: usize> Workspace<FMA, D, S, A, Q> {
-    /// Adds all of it.
+    /// Adds all contributions of the special stress to force and tangent.
     #[inline(always)]
     pub(super) fn complete<const L: usize>(
         &mut self,
@@ -60,7 +61,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Adds the forces around the axis and their derivative, and what the stretch there changes of the others.
+    /// Adds the hoop forces and their derivative, and the derivative of the other forces with respect to the hoop stretch.
     #[inline(always)]
     fn add_around<const L: usize>(
         &mut self,
@@ -114,7 +115,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Adds what the pressures of the cell's dilatation change: a matrix of as many ranks as it has modes.
+    /// Adds the derivative with respect to the pressures of the cell's dilatation: a matrix whose rank is the number of modes.
     #[inline(always)]
     fn add_pressure<const L: usize>(
         &mut self,

@@ -1,4 +1,4 @@
-//! The mean dilatation of an element and what of it conserves.
+//! Mean dilatation of an element in energy-momentum form.
 //!
 //! The energy of an element is `sum_g w_g W_d(C_g) + V U(theta)` with the mean volume ratio `theta = sum_g w_g J_g / V`. `J^2 = det C` is a
 //! polynomial in the quadratic invariants `C`, so its discrete gradient is exact:
@@ -64,7 +64,7 @@ impl Modes {
         modes
     }
 
-    /// What a value at the points projects to, at the points.
+    /// Volume-weighted projection of a value at the points onto the modes, evaluated at the points.
     pub(super) fn projected(&self, volumes: &[Lanes<false>], value: impl Fn(usize) -> Lanes<false>) -> [Lanes<false>; MOST_POINTS] {
         let mut projected = [Lanes::ZERO; MOST_POINTS];
         for i in 0..self.count {
@@ -204,7 +204,8 @@ fn cofactor_slope<const FMA: bool, const S: usize>([xx, yy, zz, xy, yz, xz]: [La
 }
 
 impl<const FMA: bool, const S: usize> VolumeRatio<FMA, S> {
-    /// Of a step between two strains with these volume ratios less 1, or at the strain in its middle (`strain_mid`, `change_mid`).
+    /// Returns the volume ratio and its derivatives in a step: the discrete gradient between two strains with volume ratios less 1
+    /// (`changes`), or the gradient at the strain in the `middle` or at the end.
     #[inline(always)]
     pub(super) fn new(
         derivative: Derivative,

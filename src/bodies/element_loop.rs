@@ -1,6 +1,6 @@
-//! What the loop over a body's cells owes the equations: internal force, exact tangent, strain energy, stresses and mass.
+//! Interface of the loop over a body's cells: internal force, exact tangent, strain energy, stresses and mass.
 //!
-//! A [`Step`] says how the strain energy is differentiated; how that is done stands in `cells.rs`.
+//! A [`Step`] defines the derivative of the strain energy; it is implemented in `cells.rs`.
 
 use crate::integrators::{Derivative, Lumping};
 use crate::linear::{NodeMatrix, Pattern};
@@ -16,20 +16,20 @@ pub struct Inverted {
     pub determinant: f64,
 }
 
-/// How fast the fastest cell can vibrate by itself.
+/// Cell with the largest eigenfrequency when considered by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FastestCell {
-    /// Its number in the mesh.
+    /// Number of the cell in the mesh.
     pub cell: usize,
-    /// A bound of the square of its angular frequencies `[1/time^2]`.
+    /// Upper bound of the squared angular frequencies of the cell `[1/time^2]`.
     pub frequency_squared: f64,
 }
 
-/// A step as the element loop sees it. Displacements are flat, node after node, of the whole model: strains have the accuracy of their
-/// own size, however small they are.
+/// Input of the element loop for a step. Displacements are flat, node after node, of the whole model, not positions, so that small strains
+/// keep their relative accuracy.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
-    /// How the strain energy is differentiated.
+    /// Derivative of the strain energy: discrete gradient, or gradient in the middle or at the end.
     pub derivative: Derivative,
     /// Factor of the force.
     pub weight: f64,
@@ -39,7 +39,7 @@ pub struct Step<'a> {
     pub u_0: &'a [f64],
     /// Displacements at the end.
     pub u_1: &'a [f64],
-    /// History variables at the start ([`ElementLoop::history`]). An empty slice asks a law that has such variables for its elastic
+    /// History variables at the start ([`ElementLoop::history`]). With an empty slice, a law with history variables gives its elastic
     /// stiffness at rest.
     pub history: &'a [f64],
     /// Size of the step `[time]`, 0 at rest.
@@ -97,8 +97,8 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Finds where each cell's blocks stand in a matrix.
     fn place(&mut self, pattern: &Pattern);
 
-    /// Makes lengths without stress larger by a factor, given at the nodes, that cells interpolate; masses stay. Gives the least factor at
-    /// a point.
+    /// Scales the stress-free lengths by a factor that is given at the nodes and interpolated in the cells (swelling, thermal expansion);
+    /// masses stay. Returns the least factor at a point.
     fn grow(&mut self, _factor: &dyn Fn(u32) -> f64) -> f64 {
         f64::INFINITY
     }
@@ -106,7 +106,7 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Adds the consistent mass.
     fn add_mass(&self, mass: &mut NodeMatrix);
 
-    /// Adds the mass of the cells at their nodes to the masses of these; whether every node of a cell has a positive part of it.
+    /// Adds the lumped mass of the cells to the nodal masses; returns true if every node of every cell has a positive mass.
     fn add_lumped_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool;
 
     /// The cell that by itself, with its mass at its nodes, can vibrate fastest about displacements `u`; no vibration of the body is
@@ -127,10 +127,10 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// geometric part.
     fn add_material_stiffness(&self, u: &[f64], factor: f64, values: &mut [f64]);
 
-    /// Number of history variables of all points, which are 0 at rest; none where stresses follow from displacements alone.
+    /// Number of history variables of all points, which are 0 at rest; zero where stresses follow from displacements alone.
     fn history(&self) -> usize;
 
-    /// History variables after what depends on rates has relaxed at displacements that stay.
+    /// History variables after full relaxation at constant displacements.
     fn relaxed(&self, at: Present) -> Vec<f64>;
 
     /// True if its material flows plastically.
@@ -139,10 +139,10 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// History variables at the end of a step, and its heat.
     fn advance(&self, step: &Step) -> Advance;
 
-    /// Energy that is stored by strains and history variables, but for what relaxes `[energy]`.
+    /// Energy stored by strains and history variables, without the part that relaxes `[energy]`.
     fn strain_energy(&self, at: Present) -> f64;
 
-    /// Stored energy that relaxes, that of branches of a viscosity `[energy]`.
+    /// Stored energy that relaxes: that of the Maxwell branches `[energy]`.
     fn relaxing_energy(&self, history: &[f64]) -> f64;
 
     /// Smallest determinant of the deformation gradient, and its cell.

@@ -1,4 +1,4 @@
-//! What a body's strains are: plane strain, plane stress or axisymmetric, and how the change of volume is taken.
+//! Strain formulation of a body: plane strain, plane stress or axisymmetric, and the treatment of the dilatation.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::materials::{Kinematics, Material};
 use crate::math::tolerances::AXIS;
 use crate::mesh::Mesh;
 
-/// The third direction of a body of plane cells; bodies in space do not ask.
+/// Condition for the third direction of a body of plane cells; without effect on bodies in space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// No stretch across the plane.
@@ -20,24 +20,24 @@ pub enum Plane {
     Axisymmetric,
 }
 
-/// How an element takes the change of volume.
+/// Treatment of the dilatation in an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dilatation {
-    /// At every quadrature point its own: stiff where the material hardly changes its volume.
+    /// Dilatation of each quadrature point: locks for nearly incompressible materials.
     #[default]
     Pointwise,
-    /// One mean for the element (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985), which does not lock.
+    /// Mean dilatation of the element (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985), which does not lock.
     Mean,
-    /// Linear in the element: as free of locking as a mean where displacements are biquadratic, and of second order.
+    /// Dilatation linear in the element: free of locking where displacements are biquadratic, and of second order.
     Linear,
 }
 
 /// The formulation of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Formulation {
-    /// Its third direction.
+    /// Condition for the third direction of a plane body.
     pub plane: Plane,
-    /// How it takes the change of volume.
+    /// Treatment of the dilatation.
     pub dilatation: Dilatation,
 }
 
@@ -57,13 +57,13 @@ pub enum FormulationError {
     /// Displacements that a linear dilatation would lock, or whose pressure it would leave open.
     #[error("a linear dilatation is one of `quad9` or `hex27` cells, and these are `{cells}`")]
     LinearOfOthers {
-        /// Its cells.
+        /// Name of the body's cell kind.
         cells: &'static str,
     },
     /// A plane condition of a body in space.
     #[error("a body of `{cells}` cells is in space: it is neither plane nor axisymmetric")]
     NotPlane {
-        /// Its cells.
+        /// Name of the body's cell kind.
         cells: &'static str,
     },
     /// A body of revolution that crosses its axis.
@@ -81,7 +81,7 @@ pub enum FormulationError {
 }
 
 impl FormulationError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             FormulationError::NoVolumetricPart { .. } => "C0151",
@@ -93,7 +93,7 @@ impl FormulationError {
         }
     }
 
-    /// How to mend it.
+    /// Returns a hint on mending the error.
     pub fn hint(&self) -> String {
         use FormulationError::*;
         match self {
@@ -120,7 +120,7 @@ impl Formulation {
         Formulation { plane, dilatation }
     }
 
-    /// Puts nodes of a body of revolution that are beside the axis by round-off onto it; gives whether there were any.
+    /// Moves nodes of a body of revolution onto the axis if they miss it by round-off; returns true if at least one was moved.
     pub fn put_on_axis(&self, points: &mut [[f64; 3]]) -> bool {
         let extent = points.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
         let is_beside = |x: f64| x != 0.0 && x.abs() <= AXIS * extent;
@@ -131,10 +131,10 @@ impl Formulation {
         true
     }
 
-    /// Whether it goes with a material and a mesh.
+    /// Checks that the formulation is compatible with a mesh and a material.
     ///
     /// # Errors
-    /// What does not go together.
+    /// The first incompatibility.
     pub fn check(&self, mesh: &Mesh, material: &Material) -> Result<(), FormulationError> {
         let law = material.name();
         if mesh.dimension() == 3 && self.plane != Plane::Strain {

@@ -1,4 +1,4 @@
-//! Mass at the nodes alone, and how fast a cell by itself can vibrate with it.
+//! Lumped nodal masses, and bounds of the eigenfrequencies of single cells with these.
 //!
 //! No vibration of a body is faster than the fastest one of its cells by themselves (Hughes, The Finite Element Method, 1987, section 9.2).
 //! That of a cell is bounded by the norms of `m^-1/2 K_e m^-1/2`.
@@ -28,7 +28,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         })
     }
 
-    /// Whether masses are row sums.
+    /// True if lumped masses are row sums of the consistent mass matrix; false for its scaled diagonal.
     fn takes_row_sums(&self, lumping: Lumping) -> bool {
         match lumping {
             Lumping::Suitable => self.has_positive_row_sums(),

@@ -1,6 +1,6 @@
 //! Floor 4: a body is a mesh with a material; here is *the* element loop, the mass, and the weights of loads.
 //!
-//! The loop works on batches of eight elements and combines three axes that know nothing of each other: cell kind (shape functions),
+//! The loop works on batches of eight elements and combines three independent axes: cell kind (shape functions),
 //! material (a virtual call per batch) and time integrator (where to evaluate, and the discrete gradient).
 
 mod batch;

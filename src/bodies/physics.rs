@@ -1,4 +1,4 @@
-//! What a body's cells ask of its material and formulation: laws in the `S` components of the cells, and in `L` where that is not enough.
+//! Laws of a body by its material and formulation: in the `S` components of the cells, or in `L` components where `S` do not suffice.
 
 use std::sync::Arc;
 
@@ -24,14 +24,14 @@ pub struct BodyCells<'a> {
     pub formulation: Formulation,
     /// Number of the mesh's first node among those of the model.
     pub first_node: usize,
-    /// Whether the time integrator averages the stress over a step.
+    /// True if the time integrator averages the stress over a step.
     pub averages_stress: bool,
     /// A resistance to the rate of strain that takes the place of all stresses of the material.
     pub resistance: Option<&'a Viscosity>,
 }
 
 impl<'a> BodyCells<'a> {
-    /// Those of a body by itself, whose stress is not averaged.
+    /// Returns the cells of a single body, without stress averaging.
     pub fn new(mesh: &'a Mesh, material: &'a Material, formulation: Formulation) -> Self {
         BodyCells { mesh, material, formulation, first_node: 0, averages_stress: false, resistance: None }
     }
@@ -41,13 +41,13 @@ impl<'a> BodyCells<'a> {
 pub(super) struct Physics<const S: usize, const L: usize> {
     /// The law of the points.
     pub(super) law: Arc<dyn BatchedLaw<S>>,
-    /// What the cells ask instead, where that is not enough.
+    /// Special stress used in place of `law` where the strain components of the cells do not suffice.
     pub(super) special: Option<Special<L>>,
-    /// The law in space, which also knows the stress across the plane; with a dilatation of the cell, without its volumetric part.
+    /// The law in space, which includes the stress across the plane; with a dilatation of the cell, without its volumetric part.
     pub(super) spatial_law: Arc<dyn BatchedLaw<6>>,
     /// The law whose strain across the plane is solved for.
     plane_stress: Option<PlaneStress>,
-    /// Which strain it is.
+    /// Strain measure of the law.
     pub(super) strain: Strain,
     /// Mass per undeformed volume.
     pub(super) density: f64,
@@ -73,12 +73,12 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         Physics { law, special, spatial_law, plane_stress: None, strain: strain_of(material), density: material.density() }
     }
 
-    /// Whether the body is stretched around an axis.
+    /// True for a body of revolution, which has a hoop strain.
     pub(super) fn is_axisymmetric(&self) -> bool {
         self.special.as_ref().is_some_and(|special| special.is_axisymmetric)
     }
 
-    /// Number of directions in which cells in so many dimensions have lengths.
+    /// Number of directions in which stress-free lengths of cells in `D` dimensions can change.
     pub(super) fn directions<const D: usize>(&self) -> usize {
         if self.is_axisymmetric() { 3 } else { D }
     }
@@ -160,7 +160,7 @@ fn remembers(body: &BodyCells) -> bool {
 }
 
 impl Physics<3, 4> {
-    /// Of a plane body, or one of revolution.
+    /// Returns the laws of a plane body or a body of revolution.
     pub(super) fn of_plane(body: &BodyCells) -> Self {
         let &BodyCells { material, formulation, .. } = body;
         let (is_axisymmetric, strain) = (formulation.plane == Plane::Axisymmetric, strain_of(material));
@@ -188,7 +188,7 @@ impl Physics<3, 4> {
 }
 
 impl Physics<6, 6> {
-    /// Of a body in space.
+    /// Returns the laws of a body in space.
     pub(super) fn of_space(body: &BodyCells) -> Self {
         let &BodyCells { material, formulation, .. } = body;
         let law = |has_volume: bool, elastic| point_law(body, elastic, material.history().map(|history| history.space(has_volume)));

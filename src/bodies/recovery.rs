@@ -1,4 +1,4 @@
-//! Values at the nodes of cells of first order, recovered from those of the cells nearby.
+//! Recovery of nodal values from values of nearby first-order cells.
 //!
 //! Means of four-node and eight-node cells are of second order at their centres, and so are means of two triangles between these: what is
 //! wrong with the one is wrong with the other in the opposite direction. A linear polynomial is fitted to such samples around each node,
@@ -12,12 +12,12 @@ use nalgebra::{DMatrix, DVector};
 use crate::math::tolerances::RECOVERY_AMPLIFICATION;
 use crate::mesh::Mesh;
 
-/// How often a patch may grow.
+/// Maximum number of extensions of a patch by neighboring cells.
 const GROWTHS: usize = 3;
 
 /// For each node of a mesh the factors of the cells around it.
 pub struct Recovery {
-    /// Where each node's cells begin, and where the last ones end.
+    /// Start of the cells of each node in `cells`, then the number of entries.
     starts: Vec<usize>,
     cells: Vec<(u32, f64)>,
 }
@@ -52,7 +52,7 @@ struct Sample {
     place: [f64; 3],
 }
 
-/// What patches are made of.
+/// Mesh, samples and connectivity from which patches are built.
 struct Patches<'a> {
     mesh: &'a Mesh,
     /// The cells at each node.
@@ -99,7 +99,7 @@ impl<'a> Patches<'a> {
         self.samples.push(Sample { cells: cells.to_vec(), place });
     }
 
-    /// Cells and their factors in the value at a node; none where no patch tells a slope in every direction, as in one layer of cells.
+    /// Cells and their factors in the value at a node; `None` if no patch determines a slope in every direction, as in one layer of cells.
     fn factors(&self, node: usize) -> Option<BTreeMap<u32, f64>> {
         let mut patch = self.around[node].clone();
         for _ in 0..=GROWTHS {

@@ -1,6 +1,7 @@
 //! Rigid bodies: the motion of `D + 1` of a mesh's nodes carries all others.
 //!
-//! A body whose strain is zero moves affinely, so `D + 1` nodes in general position, its *masters*, tell where every point is:
+//! A body whose strain is zero moves affinely, so the position of every point follows from `D + 1` nodes in general position, its
+//! *masters*:
 //! `x(X) = sum_i a_i(X) x_i` with the barycentric coordinates `a_i` of the point at rest. With them as unknowns the mass matrix is
 //! constant,
 //!
@@ -40,7 +41,7 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// That of a mesh with the density of a material.
+    /// Returns the inertia of a mesh with the density of a material.
     ///
     /// # Errors
     /// A cell that is inside out in the mesh.
@@ -48,14 +49,15 @@ impl Inertia {
         if mesh.dimension() == 2 { of_cells::<2>(mesh, material, formulation) } else { of_cells::<3>(mesh, material, formulation) }
     }
 
-    /// That by numbers: mass, center, and moments and products of inertia about it, `int rho (|r|^2 I - r r^T) dV`.
+    /// Returns the inertia from mass, center, and moments and products of inertia about the center, `int rho (|r|^2 I - r r^T) dV`.
     pub fn of_moments(mass: f64, center: [f64; 3], moments: [[f64; 3]; 3]) -> Self {
         let half_trace = 0.5 * (moments[0][0] + moments[1][1] + moments[2][2]);
         let entry = |i: usize, j: usize| if i == j { half_trace - moments[i][j] } else { -moments[i][j] };
         Inertia { mass, center, euler: std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))) }
     }
 
-    /// That in the plane: mass, center, and the moment of inertia about it. Rotations see only the sum of both second moments.
+    /// Returns the inertia of a plane body from its mass, its center, and the moment of inertia about the center. Rotations depend only on
+    /// the sum of both second moments.
     pub fn in_plane(mass: f64, center: [f64; 3], moment: f64) -> Self {
         let mut euler = [[0.0; 3]; 3];
         (euler[0][0], euler[1][1]) = (0.5 * moment, 0.5 * moment);
@@ -105,19 +107,20 @@ where
     Ok(Inertia { mass, center: center.into(), euler: std::array::from_fn(|i| std::array::from_fn(|j| euler[(i, j)])) })
 }
 
-/// How the points of a rigid body follow from its masters.
+/// Map from the masters of a rigid body to its points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Masters: `D + 1` nodes of its mesh.
+    /// Masters: `D + 1` nodes of the mesh.
     pub masters: Vec<u32>,
-    /// Gradients of their barycentric coordinates `[1/length]`.
+    /// Gradients of the barycentric coordinates of the masters `[1/length]`.
     gradients: Vec<Vector3<f64>>,
-    /// Where the first is at rest.
+    /// Position of the first master at rest `[length]`.
     origin: Vector3<f64>,
 }
 
 impl Frame {
-    /// That of a mesh: masters as far from each other as they can be found. `None` where all nodes lie on one plane, or on one line.
+    /// Returns the frame of a mesh, with masters as far from each other as possible; `None` if all nodes lie in one plane (in the plane: on
+    /// one line).
     pub fn new(mesh: &Mesh) -> Option<Self> {
         let dimension = mesh.dimension();
         let point = |node: usize| Vector3::from(mesh.points[node]);
@@ -150,14 +153,14 @@ impl Frame {
         Some(Frame { masters: masters.into_iter().map(|node| node as u32).collect(), gradients, origin })
     }
 
-    /// Shares of the masters in a point of the body, given where it is at rest: they sum to one.
+    /// Barycentric coordinates `a_i` of a point of the body, given its position at rest; they sum to one.
     pub fn shares(&self, point: [f64; 3]) -> Vec<f64> {
         let arm = Vector3::from(point) - self.origin;
         let share = |(k, gradient): (usize, &Vector3<f64>)| gradient.dot(&arm) + if k == 0 { 1.0 } else { 0.0 };
         self.gradients.iter().enumerate().map(share).collect()
     }
 
-    /// The same for a vector that turns with the body: they sum to zero.
+    /// Factors of the masters in a vector fixed to the body, given its components at rest: `grad a_i . v`; the factors sum to zero.
     pub fn direction(&self, vector: [f64; 3]) -> Vec<f64> {
         self.gradients.iter().map(|gradient| gradient.dot(&Vector3::from(vector))).collect()
     }
@@ -177,9 +180,9 @@ const FLAT: f64 = tolerances::FLAT_FRAME;
 /// Part of the mass of a rigid body that the nodes tied to it have in equal parts.
 const TIED_PART: f64 = 0.125;
 
-/// A rigid body where the equations expect a loop over cells: mass, and no force.
+/// A rigid body as an [`ElementLoop`]: it has mass, but no internal force.
 pub struct RigidMass {
-    /// Its masters in the numbering of the model, one clique.
+    /// Masters of the body in the numbering of the model, one clique.
     cliques: Vec<Vec<u32>>,
     nodes: Range<usize>,
     masses: Vec<Vec<f64>>,

@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-/// A body of fewer cells is left to one thread: waking another takes longer than it saves. The order of sums stays that of the rounds.
+/// Number of cells below which one thread is used: waking another takes longer than it saves. The order of sums is that of the rounds.
 pub(super) const LEAST_CELLS_FOR_THREADS: usize = 2000;
 
 /// Cells of one run: enough to be worth a thread's while, and most runs that a body is cut into.
@@ -19,15 +19,15 @@ const MOST_RUNS: usize = 16;
 /// A run of cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Run {
-    /// Its cells.
+    /// Cells of the run.
     pub(super) cells: Range<usize>,
-    /// The smallest span that holds the numbers of all its nodes.
+    /// Smallest range of node numbers that has all nodes of the run.
     pub(super) nodes: Range<usize>,
-    /// The part of it that no run of an earlier round touches: where sums begin with this run.
+    /// Parts of the span that no run of an earlier round touches: sums begin with this run.
     pub(super) fresh: Vec<Range<usize>>,
 }
 
-/// The rounds of a body with such cells, each in ascending order of its nodes; runs consist of whole groups of `together` cells.
+/// Rounds of a body with given cells, each in ascending order of its nodes; runs consist of whole groups of `together` cells.
 pub(super) fn rounds(cells: &[Vec<u32>], together: usize) -> Vec<Vec<Run>> {
     let length = cells.len().div_ceil(MOST_RUNS).max(LEAST_CELLS).next_multiple_of(together);
     let mut rounds: Vec<Vec<Run>> = Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn rounds(cells: &[Vec<u32>], together: usize) -> Vec<Vec<Run>> {
     rounds
 }
 
-/// What is left of a range without others that ascend.
+/// Parts of a range outside of other, ascending ranges.
 fn without(range: Range<usize>, others: &[Range<usize>]) -> Vec<Range<usize>> {
     let (mut left, mut start) = (Vec::new(), range.start);
     for other in others {

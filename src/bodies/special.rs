@@ -1,5 +1,5 @@
-//! What a batch computes where a point's stress is more than its law's answer to its own strain in the cell's components: bodies of
-//! revolution, which are stretched around their axis, too, and cells with a mean dilatation.
+//! Special stresses of a batch, which depend on more than the strain of the point in the components of the cell: bodies of revolution,
+//! which have a hoop strain, and cells with a mean dilatation.
 //!
 //! Kept apart from the loop that all cells share, because most bodies need none of it. The stress of a step comes from here as it is
 //! wanted, and what it does beyond the cell's own components is added when the others are summed:
@@ -24,11 +24,11 @@ pub(super) struct Special<const L: usize> {
     pub(super) law: PointLaw<L>,
     /// The volumetric part, where the dilatation is one of the cell.
     pub(super) volumetric: Option<Arc<dyn VolumetricLaw>>,
-    /// Whether that dilatation is linear in the cell.
+    /// True if the dilatation is linear in the cell; false for a mean.
     pub(super) is_linear: bool,
-    /// Which strain it is.
+    /// Strain measure of the law.
     pub(super) strain: Strain,
-    /// Whether the body is stretched around an axis.
+    /// True for a body of revolution, which has a hoop strain.
     pub(super) is_axisymmetric: bool,
 }
 
@@ -70,18 +70,18 @@ pub(super) fn stress_of(derivative: Derivative) -> StressOf {
     }
 }
 
-/// What is known of a batch at its points: volumes, and the displacement gradients of start and end.
+/// Data of a batch at its points: volumes, undeformed positions, displacement gradients at start and end.
 pub(super) struct SpecialPoints<const D: usize> {
     pub(super) count: usize,
     pub(super) volume: [Lanes<false>; MOST_POINTS],
     /// Undeformed places, from the last node of each cell.
     pub(super) places: [[Lanes<false>; D]; MOST_POINTS],
     pub(super) gradients: [[[[Lanes<false>; D]; D]; MOST_POINTS]; 2],
-    /// Around the axis.
+    /// Hoop displacement gradients at start and end.
     pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],
 }
 
-/// Stresses of a step with their derivatives with respect to the strains at the end, and what a dilatation of the cell adds.
+/// Stresses of a step with their derivatives with respect to the strains at the end, and the contributions of a dilatation of the cell.
 pub(super) struct Answer<const L: usize> {
     pub(super) responses: [Response<L>; MOST_POINTS],
     /// Derivatives with respect to the change of the strain, of a stress in the middle of a step that depends on that, too.

@@ -60,19 +60,19 @@ impl Stresses {
     }
 }
 
-/// How far stresses of cells are from a continuous stress, squares over volumes (Zienkiewicz and Zhu, International Journal for Numerical
-/// Methods in Engineering 24, 1987).
+/// Difference of the stresses of cells from a continuous stress, as integrals of squares (Zienkiewicz and Zhu, International Journal for
+/// Numerical Methods in Engineering 24, 1987).
 pub struct StressError {
-    /// Of all cells `[stress^2 volume]`.
+    /// Integral of the squared difference over all cells `[stress^2 volume]`.
     off: f64,
-    /// The same of the continuous stress itself.
+    /// Integral of the squared continuous stress `[stress^2 volume]`.
     size: f64,
-    /// Of the cells at each node, and their volumes.
+    /// Integral of the squared difference over the cells at each node, and the volume of these cells.
     at_nodes: Vec<[f64; 2]>,
 }
 
 impl StressError {
-    /// Of a body with these nodes of the model, on which a continuous stress has these values.
+    /// Returns the stress error of a body whose nodes have the range `nodes` in the model and the stresses `continuous`.
     pub fn new<const D: usize>(elements: &dyn ElementLoop<D>, at: Present, nodes: Range<usize>, continuous: &[[f64; 6]]) -> Self {
         let mut error = StressError { off: 0.0, size: 0.0, at_nodes: vec![[0.0; 2]; nodes.len()] };
         elements.visit_stresses(at, &mut |point| {

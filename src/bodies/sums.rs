@@ -1,12 +1,12 @@
-//! What a quadrature point adds to force and tangent of its cells, and what the last node takes.
+//! Contributions of a quadrature point to force and tangent of its cells, and those of the last node.
 //!
-//! The gradients of the shape functions sum to zero, so sums leave the last node out and it takes what the others leave.
+//! The gradients of the shape functions sum to zero, so the last node is left out of sums and gets the negative sum of the others.
 
 use super::batch::many;
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
-/// The last node takes what the others leave.
+/// Sets the contribution of the last node to the negative sum of the others.
 #[inline(always)]
 pub(super) fn finish_force<const FMA: bool, const D: usize, const A: usize>(force: &mut [[Lanes<FMA>; D]; A]) {
     for i in 0..D {

@@ -52,7 +52,7 @@ fn edge_shares(points: &[[f64; 3]], plane: Plane) -> Vec<f64> {
     shares
 }
 
-/// What the nodes of a face in space have of its area.
+/// Tributary areas of the nodes of a face in space: `int N_a dA`.
 fn face_shares(points: &[[f64; 3]]) -> Vec<f64> {
     let mut shares = vec![0.0; points.len()];
     for point in face_points(points.len()) {
@@ -117,8 +117,9 @@ pub fn round_pressure(nodes: &[[f64; 2]]) -> ([[f64; 2]; 3], [[Block; 3]; 3]) {
     (force, slope)
 }
 
-/// How a uniform pressure on an edge with these many nodes (its ends, then its middle) pulls along them: `int N_a dN_b/ds ds`, row by row.
-/// A node's force is `p sum_b C_ab z x q_b`.
+/// Matrix `C_ab = int N_a dN_b/ds ds` of an edge with `nodes` nodes (its ends, then its middle).
+///
+/// The force of a uniform pressure `p` on node `a` is `p sum_b C_ab z x q_b`.
 pub fn pressure_shares(nodes: usize) -> &'static [&'static [f64]] {
     const HALF: [&[f64]; 2] = [&[-0.5, 0.5], &[-0.5, 0.5]];
     const SIXTHS: [&[f64]; 3] = [&[-0.5, -1.0 / 6.0, 2.0 / 3.0], &[1.0 / 6.0, 0.5, -2.0 / 3.0], &[-2.0 / 3.0, 2.0 / 3.0, 0.0]];

@@ -1,4 +1,4 @@
-//! Force and tangent of eight cells, from their displacement gradients and the law's answers.
+//! Force and tangent of eight cells, from their displacement gradients and the responses of the law.
 
 use super::batch::{
     Batch, MOST_POINTS, Point, Strain, Table, cast, deformation_gradient, determinant_and_cofactor, discrete_stress, many, mean,
@@ -10,7 +10,7 @@ use crate::materials::{BatchedLaw, Components, IncrementResponse, Response};
 use crate::math::lanes::{Lanes, Real, WIDTH, relabel, relabel_rows};
 use crate::math::tensor::mandel_place;
 
-/// What is known of a batch at its points while it is computed: strains and the law's answers, force and tangent.
+/// Work data of a batch: strains and responses of the law at its points, force and tangent.
 pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: usize> {
     strain: Strain,
     pub(super) points: [Point<FMA, D, A>; Q],
@@ -21,7 +21,7 @@ pub(super) struct Workspace<const FMA: bool, const D: usize, const S: usize, con
     pub(super) strain_1: [Components<S>; Q],
     increments: [IncrementResponse<S>; Q],
     pub(super) responses: [Response<S>; Q],
-    /// Whether the responses are what the step wants, not what the law gives for it.
+    /// True if `responses` are already the algorithmic stresses of the step; false if these follow from the responses of the law.
     pub(super) is_final: bool,
     /// Forces on the nodes.
     pub(super) force: [[Lanes<FMA>; D]; A],
@@ -71,7 +71,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// What a special stress needs to know of the batch; around the axis, at start and end where they are given.
+    /// Returns the data of the batch for a special stress; `around` has the displacements at start and end for hoop gradients, if needed.
     #[inline(always)]
     pub(super) fn special_points(&self, batch: &Batch<D, A>, table: &Table<D, A, Q>, around: [Option<&[f64]>; 2]) -> SpecialPoints<D> {
         let mut points = SpecialPoints {
@@ -103,7 +103,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         points
     }
 
-    /// Takes the stresses of a step as they are.
+    /// Sets the responses to the algorithmic stresses of a special stress.
     #[inline(always)]
     pub(super) fn take<const L: usize>(&mut self, answer: &Answer<L>) {
         self.is_final = true;
@@ -147,7 +147,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         smallest
     }
 
-    /// Whether some cell is inside out at the end of the step.
+    /// True if at least one cell is inside out at the end of the step.
     #[inline(always)]
     pub(super) fn is_inside_out(&self) -> bool {
         let mut sound = true;
@@ -263,7 +263,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         self.tangent = [[[[Lanes::ZERO; D]; A]; D]; A];
     }
 
-    /// The last node takes what the others leave.
+    /// Sets force and tangent of the last node to the negative sums of the others.
     #[inline(always)]
     fn finish(&mut self) {
         finish_force(&mut self.force);

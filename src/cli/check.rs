@@ -1,4 +1,4 @@
-//! `conserva check`: builds what a script describes, says what it would do and what is wrong, and takes no step.
+//! `conserva check`: builds the models of a script, describes them and their faults, and takes no step.
 
 use std::rc::Rc;
 
@@ -16,7 +16,7 @@ pub struct Arguments {
     script: ScriptArguments,
 }
 
-/// Checks a script; the exit code.
+/// Checks a script; returns the exit code.
 pub fn check(arguments: Arguments) -> u8 {
     let ScriptArguments { script, overrides, allow_read, max_operations, memory } = arguments.script;
     memory.apply();

@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-/// A text of a file as a terminal may have it: characters that would move its cursor, change its colors or turn the direction of what
-/// follows are written out.
+/// Returns a text of a file for display on a terminal, with control characters escaped (cursor, colors, text direction).
 pub fn visible(text: &str) -> Cow<'_, str> {
     let is_hidden = |letter: char| letter.is_control() || matches!(letter, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     if !text.contains(is_hidden) {
@@ -13,7 +12,7 @@ pub fn visible(text: &str) -> Cow<'_, str> {
     text.chars().map(shown).collect::<String>().into()
 }
 
-/// Lines with the columns below each other; numbers to the right, words to the left. The first row is the header.
+/// Returns lines with aligned columns, numbers to the right, words to the left. The first row is the header.
 pub fn aligned(rows: &[Vec<String>]) -> Vec<String> {
     let rows: Vec<Vec<Cow<'_, str>>> = rows.iter().map(|row| row.iter().map(|word| visible(word)).collect()).collect();
     let count = rows.iter().map(Vec::len).max().unwrap_or(0);
@@ -31,7 +30,7 @@ pub fn aligned(rows: &[Vec<String>]) -> Vec<String> {
     rows.iter().map(line).collect()
 }
 
-/// A number in few digits: `0.1`, `1.25e-9`.
+/// Formats a number with few digits: `0.1`, `1.25e-9`.
 pub fn short(value: f64) -> String {
     let exponent = value.abs().log10().floor();
     if value == 0.0 {

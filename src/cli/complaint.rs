@@ -1,11 +1,11 @@
-//! Files that cannot be read back, as messages of the command line.
+//! Messages on files that cannot be read back.
 
 use super::console::{complain, ink};
 use super::process::exit_code;
 use crate::output::ReadError;
 use crate::script::{Class, Diagnostic};
 
-/// Shows what is wrong with a file; the exit code.
+/// Reports the error of a file; returns the exit code.
 pub fn refuse(error: &ReadError) -> u8 {
     let message = Diagnostic::error(Class::Script, error.to_string()).code(error.code());
     let message = error.cause.iter().fold(message, Diagnostic::cause);

@@ -1,8 +1,8 @@
 //! Standard output and standard error of a command: what the script prints, checks, warnings, and progress.
 //!
-//! Progress goes to standard error: a bar on a terminal, plain lines now and then elsewhere. Writing never ends the run. When the
-//! reader of standard output has closed its pipe, the rest is left unsaid: nobody wants it. What cannot be written for another reason, such
-//! as a full disk, is told once, and the exit code tells that something is missing.
+//! Progress goes to standard error: a bar on a terminal, occasional lines elsewhere. Failed writes never end the run. When the reader of
+//! standard output has closed its pipe, the remaining output is dropped. Other failures, such as a full disk, are reported once, and the
+//! exit code reports the loss.
 
 use std::cell::{Cell, RefCell};
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -17,36 +17,36 @@ use crate::script::{Class, Diagnostic, Ink, Observer, Progress};
 
 /// Least time between two plain lines of progress.
 const BETWEEN_LINES: Duration = Duration::from_secs(2);
-/// Time after which a plain line comes even when less than a percent has been done.
+/// Time after which a plain line is written even if less than a percent has been done.
 const LONGEST_SILENCE: Duration = Duration::from_secs(60);
-/// Positions of the bar.
+/// Number of positions of the bar.
 const BAR: u64 = 10_000;
 
 /// Writes to standard error.
 ///
 /// # Errors
-/// It cannot be written.
+/// The text cannot be written.
 pub fn write_error(text: &str) -> std::io::Result<()> {
     std::io::stderr().lock().write_all(text.as_bytes())
 }
 
-/// Writes to standard error; nothing can be done when that fails.
+/// Writes to standard error; failures are ignored.
 pub fn complain(text: &str) {
     let _ = write_error(text);
 }
 
-/// Whether messages on standard error are colored.
+/// Returns `Colored` if standard error is a terminal and `NO_COLOR` is not set.
 pub fn ink() -> Ink {
     let wanted = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     if wanted && std::io::stderr().is_terminal() { Ink::Colored } else { Ink::Plain }
 }
 
-/// Whether nothing more is written.
+/// True if nothing more is written, because the reader of standard output has closed its pipe.
 static CLOSED: AtomicBool = AtomicBool::new(false);
-/// Whether something could not be written that was wanted.
+/// True if output was lost, so that the exit code must report the loss.
 static LOST: AtomicBool = AtomicBool::new(false);
 
-/// Writes a text.
+/// Writes a text to standard output.
 pub fn write_out(text: &str) {
     if CLOSED.load(Ordering::Relaxed) {
         return;
@@ -55,7 +55,7 @@ pub fn write_out(text: &str) {
     judge(out.write_all(text.as_bytes()).and_then(|()| out.flush()));
 }
 
-/// Notes how writing to standard output went.
+/// Records the result of a write to standard output.
 pub fn judge(written: std::io::Result<()>) {
     let Err(error) = written else { return };
     CLOSED.store(true, Ordering::Relaxed);
@@ -65,7 +65,7 @@ pub fn judge(written: std::io::Result<()>) {
     }
 }
 
-/// The exit code of a command, or that of missing output where it would tell of nothing worse.
+/// Returns the exit code `code`, or that of lost output unless `code` reports an error.
 pub fn with_loss(code: u8) -> u8 {
     let tells_of_loss = [0, exit_code(Class::Check), DOUBTFUL].contains(&code);
     if tells_of_loss && LOST.load(Ordering::Relaxed) { exit_code(Class::Output) } else { code }
@@ -83,7 +83,7 @@ pub struct Console {
 }
 
 impl Console {
-    /// A console that shows progress unless `quiet`.
+    /// Returns a console that shows progress unless `quiet`.
     pub fn new(quiet: bool) -> Self {
         let now = Instant::now();
         Console {
@@ -97,12 +97,12 @@ impl Console {
         }
     }
 
-    /// Whether it shows no progress.
+    /// True if no progress is shown.
     pub fn is_quiet(&self) -> bool {
         self.quiet
     }
 
-    /// Where the linear solver tells how far a long factorization is; the bar shows it.
+    /// Progress of a long factorization, which the linear solver sets and the bar shows.
     pub fn factorization(&self) -> Arc<AtomicU32> {
         self.factorization.clone()
     }
@@ -125,7 +125,7 @@ impl Console {
         }
     }
 
-    /// A note on standard error, unless quiet.
+    /// Writes a note to standard error, unless quiet.
     pub fn note(&self, text: &str) {
         if !self.quiet {
             complain(&format!("{text}\n"));
@@ -136,7 +136,7 @@ impl Console {
         let mut slot = self.bar.borrow_mut();
         let fresh = || {
             let bar = ProgressBar::with_draw_target(until.map(|_| BAR), ProgressDrawTarget::stderr_with_hz(10));
-            // The message gives way where the terminal is narrow.
+            // On a narrow terminal, the message is shortened.
             let template = match until {
                 Some(_) => "{bar:16} {percent:>3} %, {eta} left  {factorization}{wide_msg}",
                 None => "{spinner} {factorization}{wide_msg}",
@@ -158,7 +158,7 @@ impl Console {
     }
 }
 
-/// `t = 0.5 of 2, step 100, energy defect 1.2e-15, 4 iterations`.
+/// Formats the status: `t = 0.5 of 2, step 100, energy defect 1.2e-15, 4 iterations`.
 fn status(progress: &Progress) -> String {
     let row = progress.row;
     let until = progress.until.map(|until| format!(" of {until}")).unwrap_or_default();

@@ -1,11 +1,11 @@
-//! A first script from a deck of Abaqus or CalculiX, for `conserva new --from`.
+//! Generates a first script from a deck of Abaqus or CalculiX, for `conserva new --from`.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::mesh::{Deck, DeckBoundary};
 
-/// Words that a script has for other things.
+/// Names that are not available for variables of the script.
 const TAKEN: &[&str] = &[
     "deck",
     "scene",
@@ -73,7 +73,7 @@ const TAKEN: &[&str] = &[
     "go",
 ];
 
-/// A variable for each part: its name in small letters.
+/// Returns a variable for each part: its name in lower case.
 fn variables(deck: &Deck) -> Vec<String> {
     let mut taken: BTreeSet<String> = TAKEN.iter().map(|word| word.to_string()).collect();
     let variable = |name: &str| {
@@ -91,12 +91,12 @@ fn variables(deck: &Deck) -> Vec<String> {
     deck.parts.iter().map(|part| part.name.as_str()).map(variable).collect()
 }
 
-/// A text between quotation marks.
+/// Returns a text in quotation marks.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-/// The script of a deck: `path` is where the script finds it, `name` that of the scenario.
+/// Returns the script of a deck; `path` is the path of the deck from the script, `name` that of the scenario.
 pub fn script_of(deck: &Deck, path: &str, name: &str) -> String {
     let variables = variables(deck);
     let variable = |part: &str| deck.parts.iter().position(|known| known.name == part).map_or("body", |index| &variables[index]);

@@ -1,4 +1,4 @@
-//! `conserva diff`: what differs between two runs.
+//! `conserva diff`: differences between two runs.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub struct Arguments {
     format: Format,
 }
 
-/// How a comparison is written.
+/// Output format of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// For a terminal
@@ -48,7 +48,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Compares two runs; the exit code.
+/// Compares two runs; returns the exit code.
 pub fn diff(arguments: Arguments) -> u8 {
     let Arguments { first, second, tolerance, ignore, format } = arguments;
     let all = match compare(&first, &second, &Exactness { tolerance, ignored: ignore }) {
@@ -80,7 +80,7 @@ pub fn diff(arguments: Arguments) -> u8 {
     u8::from(!same)
 }
 
-/// A comparison in lines.
+/// Returns a comparison as lines of text.
 fn told(found: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     let is_silent = found.is_same() && found.entries.is_empty();

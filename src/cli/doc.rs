@@ -22,7 +22,7 @@ pub struct Arguments {
     format: Format,
 }
 
-/// How the reference is written.
+/// Output format of the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
     /// For a terminal
@@ -35,7 +35,7 @@ enum Format {
     Definitions,
 }
 
-/// Shows the reference; the exit code.
+/// Shows the reference; returns the exit code.
 pub fn doc(arguments: Arguments) -> u8 {
     let session = match Session::new(Settings::default(), Path::new("."), Rc::new(Silent)) {
         Ok(session) => session,
@@ -72,7 +72,7 @@ pub fn doc(arguments: Arguments) -> u8 {
     0
 }
 
-/// Lists what mentions a text; the exit code.
+/// Lists entries that mention a text; returns the exit code.
 fn search(reference: &Reference, text: &str) -> u8 {
     let (found, meant) = (reference.search(text), meant(text));
     let console = Console::new(true);

@@ -1,16 +1,16 @@
-//! What `conserva info` says of files to look at: pictures, movies, reports.
+//! Descriptions of pictures, movies and reports for `conserva info`.
 
 use serde_json::Value;
 
-/// What is said of a file, in this order.
+/// Properties of a file with their values, in the order of output.
 type Facts = Vec<(&'static str, Value)>;
 
-/// The first bytes of a PNG file.
+/// First bytes of a PNG file.
 pub const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
-/// Those of a GIF file, without its version.
+/// First bytes of a GIF file, without the version.
 pub const GIF: &[u8] = b"GIF8";
 
-/// What there is in a picture or a movie; nothing where it is none.
+/// Describes a picture or movie; `None` for other files.
 pub fn picture(bytes: &[u8]) -> Option<Facts> {
     let (format, size, delays) = if bytes.starts_with(PNG) {
         png(bytes)?
@@ -30,7 +30,7 @@ pub fn picture(bytes: &[u8]) -> Option<Facts> {
     Some(facts)
 }
 
-/// Format, width and height, seconds for which each picture of a movie is shown.
+/// Format, width and height, and the duration of each picture of a movie `[s]`.
 type Drawn = (&'static str, [String; 2], Vec<f64>);
 
 fn png(bytes: &[u8]) -> Option<Drawn> {
@@ -52,7 +52,7 @@ fn png(bytes: &[u8]) -> Option<Drawn> {
 fn gif(bytes: &[u8]) -> Option<Drawn> {
     let half = |at: usize| Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?));
     let colors = |flags: u8| if flags & 0x80 == 0 { 0 } else { 3 << ((flags & 7) + 1) };
-    // Behind pieces, each with its length, and an empty one.
+    // Skips sub-blocks, each with its length, up to an empty one.
     let behind = |mut at: usize| {
         while *bytes.get(at)? > 0 {
             at += 1 + usize::from(bytes[at]);
@@ -82,7 +82,7 @@ fn gif(bytes: &[u8]) -> Option<Drawn> {
     Some(("GIF", [half(6)?.to_string(), half(8)?.to_string()], delays))
 }
 
-/// What there is in a report; nothing where the page is none.
+/// Describes a report; `None` for other pages.
 pub fn report(page: &str) -> Option<Facts> {
     let start = "<script type=\"application/json\" id=\"data\">";
     let data = page.split(start).nth(1)?.split("</script>").next()?;

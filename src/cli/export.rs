@@ -38,7 +38,7 @@ enum Format {
     Xdmf,
 }
 
-/// Converts files; the exit code.
+/// Converts files; returns the exit code.
 pub fn export_run(arguments: Arguments) -> u8 {
     let Arguments { folder, format, out } = arguments;
     let run = match RunFolder::open(&folder) {

@@ -1,6 +1,6 @@
-//! `conserva info`: what a file or a folder is, in a few lines.
+//! `conserva info`: describes a file or a folder in a few lines.
 //!
-//! [`KINDS`] lists what is known, each with a test by name or first bytes and a description; a further kind of files is a row.
+//! [`KINDS`] lists the known kinds, each with a test by name or first bytes and a description; a further kind of files is a row.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -37,18 +37,18 @@ pub struct Arguments {
     picture: Option<Option<PathBuf>>,
 }
 
-/// What is said of a file, in this order.
+/// Properties of a file with their values, in the order of output.
 type Facts = Vec<(&'static str, Value)>;
 
 /// A kind of files.
 struct Kind {
     name: &'static str,
-    /// Whether a file is of this kind, by its ending (in small letters) and its first bytes.
+    /// True if a file is of this kind, given its extension (in lower case) and its first bytes.
     fits: fn(&str, &[u8]) -> bool,
     describe: fn(&Path) -> Result<Facts, Box<Diagnostic>>,
 }
 
-/// What is known, the first that fits.
+/// Known kinds of files; the first match is used.
 const KINDS: &[Kind] = &[
     Kind { name: "rows of a study", fits: |ending, head| ending == "csv" && is_study(head), describe: study_file },
     Kind { name: "table", fits: |ending, _| ending == "csv", describe: csv_file },
@@ -72,10 +72,10 @@ const KINDS: &[Kind] = &[
     },
 ];
 
-/// Bytes at the start of a file by which it is known.
+/// Number of bytes at the start of a file by which its kind is determined.
 const HEAD: usize = 4096;
 
-/// Describes a file or a folder; the exit code.
+/// Describes a file or a folder; returns the exit code.
 pub fn info(arguments: Arguments) -> u8 {
     let Arguments { path, format, picture } = arguments;
     let found = facts_of(&path).and_then(|(kind, mut facts)| {
@@ -112,7 +112,7 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
     if kind.is_dir() {
         return if StudyFolder::is_study(path) { Ok(("study", study_folder(path)?)) } else { Ok(("run", run_folder(path)?)) };
     }
-    // A file of a study beside its plan tells what the study is; its rows have words, too.
+    // A table of a study is described by the study's plan; its rows contain words, too.
     if let Some(study) = path.parent().map(|folder| if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
         && StudyFolder::is_study(study)
     {
@@ -133,7 +133,7 @@ fn facts_of(path: &Path) -> Result<(&'static str, Facts), Box<Diagnostic>> {
     Ok((kind.name, (kind.describe)(path)?))
 }
 
-/// What is computed, and how far it is.
+/// Describes a study: script, parameters, number of points and their outcomes.
 fn study_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let study = StudyFolder::open(path)?;
     let plan = study.plan()?;
@@ -152,7 +152,7 @@ fn study_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     ])
 }
 
-/// A fact in lines: a list below its name, the rest beside it.
+/// Writes a property: a list below its name, other values beside it.
 fn say(console: &Console, key: &str, value: &Value) {
     let word = |value: &Value| match value {
         Value::Null => "-".to_string(),
@@ -213,7 +213,7 @@ fn run_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     Ok(facts)
 }
 
-/// What a summary says, without what only programs ask for.
+/// Describes a summary by the entries for users.
 fn summary_facts(summary: Option<&Value>) -> Facts {
     const SHOWN: [&str; 16] = [
         "script",
@@ -270,7 +270,7 @@ fn csv_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     Ok(facts)
 }
 
-/// Whether the first line of a table ends with the column that says why a point failed.
+/// True if the first line of a table ends with the column `failure`.
 fn is_study(head: &[u8]) -> bool {
     head.split(|&byte| byte == b'\n').next().is_some_and(|line| line.ends_with(b",failure"))
 }
@@ -288,7 +288,7 @@ fn parquet_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     Ok(table_facts(&read_parquet(path).map_err(|error| refused(&error))?))
 }
 
-/// Rows, and for each column its values: how many, the smallest, the largest, the last.
+/// Describes a table: number of rows, and for each column the number of values, minimum, maximum and last value.
 fn table_facts(table: &Table) -> Facts {
     let mut rows = vec![json!(["column", "values", "smallest", "largest", "last"])];
     for column in &table.columns {
@@ -336,7 +336,7 @@ fn frame_facts(frame: &FieldsRead, title: &'static str) -> Facts {
     vec![("points", frame.points.into()), ("cells", frame.cells.into()), (parts, frame.parts.clone().into()), (title, rows.into())]
 }
 
-/// How often each event is told, and how the run ended.
+/// Describes a log: number of events by kind, script, and outcome of the run.
 fn log_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let text = files::read_text(path).map_err(|error| refused(&ReadError::io(path, &error)))?;
     let (mut counts, mut script, mut outcome) =
@@ -344,7 +344,7 @@ fn log_file(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     for (number, line) in text.lines().enumerate() {
         let event = serde_json::from_str::<Value>(line).ok().filter(|event| event["event"].is_string());
         let Some(event) = event else {
-            // A process that was killed may leave a line without its end.
+            // A killed process may leave an incomplete line.
             if number + 1 == text.lines().count() && !text.ends_with('\n') {
                 break;
             }

@@ -11,11 +11,11 @@ use crate::script::{Ink, TestCase, TestOutcome};
 pub struct Tested {
     /// The test.
     pub case: TestCase,
-    /// How it ended.
+    /// Outcome of the test.
     pub outcome: TestOutcome,
 }
 
-/// The whole file.
+/// Returns the text of the file.
 pub fn junit(suites: &[(String, Vec<&Tested>)], broken: &[(String, String)], seconds: f64) -> String {
     let tests: usize = suites.iter().map(|(_, tests)| tests.len()).sum();
     let failures: usize = suites.iter().map(|(_, tests)| failed(tests)).sum();

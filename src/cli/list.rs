@@ -1,4 +1,4 @@
-//! `conserva list`: the runs below a folder, with what tells them apart.
+//! `conserva list`: the runs below a folder, with the parameters in which they differ.
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ pub struct Arguments {
     format: Format,
 }
 
-/// A run in a line.
+/// A run in the list.
 struct Listed {
     folder: PathBuf,
     script: Option<String>,
@@ -36,7 +36,7 @@ struct Listed {
     wall_seconds: Option<f64>,
 }
 
-/// Lists runs; the exit code.
+/// Lists runs; returns the exit code.
 pub fn list(arguments: Arguments) -> u8 {
     let Arguments { folder, format } = arguments;
     if let Err(error) = std::fs::read_dir(&folder) {
@@ -117,7 +117,7 @@ fn listed(path: &Path) -> Listed {
     }
 }
 
-/// Parameters of a run that another run of the same script has otherwise.
+/// Returns the parameters of a run that differ in other runs of its script.
 fn differing(run: &Listed, all: &[Listed]) -> String {
     let value = |other: &Listed, name: &str| other.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone());
     let others = || all.iter().filter(|other| other.script == run.script && run.script.is_some());

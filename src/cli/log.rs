@@ -1,8 +1,8 @@
-//! The log of a run for programs: one JSON object per line, told as it happens.
+//! The log of a run for programs: one JSON object per line, written immediately.
 //!
-//! Every line has the key `event`; [`EVENTS`] lists its values with their keys, which later versions keep and may add to. Lines tell no
-//! clock but for `wall_seconds` at the end, so that logs of equal runs are equal. What cannot be written is told once; the run goes on to
-//! its end, and its exit code tells that a result is missing.
+//! Every line has the key `event`; [`EVENTS`] lists its values with their keys, which later versions keep and may extend. Lines contain no
+//! wall-clock times except `wall_seconds` at the end, so that logs of equal runs are equal. A failed write is reported once; the run
+//! continues, and its exit code reports the missing output.
 
 use std::cell::{Cell, RefCell};
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ use crate::dynamics::LedgerRow;
 use crate::output::is_count;
 use crate::script::{Class, ContactChange, Diagnostic, Event, Ink, Observer, Progress, Report};
 
-/// What the long help of `conserva run` says of the log.
+/// Returns the description of the log for the long help of `conserva run`.
 pub fn help() -> String {
     let events: Vec<String> = EVENTS.iter().map(|(event, keys)| format!("  {event:<8} {keys}")).collect();
     format!("Events of the log, by the key `event` of each line:\n{}", events.join("\n"))
@@ -45,20 +45,20 @@ const EVENTS: &[(&str, &str)] = &[
     ("end", "the run has ended: `outcome` (`completed`, `interrupted`, `failed`), `exit_code`, `checks`, `conserving`, `wall_seconds`"),
 ];
 
-/// Where the log goes.
+/// Target of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LogTarget {
-    /// To standard error, alone.
+    /// Standard error, without other output.
     StandardError,
-    /// Into a file.
+    /// A file.
     File(PathBuf),
 }
 
 impl LogTarget {
-    /// `json` or `json:FILE`.
+    /// Parses `json` or `json:FILE`.
     ///
     /// # Errors
-    /// How it is written.
+    /// The text is not of the expected form; the message describes the form.
     pub fn parse(text: &str) -> Result<Self, String> {
         match text.split_once(':') {
             None if text == "json" => Ok(LogTarget::StandardError),
@@ -68,20 +68,20 @@ impl LogTarget {
     }
 }
 
-/// An observer that writes the log and passes on to the console what belongs there, too.
+/// Observer that writes the log, and passes other output on to the console.
 pub struct JsonLog {
     console: Rc<Console>,
-    /// The file; standard error without one.
+    /// File of the log; `None` for standard error.
     file: Option<(PathBuf, RefCell<File>)>,
     broken: Cell<bool>,
     begun: Instant,
 }
 
 impl JsonLog {
-    /// Opens the log; a file of that name is replaced.
+    /// Opens the log; an existing file is replaced.
     ///
     /// # Errors
-    /// A file that cannot be made.
+    /// A file that cannot be created.
     pub fn open(target: &LogTarget, console: Rc<Console>) -> Result<Self, Box<Diagnostic>> {
         let file = match target {
             LogTarget::StandardError => None,
@@ -99,17 +99,17 @@ impl JsonLog {
         Ok(JsonLog { console, file, broken: Cell::new(false), begun: Instant::now() })
     }
 
-    /// Whether nothing but the log goes to standard error.
+    /// True if the log goes to standard error, so that nothing else may be written there.
     pub fn is_alone(&self) -> bool {
         self.file.is_none()
     }
 
-    /// Whether something could not be written.
+    /// True if a line could not be written.
     pub fn is_broken(&self) -> bool {
         self.broken.get()
     }
 
-    /// Tells that the run begins.
+    /// Logs the start of the run.
     pub fn start(&self, script: &Path, out: &Path, threads: u16, overrides: &[(String, String)]) {
         let set: serde_json::Map<String, Value> = overrides.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
         self.tell(
@@ -124,12 +124,12 @@ impl JsonLog {
         );
     }
 
-    /// Tells at which address the run is shown.
+    /// Logs the address of the run's page.
     pub fn shown(&self, address: &str) {
         self.tell("watch", &[("address", address.into())]);
     }
 
-    /// Tells how the run ended.
+    /// Logs the end of the run.
     pub fn end(&self, report: &Report, exit_code: u8) {
         if let Some(error) = &report.error {
             let mut keys = vec![("class", class_name(error.class).into())];
@@ -153,7 +153,7 @@ impl JsonLog {
         );
     }
 
-    /// Writes a line with one call to the operating system.
+    /// Writes a line by one system call.
     fn tell(&self, event: &str, keys: &[(&str, Value)]) {
         if self.broken.get() {
             return;
@@ -164,7 +164,7 @@ impl JsonLog {
         }
         line.push_str("}\n");
         let Some((path, file)) = &self.file else {
-            // There is nobody left to tell.
+            // A failed write cannot be reported here.
             let is_lost = write_error(&line).is_err_and(|error| error.kind() != ErrorKind::BrokenPipe);
             return self.broken.set(is_lost);
         };
@@ -190,7 +190,7 @@ fn class_name(class: Class) -> &'static str {
     }
 }
 
-/// The keys of a message.
+/// Returns the keys of a message.
 fn diagnostic_keys(diagnostic: &Diagnostic) -> Vec<(&'static str, Value)> {
     let place = diagnostic.place.as_ref();
     let position = place.map(|place| place.line_column());
@@ -205,7 +205,7 @@ fn diagnostic_keys(diagnostic: &Diagnostic) -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// A column of the ledger: whole numbers as such, null where it is no number.
+/// Returns a column of the ledger: whole numbers as such, null for NaN.
 fn column(row: &LedgerRow, name: &str) -> Value {
     match row.column(name) {
         Some(value) if is_count(name) => (value as u64).into(),

@@ -1,4 +1,4 @@
-//! `--memory`: how much of it a command may take.
+//! `--memory`: limit of the memory of a command.
 
 use clap::Args;
 
@@ -13,16 +13,16 @@ pub struct MemoryArguments {
 }
 
 impl MemoryArguments {
-    /// Makes it the limit of this process.
+    /// Sets the limit of this process.
     pub fn apply(&self) {
         self.memory.into_iter().for_each(memory::set_limit);
     }
 }
 
-/// Bytes, from a number with its unit.
+/// Parses a size in bytes, a number with its unit.
 ///
 /// # Errors
-/// How it is written.
+/// The text is not of the expected form; the message describes the form.
 fn size(text: &str) -> Result<u64, String> {
     let text = text.trim();
     let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic()).trim_end();
@@ -38,7 +38,7 @@ fn size(text: &str) -> Result<u64, String> {
     bytes.map(|bytes| bytes as u64).ok_or_else(|| "write a size with its unit, 50MB at least: 500MB, 8GB, 1.5GiB".into())
 }
 
-/// What the program takes before it has done anything, and a little more.
+/// Lower bound of the limit `[bytes]`: memory of the idle program, with a margin.
 const LEAST: f64 = 5e7;
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ fn read(path: &Path) -> Result<(Mesh, Vec<FileNote>), Box<Diagnostic>> {
     mesh::read_mesh_with(path, ReadOptions::default(), Some(&find)).map_err(|error| refused(path, &error))
 }
 
-/// Cells, box, boundaries and parts of a mesh file, and what was done to what it holds.
+/// Describes a mesh file: cells, bounding box, boundaries, parts, and changes made by the reader.
 pub fn mesh(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let (mesh, notes) = read(path)?;
     let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
@@ -61,7 +61,7 @@ pub fn mesh(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     Ok(facts)
 }
 
-/// Draws a mesh file into a file of that name, or of its own name with the ending `.png`; the path of the picture.
+/// Draws a mesh file into a file (by default the name of the mesh file with extension `.png`); returns the path of the picture.
 pub fn draw(path: &Path, kind: &str, picture: Option<PathBuf>) -> Result<PathBuf, Box<Diagnostic>> {
     let error = |title: String| Diagnostic::error(Class::Script, title);
     if kind != "mesh" {

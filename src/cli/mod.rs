@@ -35,7 +35,7 @@ use crate::script::{Class, Diagnostic};
 use console::{judge, with_loss, write_out};
 use process::{STACK, exit_code};
 
-/// Complaint of a program without kernels for the processor that it runs on.
+/// Message if the processor lacks instructions for which the program was compiled.
 const UNSUPPORTED: &str = "error: this processor has no AVX2 and FMA, for which the program was compiled\n\
     = hint: compile it with `cargo build --release --locked --features portable`, for every x86-64 processor\n";
 
@@ -85,7 +85,7 @@ enum Command {
     },
 }
 
-/// Writes the manual page of the program or of one of its commands; the exit code.
+/// Writes the manual page of the program or of a command; returns the exit code.
 fn manual(command: Option<&str>) -> u8 {
     let mut program = CommandLine::command();
     program.build();
@@ -105,7 +105,7 @@ fn manual(command: Option<&str>) -> u8 {
     0
 }
 
-/// Tells what is wrong with the arguments, or shows the help that they ask for; the exit code.
+/// Reports wrong arguments, or shows the requested help; returns the exit code.
 fn told(error: &clap::Error) -> u8 {
     let (written, code) = (error.print(), u8::try_from(error.exit_code()).unwrap_or(exit_code(Class::Script)));
     // A message that cannot be shown on standard error has nowhere to go.
@@ -121,14 +121,14 @@ pub fn main() -> ExitCode {
     ExitCode::from(run_command(std::env::args_os()))
 }
 
-/// Runs the command of a program that is not this process's executable, such as a script of an interpreter; the exit code. Studies start
-/// `program` for their points.
+/// Runs the command of a program that is not this process's executable, such as a script of an interpreter; returns the exit code. Studies
+/// start `program` for their points.
 pub fn main_of(program: std::path::PathBuf, arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     process::set_program(program.clone());
     run_command(std::iter::once(program.into_os_string()).chain(arguments))
 }
 
-/// Runs the command of arguments, the first of which is the name of the program; the exit code.
+/// Runs the command of arguments, the first of which is the name of the program; returns the exit code.
 fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     let arguments = match CommandLine::try_parse_from(arguments) {
         Ok(arguments) => arguments,

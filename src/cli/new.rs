@@ -22,10 +22,10 @@ pub struct Arguments {
     from: Option<PathBuf>,
 }
 
-/// The template; `NAME` stands for the scenario's name.
+/// Template of a scenario; `NAME` is replaced by the scenario's name.
 const TEMPLATE: &str = include_str!("template.rhai");
 
-/// Writes a new scenario; the exit code.
+/// Writes a new scenario; returns the exit code.
 pub fn new(arguments: Arguments) -> u8 {
     let name = arguments.name.or_else(|| arguments.from.as_ref()?.file_stem().map(PathBuf::from)).unwrap_or_default();
     let file = if name.extension().is_some_and(|ending| ending == "rhai") {
@@ -69,7 +69,7 @@ pub fn new(arguments: Arguments) -> u8 {
     }
 }
 
-/// The script of a deck, which is to stand in a file.
+/// Returns the script of a deck, to be written to the file `script`.
 fn from_deck(path: &Path, script: &Path, name: &str) -> Result<String, Box<Diagnostic>> {
     let find = below_folder_of(path);
     let deck = read_deck(path, ReadOptions::default(), Some(&find)).map_err(|error| {

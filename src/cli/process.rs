@@ -6,16 +6,16 @@ use std::sync::OnceLock;
 use crate::script::Class;
 pub use crate::script::STACK;
 
-/// The program that stands for this process's executable, where it is set.
+/// Program that replaces this process's executable, if set.
 static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
 
-/// Sets the program that studies start for their points; without it, that is this process's executable.
+/// Sets the program that studies start for their points; by default this process's executable.
 pub fn set_program(program: PathBuf) {
-    // The first one holds: a process has one program.
+    // The first call holds: a process has one program.
     let _ = PROGRAM.set(program);
 }
 
-/// The program that studies start for their points.
+/// Returns the program that studies start for their points.
 ///
 /// # Errors
 /// The operating system does not name this process's executable.
@@ -23,10 +23,10 @@ pub fn program() -> std::io::Result<PathBuf> {
     PROGRAM.get().cloned().map_or_else(std::env::current_exe, Ok)
 }
 
-/// The exit code of a run without an error that should not be trusted.
+/// Exit code of a run without an error whose results should not be trusted.
 pub const DOUBTFUL: u8 = 4;
 
-/// The exit code of an error.
+/// Returns the exit code of an error.
 pub fn exit_code(class: Class) -> u8 {
     match class {
         Class::Check => 1,

@@ -1,7 +1,7 @@
-//! `conserva repl`: the terminal around an interactive session. Line editing is `rustyline`'s business, the language the session's.
+//! `conserva repl`: the terminal of an interactive session. Lines are edited by `rustyline`; the language is that of the session.
 //!
-//! Ctrl-C while editing clears the line; while something runs it sets the flag that the engine and the solver ask, so that everything stays
-//! usable. The history lasts across sessions in the state folder of the XDG base directory specification.
+//! Ctrl-C clears the line while editing; during a computation it sets the flag that engine and solver check, so that the session stays
+//! usable. The history is kept across sessions in the state folder of the XDG base directory specification.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -52,7 +52,7 @@ pub struct Arguments {
 
 const PROMPT: &str = "conserva> ";
 
-/// What `:help` shows.
+/// Text of `:help`.
 const HELP: &str = "\
   help()           topics and functions; help(\"topic\"), help(\"function\"), ?function, help(object)
   ans              the last value; a semicolon at the end keeps a value from being shown
@@ -67,7 +67,7 @@ const HELP: &str = "\
   :save FILE       writes the session as a script that runs from scratch to the same results; :save! FILE overwrites
   :help, :quit, exit, quit";
 
-/// The session as rustyline sees it.
+/// Interface of the session to rustyline.
 struct Prompt {
     session: Rc<RefCell<Interactive>>,
     history: HistoryHinter,
@@ -75,7 +75,7 @@ struct Prompt {
     is_colored: bool,
 }
 
-/// The rest of a signature, which is only shown, or of an earlier entry, which the right arrow takes over.
+/// Suggestion behind the cursor: the rest of a signature (only shown), or of an earlier entry (accepted by the right arrow).
 struct Suggestion {
     text: String,
     is_entry: bool,
@@ -179,7 +179,7 @@ impl Highlighter for Prompt {
     }
 }
 
-/// The Enter key: a new line of an entry that is not complete begins as deep as brackets are open.
+/// Handler of the Enter key: a new line of an incomplete entry is indented by the open brackets.
 struct Indent;
 
 impl ConditionalEventHandler for Indent {
@@ -193,7 +193,7 @@ impl ConditionalEventHandler for Indent {
     }
 }
 
-/// The file that keeps the history, its folder made.
+/// Returns the path of the history file; its folder is created.
 fn history_file() -> Option<PathBuf> {
     let folder = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let state = folder("XDG_STATE_HOME").or_else(|| Some(folder("HOME")?.join(".local/state")))?;
@@ -202,7 +202,7 @@ fn history_file() -> Option<PathBuf> {
     Some(folder.join("history"))
 }
 
-/// Runs the prompt; the exit code.
+/// Runs the prompt; returns the exit code.
 pub fn repl(arguments: Arguments) -> u8 {
     arguments.memory.apply();
     let waiting = Arc::new(AtomicBool::new(false));
@@ -254,19 +254,19 @@ pub fn repl(arguments: Arguments) -> u8 {
     }
 }
 
-/// A session with the terminal it talks to.
+/// A session and its terminal.
 struct Terminal {
     session: Rc<RefCell<Interactive>>,
     console: Rc<Console>,
     interrupt: Arc<AtomicBool>,
-    /// Whether the prompt waits for an entry.
+    /// True while the prompt waits for input.
     waiting: Arc<AtomicBool>,
-    /// Whether the session is to end.
+    /// True if the session is to end.
     over: Arc<AtomicBool>,
 }
 
 impl Terminal {
-    /// Asks for entries until the user has had enough.
+    /// Reads and evaluates entries until the end of the session.
     fn prompt(&mut self) {
         let config = Config::builder().completion_type(CompletionType::List).auto_add_history(true).max_history_size(10_000);
         let editor = config.map(|config| Editor::<Prompt, FileHistory>::with_config(config.build()));
@@ -285,7 +285,7 @@ impl Terminal {
         editor.bind_sequence(KeyEvent(KeyCode::Enter, Modifiers::NONE), indent);
         let history = history_file();
         if let Some(file) = &history {
-            // The first session has none.
+            // The first session has no history file.
             let _ = editor.load_history(file);
         }
         self.console.say(&format!("conserva {}   :help for help, Ctrl-D to quit", env!("CARGO_PKG_VERSION")));
@@ -314,7 +314,7 @@ impl Terminal {
         self.console.ink()
     }
 
-    /// Does what an entry asks for; whether there is to be another one.
+    /// Evaluates an entry; returns false at the end of the session.
     fn answer(&mut self, line: &str) -> bool {
         self.interrupt.store(false, Ordering::Relaxed);
         if let Some(name) = line.strip_prefix('?') {

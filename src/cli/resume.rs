@@ -1,4 +1,4 @@
-//! `conserva resume`: goes on with a run that was interrupted, from its last checkpoint, to the files that it would have written.
+//! `conserva resume`: resumes an interrupted run from its last checkpoint, with the files of an uninterrupted run.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -35,7 +35,7 @@ fn refusal(title: impl Into<String>) -> Diagnostic {
     Diagnostic::error(Class::Script, title)
 }
 
-/// The run's folder and the place of the checkpoint to go on from.
+/// Returns the folder of the run and the path of the checkpoint to resume from.
 fn find(given: &Path) -> Result<(PathBuf, PathBuf), Box<Diagnostic>> {
     if !given.is_file() {
         let newest = checkpoint::places(given).pop().ok_or_else(|| Box::new(nothing_to_resume(given)))?;
@@ -45,7 +45,7 @@ fn find(given: &Path) -> Result<(PathBuf, PathBuf), Box<Diagnostic>> {
     Ok((if run.as_os_str().is_empty() { Path::new(".") } else { run }.to_path_buf(), given.to_path_buf()))
 }
 
-/// A checkpoint that belongs to the folder of a run, and the files that the run has replaced since.
+/// Returns a checkpoint that belongs to the folder of a run, and the files that the run has replaced since.
 fn sound(run: &Path, place: &Path) -> Result<(Checkpoint, Vec<CountedFile>), Box<Diagnostic>> {
     let whole = |place: &Path| {
         let checkpoint = Checkpoint::read(place)?;
@@ -66,7 +66,7 @@ fn sound(run: &Path, place: &Path) -> Result<(Checkpoint, Vec<CountedFile>), Box
     })
 }
 
-/// The diagnostic of what cannot be written.
+/// Returns the diagnostic of a file that cannot be written.
 fn unwritten(error: &OutputError) -> Box<Diagnostic> {
     let class = if matches!(error, OutputError::UnderWay { .. }) { Class::Script } else { Class::Output };
     Box::new(Diagnostic::error(class, error.to_string()).code(error.code()).hint(error.hint()))
@@ -85,7 +85,7 @@ fn nothing_to_resume(run: &Path) -> Diagnostic {
     error.cause("it has no checkpoint").hint("name the folder of a run's results, such as `out/bearing`")
 }
 
-/// Refuses to go on where the results would be others.
+/// Refuses to resume if results would differ.
 fn compare(then: &Origin, now: &Origin, anyway: bool) -> Result<(), Box<Diagnostic>> {
     let (changed, digits) = then.differences(now);
     if let Some(first) = changed.first() {
@@ -101,7 +101,7 @@ fn compare(then: &Origin, now: &Origin, anyway: bool) -> Result<(), Box<Diagnost
     Ok(())
 }
 
-/// Resumes a run; the exit code.
+/// Resumes a run; returns the exit code.
 pub fn resume(arguments: Arguments) -> u8 {
     arguments.memory.apply();
     attempt(&arguments).unwrap_or_else(|error| {
@@ -113,11 +113,11 @@ pub fn resume(arguments: Arguments) -> u8 {
 fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     let (run, place) = find(&arguments.run)?;
     let out = run.canonicalize().unwrap_or_else(|_| run.clone());
-    // Before anything is read that another process may change.
+    // Taken before any file is read that another process may change.
     let lock = RunLock::take(&out).map_err(|error| unwritten(&error))?;
     let (checkpoint, aside) = sound(&run, &place)?;
     let origin = checkpoint.origin.clone();
-    // Paths mean what they meant then.
+    // Paths are relative to the folder in which the run was started.
     std::env::set_current_dir(&origin.folder).map_err(|error| {
         let error = refusal(format!("the folder {} cannot be entered", origin.folder.display())).cause(error.to_string());
         Box::new(error.hint("the run began there, and the paths of its script and files are relative to it"))

@@ -1,4 +1,4 @@
-//! `conserva run`: runs a script, shows progress, writes results, and says by its exit code how it went.
+//! `conserva run`: runs a script, shows progress, writes results, and reports the outcome by its exit code.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -50,10 +50,10 @@ pub struct CourseArguments {
     pub watch: Option<u16>,
 }
 
-/// How often a checkpoint is written.
+/// Parses the interval between checkpoints.
 ///
 /// # Errors
-/// How it is written.
+/// The text is not of the expected form; the message describes the form.
 fn every(text: &str) -> Result<Checkpoints, String> {
     let text = text.trim();
     let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic()).trim_end();
@@ -73,15 +73,15 @@ fn every(text: &str) -> Result<Checkpoints, String> {
     time.and_then(Result::ok).map(Checkpoints::Time).ok_or_else(|| how.into())
 }
 
-/// A port of this machine.
+/// Parses a port of this machine.
 ///
 /// # Errors
-/// How it is written.
+/// The text is not of the expected form; the message describes the form.
 fn port(text: &str) -> Result<u16, String> {
     text.parse().map_err(|_| "write `--watch` for any port that is free, or one from 1 to 65535 such as `--watch=8000`".into())
 }
 
-/// Runs a script; the exit code.
+/// Runs a script; returns the exit code.
 pub fn run(arguments: Arguments) -> u8 {
     let ScriptArguments { script, overrides, allow_read, max_operations, memory } = arguments.script;
     memory.apply();
@@ -124,7 +124,7 @@ pub fn run(arguments: Arguments) -> u8 {
     watch.end(&report, &out)
 }
 
-/// Who watches a run: the terminal, a log for programs, and a page.
+/// Observers of a run: the terminal, a log for programs, and a page.
 pub struct Watch {
     pub console: Rc<Console>,
     log: Option<Rc<JsonLog>>,
@@ -132,10 +132,10 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// As the arguments say, of a run with results in the folder `out`.
+    /// Returns the observers requested by the arguments, for results in the folder `out`.
     ///
     /// # Errors
-    /// A log that cannot be written, a page that cannot be shown.
+    /// A log that cannot be written, a page that cannot be served.
     pub fn new(course: &CourseArguments, out: &Path) -> Result<Self, Box<Diagnostic>> {
         let console = Rc::new(Console::new(course.quiet || course.log == Some(LogTarget::StandardError)));
         let log = course.log.as_ref().map(|target| JsonLog::open(target, console.clone())).transpose()?.map(Rc::new);
@@ -143,12 +143,12 @@ impl Watch {
         Ok(Watch { console, log, page })
     }
 
-    /// What the page shows, if there is one.
+    /// Returns the report behind the page; `None` without a page.
     pub fn live(&self) -> Option<Arc<LiveReport>> {
         self.page.as_ref().map(|page| page.report.clone())
     }
 
-    /// Whom a session tells what happens.
+    /// Returns the observer of the session.
     pub fn observer(&self) -> Rc<dyn Observer> {
         let observer: Rc<dyn Observer> = self.log.clone().map_or(self.console.clone(), |log| log);
         match self.live() {
@@ -157,7 +157,7 @@ impl Watch {
         }
     }
 
-    /// Tells that a run begins, and where it is shown.
+    /// Reports the start of a run, and the address of its page.
     pub fn begin(&self, script: &Path, out: &Path, threads: u16, overrides: &[(String, String)]) {
         self.log.iter().for_each(|log| log.start(script, out, threads, overrides));
         let Some(page) = &self.page else { return };
@@ -167,7 +167,7 @@ impl Watch {
         }
     }
 
-    /// Tells how a run ended; the exit code.
+    /// Reports the end of a run; returns the exit code.
     pub fn end(&self, report: &Report, out: &Path) -> u8 {
         let code = self.tell_end(report, out);
         self.show_end(report);
@@ -175,7 +175,7 @@ impl Watch {
         if lost && (code == 0 || code == DOUBTFUL) { exit_code(Class::Output) } else { code }
     }
 
-    /// Shows on the page how a run ended.
+    /// Shows the outcome on the page.
     pub fn show_end(&self, report: &Report) {
         self.page.iter().for_each(|page| page.end(report));
     }

@@ -25,13 +25,13 @@ pub struct ScriptArguments {
     pub memory: MemoryArguments,
 }
 
-/// Threads at most, or points and tests that are computed at a time.
+/// Largest number of threads, or of simultaneous points or tests.
 const MOST_THREADS: u16 = 1024;
 
-/// A number of threads.
+/// Parses a number of threads.
 ///
 /// # Errors
-/// How it is written.
+/// The text is not of the expected form; the message describes the form.
 pub fn threads(text: &str) -> Result<u16, String> {
     match text.trim().parse::<u64>() {
         Ok(0) => Err("write at least 1".into()),
@@ -42,10 +42,10 @@ pub fn threads(text: &str) -> Result<u16, String> {
     }
 }
 
-/// A name and its value.
+/// Parses `NAME=VALUE`.
 ///
 /// # Errors
-/// How it is written.
+/// The text is not of the expected form; the message describes the form.
 pub fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_string(), value.to_string())),

@@ -13,16 +13,16 @@ use signal_hook::flag;
 use super::process::exit_code;
 use crate::script::Class;
 
-/// Interval at which a thread looks for the first interrupt key.
+/// Period at which a thread checks for the first interrupt key.
 const LOOK: Duration = Duration::from_millis(100);
-/// Time after the first interrupt key within which further ones count as the same: `timeout -s INT` signals the process and then its
-/// group, and so does a shell script that is interrupted as a whole.
+/// Time after the first interrupt key within which further ones count as one: `timeout -s INT` signals the process and then its group, and
+/// so does a shell script that is interrupted as a whole.
 const MOMENT: Duration = Duration::from_millis(700);
 
-/// A flag that becomes true at the first signal that ends a run.
+/// Returns a flag that becomes true at the first signal that ends a run.
 ///
-/// Only a second interrupt key, after a moment, ends the process at once: the other signals come more than once by themselves, such as that
-/// of `timeout`, of a shell whose terminal closes, or of a limit of processor time, every second.
+/// Only a second interrupt key, after `MOMENT`, ends the process at once: other signals are repeated automatically, such as that of
+/// `timeout`, of a shell whose terminal closes, or of a limit of processor time, every second.
 ///
 /// # Errors
 /// A signal that cannot be watched.
@@ -38,13 +38,13 @@ pub fn interrupt() -> Result<Arc<AtomicBool>> {
             flag::register(signal, interrupt.clone())?;
         }
         watch_hangup(&interrupt)?;
-        // A file that grows above its limit is one that cannot be written.
+        // A file beyond its size limit then fails with an error of the write.
         flag::register(SIGXFSZ, Arc::default())?;
     }
     Ok(interrupt)
 }
 
-/// Ends the process at an interrupt key that comes more than a moment after the first one.
+/// Ends the process at an interrupt key more than `MOMENT` after the first one.
 fn watch_impatience() -> Result<()> {
     let (is_first, is_impatient) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     flag::register_conditional_shutdown(SIGINT, i32::from(exit_code(Class::Interrupted)), is_impatient.clone())?;
@@ -59,8 +59,8 @@ fn watch_impatience() -> Result<()> {
     Ok(())
 }
 
-/// The flag of a prompt, which the interrupt key raises again and again, and one that the end of its terminal raises beside it, or a
-/// request to end. While the prompt waits (`waiting`), such a request ends the process as it always does.
+/// Returns two flags of a prompt: that of the interrupt key, which is raised repeatedly, and that of the closing terminal or a request to
+/// end. While the prompt waits (`waiting`), a request to end has its default effect, the end of the process.
 ///
 /// # Errors
 /// A signal that cannot be watched.
@@ -78,7 +78,7 @@ pub fn prompt(waiting: &Arc<AtomicBool>) -> Result<(Arc<AtomicBool>, Arc<AtomicB
     Ok((interrupt, over))
 }
 
-/// Raises a flag when the terminal closes, unless the process was started to outlive it (`nohup`).
+/// Raises a flag when the terminal closes, unless the process was started with `nohup`.
 #[cfg(unix)]
 fn watch_hangup(flag: &Arc<AtomicBool>) -> Result<()> {
     if !ignores_hangup() {
@@ -87,7 +87,7 @@ fn watch_hangup(flag: &Arc<AtomicBool>) -> Result<()> {
     Ok(())
 }
 
-/// Whether this process was started with `SIGHUP` ignored, as far as the system tells (Linux).
+/// True if this process was started with `SIGHUP` ignored (known on Linux only; false elsewhere).
 #[cfg(unix)]
 fn ignores_hangup() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

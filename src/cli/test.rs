@@ -47,12 +47,12 @@ pub struct Arguments {
     memory: MemoryArguments,
 }
 
-/// The slowest tests that are named at the end.
+/// Number of slowest tests listed at the end.
 const SLOWEST: usize = 3;
-/// Tests faster than this are not named there.
+/// Least time of a test to be listed among the slowest.
 const SLOW: Duration = Duration::from_millis(100);
 
-/// Runs tests; the exit code: 0 all passed, 1 one failed, 2 a file does not parse or there is nothing to test.
+/// Runs tests; returns the exit code: 0 all passed, 1 one failed, 2 a file does not parse or there is nothing to test.
 pub fn test(arguments: Arguments) -> u8 {
     let begun = Instant::now();
     let interrupt = match interrupt() {
@@ -65,7 +65,7 @@ pub fn test(arguments: Arguments) -> u8 {
     let Arguments { paths, filter, list, junit: report, threads, allow_read, max_operations, memory } = arguments;
     memory.apply();
     let threads = threads.map_or_else(processors, |count| worthwhile(usize::from(count)));
-    // What is left beside the tests that run at a time.
+    // Processors left beside the simultaneous tests.
     let workers = (processors() / threads).max(1);
     let settings = Settings { allow_read, max_operations, interrupt: interrupt.clone(), workers, ..Settings::default() };
     let console = Console::new(true);
@@ -121,7 +121,7 @@ pub fn test(arguments: Arguments) -> u8 {
     }
 }
 
-/// Tests of all paths, and files that cannot be read or do not parse.
+/// Returns the tests of all paths, and files that cannot be read or do not parse.
 fn collect(paths: &[PathBuf], settings: &Settings) -> (Vec<TestCase>, Vec<(String, Diagnostic)>) {
     let (mut cases, mut broken) = (Vec::new(), Vec::new());
     let named = !paths.is_empty();
@@ -150,7 +150,7 @@ fn collect(paths: &[PathBuf], settings: &Settings) -> (Vec<TestCase>, Vec<(Strin
     (cases, broken)
 }
 
-/// Runs tests on threads; says each as soon as it and all before it are done.
+/// Runs tests on threads; reports each test as soon as it and all before it have ended.
 fn run_all(cases: Vec<TestCase>, threads: usize, settings: &Settings, console: &Console) -> Vec<Tested> {
     let next = AtomicUsize::new(0);
     let done: Mutex<Vec<Option<TestOutcome>>> = Mutex::new(vec![None; cases.len()]);

@@ -10,7 +10,7 @@ pub const MOST_FACE_NODES: usize = 9;
 /// A quadrature point of a face.
 #[derive(Clone, Debug)]
 pub struct FacePoint {
-    /// Its weight.
+    /// Quadrature weight of the point.
     pub weight: f64,
     /// Values of the shape functions, one for each node of the face.
     pub shapes: Vec<f64>,
@@ -23,7 +23,7 @@ pub struct FacePoint {
 const TRIANGLE: [(f64, f64); 2] =
     [(0.445_948_490_915_964_9, 0.111_690_794_839_005_73), (0.091_576_213_509_770_74, 0.054_975_871_827_660_934)];
 
-/// Points of a face with so many nodes: exact for the normal and a shape function, however the face is curved.
+/// Quadrature points of a face with a given number of nodes: exact for the product of normal and shape function, also on curved faces.
 pub fn face_points(nodes: usize) -> &'static [FacePoint] {
     static POINTS: [OnceLock<Vec<FacePoint>>; MOST_FACE_NODES + 1] = [const { OnceLock::new() }; MOST_FACE_NODES + 1];
     POINTS[nodes].get_or_init(|| {

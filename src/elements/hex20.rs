@@ -7,7 +7,7 @@
 use super::hex27::{self, gauss};
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
-/// Those of the triquadratic cell without the middles of its faces and its center.
+/// Node positions in reference coordinates: those of `hex27` without the face centers and the cell center.
 const PLACES: [[f64; 3]; 20] = *hex27::PLACES.first_chunk().expect("20 of 27");
 
 const FACETS: [&[usize]; 6] = [
@@ -41,7 +41,7 @@ pub(super) static ROW: CellRow = CellRow {
 /// The quadratic serendipity hexahedron.
 pub struct Hex20;
 
-/// The direction along the edge in whose middle a place is; none of a corner.
+/// Direction of the edge whose midpoint is the given place; `None` for a corner.
 fn along(place: [f64; 3]) -> Option<usize> {
     place.iter().position(|&x| x == 0.0)
 }

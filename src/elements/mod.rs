@@ -1,4 +1,4 @@
-//! Floor 1: reference cells. A cell kind knows its shape functions, quadrature and facets; nothing of meshes or materials.
+//! Floor 1: reference cells. A cell kind has shape functions, quadrature and facets, independent of meshes and materials.
 //!
 //! Node order of every kind is VTK's. Facets are listed so that the cell lies to the left (2D) or the normal points outward (3D) when a
 //! cell is positively oriented. A new kind is one file with its row, and a line in each list below.
@@ -89,12 +89,12 @@ impl CellKind {
         }
     }
 
-    /// Whether its strain is the same everywhere: triangles and tetrahedra of first order.
+    /// True if the strain is constant in a cell: triangles and tetrahedra of first order.
     pub fn has_one_point(self) -> bool {
         matches!(self, CellKind::Tri3 | CellKind::Tet4)
     }
 
-    /// Whether its edges have no middle nodes.
+    /// True if all nodes are corners.
     pub fn is_first_order(self) -> bool {
         self.row().nodes == self.row().cell_shape.corners()
     }
@@ -119,17 +119,17 @@ impl CellKind {
         self.row().nodes
     }
 
-    /// What a cell looks like.
+    /// Shape of the cell, which determines its corners.
     pub fn shape(self) -> CellShape {
         self.row().cell_shape
     }
 
-    /// Whether cells have nodes in the middle of their edges.
+    /// True if cells have mid-side nodes.
     pub fn is_quadratic(self) -> bool {
         self.nodes() > self.shape().corners()
     }
 
-    /// The kind of the plane cell that a facet in space with so many nodes is.
+    /// Plane cell kind of a facet in space with a given number of nodes.
     pub fn of_face(nodes: usize) -> CellKind {
         let is_it = |kind: &&CellKind| kind.dimension() == 2 && kind.nodes() == nodes;
         CellKind::ALL.iter().find(is_it).copied().unwrap_or(CellKind::Quad4)

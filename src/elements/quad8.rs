@@ -6,7 +6,7 @@
 use super::quad9::{self, FACETS, gauss};
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 
-/// Those of the biquadratic cell without its center.
+/// Node positions in reference coordinates: those of `quad9` without the cell center.
 const PLACES: [[f64; 3]; 8] = *quad9::PLACES.first_chunk().expect("eight of nine");
 
 pub(super) static ROW: CellRow = CellRow {

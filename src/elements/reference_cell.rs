@@ -1,7 +1,7 @@
-//! What a cell kind gives: functions of the reference coordinates for the element loop, and a row of the catalogue for everyone else.
+//! Interface of a cell kind: functions of the reference coordinates for the element loop, and a catalogue row for all other callers.
 //!
-//! The element loop knows the numbers of dimensions, nodes and points when it is compiled ([`ReferenceCell`]). Who does not need the speed
-//! asks the row, where points and gradients have three components and those beyond the dimension are zero.
+//! For the element loop the numbers of dimensions, nodes and points are constants of compilation ([`ReferenceCell`]). In the catalogue row
+//! points and gradients have three components; those beyond the dimension are zero.
 
 /// A reference cell in `D` dimensions with `A` nodes and `Q` quadrature points.
 pub trait ReferenceCell<const D: usize, const A: usize, const Q: usize>: Send + Sync + 'static {
@@ -22,7 +22,7 @@ pub trait ReferenceCell<const D: usize, const A: usize, const Q: usize>: Send + 
     fn extrapolation() -> [[f64; A]; Q];
 }
 
-/// What a cell looks like: all of its kind have the same corners.
+/// Shape of a cell, which determines its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellShape {
     /// Three corners.
@@ -36,7 +36,7 @@ pub enum CellShape {
 }
 
 impl CellShape {
-    /// Whether reference coordinates run from 0 and sum up to at most 1, so that polynomials count by their total degree.
+    /// True if reference coordinates are nonnegative with a sum of at most 1, so that polynomial spaces are of total degree.
     pub fn is_simplex(self) -> bool {
         matches!(self, CellShape::Triangle | CellShape::Tetrahedron)
     }
@@ -68,7 +68,7 @@ pub struct CellRow {
     pub name: &'static str,
     /// One sentence for the reference.
     pub summary: &'static str,
-    /// Its shape.
+    /// Shape of the cell.
     pub cell_shape: CellShape,
     /// Space dimension.
     pub dimension: usize,
@@ -87,9 +87,9 @@ pub struct CellRow {
     pub xdmf: (i64, &'static str),
     /// Number of the kind in Gmsh's files.
     pub gmsh_type: u64,
-    /// Place of each node among those of an element in Gmsh's files; empty where the order is the same.
+    /// Place of each node among those of an element in Gmsh files; empty if the order is equal.
     pub gmsh_order: &'static [u8],
-    /// The same of Abaqus' files.
+    /// Place of each node among those of an element in Abaqus files; empty if the order is equal.
     pub abaqus_order: &'static [u8],
     /// Quadrature points and their weights.
     pub quadrature: fn() -> Vec<([f64; 3], f64)>,

@@ -17,8 +17,8 @@ use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Parameters,
 
 const PROMISES: Promises = Promises { energy: false, momentum: true, angular_momentum: false, order: 2 };
 
-/// Velocity and what is remembered as an acceleration, where the velocity at the end is `2 (q_1 - q_0)/dt - v_0` and a multiple of what it
-/// falls short of it.
+/// Update coefficients of the velocity and of the history variable `a_1 = 2 (v_1 - (q_1 - q_0)/dt)/dt`, the acceleration of a motion of
+/// constant acceleration with the velocity `v_1` at the end.
 const fn kinematics(velocity: Affine) -> [Affine; 2] {
     let Affine { moved, velocity: of_velocity, acceleration } = velocity;
     [velocity, Affine { moved: 2.0 * (moved - 1.0), velocity: 2.0 * of_velocity, acceleration: 2.0 * acceleration }]

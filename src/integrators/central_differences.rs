@@ -34,5 +34,5 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
     }
 }
 
-/// That which chooses by the cells.
+/// Central differences with the lumping that suits the cells.
 pub static CENTRAL_DIFFERENCES: Scheme = central_differences(Lumping::Suitable);

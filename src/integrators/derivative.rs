@@ -1,4 +1,4 @@
-//! Which force stands for that of a potential in a step.
+//! Algorithmic gradients: forces of a potential in a step.
 //!
 //! For a potential `f(pi(q))` of quadratic invariants `pi_k = q.A_k q / 2` every choice has the same form,
 //!
@@ -7,8 +7,8 @@
 //! tangent  share sum_k g_k A_k + Dpi(q_test)^T T Dpi(q_trial)        derivative with respect to q_1
 //! ```
 //!
-//! and differs in where ([`Placement`]) and with what `g`, `T`. A material or a contact method supplies values, gradients and Hessians of
-//! `f` and is told a `Derivative`; it never sees a scheme.
+//! and differs in the configurations ([`Placement`]) and in `g`, `T`. A material or a contact method supplies values, gradients and
+//! Hessians of `f` for a given `Derivative`, and is independent of the scheme.
 
 /// A configuration of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub enum Configuration {
 }
 
 impl Configuration {
-    /// Its derivative with respect to `q_1`, and the share of the step that has passed there.
+    /// Derivative of the configuration with respect to `q_1`, equal to the elapsed fraction of the step.
     #[inline(always)]
     pub fn share(self) -> f64 {
         match self {
@@ -29,7 +29,7 @@ impl Configuration {
         }
     }
 
-    /// Its positions, into `out`.
+    /// Writes the positions of the configuration to `out`.
     pub fn positions_into(self, q_0: &[f64], q_1: &[f64], out: &mut Vec<f64>) {
         out.clear();
         match self {
@@ -39,16 +39,16 @@ impl Configuration {
     }
 }
 
-/// How a potential is differentiated across a step.
+/// Algorithmic gradient: evaluation of the force of a potential across a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Derivative {
-    /// By a discrete gradient: the force does exactly the work by which the potential changes.
+    /// Discrete gradient: the work of the force equals the change of the potential.
     DiscreteGradient,
-    /// By its gradient at one configuration.
+    /// Gradient at one configuration.
     Gradient(Configuration),
 }
 
-/// Where the gradients of the invariants are evaluated.
+/// Configurations at which the gradients of the invariants are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// Configuration of the left factor `Dpi(q_test)`, which carries the force.
@@ -66,7 +66,7 @@ impl Derivative {
     /// Every way.
     pub const ALL: [Derivative; 3] = [Derivative::DiscreteGradient, Derivative::Gradient(Configuration::Middle), Derivative::AT_END];
 
-    /// Where it evaluates.
+    /// Configurations of the evaluation.
     #[inline(always)]
     pub fn placement(self) -> Placement {
         let (test, trial) = match self {

@@ -2,8 +2,8 @@
 //!
 //! `g = grad f(pi_m) + a d`, `d = pi_1 - pi_0`, `pi_m = (pi_0 + pi_1)/2`, `a = R / d.d`, with the remainder
 //! `R = f(pi_1) - f(pi_0) - grad f(pi_m).d`. Because every invariant is quadratic, `Dpi(q_mid)(q_1 - q_0) = d` exactly, so
-//! `Dpi(q_mid)^T g` is directional to round-off whatever the step size. The remainder cancels when evaluated as written; who calls
-//! gives it without cancellation.
+//! `Dpi(q_mid)^T g` is directional to round-off for every step size. The remainder cancels when evaluated as written; the caller evaluates
+//! it without cancellation.
 
 use crate::math::lanes::Real;
 

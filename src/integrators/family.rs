@@ -1,11 +1,11 @@
-//! Time integrators that differ in numbers.
+//! Families of time integrators with parameters.
 
 use super::scheme::Scheme;
 use crate::math::catalogue::Parameter;
 
-/// Schemes that numbers tell apart; the one without numbers stands in the catalogue.
+/// Schemes with parameters; the one with default values is in the catalogue.
 pub struct Family {
-    /// That with the defaults of all parameters.
+    /// Scheme with the default values of all parameters.
     pub default: &'static Scheme,
     /// The numbers, at most two, each with a default.
     pub parameters: &'static [Parameter],

@@ -70,11 +70,11 @@ pub const fn generalized_alpha(spectral_radius: f64) -> Scheme {
     family("generalized_alpha", summary, parameters, (2.0 * rho - 1.0) / sum, rho / sum)
 }
 
-/// Fast vibrations lose a fifth of their amplitude in a long step.
+/// HHT method: fast vibrations lose a fifth of their amplitude in a long step.
 pub static HHT: Scheme = hht(-0.1);
-/// As [`HHT`].
+/// WBZ method: fast vibrations lose a fifth of their amplitude in a long step.
 pub static WBZ: Scheme = wbz(-0.1);
-/// Those with the least damping of slow vibrations.
+/// Generalized alpha with a spectral radius of 0.8 and the least damping of slow vibrations.
 pub static GENERALIZED_ALPHA: Scheme = generalized_alpha(0.8);
 
 /// All of Hilber, Hughes and Taylor.

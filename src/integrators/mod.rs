@@ -1,8 +1,8 @@
-//! Floor 3: how a potential is differentiated across a step, and the time integrators; one file and one row of [`CATALOGUE`] each.
+//! Floor 3: algorithmic gradients of potentials across a step, and the time integrators; one file and one row of [`CATALOGUE`] each.
 //!
-//! A [`Scheme`] is data. Element loop and contact kernels are told its [`Derivative`], a step reads its coefficients and what it remembers,
-//! tests read its promises. Functions of quadratic invariants have the [`discrete_gradient`]; functions of the positions of a patch without
-//! such invariants have one of their own ([`Projection`]).
+//! A [`Scheme`] is data. Element loop and contact kernels receive its [`Derivative`], a step reads its coefficients and history variables,
+//! tests read its promises. Functions of quadratic invariants have the [`discrete_gradient`]; functions of the positions of a contact
+//! element without such invariants have a projected one ([`Projection`]).
 
 mod backward_euler;
 mod bdf2;
@@ -59,13 +59,13 @@ pub static CATALOGUE: &[&Scheme] = &[
     &TRIPLE_JUMP,
 ];
 
-/// Those that solve none.
+/// Time integrators that solve no equations.
 pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];
 
-/// Those that know no motion.
+/// Schemes without inertia.
 pub static STATIC: &[&Scheme] = &[&STATICS];
 
-/// Those of the catalogue that take numbers.
+/// Families of the catalogue: schemes with parameters.
 pub static FAMILIES: &[&Family] = &[
     &energy_decaying::FAMILY,
     &newmark::FAMILY,

@@ -17,9 +17,9 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
-/// The projected increment of one patch over a step, and what its derivative needs.
+/// Projected increment `p` of one contact element over a step, and the data of its derivative.
 ///
-/// It depends on the nodes alone; storage is used again from patch to patch.
+/// The projection depends on the nodes alone; storage is reused for the next contact element.
 #[derive(Clone, Debug, Default)]
 pub struct Projection<const D: usize> {
     arms: Vec<Vector3<f64>>,
@@ -90,7 +90,7 @@ impl<const D: usize> Projection<D> {
         self.doubtful = (square <= PROJECTED_INCREMENT * PROJECTED_INCREMENT * size).then(|| size.sqrt());
     }
 
-    /// What a gradient at `q_mid` leaves of a function's change over the step.
+    /// Remainder `R` of a function's change over the step beyond the part of its gradient at `q_mid`.
     pub fn remainder(&self, gradient_mid: &[f64], change: f64) -> f64 {
         change - gradient_mid.iter().zip(&self.motion).map(|(g, d)| g * d).sum::<f64>()
     }
@@ -105,8 +105,8 @@ impl<const D: usize> Projection<D> {
         self.arms.iter().map(Vector3::norm_squared).sum()
     }
 
-    /// Quotient `e` of a function with that gradient at `q_mid` and that change over the step; nothing where the numerator is round-off.
-    /// In a small step a smooth function has no other one, a kink does.
+    /// Quotient `e` of a function with the gradient `gradient_mid` at `q_mid` and the change `change` over the step; `None` where the
+    /// numerator is round-off, as for a smooth function in a small step, but not at a kink.
     fn quotient(&self, gradient_mid: &[f64], change: f64) -> Option<f64> {
         let remainder = self.remainder(gradient_mid, change);
         let slope = || gradient_mid.iter().map(|g| g.abs()).sum::<f64>();

@@ -1,5 +1,5 @@
-//! What a time integrator is: a row of data that says which force stands for a potential's in a step, how velocities and accelerations
-//! follow from positions, what is remembered from step to step, and what is promised.
+//! A time integrator as a row of data: the algorithmic gradient of potentials, the update coefficients of velocities and accelerations, the
+//! history variables and the conservation properties.
 //!
 //! A step solves the balance of momentum
 //!
@@ -7,14 +7,14 @@
 //! M (v_1 - v_0) / dt + w f + (1 - w) f_0 = 0
 //! ```
 //!
-//! with the static forces `f` of the step (the scheme's [`Derivative`]) and `f_0` of the end of the step before, or, where forces act
-//! longer, with what is left of those of all steps before ([`Lag`]). Velocity and acceleration at the end are affine in the motion `q_1 -
-//! q_0` ([`Affine`]); the other terms are what is remembered ([`History`]). Whatever the coefficients, forces alone change momenta, so
-//! that the ledger of every scheme closes.
+//! with the static forces `f` of the step (evaluated by the scheme's [`Derivative`]) and `f_0` of the end of the step before. Where forces
+//! act in more than one later step, a weighted sum of earlier forces takes the place of `f_0` ([`Lag`]). Velocity and acceleration at the
+//! end are linear in the displacement `q_1 - q_0` ([`Affine`]); the constant terms come from the history variables ([`History`]). For all
+//! coefficients momenta are changed by forces alone, so that the ledger of every scheme closes.
 //!
 //! A step may consist of stages, each a scheme of its own, and coefficients may depend on the size of the step before ([`StepKind`]).
 //!
-//! Nobody asks which scheme runs: who needs to know something of it reads a field. A program beside this crate makes one in the same way
+//! The solver branches on fields of the row and never on the name of a scheme. A program beside this crate defines a scheme in the same way
 //! (`examples/newmark.rs`).
 
 use super::derivative::Derivative;
@@ -26,30 +26,29 @@ pub struct Scheme {
     pub name: &'static str,
     /// One sentence for the reference.
     pub summary: &'static str,
-    /// Which force stands for that of a potential.
+    /// Algorithmic gradient that gives the force of a potential.
     pub derivative: Derivative,
-    /// What it remembers besides positions and velocities.
+    /// History variables of the scheme, besides positions and velocities.
     pub remembers: &'static [History],
-    /// Velocity at the end of a step.
+    /// Update coefficients of the velocity at the end of a step.
     pub velocity: Affine,
-    /// Acceleration there; read where it is remembered.
+    /// Update coefficients of the acceleration at the end of a step; read where the scheme remembers accelerations.
     pub acceleration: Affine,
-    /// Share `w` of the forces of the step; the rest is that of the forces of the steps before.
+    /// Weight `w` of the forces of the step; the remainder `1 - w` is that of the forces of earlier steps.
     pub weight: f64,
-    /// How forces act in the steps that follow.
+    /// Weights of the forces of a step in later steps.
     pub lag: Lag,
-    /// How a step goes.
+    /// Sequence of the step: whole, in stages, explicit or static.
     pub step: StepKind,
-    /// What it takes from vibrations of bodies besides.
+    /// Algorithmic dissipation of the vibrations of bodies.
     pub dissipation: Dissipation,
-    /// Whether the discrete gradient of a body's energy begins with the mean of its stress over the step, not with the stress at its mean
-    /// strain.
+    /// True if the discrete gradient of a body's energy is built on the mean stress of the step, false if on the stress at the mean strain.
     pub averages_stress: bool,
     /// Numbers that a user has chosen, by their names.
     pub parameters: Parameters,
-    /// What it keeps.
+    /// Quantities that the scheme conserves, and its order.
     pub promises: Promises,
-    /// How far it is off where steps are short.
+    /// Leading error coefficients for small time step sizes.
     pub error: LeadingError,
 }
 
@@ -58,88 +57,89 @@ pub struct Scheme {
 /// `first dt |q''| + second dt^2 |q'''|` in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeadingError {
-    /// What makes a scheme one of first order, else 0.
+    /// Coefficient of `(omega dt)^2`; nonzero for schemes of first order.
     pub first: f64,
-    /// What makes it one of second order.
+    /// Coefficient of `(omega dt)^3`.
     pub second: f64,
 }
 
 impl LeadingError {
-    /// Of schemes that are the trapezoidal rule in small vibrations.
+    /// Leading error of schemes that reduce to the trapezoidal rule in small vibrations.
     pub const TRAPEZOIDAL: LeadingError = LeadingError { first: 0.0, second: 1.0 / 12.0 };
 }
 
-/// How the forces of a step act in the steps that follow.
+/// Weights of the forces of a step in later steps.
 ///
-/// The step's own forces are `w f`, what is remembered of those before `R = used m`. From them follow the force `phi_1` that the
-/// acceleration at the end answers, `gamma phi_1 + (1 - gamma) phi_0 = w f + R`, and what is remembered next,
-/// `m_1 = force f + inertia phi_1`. With `inertia = 0` that is the force at the end, and nothing older.
+/// The forces of the step enter with `w f`, the force history `m` of earlier steps with `R = used m`. The force `phi_1` that balances the
+/// inertia at the end follows from `gamma phi_1 + (1 - gamma) phi_0 = w f + R`, the next force history is `m_1 = force f + inertia phi_1`.
+/// With `inertia = 0` it contains the forces of the last step alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lag {
-    /// Factor of what is remembered in this step.
+    /// Factor of the force history in this step.
     pub used: f64,
-    /// Of the forces of this step in what the next one finds.
+    /// Weight of this step's forces in the force history passed to the next step.
     pub force: f64,
-    /// Of the force that the acceleration at the end answers there.
+    /// Weight of the force `phi_1` that balances the inertia at the end, in the force history passed to the next step.
     pub inertia: f64,
-    /// Share of the end in the mean acceleration of a step.
+    /// Weight of the end in the mean acceleration of a step.
     pub gamma: f64,
 }
 
 impl Lag {
-    /// Forces act in their own step, and by what is left of the whole of them in the next one.
+    /// Forces act in their own step and, with the remaining weight, in the next step alone.
     pub const fn once(weight: f64) -> Lag {
         Lag { used: 1.0, force: 1.0 - weight, inertia: 0.0, gamma: 1.0 }
     }
 
-    /// Whether forces act longer than in the step that follows.
+    /// True if forces enter more than one later step.
     pub fn is_long(&self) -> bool {
         self.inertia != 0.0
     }
 }
 
-/// What a step consists of.
+/// Sequence of a step.
 #[derive(Clone, Copy, Debug)]
 pub enum StepKind {
-    /// At once, by the coefficients of the row.
+    /// One system of equations with the coefficients of the row.
     Whole,
-    /// At once, by those of the row that belongs to the size of the step before over that of this one: 0 where none was. The row itself has
-    /// those of equal steps.
+    /// One system of equations with coefficients that depend on the ratio of the previous to the present time step size, 0 without a
+    /// previous step. The row itself holds the coefficients of equal steps.
     ByRatio(fn(f64) -> Scheme),
-    /// In stages, one after the other: each has its share of the step, negative where it goes back, and is a scheme, which finds what the
-    /// one before has left. What the row itself has is that of the last.
+    /// Consecutive stages, each with its fraction of the step (negative backward in time) and its own scheme, which starts from the history
+    /// variables of the stage before. The coefficients of the row itself are those of the last stage.
     Stages(&'static [(f64, Scheme)]),
-    /// Without equations: positions follow from the forces at the start, with a mass at every node alone. No step may be longer than the
-    /// fastest vibration admits.
+    /// Explicit: positions follow from the forces at the start with a lumped mass. The time step size is bounded by the highest natural
+    /// frequency.
     Explicit(Lumping),
-    /// From equilibrium to equilibrium: nothing has a velocity, and the row has no coefficients that anybody reads.
+    /// Static: from equilibrium to equilibrium without velocities; the coefficients of the row are not read.
     Equilibria,
 }
 
-/// How the mass of a cell is shared among its nodes, to be at the nodes alone.
+/// Lumping of the mass of a cell to its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lumping {
-    /// By row sums where all are positive, else as [`Self::Diagonal`].
+    /// Row sums where all are positive, else [`Self::Diagonal`].
     Suitable,
-    /// By the row sums of the consistent mass.
+    /// Row sums of the consistent mass matrix.
     RowSum,
-    /// By its diagonal, scaled to the mass of the cell (Hinton, Rock and Zienkiewicz, Earthquake Eng. Struct. Dyn. 4, 1976).
+    /// Diagonal of the consistent mass matrix, scaled to the mass of the cell (Hinton, Rock and Zienkiewicz, Earthquake Eng. Struct. Dyn.
+    /// 4, 1976).
     Diagonal,
 }
 
 impl Lumping {
-    /// Every way with its name.
+    /// Every lumping with its name in scripts.
     pub const ALL: [(&'static str, Lumping); 3] =
         [("suitable", Lumping::Suitable), ("row_sum", Lumping::RowSum), ("hrz", Lumping::Diagonal)];
 
-    /// Its name.
+    /// Name of the lumping in scripts.
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].0
     }
 }
 
-/// What a scheme takes from vibrations of bodies, in two parts, of which neither knows rigid motions: both momenta stay, the energy falls,
-/// and the ledger has what it falls by (after Armero and Romero, Comput. Methods Appl. Mech. Engrg. 190, 2001).
+/// Algorithmic dissipation of a scheme in two parts, both zero in rigid motions: linear and angular momentum are conserved, the energy
+/// decreases, and the ledger books the decrease (after Armero and Romero, Comput. Methods Appl. Mech. Engrg. 190, 2001).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dissipation {
     /// `chi` of the stress `chi/2 C (E_1 - E_0)` that acts in the middle of a step beside that of the law, from 0 to 1; `C` are the
@@ -151,15 +151,15 @@ pub struct Dissipation {
 }
 
 impl Dissipation {
-    /// Nothing.
+    /// No algorithmic dissipation.
     pub const NONE: Dissipation = Dissipation { strain: 0.0, velocity: 0.0 };
 
-    /// What leaves a share, from 0 to 1, of the amplitude of a vibration much faster than a step after each.
+    /// Returns the dissipation with the spectral radius `radius`, from 0 to 1, for vibrations much faster than the time step.
     pub const fn to_radius(radius: f64) -> Self {
         Dissipation { strain: (1.0 - radius) / (1.0 + radius), velocity: 1.0 - radius }
     }
 
-    /// Whether it is nothing.
+    /// True if the scheme has no algorithmic dissipation.
     pub fn is_none(&self) -> bool {
         self.strain == 0.0 && self.velocity == 0.0
     }
@@ -175,20 +175,20 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Of a scheme that stands alone.
+    /// Parameters of a scheme that belongs to no family.
     pub const NONE: Parameters = Parameters { names: &[], values: [0.0; 2] };
 }
 
-/// A vector that steps find as the step before has left it. At the start, after `settle`, and for a state of another scheme it is computed
-/// from positions and velocities.
+/// A history variable: a vector that a step takes from the end of the previous one. At the start, after `settle`, and for a state of
+/// another scheme it is computed from positions and velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum History {
-    /// Accelerations at the end of the step `[length/time^2]`: at the start those of the static forces, `M a_0 = -f_0`.
+    /// Accelerations at the end of the step `[length/time^2]`; at the start those of the static forces, `M a_0 = -f_0`.
     Acceleration,
-    /// Static forces there, those of contact among them, and what the [`Lag`] keeps of older ones `[force]`.
+    /// Static forces at the end of the step, including contact forces, and the older forces that [`Lag`] retains `[force]`.
     Force,
-    /// The static force that the acceleration answers, `M a_1 = -phi_1` at nodes that nothing holds `[force]`.
+    /// Static force that balances the inertia, `M a_1 = -phi_1` at nodes without support `[force]`.
     Answered,
 }
 
@@ -196,25 +196,26 @@ pub enum History {
 /// `moved (q_1 - q_0) + velocity dt v_0 + acceleration dt^2 a_0`, divided by `dt` for a velocity and by `dt^2` for an acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine {
-    /// Of the motion in the step.
+    /// Coefficient `c_q` of the displacement in the step.
     pub moved: f64,
-    /// Of the velocity at its start.
+    /// Coefficient `c_v` of the velocity at the start.
     pub velocity: f64,
-    /// Of the acceleration at its start, which is then remembered.
+    /// Coefficient `c_a` of the acceleration at the start; nonzero where the scheme remembers accelerations.
     pub acceleration: f64,
 }
 
 impl Affine {
-    /// None of all: what nobody reads.
+    /// All coefficients zero, where none are read.
     pub const NONE: Affine = Affine { moved: 0.0, velocity: 0.0, acceleration: 0.0 };
 
-    /// A component of a velocity after a step that moves it by `change` `[length/time]`; `a_0` is 0 where no accelerations are remembered.
+    /// Velocity component after a step with the displacement component `change` `[length/time]`, without the contribution of the
+    /// acceleration.
     #[inline(always)]
     pub fn velocity(self, change: f64, v_0: f64, dt: f64) -> f64 {
         self.moved / dt * change + self.velocity * v_0
     }
 
-    /// What the acceleration at the start adds to that.
+    /// Contribution of the acceleration at the start to a component of the velocity `[length/time]`.
     #[inline(always)]
     pub fn velocity_by(self, a_0: f64, dt: f64) -> f64 {
         self.acceleration * dt * a_0
@@ -227,10 +228,10 @@ impl Affine {
     }
 }
 
-/// What a scheme keeps in a motion without loads, for every step size.
+/// Quantities that a scheme conserves in a motion without loads, for every time step size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Promises {
-    /// The total energy, but for what the ledger has as dissipation: it never grows.
+    /// Total energy, decreased by the dissipation in the ledger alone.
     pub energy: bool,
     /// The linear momentum.
     pub momentum: bool,
@@ -241,12 +242,12 @@ pub struct Promises {
 }
 
 impl Scheme {
-    /// Whether a vector is remembered from step to step.
+    /// True if the scheme has the history variable `what`.
     pub fn remembers(&self, what: History) -> bool {
         self.remembers.contains(&what)
     }
 
-    /// Names and values of its parameters.
+    /// Names and values of the scheme's parameters.
     pub fn given(&self) -> impl Iterator<Item = (&'static str, f64)> {
         self.parameters.names.iter().copied().zip(self.parameters.values)
     }
@@ -266,7 +267,7 @@ impl Scheme {
         }
     }
 
-    /// The stages of a step; none where it goes at once.
+    /// Stages of a step; empty for a step without stages.
     pub fn stages(&self) -> &'static [(f64, Scheme)] {
         match self.step {
             StepKind::Stages(stages) => stages,
@@ -274,22 +275,22 @@ impl Scheme {
         }
     }
 
-    /// Whether it goes back in time in one of its stages.
+    /// True if one of the stages goes backward in time.
     pub fn goes_back(&self) -> bool {
         self.stages().iter().any(|(share, _)| *share < 0.0)
     }
 
-    /// How the mass is put to the nodes, of a scheme that solves no equations.
+    /// Lumping of the mass; `None` unless the scheme is explicit.
     pub fn lumping(&self) -> Option<Lumping> {
         if let StepKind::Explicit(lumping) = self.step { Some(lumping) } else { None }
     }
 
-    /// Whether steps go from equilibrium to equilibrium, without inertia.
+    /// True if steps go from equilibrium to equilibrium, without inertia.
     pub fn is_static(&self) -> bool {
         matches!(self.step, StepKind::Equilibria)
     }
 
-    /// Whether the forces of some step act longer than in the one that follows.
+    /// True if forces of a step enter more than one later step (HHT, generalized-alpha).
     pub fn is_long(&self) -> bool {
         self.lag.is_long() || self.stages().iter().any(|(_, stage)| stage.lag.is_long())
     }
@@ -299,7 +300,7 @@ impl Scheme {
         self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
     }
 
-    /// What is remembered of forces that have been the same for long, over the force.
+    /// Force history of a constant force, relative to the force.
     pub fn left(&self) -> f64 {
         self.lag.force + self.lag.inertia
     }
@@ -310,7 +311,7 @@ impl Scheme {
         self.velocity.moved / (dt * dt)
     }
 
-    /// The motion that changes no velocity, beside which [`Self::inertia`] takes all others: times of `v_0` and of `a_0` in it.
+    /// Displacement without a change of velocity, relative to which [`Self::inertia`] applies: factors of `v_0` and of `a_0`.
     #[inline(always)]
     pub fn drift(&self, dt: f64) -> [f64; 2] {
         let Affine { moved, velocity, acceleration } = self.velocity;
@@ -330,11 +331,11 @@ impl Scheme {
         Affine { moved: share * moved, velocity: share * velocity + (1.0 - share), acceleration: share * acceleration }
     }
 
-    /// Whether the row is a scheme at all: motion without forces and motion under a constant one are what they should be, and what it reads
-    /// it remembers.
+    /// Checks that the row is a scheme: motion without forces and under a constant force is exact, and all history variables that are read
+    /// are remembered.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// The violated condition, in words.
     pub fn check(&self) -> Result<(), &'static str> {
         let StepKind::Stages(stages) = self.step else { return self.check_row(self.left()) };
         let mut found = self.left();
@@ -350,14 +351,14 @@ impl Scheme {
         if (whole - 1.0).abs() < 8.0 * f64::EPSILON && ends_as_the_row { Ok(()) } else { Err("the stages are no step together") }
     }
 
-    /// Whether velocities may be changed at the end of a step, by the shares that it has.
+    /// True if the dissipation can be applied: both factors are in `[0, 1]`, and the scheme has neither history variables nor stages.
     fn can_dissipate(&self) -> bool {
         let Dissipation { strain, velocity } = self.dissipation;
         let are_shares = [strain, velocity].iter().all(|share| (0.0..=1.0).contains(share));
         are_shares && self.remembers.is_empty() && matches!(self.step, StepKind::Whole)
     }
 
-    /// Whether a row is a scheme where a steady force is remembered by a factor.
+    /// Checks one row of coefficients; `found` is the force history of a constant unit force at its start.
     fn check_row(&self, found: f64) -> Result<(), &'static str> {
         const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
         let is = |value: f64, expected: f64| (value - expected).abs() <= ROUND_OFF * (1.0 + self.velocity.moved);

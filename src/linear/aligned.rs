@@ -5,7 +5,7 @@ use std::collections::TryReserveError;
 /// Numbers in a cache line.
 const LINE: usize = 8;
 
-/// Part of a buffer's length that is set aside for growth.
+/// Inverse of the share of a buffer's length that is reserved for later enlargement.
 const SLACK: usize = 16;
 
 /// Numbers that begin at a cache line.

@@ -1,4 +1,4 @@
-//! What a front is put together from: the entries of the matrix that belong to it and the updates of its children.
+//! Assembly of a front from the entries of the matrix that belong to it and the updates of its children.
 
 use pulp::{Simd, WithSimd};
 
@@ -77,10 +77,10 @@ const WORTH_SHARING: usize = 20_000;
 #[derive(Clone, Copy)]
 pub(super) struct Received<'a> {
     pub(super) symbolic: &'a Symbolic,
-    /// Where all updates wait.
+    /// Locations of all waiting updates.
     pub(super) places: &'a [(Side, usize)],
     pub(super) children: &'a [u32],
-    /// What waits, from number `start` of the buffer on, and what was handed over.
+    /// Updates that wait, from index `start` of the buffer on, and updates handed over by other tasks.
     pub(super) waiting: &'a [f64],
     pub(super) start: usize,
     pub(super) handed: &'a [f64],

@@ -1,4 +1,4 @@
-//! The order of elimination and the blocks that have room in the factors, as a value that is kept and put in place again.
+//! Order of elimination and blocks with room in the factors, as a value that can be stored and restored.
 
 use std::sync::Arc;
 
@@ -23,8 +23,8 @@ pub struct EliminationOrder {
     pub(super) least: f64,
 }
 
-/// What has been counted since an order and its blocks were chosen. When they are given up depends on it, so who goes back to an earlier
-/// order goes back to its account, too.
+/// Cost counters since an order and its blocks were chosen. They decide when the order is replaced, so an earlier order is restored
+/// together with its counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Account {
     /// Factorisations since the blocks were those of one matrix alone.
@@ -34,12 +34,12 @@ pub struct Account {
 }
 
 impl EliminationOrder {
-    /// Whether the order, and a structure in it, is that of a pattern's vertices.
+    /// True if the order and its structure have as many vertices as the pattern.
     pub(super) fn fits(&self, pattern: &Pattern) -> bool {
         self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()
     }
 
-    /// Whether it is an order of as many vertices as it has, whatever file it comes from.
+    /// True if the order is consistent with its number of vertices, whatever file it was read from.
     pub fn is_sound(&self) -> bool {
         let count = self.found.vertices.len();
         self.found.is_sound() && self.kept.is_sound() && (self.kept.vertices() == 0 || self.kept.vertices() == count)

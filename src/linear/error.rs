@@ -1,10 +1,10 @@
-//! Why a linear system could not be solved.
+//! Errors of the linear solver.
 
 use thiserror::Error;
 
 use crate::machine::memory::{Shortage, written};
 
-/// Why a linear system could not be solved.
+/// Errors of the linear solver.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum LinearError {
@@ -37,7 +37,7 @@ pub enum LinearError {
 }
 
 impl LinearError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             LinearError::Singular { .. } => "C0521",
@@ -48,7 +48,7 @@ impl LinearError {
         }
     }
 
-    /// That equations of so many unknowns do not fit into memory.
+    /// Returns the error of equations that do not fit into memory.
     pub fn out_of_memory(unknowns: usize, shortage: Shortage) -> Self {
         LinearError::OutOfMemory { unknowns, needed: shortage.needed }
     }

@@ -3,7 +3,8 @@
 //! A pattern has room for couplings that may come: every pair of facets that could meet. Most are zero at any one time, and each costs
 //! fill. So the structure of the factors is that of the blocks that are not zero, or were not since it was made. Whether one has come is
 //! looked up before each factorisation; then the structure is made anew, with the blocks that went before as long as they cost little.
-//! Order and structure know nothing of blocks that were always zero, and outlive the pattern: what could have come changes no result.
+//! Order and structure do not depend on blocks that were always zero, and outlive the pattern: possible but absent couplings change no
+//! result.
 //!
 //! Every vertex has one scale, a power of two: a node's brings its diagonal block to entries of order one, a multiplier's its constraint.
 //! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
@@ -25,11 +26,11 @@ use crate::machine::memory;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
-/// Operations per block that is not zero that a new order is worth: some times what a dissection takes, because where meshes are coarse
-/// an order gets worse within few steps and then no more.
+/// Wasted operations per nonzero block after which a new order is computed: some times the cost of a dissection, because on coarse meshes
+/// an order degrades within few steps and then no more.
 const DISSECTION: f64 = 1.5e5;
 
-/// Operations of a factorisation from which on several dissections are tried: tenths of a second.
+/// Number of operations of a factorisation above which several dissections are tried: tenths of a second.
 const WORTH_ALTERNATIVES: f64 = 2e9;
 
 /// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to
@@ -39,22 +40,23 @@ const WORTH_KEEPING: f64 = 1.1;
 /// Factorisations within which blocks come back, if they do: about those of a step.
 const COME_BACK: usize = 4;
 
-/// Factorisations after which blocks that have become zero are looked for though no new one has come: bodies have touched and are apart.
+/// Number of factorisations after which blocks that have become zero are searched for without new blocks: bodies have separated after
+/// contact.
 const REVIEW: usize = 50;
 
-/// Refinements at most. One restores full accuracy unless the factors are useless.
+/// Largest number of refinements. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
 
-/// How much has been done: the same on every run and every machine with the same instructions.
+/// Counters of the work done; equal on every run and every machine with the same instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     /// Numeric factorisations.
     pub factorizations: usize,
     /// Floating-point operations of all of them.
     pub operations: f64,
-    /// Structures of the factors that were found.
+    /// Symbolic factorisations.
     pub structures: usize,
-    /// Nested dissections among the orders of elimination that were sought.
+    /// Nested dissections.
     pub dissections: usize,
 }
 
@@ -63,20 +65,20 @@ pub struct Work {
 pub struct Factorization {
     order: EliminationOrder,
     account: Account,
-    /// Whether `order` was put in place for the pattern that comes.
+    /// True if `order` was restored for the next pattern.
     restored: bool,
     pattern: Pattern,
     symbolic: Symbolic,
     /// Ranges of values that the structure leaves out: zeros, so far.
     left_out: Vec<Range<u32>>,
     multifrontal: Multifrontal,
-    /// Bytes that were asked for at most, for all that a factorisation takes.
+    /// Largest number of bytes reserved for a factorisation.
     reserved: u64,
     work: Work,
     workers: Workers,
     watch: Watch,
     fallback: Option<Box<PartialPivoting>>,
-    /// Whether the fallback holds the factors of the last matrix, and is to be used.
+    /// True if the fallback holds the factors of the last matrix and has to be used.
     fallen_back: bool,
     /// Per vertex and per unknown.
     vertex_scale: Vec<f64>,
@@ -122,7 +124,7 @@ impl Factorization {
         self
     }
 
-    /// Lets a long factorisation be looked into.
+    /// Sets the interrupt flag and the progress counter of a long factorisation.
     pub fn set_watch(&mut self, watch: Watch) {
         self.watch = watch;
     }
@@ -245,12 +247,12 @@ impl Factorization {
         &self.order
     }
 
-    /// What has been counted since it is.
+    /// Returns the cost counters since the order of elimination was chosen.
     pub fn account(&self) -> Account {
         self.account
     }
 
-    /// Puts an earlier order of elimination in place with its account; [`Self::renew`] must follow.
+    /// Restores an earlier order of elimination with its cost counters; [`Self::renew`] must follow.
     pub fn restore_order(&mut self, order: &EliminationOrder, account: Account) {
         self.order = order.clone();
         self.account = account;
@@ -262,7 +264,7 @@ impl Factorization {
         self.symbolic.operations
     }
 
-    /// What has been done since it was made.
+    /// Returns the counters of the work done by this factorisation object.
     pub fn work(&self) -> Work {
         self.work
     }
@@ -277,7 +279,7 @@ impl Factorization {
         size_of::<f64>() * self.symbolic.factors
     }
 
-    /// Whether the last solution came from the slower method: pivots had to be replaced, or the residual was poor.
+    /// True if the last solution came from the sparse LU with partial pivoting: pivots had to be replaced, or the residual was poor.
     #[cfg(test)]
     pub(crate) fn has_fallen_back(&self) -> bool {
         self.fallen_back
@@ -405,7 +407,7 @@ impl Factorization {
         largest(vector.iter().zip(&self.scale).map(|(x, scale)| x * scale))
     }
 
-    /// Factors the last matrix by the other method.
+    /// Factors the last matrix by the sparse LU with partial pivoting.
     fn fall_back(&mut self, values: &[f64]) -> Result<(), LinearError> {
         if !self.fallen_back {
             if self.fallback.is_none() {
@@ -460,7 +462,7 @@ impl Factorization {
         largest(rows.map(|((r, terms), (b, scale))| r * scale / ((terms + b.abs()) * scale).max(least)))
     }
 
-    /// Tells a matrix `A` that is singular from one that was only badly ordered, by the factors of `M`, which is `A` with replaced pivots.
+    /// Distinguishes a singular matrix `A` from one with an unsuitable order, by the factors of `M`, which is `A` with replaced pivots.
     ///
     /// `M - A` is the product of the direction in which `A` lacks a pivot and a small row, so `z := M^-1 (M - A) z = z - M^-1 A z` is a
     /// vector that `A` maps to zero, if there is one.

@@ -16,7 +16,7 @@ pub(super) struct Front {
     pub(super) pivots: usize,
     /// Number of other unknowns.
     pub(super) update: usize,
-    /// The same, padded.
+    /// Numbers of pivots (`p`) and of other unknowns (`u`), padded to multiples of four.
     pub(super) p: usize,
     pub(super) u: usize,
     /// Place of the front's factors: `p * p` of the pivot block, `u * p` below it, `u * p` to its right.
@@ -79,9 +79,9 @@ pub(super) struct Beside {
 /// Unknowns of an update that stay side by side in the parent's front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// First of them in the update.
+    /// Place of the first unknown in the update.
     pub(super) source: u32,
-    /// Its place among the parent's pivots, or among the parent's others.
+    /// Place of the first unknown among the pivots or among the other unknowns of the parent front.
     pub(super) target: u32,
     pub(super) length: u32,
 }
@@ -96,7 +96,7 @@ impl Run {
     }
 }
 
-/// How fronts and pivots are numbered.
+/// Numbering of fronts and pivots.
 pub(super) struct Numbering {
     /// Per front, the last of its vertices (numbers in the order of elimination, as everywhere in the tree).
     pub(super) roots: Vec<u32>,

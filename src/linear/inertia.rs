@@ -1,4 +1,4 @@
-//! How many eigenvalues of a symmetric matrix are negative, read off its factors.
+//! Number of negative eigenvalues of a symmetric matrix, from its factors.
 //!
 //! Fronts of a symmetric matrix are symmetric, whatever their pivots were exchanged for, so the inertia of the matrix is the sum of those
 //! of their pivot blocks (Haynsworth, Linear Algebra Appl. 1, 1968). Without an exchange of rows that of a block is the signs of its pivots

@@ -2,8 +2,8 @@
 //!
 //! For `K x = lambda M x` the operator is `(K - sigma M)^-1 M`, symmetric in the product `x^T M y`, and its eigenvalues are
 //! `theta = 1/(lambda - sigma)`: those next to the shift are found first and well separated (Ericsson and Ruhe, Math. Comp. 35, 1980).
-//! Vectors are begun in blocks, because one vector alone finds one of each multiple eigenvalue; whoever knows that some are missing lets it
-//! begin again with a further vector, in the space that is there.
+//! Vectors are begun in blocks, because one vector alone finds one of each multiple eigenvalue. A caller that finds eigenvalues missing
+//! restarts the iteration with a further vector in the existing space.
 
 use nalgebra::DMatrix;
 
@@ -12,9 +12,9 @@ use crate::math::tolerances::LANCZOS_DEPENDENT;
 /// Passes of the orthogonalization: twice is enough (Kahan; Parlett, The Symmetric Eigenvalue Problem, 1980).
 const PASSES: usize = 2;
 
-/// What is iterated.
+/// Operator of the Lanczos iteration.
 pub trait Operator {
-    /// Why it failed.
+    /// Error of a solve.
     type Error;
 
     /// `(K - sigma M)^-1 image`.
@@ -26,7 +26,7 @@ pub trait Operator {
     /// `M v`, whose product with another vector is the one in which the operator is symmetric.
     fn mass_times(&self, v: &[f64]) -> Vec<f64>;
 
-    /// What is solved with for a vector: of vibrations `M v`.
+    /// Right-hand side of the solve for a vector `v`; for vibrations `M v`.
     fn image(&self, v: &[f64]) -> Vec<f64> {
         self.mass_times(v)
     }
@@ -37,7 +37,7 @@ pub trait Operator {
 pub struct Ritz {
     /// The eigenvalue.
     pub theta: f64,
-    /// Norm of what the vector misses, in the operator's product.
+    /// Norm of the residual of the vector, in the operator's product.
     pub residual: f64,
     /// The vector in the basis.
     pub coefficients: Vec<f64>,
@@ -48,13 +48,13 @@ pub struct Lanczos {
     unknowns: usize,
     block: usize,
     vectors: Vec<Vec<f64>>,
-    /// Of each vector that the operator was applied to, the components of its image along the basis.
+    /// For each vector that the operator was applied to, the components of its image along the basis.
     projected: Vec<Vec<f64>>,
     random: u64,
 }
 
 impl Lanczos {
-    /// Nothing yet, of vectors with so many numbers; it begins with a block of so many vectors.
+    /// Returns an empty basis for vectors of a given length, with the size of its first block.
     pub fn new(unknowns: usize, block: usize) -> Self {
         Lanczos { unknowns, block, vectors: Vec::new(), projected: Vec::new(), random: 1 }
     }
@@ -64,7 +64,7 @@ impl Lanczos {
         self.projected.len()
     }
 
-    /// Applies the operator to one more vector; whether there was one that is independent of those before.
+    /// Applies the operator to a further vector; returns true if a linearly independent one existed.
     ///
     /// # Errors
     /// The operator's.
@@ -80,19 +80,19 @@ impl Lanczos {
         Ok(true)
     }
 
-    /// Adds a vector of one's own, and gives what it has beyond the basis, in the operator's product.
+    /// Adds a given vector, and returns the norm of its component orthogonal to the basis, in the operator's product.
     pub fn begin_with<O: Operator>(&mut self, operator: &O, vector: Vec<f64>) -> f64 {
         let before = self.vectors.len();
         let along = self.add(operator, vector);
         along.get(before).copied().unwrap_or(0.0)
     }
 
-    /// Whether the operator was applied to all vectors: then it leads out of their space no more.
+    /// True if the operator was applied to all basis vectors, so that their space is invariant.
     pub fn is_exhausted(&self) -> bool {
         self.applied() == self.vectors.len()
     }
 
-    /// Components of the images of the vectors so far along the one to which the operator is to be applied next; 0 where there is none.
+    /// Components of the images of all processed vectors along the next vector that the operator is applied to; 0 without one.
     pub fn coupling(&self) -> Vec<f64> {
         let next = self.applied();
         self.projected.iter().map(|along| along.get(next).copied().unwrap_or(0.0)).collect()

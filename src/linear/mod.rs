@@ -1,8 +1,8 @@
 //! Floor 1: sparse pattern built once, block positions for assembly, factorisation (symbolic once per pattern, numeric many times).
 //!
 //! The matrix is that of a graph: a vertex per node with its coordinates, and a vertex per group of constraints with its multipliers. Its
-//! pattern is symmetric, its values are not. Who assembles asks the [`Pattern`] once where each block stands and then adds to a flat
-//! array of values; who solves hands the values to a [`LinearSolver`], of which [`Factorization`] is the one that is there.
+//! pattern is symmetric, its values are not. For assembly the place of each block is looked up once in the [`Pattern`]; then entries are
+//! added to a flat array of values. A [`LinearSolver`] solves with these values; [`Factorization`] is the one implementation.
 
 mod aligned;
 mod assembly;

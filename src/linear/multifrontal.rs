@@ -22,10 +22,10 @@ use crate::math::simd::with_registers;
 use crate::math::tolerances::LINEAR_PIVOT;
 use crate::math::workers::Workers;
 
-/// What one thread needs to eliminate fronts.
+/// Buffers of one thread for the elimination of fronts.
 #[derive(Debug, Default)]
 struct Scratch {
-    /// Updates that wait.
+    /// Updates that wait for the assembly of their parent fronts.
     waiting: AlignedBuffer,
     dense: panels::Scratch,
     /// A vector at a front.
@@ -59,7 +59,7 @@ struct Segment<'a, 'u> {
     replaced: Vec<u32>,
 }
 
-/// What all fronts write, less what was split off.
+/// Output of all fronts, less the parts that were split off.
 struct Whole<'a> {
     symbolic: &'a Symbolic,
     factors: &'a mut [f64],

@@ -22,7 +22,7 @@ impl NodeMatrix {
         NodeMatrix { starts, values: vec![0.0; columns.len()], columns }
     }
 
-    /// The matrix with these values on its diagonal and nothing else.
+    /// Returns a diagonal matrix.
     pub fn diagonal(values: Vec<f64>) -> Self {
         NodeMatrix { starts: (0..=values.len()).collect(), columns: (0..values.len() as u32).collect(), values }
     }

@@ -23,18 +23,18 @@ use crate::math::workers::Workers;
 /// Parts of at most this many vertices are not dissected: measured on the bearing (its matrices factor a fifth faster than with 200).
 const SMALLEST_PART: u32 = 25;
 
-/// Imbalances of the parts and seeds of the dissections that are tried for a large matrix, besides the first one: cubes of hexahedra took
-/// 7.5 Gflop with the best of them in place of 12.0, and 360 in place of 450. Others, more starts at the coarsest level, and separators
-/// refined as cuts of edges gain nothing more.
+/// Imbalances of the parts and seeds of the additional dissections for a large matrix. With the best one cubes of hexahedra took 7.5
+/// instead of 12.0 Gflop, and 360 instead of 450. Other values, more starts at the coarsest level, and separators refined as edge cuts gave
+/// no further gain.
 const ALTERNATIVES: [(f64, u64); 4] = [(0.1, 2), (0.1, 4), (0.05, 1), (0.05, 4)];
 
-/// Couplings of a graph from which on its dissection is interruptible: some hundredths of a second.
+/// Number of couplings above which the dissection of a graph is interruptible: some hundredths of a second.
 const LONG: usize = 50_000;
 
-/// How long an interrupt waits at most.
+/// Longest delay of the reaction to an interrupt.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Orders of the vertices that are worth a comparison; multipliers may still come too early. None at all after an interrupt.
+/// Candidate orders of the vertices, in which multipliers may still precede their anchors; empty after an interrupt.
 pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
     let mut orders = Vec::new();
     if let Some(graph) = Graph::new(pattern) {
@@ -49,7 +49,7 @@ pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
     orders
 }
 
-/// Further dissections, for matrices so large that they are worth it, in the same order whatever the number of threads.
+/// Additional dissections for large matrices, in an order that does not depend on the number of threads.
 pub(super) fn alternatives(pattern: &Pattern, watch: &Watch, workers: &Workers) -> Vec<Vec<u32>> {
     let Some(graph) = Graph::new(pattern).map(Arc::new) else { return Vec::new() };
     let mut orders = ALTERNATIVES.map(|_| None);
@@ -61,14 +61,14 @@ pub(super) fn alternatives(pattern: &Pattern, watch: &Watch, workers: &Workers) 
     orders.into_iter().flatten().collect()
 }
 
-/// The graph of a pattern as the crate wants it.
+/// Graph of a pattern in the format of the crate `feral-metis`.
 struct Graph {
     starts: Vec<i32>,
     neighbors: Vec<i32>,
 }
 
 impl Graph {
-    /// Nothing when the graph is larger than the crate can number.
+    /// Returns `None` if the graph exceeds the index range of the crate.
     fn new(pattern: &Pattern) -> Option<Self> {
         let count = pattern.vertices();
         let mut graph = Graph { starts: Vec::with_capacity(count + 1), neighbors: Vec::new() };
@@ -87,7 +87,9 @@ impl Graph {
         Some(order.into_iter().map(|v| v as u32).collect())
     }
 
-    /// The same; nothing after an interrupt. The crate cannot be stopped, so a long dissection goes to a thread that is left behind then.
+    /// Nested dissection into small parts with minimum degree in these; `None` after an interrupt.
+    ///
+    /// The crate cannot be stopped, so a long dissection runs on a thread of its own, which is abandoned after an interrupt.
     fn watched_dissection(self: Arc<Self>, options: &MetisOptions, watch: &Watch) -> Option<Vec<u32>> {
         if watch.interrupt.is_none() || self.neighbors.len() < LONG {
             return self.dissection(options);
@@ -142,7 +144,7 @@ impl Order {
         Order { vertices, parents, families }
     }
 
-    /// Whether every vertex stands in it once, parents stand behind their children, and families are those of the parents.
+    /// True if the order contains every vertex once, parents follow their children, and families agree with the parents.
     pub(super) fn is_sound(&self) -> bool {
         let count = self.vertices.len();
         let mut seen = vec![false; count];
@@ -154,17 +156,17 @@ impl Order {
             && self.families == Order::new(Vec::new(), self.parents.clone()).families
     }
 
-    /// Whether one place is another one's ancestor.
+    /// True if place `ancestor` is an ancestor of `place` in the elimination tree, or equal to it.
     fn is_above(&self, ancestor: u32, place: u32) -> bool {
         let ([first, last], [_, own]) = (self.families[ancestor as usize], self.families[place as usize]);
         (first..=last).contains(&own)
     }
 
-    /// The same order with as few changes as make it good for a pattern with some other couplings.
+    /// Returns this order with as few changes as make it suitable for a pattern with some other couplings.
     ///
-    /// Where surfaces slide, vertices are coupled that stand in separate branches of the tree. Eliminated in the old order, one would drag
-    /// the other through all fronts up to where the branches meet, and join the branches. So one of the two moves up to that place: it
-    /// becomes a part of what separates the branches.
+    /// Sliding surfaces couple vertices in separate branches of the tree. In the old order one of two such vertices would be carried
+    /// through all fronts up to the common ancestor of the branches, and join the branches. So one of the two moves up to that place and
+    /// becomes a part of the separator.
     pub(super) fn repaired(&self, pattern: &Pattern) -> Vec<u32> {
         let count = self.vertices.len();
         let mut place = vec![0u32; count];
@@ -211,7 +213,8 @@ impl Order {
 
 const NONE: u32 = u32::MAX;
 
-/// The order of elimination: every multiplier that comes too early moves behind its anchor, or behind all its neighbors when it has none.
+/// Returns the order of elimination: every multiplier that precedes its anchor moves behind it, or behind all its neighbors without an
+/// anchor.
 pub(super) fn anchored(pattern: &Pattern, order: &[u32]) -> Vec<u32> {
     let count = pattern.vertices();
     let mut place = vec![0u32; count];

@@ -31,7 +31,7 @@ pub(super) struct Blocks<'a> {
     pub(super) lower: &'a mut [f64],
     /// Columns to the right, transposed, `u x p`.
     pub(super) upper: &'a mut [f64],
-    /// What remains, `u x u`.
+    /// Remainder, which becomes the update, `u x u`.
     pub(super) rest: &'a mut [f64],
 }
 
@@ -48,12 +48,12 @@ pub(super) struct Scratch {
     pub(super) right: Vec<f64>,
 }
 
-/// How an elimination runs.
+/// Parameters of an elimination.
 pub(super) struct Manner<'a> {
     /// Pivots smaller than this are replaced.
     pub(super) tiny: f64,
     pub(super) workers: &'a Workers,
-    /// Whether what is computed is of no use any more.
+    /// Returns true if the elimination is to be abandoned.
     pub(super) stopped: &'a (dyn Fn() -> bool + Sync),
 }
 

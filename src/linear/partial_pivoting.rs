@@ -15,7 +15,7 @@ use super::pattern::Pattern;
 pub(super) struct PartialPivoting {
     starts: Vec<usize>,
     rows: Vec<usize>,
-    /// Where the values of the entries stand; `None`: zeros.
+    /// Places of the values of the entries; `None` for entries that are zero.
     places: Vec<Option<usize>>,
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,

@@ -8,38 +8,38 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-/// What the unknowns of a vertex are.
+/// Role of the unknowns of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Coordinates of a node or a director, or any other numbers with an inertia or a stiffness of their own on the diagonal.
     Coordinates,
     /// Coordinates of a node without inertia, which the constraints that are anchored to it make a combination of other coordinates.
     Carried,
-    /// Multipliers of the rows of one group of constraints; their diagonal block may be zero.
+    /// Multipliers of one group of constraints; their diagonal block may be zero.
     Multipliers,
 }
 
 /// A vertex of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Vertex {
-    /// What its unknowns are.
+    /// Role of the unknowns.
     pub role: Role,
-    /// How many there are.
+    /// Number of unknowns.
     pub size: u8,
 }
 
 impl Vertex {
-    /// So many coordinates.
+    /// Returns a vertex with `size` coordinates.
     pub const fn coordinates(size: u8) -> Self {
         Vertex { role: Role::Coordinates, size }
     }
 
-    /// So many coordinates of a carried node.
+    /// Returns a vertex with the coordinates of a carried node.
     pub const fn carried(size: u8) -> Self {
         Vertex { role: Role::Carried, size }
     }
 
-    /// So many multipliers.
+    /// Returns a vertex with `size` multipliers.
     pub const fn multipliers(size: u8) -> Self {
         Vertex { role: Role::Multipliers, size }
     }
@@ -48,7 +48,7 @@ impl Vertex {
 /// Pattern of a sparse matrix on a graph.
 #[derive(Clone, Debug)]
 pub struct Pattern {
-    /// What the unknowns of each vertex are.
+    /// Role of the unknowns of each vertex.
     roles: Vec<Role>,
     /// First unknown of each vertex, and the number of all unknowns at the end.
     first: Vec<usize>,
@@ -66,7 +66,7 @@ pub struct Pattern {
     anchors: Vec<u32>,
 }
 
-/// Where a block of the matrix stands in the array of values: entry `(i, k)` at `start + k * stride + i`.
+/// Place of a block of the matrix in the array of values: entry `(i, k)` at `start + k * stride + i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Block {
     /// Place of entry `(0, 0)`.
@@ -79,7 +79,7 @@ pub struct Block {
 const NO_PLACE: u32 = u32::MAX;
 
 impl Block {
-    /// A block of zeros, which stands nowhere.
+    /// A block of zeros, which has no place.
     pub(super) const NOWHERE: Block = Block { start: u32::MAX, stride: 0 };
 
     /// Place of entry `(row, column)` of the block.
@@ -157,9 +157,11 @@ impl Pattern {
         Pattern { roles, first, starts: unique_starts, neighbors, offsets, columns, lengths, anchors: Vec::new() }
     }
 
-    /// The same pattern with an *anchor* for some multipliers: the node whose motion the multiplier opposes, so that eliminating the
-    /// node fills the multiplier's zero diagonal. A node should anchor no more multipliers than it has coordinates. A multiplier without an
-    /// anchor is eliminated after all its neighbors.
+    /// Returns this pattern with an *anchor* for some multipliers: the node whose motion the multiplier opposes, so that eliminating the
+    /// node fills the multiplier's zero diagonal.
+    ///
+    /// A node should anchor no more multipliers than it has coordinates. A multiplier without an anchor is eliminated after all its
+    /// neighbors.
     pub fn with_anchors(mut self, anchors: impl IntoIterator<Item = (u32, u32)>) -> Self {
         self.anchors = vec![u32::MAX; self.vertices()];
         for (multiplier, node) in anchors {
@@ -168,8 +170,9 @@ impl Pattern {
         self
     }
 
-    /// The same vertices with these couplings in place of the pattern's own, values where they stood: the blocks of other couplings have no
-    /// place any more, and those of couplings that the pattern lacks stand nowhere.
+    /// Returns a pattern of these vertices with other couplings; common blocks keep their places among the values.
+    ///
+    /// Blocks of dropped couplings lose their place; couplings that this pattern lacks get [`NO_PLACE`].
     pub(super) fn restricted(&self, couplings: &Couplings) -> Self {
         let mut offsets = Vec::with_capacity(couplings.neighbors.len());
         for v in 0..self.vertices() {
@@ -261,7 +264,7 @@ impl Pattern {
         self.roles[vertex] == Role::Carried
     }
 
-    /// Whether the unknowns of a vertex are multipliers.
+    /// True if the unknowns of a vertex are multipliers.
     #[inline]
     pub(crate) fn is_multiplier(&self, vertex: usize) -> bool {
         self.roles[vertex] == Role::Multipliers
@@ -388,7 +391,7 @@ impl Pattern {
         }
     }
 
-    /// Compressed columns: start of every column, and row of every entry and place of its value; `None` where there is none.
+    /// Compressed columns: start of every column, row of every entry, and place of the value of every entry (`None` without a value).
     pub fn compressed_columns(&self) -> (Vec<usize>, Vec<usize>, Vec<Option<usize>>) {
         let mut starts = Vec::with_capacity(self.unknowns() + 1);
         let (mut rows, mut places) = (Vec::new(), Vec::new());
@@ -406,8 +409,8 @@ impl Pattern {
     }
 }
 
-/// Couplings of a graph's vertices, every pair from both sides and each vertex with itself. They are named by their vertices, so that they
-/// mean the same in every pattern.
+/// Couplings of a graph's vertices, every pair from both sides and each vertex with itself. Couplings are identified by vertices,
+/// independent of a pattern.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Couplings {
     /// Per vertex, the range of its neighbors.
@@ -417,12 +420,13 @@ pub(super) struct Couplings {
 }
 
 impl Couplings {
-    /// Number of vertices; 0 where there is nothing yet.
+    /// Number of vertices; 0 for empty couplings.
     pub(super) fn vertices(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// Whether the neighbors of every vertex are vertices, itself among them, in ascending order, and have it as a neighbor.
+    /// True if the neighbors of every vertex are valid vertices in ascending order, include the vertex itself, and the relation is
+    /// symmetric.
     pub(super) fn is_sound(&self) -> bool {
         let vertices = self.vertices();
         let ends =
@@ -445,7 +449,7 @@ impl Couplings {
         &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
     }
 
-    /// What is coupled here or there, of the same vertices.
+    /// Union of two sets of couplings of equal vertices.
     pub(super) fn joined(&self, other: &Self) -> Self {
         let mut joined = Couplings { starts: vec![0], neighbors: Vec::with_capacity(self.count().max(other.count())) };
         for v in 0..self.vertices() {

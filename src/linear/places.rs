@@ -16,7 +16,7 @@ pub(super) struct Places {
     pub(super) beside: Vec<Beside>,
 }
 
-/// What the places are found from. A vertex is named by its place in the order, as in the tree.
+/// Data from which places are found. A vertex is identified by its place in the order, as in the tree.
 struct Finder<'a> {
     pattern: &'a Pattern,
     order: &'a [u32],

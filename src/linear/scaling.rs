@@ -25,7 +25,7 @@ pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |largest: f64, x| if x.abs() <= largest { largest } else { x.abs() })
 }
 
-/// Whether no value is infinite or not a number, without a branch per value.
+/// True if all values are finite; evaluated without a branch per value.
 pub(super) fn all_finite(values: &[f64]) -> bool {
     let (groups, rest) = values.as_chunks::<8>();
     let mut sums = [0.0; 8];

@@ -1,4 +1,4 @@
-//! What a linear solver is for the solver of steps: analyse a pattern, factor values, solve, report.
+//! Interface of linear solvers to the solver of steps: analyse a pattern, factor values, solve, report.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,18 +8,18 @@ use super::factorization::{Factorization, Work};
 use super::pattern::Pattern;
 use super::watch::Watch;
 
-/// What a solver keeps from one matrix to the next, as a value: sums depend on it in their last bits, so it belongs to the state of a run.
-/// Copies share what is large.
+/// State that a solver keeps from one matrix to the next. The last bits of sums depend on it, so it belongs to the state of a run. Copies
+/// share large data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverMemory {
     /// Order of elimination, once there is one.
     pub(super) order: Option<EliminationOrder>,
-    /// What the order has cost.
+    /// Cost counters of the order.
     pub(super) account: Account,
 }
 
 impl SolverMemory {
-    /// Whether it refers to nothing but itself, whatever file it comes from.
+    /// True if all indices are consistent, whatever file the value was read from.
     pub fn is_sound(&self) -> bool {
         self.order.as_ref().is_none_or(EliminationOrder::is_sound)
     }
@@ -36,10 +36,10 @@ pub trait LinearSolver: Send {
     /// Factors the matrix with these values.
     ///
     /// # Errors
-    /// Values that are no numbers, lack of memory, an interrupt.
+    /// Values that are not finite, lack of memory, an interrupt.
     fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError>;
 
-    /// Solves with the last factored values, which are given again; `right` becomes the solution. Gives the backward error.
+    /// Solves with the last factored values, which are given again; `right` becomes the solution. Returns the backward error.
     ///
     /// # Errors
     /// The matrix is singular, or the solution is not accurate.
@@ -48,24 +48,24 @@ pub trait LinearSolver: Send {
     /// An estimate of the vector that a singular matrix maps to zero, one number per unknown.
     fn near_null_vector(&self) -> Option<&[f64]>;
 
-    /// Number of negative eigenvalues of the last factored matrix, if that was symmetric; `None` where its factors do not tell.
+    /// Number of negative eigenvalues of the last factored matrix, if that was symmetric; `None` if the factors do not provide it.
     fn negative_eigenvalues(&self) -> Option<usize> {
         None
     }
 
-    /// What it keeps for the next matrix.
+    /// Returns the state that is kept for the next matrix.
     fn memory(&self) -> SolverMemory;
 
-    /// Puts an earlier memory in place; [`Self::analyse`] must follow.
+    /// Restores an earlier state; [`Self::analyse`] must follow.
     fn recall(&mut self, memory: &SolverMemory);
 
-    /// What has been done since it was made.
+    /// Returns the counters of the work done by this solver.
     fn work(&self) -> Work;
 
     /// Bytes of the factors.
     fn bytes(&self) -> usize;
 
-    /// Lets long work be looked into.
+    /// Sets the interrupt flag and the progress counter of long work.
     fn set_watch(&mut self, watch: Watch);
 }
 

@@ -14,7 +14,7 @@ pub(super) const STRIP: usize = 2 * WIDTH;
 /// Columns of a pivot block that are factored before the rest of it is updated.
 pub(super) const PANEL: usize = 64;
 
-/// Terms of a sum, and pivots of a block of a large front: strips of so many stay in a cache near by.
+/// Number of terms of a sum, and of pivots per block of a large front: strips of this length stay in a fast cache.
 pub(super) const DEPTH: usize = 192;
 
 /// Columns that are updated together: their strips stay in a cache not far away.

@@ -7,7 +7,7 @@ use pulp::{Simd, WithSimd};
 use super::symbolic::Symbolic;
 use super::triangular::{substitute_lower, substitute_upper};
 
-/// Whether a substitution goes from the leaves to the roots (the lower factor) or back (the upper one).
+/// Direction of a substitution: from the leaves to the roots (lower factor) or back (upper factor).
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Direction {
     Down,

@@ -13,7 +13,7 @@ use super::tree::{NONE, Tree};
 use super::waiting::{Waiting, surplus};
 use crate::math::workers::Workers;
 
-/// Operations from which on a matrix is worth more than one thread: some tenths of a millisecond.
+/// Number of operations above which several threads are used: some tenths of a millisecond.
 const WORTH_TASKS: f64 = 3e6;
 /// Subtrees with more work than the whole divided by this are split: enough parts for a few threads to end at about the same time.
 const TASKS: f64 = 10.0;
@@ -32,9 +32,10 @@ pub(super) struct Symbolic {
     pub(super) sizes: Vec<u8>,
     /// Length of all factors.
     pub(super) factors: usize,
-    /// Independent subtrees, as ranges of fronts in ascending order: each can be eliminated before what is left. None in a small matrix.
+    /// Independent subtrees, as ranges of fronts in ascending order, which are eliminated before the remaining fronts; empty for a small
+    /// matrix.
     pub(super) tasks: Vec<Range<usize>>,
-    /// Where updates wait if one thread eliminates all fronts, and if tasks are shared among several.
+    /// Buffer layouts of waiting updates: for one thread that eliminates all fronts, and for tasks shared among several.
     pub(super) alone: Waiting,
     pub(super) shared: Waiting,
     /// Unknowns of the largest front.
@@ -58,7 +59,7 @@ impl Symbolic {
         symbolic
     }
 
-    /// Finds the blocks of a pattern with other couplings; those of the structure that it lacks stand nowhere.
+    /// Finds the blocks of a pattern with other couplings; blocks of the structure that the pattern lacks have no place.
     pub(super) fn find_blocks(&mut self, pattern: &Pattern) {
         let find = |row: u32, column: u32| pattern.find_block(row, column).unwrap_or(Block::NOWHERE);
         for entry in &mut self.places.inside {
@@ -69,7 +70,7 @@ impl Symbolic {
         }
     }
 
-    /// Where updates wait, and for how many threads.
+    /// Returns the buffer layout of waiting updates and the number of threads.
     pub(super) fn waiting(&self, workers: &Workers) -> (&Waiting, usize) {
         if workers.are_many() && !self.tasks.is_empty() { (&self.shared, workers.count()) } else { (&self.alone, 1) }
     }

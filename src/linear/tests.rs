@@ -394,7 +394,7 @@ fn what_is_counted_leaves_the_order_as_it_is() {
     }
 }
 
-/// The same matrix on a pattern with more couplings, whose blocks are zero.
+/// Returns the matrix of a system on a pattern with more couplings, whose blocks are zero.
 fn widened(system: &System, more: impl Iterator<Item = [u32; 2]>) -> System {
     let old = &system.pattern;
     let vertices = 0..old.vertices() as u32;

@@ -12,7 +12,7 @@ use super::tree::Tree;
 /// Numbers that wait at one time from which on children come in the order that makes them fewest: 16 MB. Below, the largest comes first.
 const LARGE: usize = 1 << 21;
 
-/// Where an update waits.
+/// Location of a waiting update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Side {
     /// On the stack that begins at the buffer's start, or on that which begins at its end.
@@ -23,7 +23,7 @@ pub(super) enum Side {
     Handed,
 }
 
-/// Where all updates wait.
+/// Locations of all waiting updates.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
     /// Side and first number of the update of each front.

@@ -1,12 +1,12 @@
-//! Looking into a factorisation while it runs: how far it is, and that it should end.
+//! Progress and interruption of a running factorisation.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// Operations from which on a factorisation tells how far it is: a few tenths of a second.
+/// Operations above which a factorisation reports its progress: a few tenths of a second.
 const LONG: f64 = 5e9;
 
-/// A flag that ends a factorisation, and a number that tells how far it is; both may be shared with other threads.
+/// A flag that ends a factorisation, and its progress; both may be shared with other threads.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     /// Ends the factorisation when it becomes true.
@@ -16,7 +16,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Whether the factorisation is to end.
+    /// True if the factorisation is to end.
     pub(super) fn is_interrupted(&self) -> bool {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }

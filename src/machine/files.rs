@@ -1,6 +1,6 @@
 //! Files that are read as a whole: regular ones, that fit into memory.
 //!
-//! A pipe has no end as long as nobody closes it, and a device may have none at all: whoever names one by mistake would wait for ever.
+//! A pipe has no end until it is closed, and a device may have none at all: reading one by mistake would never return.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
@@ -27,7 +27,7 @@ pub fn open(path: &Path) -> Result<(File, u64)> {
 /// The bytes of a regular file.
 ///
 /// # Errors
-/// As those of [`open`]; a file that does not fit into memory.
+/// Errors of [`open`]; a file that does not fit into memory.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     let (mut file, length) = open(path)?;
     memory::ensure(SHARE.saturating_mul(length)).map_err(|shortage| Error::new(ErrorKind::OutOfMemory, shortage))?;
@@ -39,7 +39,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 /// The text of a regular file.
 ///
 /// # Errors
-/// As those of [`read`]; a file that is no text.
+/// Errors of [`read`]; a file that is no text.
 pub fn read_text(path: &Path) -> Result<String> {
     String::from_utf8(read(path)?).map_err(|_| Error::new(ErrorKind::InvalidData, "it is not text (UTF-8)"))
 }

@@ -1,9 +1,9 @@
 //! Memory that is left for this process, and the refusal of what would not fit into it.
 //!
-//! The bytes of a mesh, a simulation or a factorisation are estimated before they are asked for, because an operating system promises
-//! more than it has and ends the process when it cannot keep that. What is left is what the machine has available and, in a container or
-//! under a limit of address space, what these leave; and what a limit of the process's own leaves ([`set_limit`]). Linux tells; where
-//! the system does not, nothing is refused.
+//! The bytes of a mesh, a simulation or a factorisation are estimated before allocation, because an operating system grants more memory
+//! than it has and ends the process when that runs out. The memory left is the minimum of the available memory of the machine, the rest
+//! under limits of a container or of address space, and the rest under a limit of the process itself ([`set_limit`]). Linux provides these
+//! numbers; on other systems nothing is refused.
 
 use std::fmt::{Display, Formatter};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,18 +11,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// The limit of the process's own.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
 
-/// What is left to the machine itself.
+/// Bytes that are left to the operating system.
 const RESERVE: u64 = 128 << 20;
 
-/// Fewer bytes than this are not worth a look at what is left.
+/// Number of bytes below which the memory left is not checked.
 const SMALL: u64 = 4 << 20;
 
 /// Bytes that would not fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortage {
-    /// How many are needed, as estimated.
+    /// Estimated number of bytes needed.
     pub needed: u64,
-    /// How many are left.
+    /// Number of bytes left.
     pub left: u64,
 }
 
@@ -35,7 +35,7 @@ impl Display for Shortage {
 impl std::error::Error for Shortage {}
 
 impl Shortage {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         "C0531"
     }
@@ -52,7 +52,7 @@ pub fn written(bytes: u64) -> String {
     }
 }
 
-/// Lets this process take so many bytes at most, in all.
+/// Limits the total memory of this process, in bytes.
 pub fn set_limit(bytes: u64) {
     LIMIT.store(bytes, Ordering::Relaxed);
 }
@@ -65,7 +65,7 @@ pub fn limit() -> Option<u64> {
 /// Refuses what needs more bytes than are left.
 ///
 /// # Errors
-/// How many there are.
+/// A [`Shortage`] if `bytes` exceeds the memory that is left.
 pub fn ensure(bytes: u64) -> Result<(), Shortage> {
     if bytes < SMALL {
         return Ok(());
@@ -76,7 +76,7 @@ pub fn ensure(bytes: u64) -> Result<(), Shortage> {
     }
 }
 
-/// Bytes that are left, as far as the system tells.
+/// Number of bytes left; `None` if the system does not provide it.
 pub fn left() -> Option<u64> {
     let own = limit().and_then(|limit| Some(limit.saturating_sub(used()?)));
     let machine = [available(), address_space()].into_iter().flatten().min().map(|bytes| bytes.saturating_sub(RESERVE));
@@ -93,14 +93,14 @@ fn available() -> Option<u64> {
     kilobytes("/proc/meminfo", "MemAvailable:")
 }
 
-/// What a limit of address space (`ulimit -v`) leaves.
+/// Bytes left under a limit of address space (`ulimit -v`).
 fn address_space() -> Option<u64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let most = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?.split_whitespace().next()?.parse::<u64>().ok()?;
     Some(most.saturating_sub(kilobytes("/proc/self/status", "VmSize:")?))
 }
 
-/// What the control group of this process (version 2) leaves, and those around it.
+/// Bytes left in the control group (version 2) of this process and in the groups around it.
 fn container() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").ok()?;
     let path = groups.lines().find_map(|line| line.strip_prefix("0::"))?;

@@ -1,4 +1,4 @@
-//! Floor 0: what the machine has and asks for: memory, regular files, an ear for the user while something long is computed.
+//! Floor 0: services of the machine: memory, regular files, interrupts by the user during long computations.
 
 pub mod files;
 pub mod memory;

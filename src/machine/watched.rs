@@ -6,25 +6,28 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
-/// How long an interrupt waits at most.
+/// Longest delay of the reaction to an interrupt.
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// Stack of the thread; only what is used of it takes memory.
 const STACK: usize = 64 << 20;
 
-/// What comes from the thread of the work.
+/// Message from the thread of the work.
 enum Word<Q, T> {
     Question(Q),
     Result(T),
 }
 
-/// The result of work that does not look at the flag itself; nothing when the flag becomes true before it is done. The work has a thread
-/// of its own, which is left behind then. A panic of the work is one of the caller.
+/// Returns the result of work that does not check the flag itself; `None` if the flag becomes true first.
+///
+/// The work runs on a thread of its own, which is abandoned after an interrupt. A panic of the work is passed on to the caller.
 pub fn watched<T: Send + 'static>(interrupt: &Arc<AtomicBool>, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
     consulted(interrupt, |_: &dyn Fn(()) -> Option<()>| work(), |()| ())
 }
 
-/// The same of work that asks questions, which the caller answers on its own thread; the work gets no answer any more after an interrupt.
+/// Returns the result of work that asks questions, which the caller answers on its own thread; `None` after an interrupt.
+///
+/// The work runs on a thread of its own. After an interrupt its questions return `None`.
 pub fn consulted<T: Send + 'static, Q: Send + 'static, A: Send + 'static>(
     interrupt: &Arc<AtomicBool>,
     work: impl FnOnce(&dyn Fn(Q) -> Option<A>) -> T + Send + 'static,

@@ -14,9 +14,9 @@ pub trait BatchedLaw<const S: usize>: Send + Sync {
     fn stresses_into(&self, strain: &[Components<S>], stress: &mut [Components<S>]);
     /// Stresses and tangents of all strains.
     fn responses_into(&self, strain: &[Components<S>], responses: &mut [Response<S>]);
-    /// What a discrete gradient needs of all pairs of strains.
+    /// Increment responses for a discrete gradient, one per pair of strains at the start and the end of a step.
     fn increments_into(&self, strain_n: &[Components<S>], strain_n1: &[Components<S>], increments: &mut [IncrementResponse<S>]);
-    /// Whether its stiffness may jump, so that no quadrature over a step is exact.
+    /// True if the stiffness of the law may jump, so that no quadrature over a step is exact.
     fn has_kinks(&self) -> bool {
         false
     }
@@ -27,7 +27,7 @@ pub trait BatchedLaw<const S: usize>: Send + Sync {
 pub struct Response<const S: usize> {
     /// Second Piola-Kirchhoff stress.
     pub stress: Components<S>,
-    /// Its derivative with respect to the strain.
+    /// Derivative of the stress with respect to the strain.
     pub tangent: [Components<S>; S],
 }
 
@@ -36,10 +36,10 @@ impl<const S: usize> Response<S> {
     pub const ZERO: Self = Response { stress: [Lanes::ZERO; S], tangent: [[Lanes::ZERO; S]; S] };
 }
 
-/// What a discrete gradient needs of an increment of the strain in eight elements.
+/// Response of a law to a strain increment in eight elements, for a discrete gradient.
 #[derive(Clone, Copy, Debug)]
 pub struct IncrementResponse<const S: usize> {
-    /// At the mean of the two strains.
+    /// Response at the mean of the two strains.
     pub mean: Response<S>,
     /// Stress at the end.
     pub stress_end: Components<S>,

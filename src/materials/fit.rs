@@ -13,7 +13,7 @@ use super::energy::{EnergyError, StoredEnergy};
 use super::homogeneous::{Piece, response};
 use crate::math::tolerances::{FIT, FIT_DIFFERENCE, FIT_LINEAR, FIT_RANK};
 
-/// What a test piece was measured to do.
+/// Measurement of a test piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// The test.
@@ -33,7 +33,7 @@ pub struct Fit {
     pub r_squared: f64,
 }
 
-/// Why there are no constants.
+/// Errors of a fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
@@ -43,9 +43,9 @@ pub enum FitError {
     /// Fewer points than constants.
     #[error("{points} points cannot tell {constants} constants")]
     Points {
-        /// How many there are.
+        /// Number of points given.
         points: usize,
-        /// How many would be found.
+        /// Number of constants to be fitted.
         constants: usize,
     },
     /// No start gives finite stresses.
@@ -54,7 +54,7 @@ pub enum FitError {
 }
 
 impl FitError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             FitError::Energy(error) => error.code(),

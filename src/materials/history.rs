@@ -1,7 +1,7 @@
 //! Laws whose stress depends on what happened before: history variables at every quadrature point.
 //!
-//! A law is told the strains at both ends of a step and the history variables at its start. It gives the stress of the step with its
-//! derivative, and at the end of a step that is accepted the new history variables and the heat. The work of the stress of
+//! Input of a law are the strains at both ends of a step and the history variables at its start. Output are the stress of the step with its
+//! derivative and, at the end of an accepted step, the new history variables and the heat. The work of the stress of
 //! [`StressOf::Step`] on the change of the strain is exactly the change of the stored energy and the heat:
 //!
 //! ```text
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::batched::{Components, Response};
 use crate::math::lanes::Lanes;
 
-/// The kind of stress that a step asks a law for.
+/// Kind of stress that a step requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StressOf {
     /// Mean stress of the step: its work is exactly the change of the stored energy and the heat.
@@ -39,17 +39,17 @@ pub struct StrainStep<'a, const S: usize> {
     pub history: &'a [Lanes<false>],
     /// Size of the step `[time]`; 0 at rest, where whatever depends on a rate has relaxed.
     pub dt: f64,
-    /// The stress that is asked for.
+    /// Required kind of stress.
     pub stress: StressOf,
 }
 
 impl<'a, const S: usize> StrainStep<'a, S> {
-    /// A step at rest in which nothing moves.
+    /// A step at rest without motion.
     pub fn at_rest(strain: &'a [Components<S>], change: &'a [Components<S>], history: &'a [Lanes<false>]) -> Self {
         StrainStep { start: strain, end: strain, middle: strain, change, history, dt: 0.0, stress: StressOf::End }
     }
 
-    /// History variables of a point, of which there are so many.
+    /// History variables of a point with `variables` of them.
     pub fn history_of(&self, point: usize, variables: usize) -> &'a [Lanes<false>] {
         &self.history[point * variables..(point + 1) * variables]
     }
@@ -65,9 +65,10 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// to the strain in the middle `[stress]`.
     fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]);
 
-    /// Derivatives of the stress with respect to the change of the strain, where the stress in the middle of a step depends on that, too,
-    /// as responses without a stress; otherwise false. They are asked for of [`StressOf::Middle`] alone, whose other derivatives belong to
-    /// variations of the strain in the middle.
+    /// Computes derivatives of the stress with respect to the change of the strain, as responses without a stress; returns false if the
+    /// stress in the middle of a step does not depend on that change.
+    ///
+    /// Called for [`StressOf::Middle`] alone, whose other derivatives belong to variations of the strain in the middle.
     fn rate_responses_into(&self, _step: &StrainStep<S>, _responses: &mut [Response<S>]) -> bool {
         false
     }
@@ -85,16 +86,16 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// Lets what depends on rates relax at strains that stay.
     fn relax(&self, _strain: &[Components<S>], _history: &mut [Lanes<false>]) {}
 
-    /// Energies that are stored at strains with such history variables `[energy/volume]`, but for those that relax.
+    /// Energies stored at strains and history variables, without those that relax `[energy/volume]`.
     fn energies_into(&self, strain: &[Components<S>], history: &[Lanes<false>], energies: &mut [Lanes<false>]);
 
     /// Adds the stored energies that relax, those of branches of a viscosity `[energy/volume]`.
     fn add_relaxing_energies(&self, _history: &[Lanes<false>], _energies: &mut [Lanes<false>]) {}
 
-    /// Second Piola-Kirchhoff stresses at strains with such history variables `[stress]`.
+    /// Second Piola-Kirchhoff stresses at strains and history variables `[stress]`.
     fn stresses_into(&self, strain: &[Components<S>], history: &[Lanes<false>], stresses: &mut [Components<S>]);
 
-    /// The strain across the plane of a point with such history variables, where it is one of them.
+    /// The strain across the plane of a point, if it is one of the history variables.
     fn across(&self, _history: &[Lanes<false>]) -> Option<Lanes<false>> {
         None
     }

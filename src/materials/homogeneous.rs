@@ -1,4 +1,4 @@
-//! Homogeneous deformations of a material: what a test piece of it does between the clamps of a machine.
+//! Homogeneous deformations of a material, such as of a test piece between the clamps of a machine.
 //!
 //! The stretches that a test prescribes are given, all other components of the strain follow from the stresses that vanish (Newton's method
 //! on the components, from the last stretch on a path). Nominal stresses: force per undeformed area.
@@ -40,7 +40,7 @@ impl Piece {
         }
     }
 
-    /// How many of the first two strains are given.
+    /// Number of prescribed strains among the first two.
     fn given(self) -> usize {
         if self == Piece::Uniaxial { 1 } else { 2 }
     }

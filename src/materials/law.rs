@@ -1,4 +1,4 @@
-//! What a stored-energy law gives: energy, stress, tangent, and what a discrete gradient needs of an increment.
+//! Interface of stored-energy laws: energy, stress, tangent, and the increment response for a discrete gradient.
 
 use crate::math::lanes::Real;
 use crate::math::tensor::Tensor;
@@ -28,7 +28,7 @@ pub trait Law: Send + Sync + 'static {
         let limit = STRAIN_QUOTIENT * STRAIN_QUOTIENT;
         line + square.if_above(limit, difference - line)
     }
-    /// What a discrete gradient needs of an increment; a law for which some of it follows from the rest says so here.
+    /// Returns the increment response for a discrete gradient; a law overrides this where some of its values follow from others.
     #[inline(always)]
     fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
         let (stress, tangent) = self.stress_tangent(&((*strain_n + *strain_n1) * 0.5));
@@ -48,12 +48,12 @@ pub(super) fn lobatto<R: Real>([start, before, after, end]: [R; 4]) -> R {
     (start + end) * 0.05 + (before + after) * (49.0 / 180.0)
 }
 
-/// What a discrete gradient needs of an increment of the strain.
+/// Response of a law to a strain increment, for a discrete gradient.
 #[derive(Clone, Copy, Debug)]
 pub struct Increment<T: Tensor> {
     /// Stress at the mean of the two strains `[stress]`.
     pub stress: T,
-    /// Tangent there `[stress]`.
+    /// Tangent at the mean of the two strains `[stress]`.
     pub tangent: T::Tangent,
     /// Stress at the end `[stress]`.
     pub stress_end: T,

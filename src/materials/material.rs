@@ -18,7 +18,7 @@ use crate::math::catalogue::{Interval, OutOfRange};
 use crate::math::lanes::Lanes;
 use crate::math::tolerances::RESIDUAL_STRESS;
 
-/// Constants that make no material.
+/// Errors of material constants.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MaterialError {
@@ -37,9 +37,9 @@ pub enum MaterialError {
     Count {
         /// Name of the law.
         law: &'static str,
-        /// How many it has.
+        /// Number of constants of the law.
         expected: usize,
-        /// How many are given.
+        /// Number of constants given.
         given: usize,
     },
     /// A text that is no energy with these constants.
@@ -57,7 +57,7 @@ pub enum MaterialError {
 }
 
 impl MaterialError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             MaterialError::Constant { .. } => "C0301",
@@ -69,7 +69,7 @@ impl MaterialError {
     }
 }
 
-/// Where the law of a material comes from.
+/// Origin of the law of a material.
 #[derive(Clone)]
 enum Origin {
     /// A row of the catalogue with the values of its parameters.
@@ -142,7 +142,7 @@ impl Material {
     /// ```
     ///
     /// # Errors
-    /// A mistake in the text, with its place; a density that is none.
+    /// A mistake in the text, with its place; an invalid density.
     pub fn hyperelastic(energy: StoredEnergy, density: f64) -> Result<Self, MaterialError> {
         let wrong = |fault| MaterialError::Constant { law: HYPERELASTIC, constant: "density", fault };
         Interval::Positive.check(density).map_err(wrong)?;
@@ -154,7 +154,7 @@ impl Material {
     /// The material of an isotropic law that is written beside the crate (`examples/law.rs` is one).
     ///
     /// # Errors
-    /// A density that is none; a law that resists no change of the volume.
+    /// An invalid density; a law without stiffness against changes of volume.
     pub fn of_law(name: &'static str, law: impl Law + Clone, density: f64) -> Result<Self, MaterialError> {
         let wrong = |fault| MaterialError::Constant { law: name, constant: "density", fault };
         Interval::Positive.check(density).map_err(wrong)?;
@@ -178,8 +178,8 @@ impl Material {
         Ok(Material { plasticity: Some(Arc::new(constants.clone())), ..elastic.with_history(laws) })
     }
 
-    /// The material of a law with history variables that is written beside the crate. An elastic material tells its stiffness at rest;
-    /// cells take the law point by point.
+    /// Returns the material of a law with history variables that is defined outside of the crate. `elastic` provides the stiffness at rest;
+    /// cells evaluate the law point by point.
     pub fn of_history_law<H: HistoryLaw<4> + HistoryLaw<6> + Clone + 'static>(name: &'static str, elastic: Self, law: H) -> Self {
         let laws = Laws { split: None, ..elastic.laws.clone() };
         Material { origin: Origin::Outside(name), energy: None, laws, ..elastic.with_history([law.clone(), law]) }
@@ -198,10 +198,10 @@ impl Material {
         if youngs_modulus > 0.0 && youngs_modulus.is_finite() { Ok(material) } else { Err(MaterialError::Slack { law: material.name() }) }
     }
 
-    /// The same in other units; `factor` gives what a value of a dimension, such as `"stress"`, is multiplied by.
+    /// Returns the material in other units; `factor` maps a dimension, such as `"stress"`, to the factor of its values.
     ///
     /// # Errors
-    /// The name of the first constant whose dimension `factor` does not know.
+    /// The name of the first constant for whose dimension `factor` returns `None`.
     pub fn rescaled(&self, factor: impl Fn(&str) -> Option<f64>) -> Result<Self, String> {
         let unknown = |name: &str| format!("the dimension of the constant `{name}` is not known");
         let material = match (&self.origin, &self.energy) {
@@ -234,7 +234,7 @@ impl Material {
         Ok(Material { viscosity, ..material })
     }
 
-    /// The same in a body that is turned in the plane by an angle with that cosine and sine.
+    /// Returns the material of a body rotated in the plane by an angle with given cosine and sine.
     ///
     /// # Errors
     /// An energy that cannot be turned.
@@ -244,7 +244,7 @@ impl Material {
         Ok(Material { laws: energy.laws()?, energy: Some(energy), ..self.clone() })
     }
 
-    /// Name of its law.
+    /// Name of the law.
     pub fn name(&self) -> &'static str {
         match &self.origin {
             _ if self.plasticity.is_some() => ELASTIC_PLASTIC,
@@ -304,17 +304,17 @@ impl Material {
         diagonal.fold(self.youngs_modulus, f64::max)
     }
 
-    /// What it resists besides its stored energy.
+    /// Returns the viscosity of the material.
     pub fn viscosity(&self) -> &Viscosity {
         &self.viscosity
     }
 
-    /// The same with another viscosity.
+    /// Returns this material with another viscosity.
     pub fn with_viscosity(self, viscosity: Viscosity) -> Self {
         Material { viscosity, ..self }
     }
 
-    /// Constants of its plastic flow.
+    /// Constants of the plastic flow, if any.
     pub fn plasticity(&self) -> Option<&ElasticPlastic> {
         self.plasticity.as_deref()
     }

@@ -22,7 +22,7 @@ fn shares() -> [f64; 2] {
     [0.5 - offset, 0.5 + offset]
 }
 
-/// How many increments are computed at a time.
+/// Number of increments computed at a time.
 const CHUNK: usize = 8;
 
 macro_rules! averaged {

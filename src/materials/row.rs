@@ -1,4 +1,4 @@
-//! How a law describes itself: a row of the catalogue, and the constants that isotropic laws share.
+//! Description of a law: its row of the catalogue, and the constants that isotropic laws share.
 
 use super::energy::{EnergyError, StoredEnergy};
 use super::laws::Laws;
@@ -14,7 +14,7 @@ pub struct VolumetricForm {
 }
 
 impl VolumetricForm {
-    /// Whether it is the one that is taken when none is named.
+    /// True if this form is the default of the law.
     pub fn is_usual(&self) -> bool {
         self.all.first() == Some(&self.name)
     }
@@ -28,7 +28,7 @@ pub struct MaterialRow {
     pub summary: &'static str,
     /// The formula and its source, for the reference.
     pub formula: &'static str,
-    /// Which form of the volumetric part it has, of a law that is written in several.
+    /// Form of the volumetric part, for a law that has several.
     pub volumetric: Option<VolumetricForm>,
     /// Parameters in the order in which [`super::Material::new`] takes their values; the density is the last.
     pub parameters: &'static [Parameter],
@@ -38,7 +38,7 @@ pub struct MaterialRow {
     pub(super) construct: Construct,
 }
 
-/// How a law is made from the values of its parameters.
+/// Constructor of a law from the values of its parameters.
 pub(super) enum Construct {
     /// From a formula that is written by hand.
     Formula(fn(&[f64]) -> Laws),
@@ -47,12 +47,12 @@ pub(super) enum Construct {
 }
 
 impl MaterialRow {
-    /// Whether it is the row that the law's name means where no form is named.
+    /// True if this row is the one that the law's name alone refers to.
     pub fn is_usual(&self) -> bool {
         self.volumetric.is_none_or(|form| form.is_usual())
     }
 
-    /// Its name, with the form where it is not the usual one: `neo_hookean`, `neo_hookean, power`.
+    /// Name of the law, with the volumetric form if it is not the default: `neo_hookean`, `neo_hookean, power`.
     pub fn title(&self) -> String {
         match self.volumetric.filter(|form| !form.is_usual()) {
             Some(form) => format!("{}, {}", self.name, form.name),
@@ -60,7 +60,8 @@ impl MaterialRow {
         }
     }
 
-    /// Whether its energy has a part of the volume alone, so that all other constants tell of pieces that keep their volume.
+    /// True if the law has a bulk modulus: its energy has a part that depends on the volume alone, so that all other constants can be
+    /// fitted to tests at constant volume.
     pub fn is_incompressible(&self) -> bool {
         self.parameters.iter().any(|parameter| parameter.name == BULK_MODULUS.name)
     }

@@ -1,4 +1,4 @@
-//! What is wrong with a law: stress or energy at rest, stiffness that is not positive, equations that lose ellipticity.
+//! Weaknesses of a law: stress or energy at rest, stiffness that is not positive, equations that lose ellipticity.
 //!
 //! Ellipticity holds where the acoustic tensor `Q_ik = A_iJkL N_J N_L` of every direction `N` is positive definite, with
 //! `A = dP/dF` (Marsden and Hughes, Mathematical Foundations of Elasticity, 1983, section 6.1). Where it is lost a body folds into bands
@@ -57,7 +57,7 @@ const BISECTIONS: usize = 8;
 const DIRECTIONS: usize = 1200;
 
 impl Material {
-    /// What is wrong with the law, by all that is looked at; nothing for a sound one.
+    /// Returns the weaknesses of the law found by all checks; empty for a sound law.
     pub fn weaknesses(&self) -> Vec<Weakness> {
         let mut found = self.weaknesses_at_rest();
         let is_sound = !found.iter().any(|weakness| matches!(weakness, Weakness::StressAtRest(_) | Weakness::StiffnessAtRest(_)));
@@ -68,7 +68,7 @@ impl Material {
         found
     }
 
-    /// What is wrong with the law at rest.
+    /// Returns the weaknesses of the law at rest.
     pub fn weaknesses_at_rest(&self) -> Vec<Weakness> {
         let mut found = Vec::new();
         let (stress, tangent) = response(&*self.space(), &[0.0; 6]);

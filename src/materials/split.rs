@@ -14,7 +14,7 @@ pub trait VolumetricLaw: Send + Sync {
     fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]);
     /// `U'` and `U''` for each `J - 1` `[stress]`.
     fn responses_into(&self, change: &[Lanes<false>], responses: &mut [[Lanes<false>; 2]]);
-    /// Whether `U''` may jump, so that no quadrature over a step is exact.
+    /// True if `U''` may jump, so that no quadrature over a step is exact.
     fn has_kinks(&self) -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! What every law of the catalogue promises, in plane strain, with a stretched third direction and in space.
+//! Contract tests of every law of the catalogue, in plane strain, with a stretched third direction and in space.
 
 use super::row::lame;
 use super::*;

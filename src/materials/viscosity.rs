@@ -1,4 +1,4 @@
-//! What a material resists besides its stored energy: viscosity, and branches that remember the strain for a while.
+//! Viscosity of a material besides its stored energy: Kelvin-Voigt stress on the strain rate, and Maxwell branches, whose stress relaxes.
 //!
 //! Kelvin and Voigt: a stress `2 eta dE/dt + zeta tr(dE/dt) I` on the rate of the Green-Lagrange strain. Maxwell: every branch stores
 //! `mu |Y|^2` of its own strain `Y = E - A`, whose viscous part creeps, `dA/dt = Y/tau`, and adds the stress `2 mu Y` (finite linear
@@ -33,7 +33,8 @@ pub struct Viscosity {
 }
 
 impl Branch {
-    /// What of the strain at the start is left at the end of a step, and what of the step's strain comes to it.
+    /// Factors `[(1 - h/2)/(1 + h/2), 1/(1 + h/2)]` of the branch strain at the start and of the strain increment in the branch strain at
+    /// the end of a step, with `h = dt/tau`.
     pub fn shares(&self, dt: f64) -> [f64; 2] {
         let half = 0.5 * dt / self.relaxation_time;
         [(1.0 - half) / (1.0 + half), 1.0 / (1.0 + half)]
@@ -41,12 +42,12 @@ impl Branch {
 }
 
 impl Viscosity {
-    /// Whether there is none.
+    /// True if all viscosities are zero and there are no branches.
     pub fn is_none(&self) -> bool {
         self.shear == 0.0 && self.bulk == 0.0 && self.branches.is_empty()
     }
 
-    /// The same in other units.
+    /// Returns the viscosity in other units, given the factors of stress and time.
     pub fn rescaled(&self, stress: f64, time: f64) -> Self {
         let branch =
             |branch: &Branch| Branch { shear_modulus: branch.shear_modulus * stress, relaxation_time: branch.relaxation_time * time };

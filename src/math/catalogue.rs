@@ -1,4 +1,4 @@
-//! How a row of a catalogue (materials, integrators, contact methods) describes itself.
+//! Description of a catalogue row (materials, integrators, contact methods).
 //!
 //! One description feeds the script functions, `help`, the suggestions in errors, the reference page and the contract tests.
 
@@ -18,7 +18,7 @@ pub enum Interval {
 }
 
 impl Interval {
-    /// Whether `value` is finite and inside the interval.
+    /// True if `value` is finite and inside the interval.
     pub fn contains(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -69,7 +69,7 @@ impl std::fmt::Display for OutOfRange {
 impl std::error::Error for OutOfRange {}
 
 impl OutOfRange {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         "C0532"
     }

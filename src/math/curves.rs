@@ -1,4 +1,4 @@
-//! How far two curves through points are apart, where both are known.
+//! Difference of two sampled curves in the range where both are known.
 //!
 //! A curve is linear between its points. So is the difference of two between the points of both, and its largest value, mean and mean
 //! square are exact, however densely either was sampled.
@@ -6,20 +6,20 @@
 /// A curve: points `[x, y]` with rising `x`.
 pub type Points = [[f64; 2]];
 
-/// How far two curves are apart over a range.
+/// Norms of the difference of two curves over a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
     /// The difference of the largest size, the second curve less the first.
     pub largest: f64,
-    /// Where it is.
+    /// Abscissa of the largest difference.
     pub at: f64,
     /// Mean of the difference.
     pub mean: f64,
-    /// Mean of its square.
+    /// Mean square of the difference.
     pub mean_square: f64,
     /// Mean square of the first curve.
     pub scale: f64,
-    /// The range.
+    /// Range of the abscissa.
     pub range: [f64; 2],
 }
 
@@ -36,13 +36,13 @@ pub fn value(curve: &Points, x: f64) -> f64 {
     }
 }
 
-/// The range in which both are known; `None` where there is none.
+/// The range in which both curves are defined; `None` if it is empty.
 pub fn overlap(a: &Points, b: &Points) -> Option<[f64; 2]> {
     let (first, last) = (a.first()?[0].max(b.first()?[0]), a.last()?[0].min(b.last()?[0]));
     (first <= last).then_some([first, last])
 }
 
-/// How far two curves are apart in a range in which both are known.
+/// Norms of the difference of two curves in a range in which both are known.
 pub fn distance(a: &Points, b: &Points, range: [f64; 2]) -> Distance {
     let [first, last] = range;
     let inside = a.iter().chain(b).map(|point| point[0]).filter(|x| (first..last).contains(x));

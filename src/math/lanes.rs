@@ -20,7 +20,7 @@ pub trait Real:
     + Mul<f64, Output = Self>
     + Add<f64, Output = Self>
 {
-    /// The same number in every lane.
+    /// Returns lanes that all hold `x`.
     fn splat(x: f64) -> Self;
     /// `self * b + c`.
     fn mul_add(self, b: Self, c: Self) -> Self;
@@ -90,7 +90,7 @@ impl<const FMA: bool> Lanes<FMA> {
         sum * (self * square)
     }
 
-    /// `exp(x) - 1` with relative accuracy; infinite above 709, not a number where `x` is none.
+    /// `exp(x) - 1` with relative accuracy; infinite above 709, NaN for `x = NaN`.
     #[inline(always)]
     pub fn exp_m1(self) -> Self {
         // x = k ln 2 + r, |r| <= ln 2 / 2: exp(x) - 1 = 2^k (exp(r) - 1) + (2^k - 1). Adding 1.5 * 2^52 rounds to a whole number, whose
@@ -124,7 +124,7 @@ impl<const FMA: bool> Lanes<FMA> {
         self.map(f64::sqrt)
     }
 
-    /// The greater of two, lane by lane; not a number where this is none.
+    /// The greater of two, lane by lane; NaN where `self` is NaN.
     #[inline(always)]
     pub fn greater(self, other: Self) -> Self {
         self.zip(other, |a, b| if b > a { b } else { a })
@@ -153,7 +153,8 @@ impl<const FMA: bool> Lanes<FMA> {
     }
 }
 
-/// The same numbers for code with another `FMA`. A loop, because `array::map` is not inlined into functions that enable instructions.
+/// Converts lanes to those for code with another `FMA`, values unchanged. A loop, because `array::map` is not inlined into functions that
+/// enable instructions.
 #[inline(always)]
 pub fn relabel<const A: bool, const B: bool, const N: usize>(lanes: &[Lanes<A>; N]) -> [Lanes<B>; N] {
     let mut result = [Lanes::ZERO; N];

@@ -7,10 +7,10 @@
 
 use bobyqa::{Bobyqa, Config, Status};
 
-/// A problem.
+/// A minimization problem with bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
-    /// Where it begins.
+    /// Start point of the search.
     pub start: Vec<f64>,
     /// Lower bound of each variable.
     pub lower: Vec<f64>,
@@ -18,26 +18,26 @@ pub struct Search {
     pub upper: Vec<f64>,
     /// First distance between points, as a share of each range; at most one half.
     pub step: f64,
-    /// Last such distance.
+    /// Final distance between points, as a share of each range.
     pub tolerance: f64,
-    /// Evaluations at most; more than `2n + 1`.
+    /// Largest number of evaluations; more than `2n + 1`.
     pub most: usize,
-    /// A value that is good enough.
+    /// Value at which the search ends.
     pub target: Option<f64>,
 }
 
-/// Why a search ended.
+/// Reason for which a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The points are as near to one another as they should come.
+    /// The distance of the points has reached the tolerance.
     Converged,
-    /// A value is good enough.
+    /// A value has reached the target.
     Target,
-    /// There were as many evaluations as there may be.
+    /// The largest number of evaluations was reached.
     Evaluations,
-    /// Round-off hides where it goes down.
+    /// Round-off hides the direction of descent.
     RoundOff,
-    /// The function asked to stop.
+    /// The function requested a stop.
     Stopped,
 }
 
@@ -47,7 +47,7 @@ pub fn beginnings(variables: usize) -> usize {
 }
 
 impl Search {
-    /// The points that are asked for first, whatever the values there are: they can be computed side by side.
+    /// Points that are evaluated first, independent of the values there, so that they can be computed in parallel.
     pub fn first_points(&self) -> Vec<Vec<f64>> {
         let count = beginnings(self.start.len());
         let mut points = Vec::new();
@@ -59,7 +59,8 @@ impl Search {
         points
     }
 
-    /// Searches; why it ended, or that these numbers are no problem. `value` is asked point by point, and ends the search by `None`.
+    /// Minimizes `value`; returns the reason for which the search ended, or `None` for an invalid problem. `value` is evaluated point by
+    /// point, and ends the search by returning `None`.
     pub fn minimize(&self, value: impl FnMut(&[f64]) -> Option<f64>) -> Option<End> {
         self.run(self.most, self.target, value)
     }

@@ -14,7 +14,7 @@ use pulp::{NullaryFnOnce, Simd, WithSimd};
 /// A computation on [`super::lanes::Lanes`] that is compiled for more than one instruction set. `run` must be `#[inline(always)]`, and so
 /// must all it calls.
 pub trait Kernel {
-    /// What it returns.
+    /// Result of the kernel.
     type Output;
     /// Computes; `FMA` says whether a fused multiply-add is one instruction.
     fn run<const FMA: bool>(self) -> Self::Output;
@@ -78,7 +78,8 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     plain(kernel)
 }
 
-/// What is known of a batch fills much of a thread's stack: the version that is not chosen must not take as much again.
+/// Runs a kernel without special instructions. Never inlined: a batch fills much of a thread's stack, and the version that is not chosen
+/// must not add its own frame.
 #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline(never)]
 fn plain<K: Kernel>(kernel: K) -> K::Output {

@@ -13,7 +13,7 @@ use super::lanes::{Lanes, Real};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mandel<R, const S: usize>(pub [R; S]);
 
-/// Where component `(i, j)` stands among the Mandel components of a space of `D` dimensions, and by what it is scaled.
+/// Index and scale of the component `(i, j)` among the Mandel components in `D` dimensions.
 ///
 /// `E_ij = scale * mandel[index]` with scale 1 on the diagonal and `1/sqrt2` off it.
 #[inline(always)]
@@ -38,13 +38,13 @@ pub const fn mandel_scale(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 }
 }
 
-/// A symmetric tensor that represents a strain or a stress, as stored-energy laws see it.
+/// A symmetric tensor that represents a strain or a stress in stored-energy laws.
 pub trait Tensor: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Scalar, Output = Self> + Mul<f64, Output = Self> {
-    /// Its components' type.
+    /// Type of the components.
     type Scalar: Real;
     /// A symmetric fourth-order tensor: a matrix of Mandel components.
     type Tangent;
-    /// Whether the third direction is known to be zero; then so are determinant and cofactor, and nobody needs to compute with them.
+    /// True if the third direction is known to be zero; then determinant and cofactor vanish and need not be computed.
     const PLANE: bool;
 
     /// The identity.
@@ -274,7 +274,7 @@ tensor! { 6, 3,
     }
 }
 
-/// Where a component of a tensor with `S` of them stands among the six in space, and among the four without shear of the third direction.
+/// Index of a component of a tensor with `S` components among the six in space, and among the four without shear of the third direction.
 #[inline(always)]
 pub const fn mandel_place<const S: usize>(component: usize) -> usize {
     if S == 3 && component == 2 { 3 } else { component }

@@ -20,7 +20,7 @@ impl Workers {
         Workers { pool }
     }
 
-    /// Whether there is more than one thread.
+    /// True if there is more than one thread.
     pub fn are_many(&self) -> bool {
         self.pool.is_some()
     }

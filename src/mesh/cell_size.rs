@@ -1,12 +1,12 @@
-//! How large the cells of an unstructured mesh are wanted.
+//! Size field of unstructured meshes.
 
 use super::MeshError;
 
-/// About how long the edges of cells are `[length]`.
+/// Approximate edge length of cells `[length]`.
 pub enum CellSize<'a, E> {
-    /// The same everywhere.
+    /// Uniform edge length `[length]`.
     Even(f64),
-    /// By place.
+    /// Edge length as a function of the position.
     At(&'a mut dyn FnMut([f64; 2]) -> Result<f64, E>),
 }
 

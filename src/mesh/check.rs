@@ -1,4 +1,4 @@
-//! Whether a mesh is sound, and how good its cells are.
+//! Soundness of a mesh and quality of its cells.
 //!
 //! Soundness: a cell is refused when its Jacobian determinant is not positive at a quadrature point, since its integrals are
 //! meaningless then; nothing is turned round silently. Quality: the scaled Jacobian (P. Knupp, 2003; C. Stimpson et al., The Verdict
@@ -13,7 +13,7 @@ use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape, edge_points, edge_shapes};
 use crate::math::tolerances::DEGENERATE_CELL;
 
-/// How good the cells of a mesh are.
+/// Quality measures of the cells of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
     /// Number of cells.
@@ -28,7 +28,7 @@ pub struct Quality {
     pub largest_scaled_jacobian: f64,
     /// Index of the cell with the smallest scaled Jacobian.
     pub worst_cell: usize,
-    /// Mean of the nodes of that cell, one coordinate per dimension `[length]`.
+    /// Mean of the nodes of `worst_cell`, one coordinate per dimension `[length]`.
     pub worst_place: Vec<f64>,
     /// Largest ratio of the longest to the shortest edge of a cell.
     pub aspect_ratio: f64,
@@ -53,7 +53,7 @@ impl std::fmt::Display for Quality {
 /// Gradients of the shape functions, `[node][direction]`, with a third component of 0 in the plane.
 type Gradients = Vec<[f64; 3]>;
 
-/// Where the Jacobian of a cell kind is looked at.
+/// Sampling points of the Jacobian of a cell kind.
 struct Samples {
     quadrature: Vec<(f64, Gradients)>,
     corners: Vec<Gradients>,
@@ -195,7 +195,7 @@ impl Mesh {
         }
     }
 
-    /// How good the cells are; a mesh without cells has a quality of `NaN`.
+    /// Returns the quality measures of the mesh; without cells, all ratios are `NaN`.
     pub fn quality(&self) -> Quality {
         let samples = Samples::new(self.kind);
         let edges = self.kind.shape().edges();

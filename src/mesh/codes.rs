@@ -4,7 +4,7 @@ use super::error::MeshError;
 use super::file_error::{FileError, FileProblem};
 
 impl MeshError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the mesh error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             MeshError::NotPositive { .. } => "C0201",
@@ -72,7 +72,7 @@ impl FileError {
 }
 
 impl FileProblem {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the file problem, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             FileProblem::Unreadable { .. } => "C0801",

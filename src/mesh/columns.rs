@@ -1,4 +1,4 @@
-//! Strips of thin cells along boundaries of a region, and what is left inside of them.
+//! Strips of thin cells along boundaries of a region, and the remaining region inside of them.
 //!
 //! From every vertex of a layered stretch of the rim a *column* goes into the body, straight, with a node at each level; two columns that
 //! follow each other bound a stack of cells. Along a stretch columns are normal to it. At a corner between two layered curves there is one
@@ -18,24 +18,24 @@ use super::triangulation::Rim;
 
 type Point = [f64; 2];
 
-/// Turn between two curves above which there is a corner `[rad]`: columns beside it lean.
+/// Turning angle between two curves above which their common point is a corner `[rad]`; columns beside a corner lean.
 const CORNER: f64 = 20.0 * PI / 180.0;
-/// Largest turn that one column can go round `[rad]`.
+/// Largest turning angle at a corner with a single column `[rad]`.
 const SHARPEST: f64 = 150.0 * PI / 180.0;
-/// Least turn towards a curve without layers from which on the last column runs along it `[rad]`.
+/// Turning angle towards a curve without layers above which the last column runs along that curve `[rad]`.
 const FLUSH: f64 = 40.0 * PI / 180.0;
-/// Over how many times its own shift a leaning column is straightened.
+/// Distance over which leaning columns become normal again, as a multiple of the shift of the column.
 const SPREAD: f64 = 3.0;
-/// The front of a stack over its base, below which columns come too close.
+/// Ratio of front length to base length of a stack below which columns are too close.
 const NARROW: f64 = 0.1;
-/// The rest of a piece that was cut, over the piece, below which it goes to its neighbor.
+/// Remaining share of a cut rim segment below which the rest is added to the neighboring segment.
 const REST: f64 = 0.4;
 
-/// Why there are no columns.
+/// Reason for which no columns exist.
 enum Trouble {
-    /// They meet each other or the rim.
+    /// Columns or fronts meet each other or the rim.
     Collision(Point),
-    /// Something else.
+    /// Another error.
     Refused(MeshError),
 }
 
@@ -80,12 +80,12 @@ fn unit(a: Point) -> Point {
     [a[0] / length, a[1] / length]
 }
 
-/// The direction to the left.
+/// The direction turned left by a right angle.
 fn left([x, y]: Point) -> Point {
     [-y, x]
 }
 
-/// How far the direction turns to the left from one to another.
+/// Signed angle from one direction to another `[rad]`, positive counter-clockwise.
 fn turn(from: Point, to: Point) -> f64 {
     cross(from, to).atan2(dot(from, to))
 }
@@ -98,7 +98,7 @@ struct Growth<'a> {
     halves: usize,
 }
 
-/// How a strip ends: the points of its last column, and the curve that they are on.
+/// End of a strip: the points of its last column and, if the column runs along a curve, that curve with the parameters of the points.
 struct End {
     column: Vec<Point>,
     along: Option<(usize, Vec<f64>)>,
@@ -157,7 +157,7 @@ impl Growth<'_> {
         Ok(())
     }
 
-    /// Where columns stand on pieces that follow each other, with the end of the last one.
+    /// Foot points of columns on consecutive rim segments, with the end of the last one.
     fn base(&self, pieces: &[usize]) -> Vec<Point> {
         let rim = self.rim;
         let mut base = Vec::new();
@@ -312,7 +312,7 @@ impl Growth<'_> {
         Ok(columns)
     }
 
-    /// No column and no front crosses another one or the rim.
+    /// Checks that no column and no front crosses another one or the rim.
     fn apart(&self, layered: &Layered) -> Result<(), Trouble> {
         let (mut lines, front) = (Lines::default(), layered.rest.front());
         for strip in &layered.strips {
@@ -349,8 +349,8 @@ impl Lines {
     }
 }
 
-/// Takes from the end of a gap what is behind a parameter of its last curve; what is left of a piece goes to its neighbor when it is short.
-/// Nothing when the gap is used up.
+/// Cuts the end of a gap at a parameter of its last curve; a short rest of a segment is added to its neighbor. Returns `None` if nothing of
+/// the gap is left.
 fn shorten(gap: &mut Vec<Piece>, at: f64) -> Option<()> {
     loop {
         let &(curve, [from, to]) = gap.last()?;

@@ -1,4 +1,4 @@
-//! Middle nodes of cells of second order put onto the curve or the surface that an edge stands for.
+//! Mid-side nodes of second-order cells placed on the exact curve or surface of an edge.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use super::{Mesh, MeshError};
 use crate::elements::CellKind;
 use crate::math::tolerances::SAME_PLACE;
 
-/// What the edges of a round mesh stand for.
+/// Exact curve or surface that the edges of a round mesh approximate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Round {
     /// Every edge is part of a circle or of a ray about this center `[length]`: a ring; in space about an axis along z: a tube.
@@ -23,13 +23,13 @@ pub enum Round {
     Ring([f64; 3], [f64; 2]),
 }
 
-/// Whether all of these are equal but for round-off.
+/// True if both lengths equal the radius up to round-off.
 fn are_all(lengths: [f64; 2], radius: f64) -> bool {
     lengths.iter().all(|length| (length / radius - 1.0).abs() <= SAME_PLACE)
 }
 
 impl Round {
-    /// The middle of an edge along its curve; nothing when it is straight.
+    /// Midpoint of an edge along its curve; `None` for a straight edge.
     fn middle(self, ends: [[f64; 3]; 2]) -> Option<[f64; 3]> {
         match self {
             Round::About(center) => about(center, ends),
@@ -67,7 +67,7 @@ impl Round {
     }
 }
 
-/// The middle of an edge on its way about an axis along z.
+/// Midpoint of an edge on its arc about an axis along z.
 fn about(center: [f64; 2], [a, b]: [[f64; 3]; 2]) -> Option<[f64; 3]> {
     let arm = |point: [f64; 3]| [point[0] - center[0], point[1] - center[1]];
     let height = 0.5 * (a[2] + b[2]);
@@ -79,10 +79,10 @@ fn about(center: [f64; 2], [a, b]: [[f64; 3]; 2]) -> Option<[f64; 3]> {
 }
 
 impl Mesh {
-    /// [`Mesh::with_cells`] with the middle nodes of second-order cells on what their edges stand for.
+    /// [`Mesh::with_cells`] with the mid-side nodes of second-order cells on the exact curves of their edges.
     ///
     /// # Errors
-    /// As those of [`Mesh::with_cells`]; cells so coarse that they are inside out then.
+    /// Errors of [`Mesh::with_cells`]; cells so coarse that they are inside out then.
     pub fn with_round_cells(&self, kind: CellKind, round: Round) -> Result<Mesh, MeshError> {
         self.with_cells(kind)?.curved(|_, ends| round.middle(ends))
     }

@@ -17,7 +17,7 @@ pub(super) const SIDE_LIMIT: usize = 100_000;
 /// A curve of an outline or a hole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Side {
-    /// Its shape.
+    /// Shape of the side.
     pub curve: Curve,
     /// The boundary that it belongs to besides `outer`, or that of its hole.
     pub name: Option<String>,
@@ -28,22 +28,22 @@ pub struct Side {
 pub enum Curve {
     /// A straight line.
     Line {
-        /// Its start `[length]`.
+        /// Start of the line `[length]`.
         from: [f64; 2],
-        /// Its end.
+        /// End of the line `[length]`.
         to: [f64; 2],
     },
     /// An arc of a circle.
     Arc {
         /// Center of the circle `[length]`.
         center: [f64; 2],
-        /// Its radius `[length]`.
+        /// Radius of the circle `[length]`.
         radius: f64,
         /// Angle of the start `[rad]`.
         start: f64,
-        /// How far it turns `[rad]`, positive counter-clockwise.
+        /// Angle from the start to the end `[rad]`, positive counter-clockwise.
         sweep: f64,
-        /// Where it begins and ends, to the last bit.
+        /// Exact end points, to the last bit.
         ends: [[f64; 2]; 2],
     },
     /// A cubic spline.
@@ -177,12 +177,12 @@ impl Curve {
         }
     }
 
-    /// Where it begins.
+    /// Start point of the curve.
     pub fn start(&self) -> [f64; 2] {
         self.at(0.0)
     }
 
-    /// Where it ends.
+    /// End point of the curve.
     pub fn end(&self) -> [f64; 2] {
         self.at(1.0)
     }
@@ -199,7 +199,7 @@ impl Curve {
     /// Parameters of the ends of pieces whose lengths are about `size` there, from 0 to 1; at most `limit` pieces.
     ///
     /// # Errors
-    /// What the size fails with, and more pieces than the limit.
+    /// An error of `size`; more pieces than the limit.
     pub fn divided<E: From<MeshError>>(&self, mut size: impl FnMut([f64; 2]) -> Result<f64, E>, limit: usize) -> Result<Vec<f64>, E> {
         // fine enough for the length of an arc to a part in a million, and not to miss where a size is small
         const SAMPLES: usize = 1024;

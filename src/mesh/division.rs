@@ -1,8 +1,8 @@
 //! Cells cut into other cells: refinement, and cells of another kind.
 //!
-//! One idea for all: a *template* says where on the reference cell the nodes of the children stand. A node is known by the weights of its
-//! cell's corners there, which two cells that share a facet see alike, so that meshes stay conforming without any table of edges. A
-//! child's facet belongs to the parent's facet on which it lies; boundaries and parts follow.
+//! A *template* gives the positions of the children's nodes on the reference cell. A node is identified by the weights of the corners of
+//! the cell, which are equal for two cells that share a facet, so that meshes stay conforming without a table of edges. A facet of a child
+//! belongs to the parent's facet on which it lies; boundaries and parts follow.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use super::grid::room_for;
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape};
 
-/// Bytes of a node of a cell, the table of known nodes included, while cells are divided (measured: 70).
+/// Bytes per node of a cell, including the table of nodes, while cells are divided (measured: 70).
 const DIVIDED: usize = 75;
 
 /// A place on a reference cell.
@@ -136,7 +136,7 @@ fn cone(apex: usize, turned: usize) -> Vec<Vec<Place>> {
     cut.map(|triangle| turned_out(vec![places[apex], places[triangle[0]], places[triangle[1]], places[triangle[2]]])).collect()
 }
 
-/// Which [`cone`] cuts every facet from its smallest node, so that neighbors agree.
+/// Index of the [`cone`] that cuts every facet from its smallest node, so that neighbors agree.
 fn cone_of(cell: &[u32]) -> usize {
     let apex = (0..8).min_by_key(|&corner| cell[corner]).unwrap_or_default();
     let away = CellKind::Hex8.facets().iter().filter(|facet| !facet.contains(&apex));

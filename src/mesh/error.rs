@@ -1,4 +1,4 @@
-//! What can go wrong with a mesh: one sentence with the numbers that show it, the place in the file where there is one, and a hint.
+//! Errors of meshes: one sentence with the numbers that show the error, the place in the file (if a file was read), and a hint.
 //!
 //! One type for generators, transforms, selections, checks and readers, since they hand the same meshes to each other.
 
@@ -16,7 +16,7 @@ pub enum MeshError {
     /// A size, radius or factor that must be greater than zero.
     #[error("{what} must be a finite number greater than 0, but is {value}")]
     NotPositive {
-        /// What the number is.
+        /// Name of the number.
         what: &'static str,
         /// The number.
         value: f64,
@@ -24,24 +24,24 @@ pub enum MeshError {
     /// A number that must be finite.
     #[error("{what} must be finite, but is {value}")]
     NotFinite {
-        /// What the number is.
+        /// Name of the number.
         what: &'static str,
         /// The number.
         value: f64,
     },
-    /// A polygon of fewer than three corners.
+    /// A polygon with fewer than three corners.
     #[error("a polygon needs at least 3 corners, but has {count}")]
     FewCorners {
-        /// How many it has.
+        /// Number of corners given.
         count: usize,
     },
     /// A hole that is not wholly inside its polygon, or meets another hole.
     #[error("hole {hole} is not inside the polygon and apart from the other holes")]
     HoleOutside {
-        /// Its number, from 1.
+        /// Number of the hole, from 1.
         hole: usize,
     },
-    /// Meshes of different cells cannot be one.
+    /// Meshes of different cell kinds, which cannot be joined.
     #[error("a mesh of {first} and one of {second} cannot be joined")]
     JoinedKinds {
         /// Cells of one mesh.
@@ -55,7 +55,7 @@ pub enum MeshError {
     /// Two corners of a polygon that follow each other coincide.
     #[error("side {side} of the polygon has no length")]
     EmptySide {
-        /// Number of the side between them, from 1.
+        /// Number of the side of zero length, from 1.
         side: usize,
     },
     /// Two sides of a polygon have a point in common that is no corner of both.
@@ -69,14 +69,14 @@ pub enum MeshError {
     /// A polygon that could not be divided into triangles.
     #[error("the polygon cannot be divided into triangles")]
     NoTriangulation,
-    /// A cell count that does not divide as the shape asks.
+    /// A cell count that is not a multiple of the number required by the shape.
     #[error("the number of cells {direction} must be a multiple of {of}, but is {count}")]
     NotMultiple {
         /// Direction that is divided.
         direction: &'static str,
         /// The count.
         count: usize,
-        /// What it must be a multiple of.
+        /// Divisor that the count must be a multiple of.
         of: usize,
     },
     /// A cell count below its minimum.
@@ -92,7 +92,7 @@ pub enum MeshError {
     /// More cells than a mesh may have.
     #[error("the mesh would have {cells} cells, but {limit} is the limit")]
     TooManyCells {
-        /// Number of cells asked for, saturated.
+        /// Number of cells requested, saturated.
         cells: usize,
         /// The limit.
         limit: usize,
@@ -100,7 +100,7 @@ pub enum MeshError {
     /// More cells than fit into memory.
     #[error("the mesh would have {cells} cells: {shortage}")]
     Memory {
-        /// Number of cells asked for.
+        /// Number of cells requested.
         cells: usize,
         /// The bytes that they take, and those that there are.
         shortage: Shortage,
@@ -110,7 +110,7 @@ pub enum MeshError {
     NoConversion {
         /// Kind of the mesh.
         from: &'static str,
-        /// Kind asked for.
+        /// Requested cell kind.
         to: &'static str,
     },
     /// A ring whose inner radius is not below the outer one.
@@ -143,9 +143,9 @@ pub enum MeshError {
     /// A curve through too few points.
     #[error("a spline needs at least {least} points, but has {count}")]
     FewPoints {
-        /// How many it has.
+        /// Number of points given.
         count: usize,
-        /// How many it needs.
+        /// Minimum number of points.
         least: usize,
     },
     /// An outline that does not close, or whose curves do not follow each other.
@@ -155,9 +155,9 @@ pub enum MeshError {
         what: String,
         /// Number of the curve, from 1.
         curve: usize,
-        /// Where it begins.
+        /// Start of the curve `[length]`.
         found: [f64; 2],
-        /// Where the one before it ends.
+        /// End of the preceding curve `[length]`.
         expected: [f64; 2],
     },
     /// Two curves of outline and holes that have a point in common that is no end of both.
@@ -167,15 +167,15 @@ pub enum MeshError {
         first: String,
         /// The second curve.
         second: String,
-        /// About where.
+        /// Approximate position `[length]`.
         near: [f64; 2],
     },
     /// Layers along a boundary that no side belongs to.
     #[error("there is no boundary \"{name}\" for layers; the boundaries are {}", listed(.available))]
     UnknownLayers {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The names that there are.
+        /// Names that exist.
         available: Vec<String>,
     },
     /// Layers that meet each other or the rim.
@@ -184,49 +184,49 @@ pub enum MeshError {
         rounded(*.thickness), spot(.near), rounded(*.room)
     )]
     LayersCollide {
-        /// Their boundaries, quoted.
+        /// Quoted names of the boundaries with layers.
         names: String,
         /// Thickness of all layers `[length]`.
         thickness: f64,
-        /// The thickness that there is room for, about.
+        /// Approximate thickness for which there is room `[length]`.
         room: f64,
-        /// About where.
+        /// Approximate position `[length]`.
         near: [f64; 2],
     },
     /// Layers beside which a cell has no room.
     #[error("the layers of {names}, {} thick together, leave a cell near {} without room", rounded(*.thickness), spot(.near))]
     LayersCramped {
-        /// Their boundaries, quoted.
+        /// Quoted names of the boundaries with layers.
         names: String,
         /// Thickness of all layers `[length]`.
         thickness: f64,
-        /// About where.
+        /// Approximate position `[length]`.
         near: [f64; 2],
     },
     /// A corner that layers cannot go round.
     #[error("the layers of {names} cannot go round the corner of {:.0} degrees at {}", degrees, spot(.near))]
     LayerCorner {
-        /// Their boundaries, quoted.
+        /// Quoted names of the boundaries with layers.
         names: String,
-        /// Angle of the body there, in degrees.
+        /// Interior angle of the body at the corner, in degrees.
         degrees: f64,
-        /// Where it is.
+        /// Position of the corner `[length]`.
         near: [f64; 2],
     },
     /// An odd number of layers of quadrilaterals that end within the body.
     #[error("the {count} layers of {names} end within the body at {}, where quadrilaterals fit to an even number only", spot(.near))]
     OddLayers {
-        /// Their boundaries, quoted.
+        /// Quoted names of the boundaries with layers.
         names: String,
-        /// How many layers.
+        /// Number of layers.
         count: usize,
-        /// Where they end.
+        /// Position where the layers end `[length]`.
         near: [f64; 2],
     },
     /// Cells that cannot be refined here and there.
     #[error("cells of the kind {kind} cannot be refined in some places only: nodes would hang on the edges of their neighbors")]
     NotLocally {
-        /// Their kind.
+        /// Kind of the cells.
         kind: &'static str,
     },
     /// Cells that grow so fast that some of them vanish.
@@ -234,13 +234,13 @@ pub enum MeshError {
     Grading {
         /// Ratio of the last to the first cell.
         ratio: f64,
-        /// How many cells.
+        /// Number of cells.
         count: usize,
     },
     /// Cells that cannot be drawn out into space.
     #[error("a mesh of {kind} cells cannot be extruded")]
     Extruded {
-        /// Their kind.
+        /// Kind of the cells.
         kind: &'static str,
     },
     /// A section that meets itself while it moves through space.
@@ -252,17 +252,17 @@ pub enum MeshError {
     /// A path of too few points.
     #[error("a path needs at least {least} points, but has {count}")]
     PathPoints {
-        /// How many it has.
+        /// Number of points given.
         count: usize,
-        /// How many it needs.
+        /// Minimum number of points.
         least: usize,
     },
     /// Two points of a path that follow each other coincide.
     #[error("the points {point} and {} of the path are at the same place, {}", point + 1, spot(.at))]
     PathStands {
-        /// Number of the first one, from 1.
+        /// Number of the first of the two points, from 1.
         point: usize,
-        /// Where they are `[length]`.
+        /// Common position of the two points `[length]`.
         at: [f64; 3],
     },
     /// A path that turns back.
@@ -270,9 +270,9 @@ pub enum MeshError {
     PathTurns {
         /// Number of the point, from 1.
         point: usize,
-        /// Where it is `[length]`.
+        /// Position of the point `[length]`.
         at: [f64; 3],
-        /// By how much, in degrees.
+        /// Angle by which the path turns, in degrees.
         degrees: f64,
     },
     /// A section that is another one at the end of a way that closes.
@@ -298,7 +298,7 @@ pub enum MeshError {
         /// A node on the axis or beyond it `[length]`.
         at: [f64; 2],
     },
-    /// A rounding that leaves nothing of a side.
+    /// A rounding radius that is not below half the least size.
     #[error("the radius {} of the edges must be smaller than half the least size {}", rounded(*.radius), rounded(*.size))]
     Rounding {
         /// The radius `[length]`.
@@ -321,9 +321,9 @@ pub enum MeshError {
     /// A part that the mesh does not have.
     #[error("the mesh has no part \"{name}\"; its parts are {}", listed(.available))]
     UnknownPart {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The names that there are.
+        /// Names that exist.
         available: Vec<String>,
     },
     /// A boundary that is to be named like one that there is.
@@ -331,7 +331,7 @@ pub enum MeshError {
     BoundaryExists {
         /// The name.
         name: String,
-        /// The names that there are.
+        /// Names that exist.
         available: Vec<String>,
     },
 
@@ -345,13 +345,13 @@ pub enum MeshError {
         at: Option<Place>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
-        /// Mean of its nodes, one coordinate per dimension `[length]`.
+        /// Mean of the nodes of the cell, one coordinate per dimension `[length]`.
         center: Vec<f64>,
-        /// Smallest Jacobian determinant at its quadrature points.
+        /// Smallest Jacobian determinant at the quadrature points of the cell.
         determinant: f64,
-        /// How many cells are inside out.
+        /// Number of cells that are inside out.
         inverted: usize,
-        /// How many cells there are.
+        /// Number of all cells.
         cells: usize,
     },
     /// A cell without area or volume.
@@ -361,9 +361,9 @@ pub enum MeshError {
         at: Option<Place>,
         /// Number in the file; index in the mesh when no file was read.
         cell: u64,
-        /// Mean of its nodes, one coordinate per dimension `[length]`.
+        /// Mean of the nodes of the cell, one coordinate per dimension `[length]`.
         center: Vec<f64>,
-        /// Smallest Jacobian determinant at its quadrature points.
+        /// Smallest Jacobian determinant at the quadrature points of the cell.
         determinant: f64,
     },
     /// A cell that names a node twice.
@@ -383,7 +383,7 @@ pub enum MeshError {
         at: Option<Place>,
         /// Number of the first of the cells in the file; its index in the mesh when no file was read.
         cell: u64,
-        /// How many cells share the facet.
+        /// Number of cells that share the facet.
         sharing: usize,
     },
     /// A facet of the surface that cannot be touched.
@@ -391,15 +391,15 @@ pub enum MeshError {
     FoldedFacet {
         /// Index of the cell.
         cell: u64,
-        /// Mean of its corners `[length]`.
+        /// Mean of the corners of the facet `[length]`.
         at: Vec<f64>,
-        /// How many facets are folded.
+        /// Number of folded facets.
         count: usize,
     },
     /// Cells beside each other with nodes of their own.
     #[error("{count} facets of the mesh lie on others without common nodes, the first at {}: the cells are not joined there", spot(.at))]
     Unjoined {
-        /// How many places.
+        /// Number of facets that lie on another one without common nodes.
         count: usize,
         /// Mean of the corners of the first `[length]`.
         at: Vec<f64>,
@@ -412,29 +412,29 @@ pub enum MeshError {
     CrossingSurface {
         /// Indices of the cells.
         cells: [u64; 2],
-        /// Where `[length]`.
+        /// Point of the crossing `[length]`.
         at: Vec<f64>,
-        /// How many edges go through facets.
+        /// Number of edges that go through facets.
         count: usize,
     },
     /// Nodes that no cell uses.
     #[error("{count} nodes belong to no cell, the first is node {node}")]
     UnusedNodes {
-        /// How many.
+        /// Number of unused nodes.
         count: usize,
-        /// The first, as index in the mesh.
+        /// Index of the first unused node in the mesh.
         node: u64,
     },
     /// A cell, facet or part that refers to something that the mesh does not have (a mesh put together by hand).
     #[error("{what} {index} refers to {target}, but there are only {count}")]
     BrokenReference {
-        /// What refers.
+        /// Kind of the entity that refers, such as a cell.
         what: &'static str,
-        /// Its index.
+        /// Index of the entity that refers.
         index: usize,
-        /// The index that it refers to.
+        /// Invalid index that is referred to.
         target: usize,
-        /// How many there are.
+        /// Number of entities that exist; valid indices are smaller.
         count: usize,
     },
 

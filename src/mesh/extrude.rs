@@ -8,12 +8,12 @@ use super::sweep::Sweep;
 use super::{Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
 
-/// How a section changes while it is drawn out.
+/// Change of a section along an extrusion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// The angle by which it has turned at the end, counter-clockwise about the plane's origin `[rad]`.
+    /// Rotation of the section at the end, counter-clockwise about the origin of the plane `[rad]`.
     pub twist: f64,
-    /// Its size along x and y at the end over that at the start, about the plane's origin.
+    /// Ratios of the sizes along x and y at the end to those at the start, about the origin of the plane.
     pub scale: [f64; 2],
 }
 
@@ -21,7 +21,8 @@ impl Change {
     /// A section that stays as it is.
     pub const NONE: Change = Change { twist: 0.0, scale: [1.0; 2] };
 
-    /// Itself for so many layers: one that turns by more than a right angle would be pinched in its middle.
+    /// Returns the change if it is valid for a number of layers: a layer that turns by more than a right angle would be pinched in its
+    /// middle.
     fn checked(self, direction: &'static str, layers: usize) -> Result<Change, MeshError> {
         self.scale.into_iter().try_for_each(|scale| positive("the scale of an extrusion", scale))?;
         if !self.twist.is_finite() {
@@ -32,7 +33,7 @@ impl Change {
         Ok(self)
     }
 
-    /// Where a point of the section is after that share of the way.
+    /// Position of a point of the section in its plane after a share of the extrusion.
     fn at(self, share: f64, [x, y, _]: [f64; 3]) -> [f64; 2] {
         let grown = |scale: f64| 1.0 - share + scale * share;
         let (x, y) = (x * grown(self.scale[0]), y * grown(self.scale[1]));
@@ -44,7 +45,8 @@ impl Change {
 impl Mesh {
     /// The plane mesh drawn out along z from 0 to `height` `[length]` in `layers` of hexahedra, or of prisms cut into three tetrahedra
     /// each, of which the last is `grading` times the first: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as tet10.
-    /// Its boundaries become sides, and there are `bottom` and `top` (with an underscore behind where the plane mesh has such names).
+    /// Boundaries of the plane mesh become sides; `bottom` and `top` are added (with an underscore appended if the plane mesh has those
+    /// names).
     ///
     /// # Errors
     /// Cells in space, a height, ratio or scale that is not positive, no layers, too many cells, a twist of too few layers.
@@ -67,7 +69,7 @@ impl Mesh {
     /// The direction of the path at a point is that of the circle through it and its neighbors, so straight and round paths are exact.
     ///
     /// # Errors
-    /// As those of [`Mesh::extruded`]; a path of fewer than two points, that stands still, turns by more than 90 degrees at a point, or
+    /// Errors of [`Mesh::extruded`]; a path of fewer than two points, that stands still, turns by more than 90 degrees at a point, or
     /// bends so sharply that the section sweeps over itself; a section that changes along a closed path.
     pub fn extruded_along(&self, path: &[[f64; 3]], change: Change) -> Result<Mesh, MeshError> {
         let (frames, is_closed) = frames(path)?;
@@ -88,7 +90,7 @@ impl Mesh {
     /// and `top`.
     ///
     /// # Errors
-    /// As those of [`Mesh::extruded`]; meshes whose cells do not name the same nodes.
+    /// Errors of [`Mesh::extruded`]; meshes whose cells do not name the same nodes.
     pub fn lofted(&self, other: &Mesh, height: f64, layers: usize, grading: f64) -> Result<Mesh, MeshError> {
         positive("the height of a loft", height)?;
         at_least("along the height", layers, 1)?;

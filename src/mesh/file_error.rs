@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh file, and where: a line of a text file, a byte of a binary one.
+//! Errors of mesh files with their place: a line of a text file, a byte of a binary one.
 
 use std::path::PathBuf;
 
@@ -26,13 +26,13 @@ impl std::fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{problem}")]
 pub struct FileError {
-    /// Where it shows.
+    /// Place in the file at which the problem was found.
     pub at: Place,
-    /// What is wrong there.
+    /// Problem found at the place.
     pub problem: FileProblem,
 }
 
-/// What is wrong with a mesh file.
+/// Problem of a mesh file.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FileProblem {
@@ -41,7 +41,7 @@ pub enum FileProblem {
     Unreadable {
         /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the operating system.
         reason: String,
     },
     /// A line that is not text.
@@ -50,7 +50,7 @@ pub enum FileProblem {
     /// A file of another format.
     #[error("this is not a mesh file that is read here but {found}")]
     OtherFormat {
-        /// What it looks like.
+        /// Description of the format that the file seems to have.
         found: &'static str,
     },
     /// A binary file whose numbers have a size that is not read.
@@ -73,7 +73,7 @@ pub enum FileProblem {
     Truncated {
         /// Name of the section.
         section: String,
-        /// Where it begins.
+        /// Start of the section.
         begin: Place,
         /// Entries read.
         found: usize,
@@ -102,12 +102,12 @@ pub enum FileProblem {
         /// Name of the section.
         section: String,
     },
-    /// A place that does not hold what belongs there.
+    /// A place with other content than expected.
     #[error("expected {expected}, found \"{found}\"")]
     Malformed {
-        /// What belongs there.
+        /// Description of the expected content.
         expected: &'static str,
-        /// What is there, shortened.
+        /// Content found at the place, shortened.
         found: String,
     },
     /// A node with a coordinate that is infinite or not a number.
@@ -123,7 +123,7 @@ pub enum FileProblem {
     DuplicateNode {
         /// Number of the node in the file.
         node: u64,
-        /// Where the first is.
+        /// Place of the first occurrence.
         first: Place,
     },
     /// Two elements with one number.
@@ -131,7 +131,7 @@ pub enum FileProblem {
     DuplicateElement {
         /// Number of the element in the file.
         element: u64,
-        /// Where the first is.
+        /// Place of the first occurrence.
         first: Place,
     },
     /// An element that names a node that is not in the file.
@@ -158,7 +158,7 @@ pub enum FileProblem {
         /// Name of the kind.
         kind: String,
     },
-    /// A type of elements that is not known.
+    /// An unknown element type.
     #[error("elements of the type {name} are not read here")]
     UnsupportedType {
         /// Name of the type as written.
@@ -178,7 +178,7 @@ pub enum FileProblem {
         other: &'static str,
         /// Number of cells of the other kind.
         others: usize,
-        /// Number of the first of them in the file.
+        /// Number of the first element of the other kind in the file.
         element: u64,
     },
     /// Plane cells that are not facets of the solid cells in the same file.
@@ -194,7 +194,7 @@ pub enum FileProblem {
     /// A file without cells.
     #[error("the file has no solid or plane cells{}", if *.lines > 0 { format!(", only {lines} line elements") } else { String::new() })]
     NoCells {
-        /// How many line elements it has.
+        /// Number of line elements in the file.
         lines: usize,
     },
     /// An element of a boundary that is not a facet of any cell.
@@ -210,15 +210,15 @@ pub enum FileProblem {
     NotPlane {
         /// Number of the node in the file.
         node: u64,
-        /// Its third coordinate.
+        /// Third coordinate of the node.
         z: f64,
     },
-    /// An entity that the table of entities does not know.
+    /// An entity that is missing in the table of entities.
     #[error("there is no entity {entity} of dimension {dimension} in section $Entities")]
     UnknownEntity {
         /// Dimension of the entity.
         dimension: usize,
-        /// Its number.
+        /// Number of the entity.
         entity: i64,
     },
     /// Two physical groups of one dimension with the same name.
@@ -238,7 +238,7 @@ pub enum FileProblem {
     Keyword {
         /// The keyword.
         keyword: String,
-        /// What it would do.
+        /// Reason for which the keyword is refused: its effect.
         reason: &'static str,
     },
     /// A file that is included and cannot be read.
@@ -276,9 +276,9 @@ pub enum FileProblem {
     /// A set that the file does not have.
     #[error("there is no {kind} \"{name}\" in the file")]
     UnknownSet {
-        /// What kind of set it is.
+        /// Kind of the missing name: a set, part or instance.
         kind: &'static str,
-        /// Its name.
+        /// Name that the file does not define.
         name: String,
     },
     /// An element or node of a set or surface that the file does not have.
@@ -286,11 +286,11 @@ pub enum FileProblem {
     UnknownMember {
         /// Set or surface.
         owner: &'static str,
-        /// Its name.
+        /// Name of the set or surface.
         name: String,
         /// Node or element.
         kind: &'static str,
-        /// Its number.
+        /// Number of the node or element.
         number: u64,
     },
     /// A side that elements do not have.

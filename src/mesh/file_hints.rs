@@ -1,9 +1,9 @@
-//! How to mend a mesh file, one sentence for each problem.
+//! Hints on mending mesh files, one sentence for each problem.
 
 use super::file_error::FileProblem;
 
 impl FileProblem {
-    /// How to mend it, one sentence.
+    /// Returns a hint on mending the file, one sentence.
     pub fn hint(&self) -> String {
         use FileProblem::*;
         match self {

@@ -7,7 +7,7 @@ use super::triangulation::{Rim, Triangles, triangulate};
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::CellKind;
 
-/// The piece of the rim that an edge between two nodes stands for, and the share of the piece at its middle.
+/// Boundary curve segment of an edge between two nodes, and the curve parameter of its mid-side node as a share of the segment.
 type RimEdges = HashMap<[u32; 2], (usize, f64)>;
 
 /// Places of the middles of edges, by their ends in ascending order.
@@ -24,7 +24,7 @@ pub(super) struct Filled {
     pub along: HashMap<usize, Vec<Facet>>,
     /// Nodes at the vertices of the rim.
     pub corners: HashMap<usize, u32>,
-    /// Nodes in the middle of its pieces, if there are any.
+    /// Nodes in the middle of rim segments, if there are any.
     pub middles: HashMap<usize, u32>,
 }
 

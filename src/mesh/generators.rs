@@ -20,7 +20,7 @@ pub fn rectangle(size: [f64; 2], cells: [usize; 2], origin: [f64; 2]) -> Result<
 /// [`rectangle`] with cells that grow in geometric progression: along the width and the height the last is `grading` times the first.
 ///
 /// # Errors
-/// As those of [`rectangle`]; ratios that are not positive, or so far from 1 that cells vanish.
+/// Errors of [`rectangle`]; ratios that are not positive, or so far from 1 that cells vanish.
 pub fn graded_rectangle(size: [f64; 2], cells: [usize; 2], origin: [f64; 2], grading: [f64; 2]) -> Result<Mesh, MeshError> {
     positive("the width of a rectangle", size[0])?;
     positive("the height of a rectangle", size[1])?;
@@ -57,7 +57,7 @@ pub fn block(size: [f64; 3], cells: [usize; 3], origin: [f64; 3]) -> Result<Mesh
 /// [`block`] with cells that grow in geometric progression: along each direction the last is `grading` times the first.
 ///
 /// # Errors
-/// As those of [`block`]; ratios that are not positive, or so far from 1 that cells vanish.
+/// Errors of [`block`]; ratios that are not positive, or so far from 1 that cells vanish.
 pub fn graded_block(size: [f64; 3], cells: [usize; 3], origin: [f64; 3], grading: [f64; 3]) -> Result<Mesh, MeshError> {
     for (what, value) in ["the width of a block", "the height of a block", "the depth of a block"].into_iter().zip(size) {
         positive(what, value)?;

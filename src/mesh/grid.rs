@@ -76,7 +76,7 @@ pub(super) fn limited(cells: &[usize]) -> Result<(), MeshError> {
 /// Bytes of a cell with its share of the nodes while a structured mesh is made (measured: 93 of a quad4, 170 of a hex8).
 const STRUCTURED: usize = 180;
 
-/// The same of an unstructured one (measured: 180 of a quad4 in a region, of which a triangle makes three).
+/// Bytes per cell of an unstructured mesh (measured: 180 for a quad4 in a region, where each triangle is split into three).
 pub(super) const UNSTRUCTURED: usize = 550;
 
 /// Refuses more cells than a mesh may have, or than fit into memory with so many bytes each.

@@ -1,9 +1,9 @@
-//! How to mend a mesh, one sentence for each error.
+//! Hints on mending meshes, one sentence for each error.
 
 use super::error::MeshError;
 
 impl MeshError {
-    /// How to mend it, one sentence.
+    /// Returns a hint on mending the mesh, one sentence.
     pub fn hint(&self) -> String {
         use MeshError::*;
         match self {
@@ -77,7 +77,7 @@ impl MeshError {
         }
     }
 
-    /// The same for solids that are swept or grown, and for surfaces of solids.
+    /// Returns the hint for an error of a swept or grown solid, or of the surface of a solid.
     fn hint_of_solids(&self) -> &'static str {
         use MeshError::*;
         match self {
@@ -109,7 +109,7 @@ impl MeshError {
     }
 }
 
-/// Which way the nodes of solid cells run.
+/// Hint on the node order of solid cells.
 fn solid_inside_out(are_all: bool) -> String {
     let order = "the first four nodes of a hexahedron (the first three of a tetrahedron) run counter-clockwise as seen from the others";
     match are_all {

@@ -8,8 +8,8 @@ use super::{Boundary, Facet, Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
 
 impl Mesh {
-    /// This mesh and another one as one: nodes of the two at the same place (but for round-off) become one node, boundaries and parts of
-    /// the same name are joined, and facets that are now inside belong to no boundary. Numbers of this mesh stay.
+    /// Joins this mesh with another one: coincident nodes (up to round-off) are merged, boundaries and parts of equal names are united, and
+    /// facets that become interior belong to no boundary. Numbers of this mesh stay.
     ///
     /// # Errors
     /// Cells of different kinds, no node in common, cells that overlap.

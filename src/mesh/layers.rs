@@ -1,4 +1,4 @@
-//! What strips of thin cells along boundaries are asked for: where, how thick, how many, and how long their cells are.
+//! Specification of boundary layers of thin cells: boundaries, thickness, number of layers, and length of their cells.
 
 use rstar::RTree;
 
@@ -9,7 +9,7 @@ use super::grid::{at_least, positive};
 
 type Point = [f64; 2];
 
-/// How fast the size of cells grows with the distance from layers whose length is given.
+/// Increase of the cell size per distance from layers whose cell length is given.
 const GRADING: f64 = 0.3;
 
 /// Layers of thin cells along boundaries.
@@ -19,7 +19,7 @@ pub struct Layers {
     pub boundaries: Vec<String>,
     /// Thickness of the layer at the boundary `[length]`.
     pub first: f64,
-    /// How many layers there are.
+    /// Number of layers.
     pub count: usize,
     /// Thickness of each layer over that of the one before it.
     pub growth: f64,
@@ -53,7 +53,7 @@ impl Layers {
         positive("the thickness of all layers", self.thickness())
     }
 
-    /// Where the layered sides are.
+    /// Positions of the layered sides.
     ///
     /// # Errors
     /// A boundary that no side belongs to.
@@ -77,7 +77,7 @@ impl Layers {
         }
     }
 
-    /// What a cell without room beside the layers is called.
+    /// Converts the error of an inverted or degenerate cell beside the layers to [`MeshError::LayersCramped`].
     pub(super) fn cramped(&self, error: MeshError) -> MeshError {
         match error {
             MeshError::InvertedCell { center, .. } | MeshError::DegenerateCell { center, .. } => {
@@ -102,7 +102,8 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// The size wanted at a point: that of the region, or what the length along the layers has grown to.
+    /// Wanted cell size at a point: the minimum of the size in the region and the cell length along the layers, increased with the
+    /// distance.
     pub fn size<E: From<MeshError>>(&self, size: &mut CellSize<E>, point: Point) -> Result<f64, E> {
         let wanted = size.at(point)?;
         let away = self.sides.nearest_neighbor(point).map_or(f64::INFINITY, |&[x, y]| (x - point[0]).hypot(y - point[1]));

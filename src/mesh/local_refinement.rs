@@ -1,10 +1,10 @@
 //! Triangles refined where they are wanted smaller, without hanging nodes.
 //!
-//! A cell that is chosen is cut at the middles of its edges into four that are similar to it. Whoever then has a node in the middle of an
-//! edge is bisected, always across its longest edge, until nobody has (M.-C. Rivara, Int. J. Numer. Meth. Engng. 20, 1984). Bisecting a
-//! triangle across its longest edge again and again makes finitely many shapes, none of which has an angle below half the smallest of the
-//! first (I. Rosenberg, F. Stenger, Math. Comp. 29, 1975), and cutting into four makes none: refinement may be repeated as often as one
-//! likes. Nothing but the mesh is remembered. Not for quadrilaterals and cells in space.
+//! A selected cell is cut at the middles of its edges into four similar ones. Cells with a hanging node are bisected, always across their
+//! longest edge, until none is left (M.-C. Rivara, Int. J. Numer. Meth. Engng. 20, 1984). Repeated bisection of a triangle across its
+//! longest edge makes finitely many shapes, without an angle below half the smallest of the first triangle (I. Rosenberg, F. Stenger, Math.
+//! Comp. 29, 1975); cutting into four makes no new shape. So refinement may be repeated without limit. No state besides the mesh is kept.
+//! Quadrilaterals and cells in space are not supported.
 
 use std::collections::{HashMap, HashSet};
 
@@ -196,7 +196,7 @@ impl Mesh {
     /// [`Mesh::refined_cells`] of the cells at whose centers `condition` holds.
     ///
     /// # Errors
-    /// As those of [`Mesh::refined_cells`], and what the condition fails with.
+    /// Errors of [`Mesh::refined_cells`]; an error of the condition.
     pub fn refined_where<E>(&self, mut condition: impl FnMut(&[f64]) -> Result<bool, E>) -> Result<Mesh, SelectionError<E>> {
         if self.kind.shape() != CellShape::Triangle {
             return Err(SelectionError::Mesh(MeshError::NotLocally { kind: self.kind.name() }));
@@ -209,7 +209,7 @@ impl Mesh {
     /// [`Mesh::refined_cells`] of the cells that have a node of a boundary.
     ///
     /// # Errors
-    /// As those of [`Mesh::refined_cells`].
+    /// Errors of [`Mesh::refined_cells`].
     pub fn refined_along(&self, boundary: &Boundary) -> Result<Mesh, MeshError> {
         let nodes: HashSet<u32> = self.boundary_nodes(boundary).into_iter().collect();
         let chosen: Vec<bool> = self.cells().map(|cell| cell.iter().any(|node| nodes.contains(node))).collect();

@@ -11,15 +11,15 @@ type Vector = [f64; 3];
 
 /// A section's place and directions.
 pub(super) struct Frame {
-    /// Where the plane's origin is `[length]`.
+    /// Position of the origin of the plane `[length]`.
     pub at: Vector,
-    /// Share of the length of the path up to there.
+    /// Share of the path length up to this position.
     pub share: f64,
     /// Unit vectors along x and y of the section.
     pub along: [Vector; 2],
 }
 
-/// The frames at the points of a path, and whether it closes: then the last point is the first one, and has no frame of its own.
+/// The frames at the points of a path, and true if the path is closed: then the last point is the first one, without a frame of its own.
 ///
 /// # Errors
 /// Fewer than two points (a closed one: than four), points at the same place, turns of 90 degrees and more.

@@ -63,7 +63,7 @@ impl Mesh {
     }
 }
 
-/// The node that stands for all that are connected with a node; shortens the way to it.
+/// Representative of all nodes connected with a node (union-find with path compression).
 fn root(leader: &mut [u32], node: u32) -> u32 {
     let mut node = node as usize;
     while leader[node] as usize != node {

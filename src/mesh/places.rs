@@ -44,7 +44,7 @@ impl MeshError {
         }
     }
 
-    /// The included file in which the error is; none where it is in the mesh file itself.
+    /// The included file with the error; `None` if the error is in the mesh file itself.
     pub fn included_file(&self) -> Option<&Path> {
         match self {
             MeshError::Included { file, .. } => Some(file),

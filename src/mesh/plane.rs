@@ -1,6 +1,6 @@
 //! Points and directions in the plane.
 
-/// Whether a point is inside the closed lines with these sides: a ray from it crosses an odd number of them.
+/// True if a point is inside closed polylines with these sides: a ray from the point crosses an odd number of sides.
 pub fn is_inside(sides: impl Iterator<Item = [[f64; 2]; 2]>, [x, y]: [f64; 2]) -> bool {
     let crosses = |[[ax, ay], [bx, by]]: &[[f64; 2]; 2]| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax);
     sides.filter(crosses).count() % 2 == 1

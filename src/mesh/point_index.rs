@@ -12,7 +12,7 @@ impl PointIndex {
         PointIndex(RTree::bulk_load(points.iter().enumerate().map(|(number, point)| GeomWithData::new(*point, number)).collect()))
     }
 
-    /// The nearest point to a place, with its distance `[length]`; `None` where there is none at all.
+    /// The point nearest to a position, with its distance `[length]`; `None` without points.
     pub fn nearest(&self, place: [f64; 3]) -> Option<(usize, f64)> {
         let found = self.0.nearest_neighbor(place)?;
         let distance = (0..3).map(|i| (found.geom()[i] - place[i]).powi(2)).sum::<f64>().sqrt();

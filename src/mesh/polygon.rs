@@ -22,7 +22,7 @@ pub fn polygon(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: 
 /// [`polygon`] of another plane kind of cells.
 ///
 /// # Errors
-/// As those of [`polygon`]; a kind that is not plane.
+/// Errors of [`polygon`]; a kind that is not plane.
 pub fn polygon_of(kind: CellKind, corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[String]) -> Result<Mesh, MeshError> {
     layered_polygon(kind, corners, holes, size, names, None)
 }
@@ -30,7 +30,7 @@ pub fn polygon_of(kind: CellKind, corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>],
 /// [`polygon_of`] with strips of thin cells along some of its boundaries.
 ///
 /// # Errors
-/// As those of [`polygon_of`] and of [`layered_region`].
+/// Errors of [`polygon_of`] and of [`layered_region`].
 pub fn layered_polygon(
     kind: CellKind,
     corners: &[[f64; 2]],
@@ -46,7 +46,7 @@ pub fn layered_polygon(
 /// The sides of a polygon and of its holes as curves.
 ///
 /// # Errors
-/// As those of [`polygon`].
+/// Errors of [`polygon`].
 fn sides(corners: &[[f64; 2]], holes: &[Vec<[f64; 2]>], size: f64, names: &[String]) -> Result<(Vec<Side>, Vec<Vec<Side>>), MeshError> {
     check(corners, size)?;
     for (hole, rim) in holes.iter().enumerate() {
@@ -70,7 +70,7 @@ fn contains(corners: &[[f64; 2]], point: [f64; 2]) -> bool {
     is_inside((0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]), point)
 }
 
-/// Whether a side of one polygon meets a side of another one.
+/// True if a side of one polygon meets a side of the other.
 fn sides_meet(one: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
     let side = |corners: &[[f64; 2]], k: usize| [corners[k], corners[(k + 1) % corners.len()]];
     (0..one.len()).any(|k| (0..other.len()).any(|l| meet(side(one, k), side(other, l))))
@@ -84,7 +84,7 @@ fn between(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
     (0..2).all(|i| c[i] >= a[i].min(b[i]) && c[i] <= a[i].max(b[i]))
 }
 
-/// Whether two segments have a point in common.
+/// True if two segments have a point in common.
 fn meet([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> bool {
     let (u, v, w, z) = (turn(a, b, c), turn(a, b, d), turn(c, d, a), turn(c, d, b));
     (u * v < 0.0 && w * z < 0.0)

@@ -28,7 +28,7 @@ pub fn region<E: From<MeshError>>(outline: &[Side], holes: &[Vec<Side>], size: C
 /// one of triangles. Second-order cells bulge with the boundary at all levels.
 ///
 /// # Errors
-/// As those of [`region`]; boundaries that there are not, layers that leave no room, corners that they cannot go round.
+/// Errors of [`region`]; boundaries that there are not, layers that leave no room, corners that they cannot go round.
 pub fn layered_region<E: From<MeshError>>(
     outline: &[Side],
     holes: &[Vec<Side>],

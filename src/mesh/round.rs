@@ -22,7 +22,7 @@ pub fn ring(inner_radius: f64, outer_radius: f64, cells: [usize; 2], center: [f6
 /// [`ring`] with cells that grow in geometric progression: along the radius the outermost is `grading` times the innermost.
 ///
 /// # Errors
-/// As those of [`ring`]; a ratio that is not positive, or so far from 1 that cells vanish.
+/// Errors of [`ring`]; a ratio that is not positive, or so far from 1 that cells vanish.
 pub fn graded_ring(
     inner_radius: f64,
     outer_radius: f64,

@@ -1,6 +1,6 @@
 //! Named pieces of a mesh: boundaries found by a condition on their points, and parts as meshes of their own.
 //!
-//! The condition may be a closure of a script, which can fail with an error of its own; it is asked once per node of the hull.
+//! The condition may be a closure of a script, which can fail with an error of its own; it is evaluated once per node of the hull.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::{Boundary, Facet, Mesh, MeshError};
 
-/// Why a boundary could not be found by a condition, or a mesh not be mapped.
+/// Errors of boundaries selected by a condition, and of mapped meshes.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SelectionError<E> {
     /// The condition itself failed.
@@ -20,7 +20,7 @@ pub enum SelectionError<E> {
 }
 
 impl<E> SelectionError<E> {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             SelectionError::Condition(_) => "C0261",
@@ -30,10 +30,10 @@ impl<E> SelectionError<E> {
 }
 
 impl Mesh {
-    /// Facets of the outer hull all of whose nodes satisfy `condition`, cell by cell; none is not an error here.
+    /// Facets of the outer hull all of whose nodes satisfy `condition`, cell by cell; may be empty.
     ///
     /// # Errors
-    /// What the condition fails with.
+    /// An error of the condition.
     pub fn facets_where<E>(&self, mut condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Vec<Facet>, E> {
         let mut answers: HashMap<u32, bool> = HashMap::new();
         let mut facets = Vec::new();
@@ -57,7 +57,7 @@ impl Mesh {
     /// The mesh with one more boundary: the facets of its hull all of whose nodes satisfy `condition`. It may turn out empty.
     ///
     /// # Errors
-    /// What the condition fails with; a name that is taken.
+    /// An error of the condition; a boundary of that name exists.
     pub fn boundary_where<E>(mut self, name: &str, condition: impl FnMut([f64; 3]) -> Result<bool, E>) -> Result<Mesh, SelectionError<E>> {
         if self.boundary(name).is_some() {
             let available = self.boundaries.iter().map(|b| b.name.clone()).collect();
@@ -71,7 +71,7 @@ impl Mesh {
     /// The mesh with every node moved to where `place` puts it; cells and boundaries stay.
     ///
     /// # Errors
-    /// What `place` fails with; a mesh that is turned inside out.
+    /// An error of `place`; coordinates that are not finite; a mesh that is turned inside out.
     pub fn mapped<E>(mut self, mut place: impl FnMut([f64; 3]) -> Result<[f64; 3], E>) -> Result<Mesh, SelectionError<E>> {
         for point in &mut self.points {
             *point = place(*point).map_err(SelectionError::Condition)?;

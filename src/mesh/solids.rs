@@ -15,7 +15,7 @@ use crate::elements::CellKind;
 /// `inner outer bottom top`. The outermost cell is `grading[0]` times the innermost, the topmost `grading[1]` times the lowest.
 ///
 /// # Errors
-/// As those of [`ring`](super::ring) and [`Mesh::extruded`].
+/// Errors of [`ring`](super::ring) and [`Mesh::extruded`].
 pub fn tube(radii: [f64; 2], height: f64, cells: [usize; 3], base: [f64; 3], grading: [f64; 2]) -> Result<Mesh, MeshError> {
     let ring = graded_ring(radii[0], radii[1], [cells[0], cells[1]], [0.0; 2], 0.0, grading[0])?;
     ring.extruded(height, cells[2], grading[1], Change::NONE)?.translate(base)
@@ -25,7 +25,7 @@ pub fn tube(radii: [f64; 2], height: f64, cells: [usize; 3], base: [f64; 3], gra
 /// core, `cells[2]` along the height, the topmost `grading` times the lowest; boundaries `outer bottom top`.
 ///
 /// # Errors
-/// As those of [`disk`] and [`Mesh::extruded`].
+/// Errors of [`disk`] and [`Mesh::extruded`].
 pub fn cylinder(radius: f64, height: f64, cells: [usize; 3], base: [f64; 3], grading: f64) -> Result<Mesh, MeshError> {
     let disk = disk(radius, [cells[0], cells[1]], [0.0; 2])?;
     disk.extruded(height, cells[2], grading, Change::NONE)?.translate(base)
@@ -35,7 +35,7 @@ pub fn cylinder(radius: f64, height: f64, cells: [usize; 3], base: [f64; 3], gra
 /// round at the distance `ring_radius`; `cells` are its layers, around the section, and along the ring; boundary `outer`.
 ///
 /// # Errors
-/// As those of [`disk`] and [`Mesh::revolved`]; a section that reaches the axis.
+/// Errors of [`disk`] and [`Mesh::revolved`]; a section that reaches the axis.
 pub fn torus(ring_radius: f64, section_radius: f64, cells: [usize; 3], center: [f64; 3]) -> Result<Mesh, MeshError> {
     positive("the radius of a torus", ring_radius)?;
     let section = disk(section_radius, [cells[0], cells[1]], [ring_radius, 0.0])?;
@@ -62,7 +62,7 @@ pub fn sphere(radius: f64, cells: [usize; 2], center: [f64; 3], grading: f64) ->
 /// the outermost cell is `grading` times the innermost. Boundaries `inner outer`.
 ///
 /// # Errors
-/// As those of [`sphere`]; radii that are not in order.
+/// Errors of [`sphere`]; radii that are not in order.
 pub fn hollow_sphere(radii: [f64; 2], cells: [usize; 2], center: [f64; 3], grading: f64) -> Result<Mesh, MeshError> {
     let [inner, outer] = radii;
     positive("the inner radius of a hollow sphere", inner)?;

@@ -1,7 +1,7 @@
-//! Strips of thin cells along the rim of a region: their nodes, the rim that they leave to the rest, and their cells.
+//! Strips of thin cells along the rim of a region: their nodes, their cells, and the rim of the remaining region.
 //!
-//! The rest is filled first. Nodes of a strip that are on its rim are known then, by the vertex or the middle of the piece that they are;
-//! the others are added.
+//! The remaining region is filled first. Nodes of a strip on its rim exist then, identified by a vertex or the middle of a rim segment; the
+//! others are added.
 
 use super::filling::{Filled, PlacedEdges};
 use super::grid::{UNSTRUCTURED, room_for};
@@ -18,38 +18,38 @@ pub(super) type Piece = (usize, [f64; 2]);
 pub(super) struct Strip {
     /// The points of each column, from the boundary on; a closed strip names its first column again as its last one.
     pub columns: Vec<Vec<Point>>,
-    /// What their nodes are in the mesh of the rest.
+    /// Role of each column node in the mesh of the remaining region.
     pub nodes: Vec<Vec<Node>>,
-    /// Of each stack the piece of the curve that it stands on.
+    /// Curve segment at the foot of each stack.
     pub pieces: Vec<Piece>,
-    /// Of the first and the last column the curve that it runs along, with the parameters of its points.
+    /// Curve that the first and the last column run along, with the curve parameters of their points; `None` for a column inside the body.
     pub along: [Option<(usize, Vec<f64>)>; 2],
-    /// Whether it goes round a whole loop.
+    /// True if the strip follows a whole closed loop.
     pub is_closed: bool,
 }
 
-/// Strips, the rim of the rest, and the pieces of the whole rim in their order.
+/// Strips, the rim of the remaining region, and the stretches of the whole rim in their order.
 pub(super) struct Layered {
     pub rest: Rim,
     pub strips: Vec<Strip>,
     pub order: Vec<Order>,
 }
 
-/// What a node of a column is in the mesh of the rest.
+/// Role of a column node in the mesh of the remaining region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Node {
-    /// None of it.
+    /// Node of the strip alone.
     Own,
-    /// A vertex of its rim.
+    /// Vertex on the rim of the remaining region.
     Vertex(usize),
-    /// The middle of a piece of its rim.
+    /// Node at the middle of a rim segment of the remaining region.
     Middle(usize),
 }
 
-/// Where the facets of a stretch of the rim are.
+/// Location of the facets of a stretch of the rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Source {
-    /// On a piece of the rim of the rest.
+    /// On a rim segment of the remaining region.
     Piece(usize),
     /// At the foot of a stack of a strip.
     Stack(usize, usize),
@@ -75,13 +75,13 @@ enum Side {
 }
 
 impl Layered {
-    /// One more piece without layers.
+    /// Adds a rim segment without layers.
     pub fn add_piece(&mut self, (curve, ends): Piece) {
         let piece = self.rest.add_piece(self.rest.curve_at(curve, ends[0]), (curve, ends), None);
         self.order.push(Order { curve, source: Source::Piece(piece) });
     }
 
-    /// One more strip, with its front and the columns that end within the body.
+    /// Adds a strip, with its front and the columns that end within the body.
     pub fn add_strip(&mut self, mut strip: Strip, halves: usize) {
         let (top, last) = (strip.columns[0].len() - 1, strip.columns.len() - 1);
         // column and level of the nodes from one end to the other
@@ -114,8 +114,8 @@ impl Layered {
         self.strips.push(strip);
     }
 
-    /// Adds the cells of all strips to those of the rest, and notes the places of the middles of their edges; gives the facets on each
-    /// stretch of the rim.
+    /// Adds the cells of all strips to those of the remaining region, with the positions of their mid-side nodes; returns the facets on
+    /// each stretch of the rim.
     ///
     /// # Errors
     /// Too many cells.
@@ -141,7 +141,7 @@ impl Layered {
 struct Stacks {
     first: u32,
     levels: usize,
-    /// Of each cell of triangles, whether it is cut from its second corner.
+    /// For each quadrilateral divided into triangles: true if the diagonal begins at its second corner.
     cuts: Option<Vec<bool>>,
 }
 
@@ -220,8 +220,8 @@ fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Middles of the edges of a stack that follow a curve: each level bulges as the curve does, in proportion to its length, so that thin
-/// cells on a curve stay whole.
+/// Adds mid-side nodes of a stack along a curve: the sagitta of each level is that of the curve in proportion to the length of the level,
+/// so that thin cells on a curve are not inverted.
 fn note_middles(strip: &Strip, stack: usize, nodes: &[Vec<u32>], rest: &Rim, placed: &mut PlacedEdges) {
     let (curve, [from, to]) = strip.pieces[stack];
     let Some(on) = rest.on_curve(curve, 0.5 * (from + to)) else { return };

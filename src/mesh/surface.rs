@@ -1,4 +1,4 @@
-//! Whether the surface of a mesh in space can be that of a solid body: closed where cells meet, not folded, not through itself.
+//! Validity of the surface of a mesh in space as that of a solid body: closed where cells meet, not folded, without self-intersection.
 
 use std::collections::HashMap;
 
@@ -16,9 +16,10 @@ type Vector = [f64; 3];
 const DEEP: f64 = 0.05;
 
 impl Mesh {
-    /// What is wrong with the surface of a mesh in space although its cells are sound: facets whose corners look to different sides, facets
-    /// that lie on each other with nodes of their own, so that cells are not joined there, edges that go through facets elsewhere. The
-    /// first place of each, with how many there are; nothing in the plane.
+    /// Returns defects of the surface of a mesh in space whose cells are sound; always empty in the plane.
+    ///
+    /// One error per kind of defect, with its first place and its count: folded facets, coincident facets without common nodes (cells are
+    /// not joined there), and edges that go through facets elsewhere.
     ///
     /// Parts that only touch do not go through each other.
     pub fn surface_defects(&self) -> Vec<MeshError> {
@@ -35,8 +36,8 @@ impl Mesh {
         nodes.iter().map(|&node| self.points[node as usize]).collect()
     }
 
-    /// Facets of four corners at one of which the normal points against that of the facet: seen along it they are no convex quadrilaterals,
-    /// and contact has no place there.
+    /// Facets of four corners with a corner normal against the facet normal: their projection along the facet normal is not a convex
+    /// quadrilateral, so that contact is not defined on them.
     fn folded(&self, hull: &[(Facet, Vec<u32>)]) -> Option<MeshError> {
         let is_folded = |nodes: &[u32]| {
             let [a, b, c, d] = <[Vector; 4]>::try_from(self.places(nodes)).ok()?;
@@ -114,8 +115,8 @@ fn bounds(points: &[Vector]) -> [Vector; 2] {
     [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| [0, 1, 2].map(|i| points.iter().map(|p| p[i]).reduce(pick).unwrap_or_default()))
 }
 
-/// Where the line from `a` to `b` goes through a facet: inside of it, and far enough on both sides. One of four corners is read as two
-/// triangles, whose common diagonal is inside.
+/// Intersection of the line from `a` to `b` with the interior of a facet, well beyond it on both sides; `None` without one. A facet of four
+/// corners is split into two triangles, whose common diagonal counts as interior.
 fn pierced(a: Vector, b: Vector, facet: &[Vector]) -> Option<Vector> {
     let along = between(a, b);
     let through = |corners: [Vector; 3], has_diagonal: bool| {

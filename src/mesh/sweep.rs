@@ -9,22 +9,24 @@ use super::grid::limited;
 use super::{Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape};
 
-/// How a section moves.
+/// Motion of a section along a sweep.
 pub(super) struct Sweep<'a> {
     /// Number of cells along the way.
     pub layers: usize,
-    /// Whether the last place is the first one again.
+    /// True if the sweep is closed: the last section coincides with the first.
     pub is_closed: bool,
-    /// Whether the section moves against its normal.
+    /// True if the section moves against its normal.
     pub is_backward: bool,
     /// Names of the section at its first and last place.
     pub ends: [&'a str; 2],
 }
 
 impl Mesh {
-    /// What the plane mesh sweeps over: hexahedra, or prisms cut into three tetrahedra each; quad4 as hex8, quad8 as hex20, quad9 as hex27,
-    /// tri3 as tet4, tri6 as tet10, whose nodes between two layers are in the middle. `place` gives where a node of the plane mesh is when
-    /// the section has passed that many layers. Ends have an underscore behind where the plane mesh has such names.
+    /// Returns the solid mesh that the plane mesh sweeps over.
+    ///
+    /// Cells are hexahedra, or prisms cut into three tetrahedra each: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as
+    /// tet10. Nodes between two layers lie in the middle. `place(k, node)` is the position of a node of the plane mesh after `k` layers.
+    /// Names of the ends get an underscore appended if the plane mesh has those names.
     ///
     /// # Errors
     /// Cells in space, too many cells, coordinates that are not finite, a section that sweeps over itself.

@@ -1,6 +1,6 @@
-//! How cells touch: facets by their node sets, the outer hull.
+//! Topology of a mesh: facets by their node sets, the outer hull.
 //!
-//! A facet is known by its sorted nodes, in space one of second order by the middles of its edges; sorting all facets of a mesh brings the
+//! A facet is identified by its sorted nodes, in space one of second order by its mid-side nodes. Sorting all facets of a mesh brings the
 //! sides of each together, which finds the hull (one side) and overlapping cells (more than two) without hashing.
 
 use super::{Facet, Mesh};

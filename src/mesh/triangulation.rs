@@ -14,11 +14,11 @@ use super::grid::{UNSTRUCTURED, room_for};
 use super::plane::cross;
 use super::{CELL_LIMIT, MeshError};
 
-/// Smallest angle that refinement aims at, in degrees: above 33 it need not end.
+/// Smallest angle of the refinement, in degrees; above 33 termination is not guaranteed.
 const ANGLE: f64 = 28.0;
-/// Area of a triangle over the square of its edge, above which it is too large: an equilateral one has 0.43.
+/// Ratio of area to squared wanted edge above which a triangle is too large; an equilateral one has 0.43.
 const LARGE: f64 = 0.6;
-/// Distance of a new vertex from the others, over the wanted edge, below which it is left out.
+/// Distance of a new vertex from the others, relative to the wanted edge, below which the vertex is left out.
 const NEAR: f64 = 0.6;
 
 type Faces = std::collections::HashSet<spade::handles::FixedFaceHandle<spade::handles::InnerTag>>;
@@ -27,26 +27,26 @@ type Constrained = ConstrainedDelaunayTriangulation<Point2<f64>>;
 /// The outline and the holes in pieces of about one edge, the body on their left.
 #[derive(Default)]
 pub(super) struct Rim {
-    /// Where pieces begin.
+    /// Start points of the rim segments `[length]`.
     pub vertices: Vec<[f64; 2]>,
-    /// The vertex behind each one.
+    /// Next vertex of each vertex along its loop.
     pub next: Vec<usize>,
-    /// Of each piece the curve, and the parameters where it begins and ends.
+    /// Curve of each segment, and the curve parameters of its ends.
     pub pieces: Vec<(usize, [f64; 2])>,
     /// The curves.
     pub curves: Vec<Curve>,
-    /// Of each curve the boundaries that it belongs to.
+    /// Names of the boundaries that each curve belongs to.
     pub names: Vec<Vec<String>>,
-    /// Of each curve what messages call it.
+    /// Name of each curve in messages.
     pub labels: Vec<String>,
-    /// The first vertex of each closed loop, and one more.
+    /// First vertex of each closed loop, then the number of vertices.
     pub loops: Vec<usize>,
-    /// Of pieces that are on no curve, a point in their middle that is given.
+    /// Given midpoints of segments that lie on no curve.
     pub middles: HashMap<usize, [f64; 2]>,
 }
 
 impl Rim {
-    /// One more curve of the loop that is begun, divided at these parameters from 0 to 1.
+    /// Adds a curve to the current loop, divided at curve parameters from 0 to 1.
     pub fn add_side(&mut self, curve: Curve, names: Vec<String>, label: String, places: &[f64]) {
         for pair in places.windows(2) {
             self.vertices.push(curve.at(pair[0]));
@@ -77,7 +77,7 @@ impl Rim {
         }
     }
 
-    /// A point of a piece on its curve, for a share of the piece from 0 to 1; nothing when it is straight.
+    /// Point on the curve of a segment, for a share of the segment from 0 to 1; `None` for a straight segment.
     pub fn between(&self, piece: usize, share: f64) -> Option<[f64; 2]> {
         let (curve, [from, to]) = self.pieces[piece];
         match &self.curves[curve] {
@@ -86,7 +86,7 @@ impl Rim {
         }
     }
 
-    /// The point in the middle of a piece; nothing when it is straight.
+    /// Midpoint of a segment on its curve; `None` for a straight segment.
     pub fn middle(&self, piece: usize) -> Option<[f64; 2]> {
         self.middles.get(&piece).copied().or_else(|| self.between(piece, 0.5))
     }
@@ -125,7 +125,7 @@ impl Rim {
         self.curves.len() - 1
     }
 
-    /// One more piece of the loop that is begun, from a point on.
+    /// Adds a segment to the current loop, which begins at a point.
     pub fn add_piece(&mut self, from: [f64; 2], piece: (usize, [f64; 2]), middle: Option<[f64; 2]>) -> usize {
         let number = self.vertices.len();
         self.vertices.push(from);
@@ -159,7 +159,7 @@ impl Rim {
     }
 }
 
-/// Vertices, those of the rim first and in its order, and triangles counter-clockwise.
+/// Vertices, beginning with the rim vertices in the order of the rim, and counter-clockwise triangles.
 pub(super) struct Triangles {
     pub vertices: Vec<[f64; 2]>,
     pub triangles: Vec<[usize; 3]>,
@@ -192,7 +192,7 @@ pub(super) fn triangulate<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>,
     if triangles.is_empty() { Err(MeshError::NoTriangulation.into()) } else { Ok(Triangles { vertices, triangles }) }
 }
 
-/// Refuses an estimated number of cells that there is no room for.
+/// Refuses an estimated number of cells that exceeds the limit or the memory.
 fn counted(cells: f64) -> Result<(), MeshError> {
     // What is no number is as good as endless.
     room_for(if cells.is_nan() { usize::MAX } else { cells as usize }, UNSTRUCTURED)
@@ -227,7 +227,7 @@ fn constrained(rim: &Rim) -> Result<Constrained, MeshError> {
     Ok(triangulation)
 }
 
-/// Vertices inside where triangles are larger than wanted, until none is.
+/// Inserts vertices in the interior until no triangle is larger than the wanted size.
 fn fill<E: From<MeshError>>(triangulation: &mut Constrained, size: &mut CellSize<E>, factor: f64) -> Result<(), E> {
     let mut tree: RTree<[f64; 2]> =
         RTree::bulk_load(triangulation.vertices().map(|vertex| [vertex.position().x, vertex.position().y]).collect());

@@ -1,18 +1,18 @@
 //! Round numbers along an axis: ticks at 1, 2 or 5 times a power of ten, with one factor for all where numbers are very large or small.
 //!
-//! Everything is scaled by the factor first, so that the spacing is found among numbers of ordinary size. A logarithmic axis is one over
-//! the logarithms to the base 10, with ticks at powers of ten, and at 2 and 5 times these where there are few.
+//! Values are scaled by the factor first, so that the spacing is found among numbers of ordinary size. A logarithmic axis is an axis over
+//! the logarithms to the base 10, with ticks at powers of ten, and at 2 and 5 times these if there are few.
 
 use crate::math::tolerances::{FLAT, NOTHING};
 
 /// Ticks and labels for an interval of values.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
-    /// The interval, in values divided by `10^exponent`.
+    /// Lower end of the axis, in values divided by `10^exponent`.
     pub low: f64,
-    /// Its upper end.
+    /// Upper end of the axis, in values divided by `10^exponent`.
     pub high: f64,
-    /// Ticks inside the interval, divided by `10^exponent`.
+    /// Ticks inside the axis, divided by `10^exponent`.
     pub ticks: Vec<f64>,
     exponent: i32,
     decimals: usize,
@@ -23,7 +23,8 @@ pub(super) struct Axis {
 const LONG: f64 = 4.0;
 
 impl Axis {
-    /// An axis over the finite ones of `values`, with about `count` ticks. A constant gets an interval around it; no value at all, [0, 1].
+    /// Returns a linear axis over the finite `values`, with about `count` ticks. A constant gets an interval around it; without any value,
+    /// [0, 1].
     pub fn over(values: impl IntoIterator<Item = f64>, count: usize) -> Self {
         let (low, high) = values
             .into_iter()
@@ -34,7 +35,7 @@ impl Axis {
 
     fn new([low, high]: [f64; 2], count: usize) -> Self {
         let size = Some(low.abs().max(high.abs())).filter(|&size| size > NOTHING).unwrap_or(0.0);
-        // What is nothing in any units is drawn as nothing.
+        // Values that are zero in any units are drawn as zero.
         let [low, high] = if size == 0.0 { [0.0; 2] } else { [low, high] };
         let magnitude = size.log10().floor() as i32;
         let exponent = if size == 0.0 || (-3..5).contains(&magnitude) { 0 } else { magnitude };
@@ -63,8 +64,8 @@ impl Axis {
         Axis { low, high, ticks, exponent, decimals: (-power).max(0) as usize, is_logarithmic: false }
     }
 
-    /// A logarithmic axis over the positive ones of `values`, with about `count` ticks. A constant gets a decade around it; no value at
-    /// all, 1 to 10.
+    /// Returns a logarithmic axis over the positive `values`, with about `count` ticks. A constant gets a decade around it; without any
+    /// value, 1 to 10.
     pub fn logarithmic(values: impl IntoIterator<Item = f64>, count: usize) -> Self {
         let positive = values.into_iter().filter(|value| value.is_finite() && *value > 0.0).map(f64::log10);
         let (low, high) = positive.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
@@ -79,17 +80,17 @@ impl Axis {
         let ticks = (first..=*decades.end()).filter(|decade| decade % every == 0);
         let ticks = ticks.flat_map(|decade| between.iter().map(move |digit| decade as f64 + digit.log10()));
         let ticks: Vec<f64> = ticks.filter(|tick| (low - FLAT..=high + FLAT).contains(tick)).collect();
-        // Less than a decade may hold no tick of these.
+        // Less than a decade may contain no such tick.
         let ticks = if ticks.len() < 2 { vec![low, high] } else { ticks };
         Axis { low, high, ticks, exponent: 0, decimals: 0, is_logarithmic: true }
     }
 
-    /// Where a value stands between the ends, 0 to 1; no number for one that a logarithmic axis does not have.
+    /// Returns the position of a value between the ends, 0 to 1; NaN for a value that a logarithmic axis cannot show.
     pub fn share(&self, value: f64) -> f64 {
         (self.scaled(value) - self.low) / (self.high - self.low)
     }
 
-    /// The interval widened by a margin on both sides, but not across zero.
+    /// Returns the interval widened by a margin on both sides, but not across zero.
     pub fn widened(mut self, share: f64) -> Self {
         let margin = share * (self.high - self.low);
         if self.is_logarithmic {
@@ -101,7 +102,7 @@ impl Axis {
         self
     }
 
-    /// A value in the axis's scale.
+    /// Returns a value in the scale of the axis.
     pub fn scaled(&self, value: f64) -> f64 {
         match self.is_logarithmic {
             true if value > 0.0 => value.log10(),
@@ -110,12 +111,12 @@ impl Axis {
         }
     }
 
-    /// A value of the axis's scale as it was.
+    /// Inverse of [`Axis::scaled`].
     pub fn unscaled(&self, value: f64) -> f64 {
         if self.is_logarithmic { 10f64.powf(value) } else { value * 10f64.powi(self.exponent) }
     }
 
-    /// The text of a tick.
+    /// Label of a tick.
     pub fn label(&self, tick: f64) -> String {
         if self.is_logarithmic {
             return power_label(tick);
@@ -123,7 +124,7 @@ impl Axis {
         format!("{tick:.*}", self.decimals).replace('-', "\u{2212}")
     }
 
-    /// The name of the axis with its factor, such as `energy (×10⁻⁶)`.
+    /// Label of the axis with its factor, such as `energy (×10⁻⁶)`.
     pub fn name(&self, name: &str) -> String {
         if self.exponent == 0 {
             return name.into();
@@ -132,7 +133,7 @@ impl Axis {
     }
 }
 
-/// The text of a tick of a logarithmic axis, such as `0.02`, `10⁻⁷` or `5·10⁻⁷`.
+/// Label of a tick of a logarithmic axis, such as `0.02`, `10⁻⁷` or `5·10⁻⁷`.
 fn power_label(tick: f64) -> String {
     let decade = (tick + FLAT).floor();
     let digit = 10f64.powf(tick - decade);

@@ -6,7 +6,7 @@
 use super::axis::Axis;
 use crate::math::tolerances::PLOT_END;
 
-/// Letters of the drawing.
+/// Width of the drawing in characters.
 const WIDTH: usize = 72;
 const HEIGHT: usize = 16;
 /// Colors of a terminal, one for each curve.
@@ -93,7 +93,7 @@ pub fn braille_plot(title: &str, variable: &str, x: &[f64], columns: &[(&str, &[
     lines.join("\n")
 }
 
-/// The one of `count` dots between two values that a value falls on.
+/// Returns the index of the dot (of `count` between `low` and `high`) for a value.
 fn place(value: f64, low: f64, high: f64, count: usize) -> Option<usize> {
     let share = (value - low) / (high - low);
     (share.is_finite() && (-PLOT_END..=1.0 + PLOT_END).contains(&share))

@@ -1,11 +1,11 @@
-//! Checkpoints: from where a run goes on to the same bytes.
+//! Checkpoints: states from which a run is resumed with byte-identical results.
 //!
-//! Who resumes runs the script again from its start and takes what the [journal] has in place of computing it. A checkpoint
-//! is a moment of the journal: how far it goes, what the simulations are then, and which files on the disk belong to it. Its size does not
-//! depend on how many steps were taken.
+//! A resumed run executes the script again from its start and reads the results of completed computations from the [journal]. A checkpoint
+//! refers to a moment of the journal: its length and checksum, the simulations at that moment, and the files on disk that belong to it. The
+//! size of a checkpoint does not depend on the number of steps.
 //!
-//! The file: 12 bytes that say what it is, the version of the format, length and CRC-32 of the content (little endian), the content in
-//! the encoding of `postcard`. It is written beside its place, forced to the disk, and renamed.
+//! File format: 12 bytes of identification, the format version, length and CRC-32 of the content (little endian), the content encoded by
+//! `postcard`. A checkpoint is written to a temporary file, synced to disk, and renamed.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,34 +28,35 @@ pub const MAGIC: &[u8; 12] = b"conserva\0ckp";
 pub const FORMAT: u32 = 12;
 /// Bytes before the content.
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
-/// Ending of the files beside them that keep what points of studies have given ([`PointLog`](super::PointLog)).
+/// Extension of the files beside checkpoints that keep results of studies' points ([`PointLog`](super::PointLog)).
 pub const POINTS: &str = "points";
 
-/// Where results come from: all that they depend on.
+/// All data on which results of a run depend.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Origin {
     /// Version of the program.
     pub program: String,
-    /// Instructions of the processor, which decide on the last bits.
+    /// Instruction set of the processor, which affects the last bits.
     pub instructions: String,
     /// Folder in which the program was started; paths are relative to it.
     pub folder: PathBuf,
-    /// The script as it was named.
+    /// Path of the script as given.
     pub script: String,
     /// Names and texts of the script and its modules.
     pub sources: Vec<(String, String)>,
     /// Other files that the script has read, with length and CRC-32.
     pub files: Vec<(PathBuf, u64, u32)>,
-    /// Values given for parameters.
+    /// Values given for parameters with `--set`.
     pub overrides: Vec<(String, String)>,
     /// Folders that the script may read.
     pub allow_read: Vec<PathBuf>,
-    /// Operations after which the script counts as endless.
+    /// Number of operations after which the script counts as endless.
     pub max_operations: u64,
 }
 
 impl Origin {
-    /// What a run with the same arguments would depend on now.
+    /// Returns the current origin of a run with the arguments of `then`: program version, instruction set, scripts and input files as they
+    /// are now.
     pub fn now(then: &Origin) -> Origin {
         let source = |(name, _): &(String, String)| {
             let text = read(Path::new(name)).map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
@@ -74,7 +75,7 @@ impl Origin {
         }
     }
 
-    /// What differs in another origin: what changes results, and what changes their last digits at most.
+    /// Returns the differences from another origin: those that change results, and those that change the last digits at most.
     pub fn differences(&self, other: &Origin) -> (Vec<String>, Vec<String>) {
         let mut changed = Vec::new();
         for ((name, then), (_, now)) in self.sources.iter().zip(&other.sources) {
@@ -104,80 +105,80 @@ impl Origin {
     }
 }
 
-/// What is known of a simulation besides.
+/// Saved data of a simulation that is not in the journal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SavedSimulation {
-    /// Its name.
+    /// Name of the simulation.
     pub name: String,
-    /// Its unknowns.
+    /// Number of unknowns.
     pub unknowns: usize,
     /// Steps and time reached.
     pub reached: (usize, f64),
-    /// What it has counted.
+    /// Counters of the simulation.
     pub tally: Tally,
-    /// Its state.
+    /// State of the simulation.
     pub state: Option<Arc<State>>,
-    /// The states before its last steps, the newest last, where the script goes back by steps.
+    /// States before the last steps, the newest last; kept if the script goes back by steps.
     pub past: Vec<Arc<State>>,
-    /// Its stills.
+    /// Recorded stills.
     pub recording: Option<Recording>,
-    /// Length and CRC-32 of its `history.csv`.
+    /// Length and CRC-32 of `history.csv`.
     pub rows: Option<(u64, u32)>,
 }
 
 /// A checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// What the run depends on.
+    /// Scripts, input files, arguments and program version on which the run depends.
     pub origin: Origin,
-    /// Its simulations.
+    /// Simulations of the run.
     pub simulations: Vec<SavedSimulation>,
-    /// How far the journal goes.
+    /// Position in the journal that belongs to the checkpoint.
     pub journal: Mark,
-    /// Files of the run that go with it.
+    /// Files of the run that belong to the checkpoint.
     pub files: Vec<CountedFile>,
 }
 
-/// A file that is no checkpoint to go on from.
+/// Error of a file from which a run cannot be resumed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// The operating system refused.
+    /// The operating system refused to read the file.
     #[error("it cannot be read: {0}")]
     Read(String),
-    /// Not a checkpoint.
+    /// The file is not a checkpoint.
     #[error("it is not a checkpoint of Conserva")]
     Foreign,
-    /// From a later version of the program.
+    /// The checkpoint was written by a later version of the program.
     #[error("its format {found} is newer than the format {FORMAT} of this program")]
     Future {
-        /// Version of its format.
+        /// Format version of the file.
         found: u32,
     },
-    /// Its end is missing.
+    /// The end of the file is missing.
     #[error("it is cut off: {found} of {announced} bytes are there")]
     Truncated {
-        /// Bytes of the content.
+        /// Number of bytes of the content.
         found: u64,
-        /// Bytes that there ought to be.
+        /// Number of bytes that the header announces.
         announced: u64,
     },
-    /// Its bytes have changed.
+    /// The content does not match the checksum.
     #[error("it is damaged: its content does not agree with its checksum")]
     Damaged,
-    /// From an earlier version of the program.
+    /// The checkpoint was written by an earlier version of the program.
     #[error("its format {found} is older than the format {FORMAT} of this program")]
     Past {
-        /// Version of its format.
+        /// Format version of the file.
         found: u32,
     },
-    /// The folder is that of another run, or not as it was.
+    /// The folder belongs to another run, or its files have changed.
     #[error("{0}")]
     Stranger(String),
 }
 
 impl CheckpointError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             CheckpointError::Read(..) => "C0911",
@@ -192,17 +193,17 @@ impl CheckpointError {
 }
 
 impl Checkpoint {
-    /// Where its simulations stand, as the end of a sentence.
+    /// Describes steps and times reached by the simulations, as the end of a sentence.
     pub fn reached(&self) -> String {
         let one = |saved: &SavedSimulation| format!("\"{}\" at t = {} (step {})", saved.name, saved.reached.1, saved.reached.0);
         let all: Vec<String> = self.simulations.iter().map(one).collect();
         if all.is_empty() { String::new() } else { format!(" {}", all.join(", ")) }
     }
 
-    /// The file's bytes.
+    /// Encodes the checkpoint as the bytes of a file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = vec![0; HEADER];
-        // Memory takes everything, and all of these types can be encoded.
+        // Writing to memory does not fail, and all of these types can be encoded.
         bytes = postcard::to_extend(self, bytes).unwrap_or_default();
         let content = bytes.len().saturating_sub(HEADER) as u64;
         let checksum = crc32fast::hash(bytes.get(HEADER..).unwrap_or_default());
@@ -211,10 +212,10 @@ impl Checkpoint {
         bytes
     }
 
-    /// Reads a file's bytes.
+    /// Decodes a checkpoint from the bytes of a file.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// The bytes are no checkpoint, of another format version, truncated or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
         let Some(rest) = bytes.strip_prefix(MAGIC) else {
             let is_begun = !bytes.is_empty() && MAGIC.starts_with(bytes);
@@ -245,20 +246,20 @@ impl Checkpoint {
         postcard::from_bytes(content).map_err(|_| CheckpointError::Damaged)
     }
 
-    /// Reads a file.
+    /// Reads a checkpoint file.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The file cannot be read, or its content is no valid checkpoint.
     pub fn read(path: &Path) -> Result<Self, CheckpointError> {
         let bytes = read(path).map_err(|error| CheckpointError::Read(super::files::reason(&error)))?;
         Checkpoint::from_bytes(&bytes)
     }
 
-    /// Makes sure that the folder of a run is the one to which this checkpoint belongs: its journal and its files are there. Gives the
-    /// files that the run has replaced since, which are to be brought back before it goes on.
+    /// Checks that `run` is the folder to which this checkpoint belongs: its journal and its files are there. Returns the files that the
+    /// run has replaced since the checkpoint, which must be restored before the run is resumed.
     ///
     /// # Errors
-    /// What is there instead.
+    /// The journal or a file is missing or has another content.
     pub fn belongs_to(&self, run: &Path) -> Result<Vec<CountedFile>, CheckpointError> {
         if let Some(complaint) = self.journal.complaint(run) {
             return Err(CheckpointError::Stranger(complaint.into()));
@@ -283,29 +284,29 @@ impl Checkpoint {
         Ok(aside)
     }
 
-    /// The files of all checkpoints in the folder of a run, this one's last.
+    /// Returns the files of all checkpoints in the folder of a run, those of this checkpoint last.
     pub fn promises(&self, run: &Path) -> Vec<Vec<CountedFile>> {
         let others = places(run).into_iter().filter_map(|place| Checkpoint::read(&place).ok()).filter(|other| other != self);
         others.map(|other| other.files).chain([self.files.clone()]).collect()
     }
 
-    /// Writes it into a run's folder, and removes the oldest ones there.
+    /// Writes the checkpoint into the folder of a run, and removes the oldest checkpoints there.
     ///
     /// # Errors
-    /// The operating system refused; those that were there are still there.
+    /// The operating system refused; earlier checkpoints are kept.
     pub fn write(&self, files: &RunFiles) -> Result<(), OutputError> {
         let newest = places(files.directory()).last().and_then(|path| number(path)).unwrap_or(0);
         files.write_durably(&format!("{FOLDER}/{:06}.checkpoint", newest + 1), self.to_bytes())?;
         let all = places(files.directory());
         for old in &all[..all.len().saturating_sub(KEPT)] {
-            // One too many does no harm.
+            // A file that cannot be removed does no harm.
             let _ = std::fs::remove_file(old);
         }
         Ok(())
     }
 }
 
-/// Puts files of a run back that it has replaced since a checkpoint.
+/// Restores files of a run that it has replaced since a checkpoint.
 ///
 /// # Errors
 /// The operating system refused.
@@ -313,12 +314,12 @@ pub fn bring_back(run: &Path, aside: &[CountedFile]) -> Result<(), OutputError> 
     aside.iter().try_for_each(|file| file.bring_back(run).map_err(OutputError::write(run.join(&file.name))))
 }
 
-/// The number in the name of a checkpoint.
+/// Returns the number in the name of a checkpoint.
 fn number(path: &Path) -> Option<u64> {
     if path.extension()? != "checkpoint" { None } else { path.file_stem()?.to_str()?.parse().ok() }
 }
 
-/// The checkpoints in a run's folder, the newest last.
+/// Returns the paths of the checkpoints in the folder of a run, the newest last.
 pub fn places(run: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut found: Vec<PathBuf> = entries.filter(|path| number(path).is_some()).collect();
@@ -326,15 +327,15 @@ pub fn places(run: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Removes the checkpoints in a run's folder, and what points of studies have given: the run is complete, or begins anew.
+/// Removes the checkpoints in the folder of a run, and the kept results of studies' points: the run is complete, or begins anew.
 ///
 /// # Errors
 /// The operating system refused.
 pub fn remove_all(run: &Path) -> Result<(), OutputError> {
     let entries = std::fs::read_dir(run.join(FOLDER)).into_iter().flatten().flatten().map(|entry| entry.path());
-    // Where an open file keeps its name.
+    // Where an open file cannot be unlinked.
     let is_rows = |name: &std::ffi::OsStr| name.to_string_lossy().starts_with(&format!("{ROWS}-"));
-    // What a program that was killed has begun to write, too.
+    // Incomplete files of a killed process, too.
     let is_ours = |ending: &std::ffi::OsStr| [POINTS, ASIDE, "part"].iter().any(|known| *known == ending);
     let logs = entries.filter(|path| {
         path.extension().is_some_and(is_ours) || path.file_name().is_some_and(|name| name == journal::NAME || is_rows(name))
@@ -342,7 +343,7 @@ pub fn remove_all(run: &Path) -> Result<(), OutputError> {
     for path in places(run).into_iter().chain(logs) {
         std::fs::remove_file(&path).map_err(|source| OutputError::Write { path, source })?;
     }
-    // What else is in the folder stays, and the folder with it.
+    // A folder with other files is not removed.
     let _ = std::fs::remove_dir(run.join(FOLDER));
     Ok(())
 }

@@ -1,10 +1,9 @@
-//! What differs between two runs: parameters, outcome, columns of the history, fields of all frames.
+//! Comparison of two runs: parameters, outcome, columns of the history, fields of all frames.
 //!
-//! Rows and frames belong together that have the same time, so that runs of different steps can be compared where they meet. A number
-//! differs when
-//! it is off by more than the tolerance times a scale: the largest value of its kind in both runs. Of one kind are all energies, the
-//! components of one force, of one momentum, and so on, since a component that ought to be zero has nothing but round-off to be compared
-//! with. Wall-clock times and memory are never looked at.
+//! Rows and frames with equal times are compared, so that runs with different time steps are compared at common times. A number differs if
+//! its deviation exceeds the tolerance times a scale, the largest value of its kind in both runs. Quantities of one kind are all energies,
+//! the components of one force, of one momentum, and so on: a component that should be zero consists of round-off. Wall-clock times and
+//! memory are not compared.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -20,10 +19,10 @@ use super::reading::table::read_table;
 use super::summary::{COMPLETED, NOT_CONSERVING};
 use super::table::{Column, Table};
 
-/// What is compared, and how exactly.
+/// Tolerance of a comparison, and the columns and fields that are left out.
 #[derive(Clone, Debug, Default)]
 pub struct Exactness {
-    /// Largest difference over the scale that counts as none.
+    /// Largest difference relative to the scale that counts as equal.
     pub tolerance: f64,
     /// Names of columns and fields that are left out; `*` stands for anything.
     pub ignored: Vec<String>,
@@ -35,7 +34,7 @@ impl Exactness {
     }
 }
 
-/// Whether a name fits a pattern in which `*` stands for anything.
+/// True if `name` matches `pattern`, in which `*` stands for any text.
 fn matches(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,
@@ -45,92 +44,92 @@ fn matches(pattern: &str, name: &str) -> bool {
     }
 }
 
-/// An entry of the summaries that differs.
+/// Difference between entries of the summaries.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EntryDifference {
-    /// Its name; `parameter dt` for a parameter.
+    /// Name of the entry; `parameter dt` for a parameter.
     pub name: String,
-    /// The first run's value, null where it has none.
+    /// Value of the first run; null without a value.
     pub first: Value,
-    /// The second run's.
+    /// Value of the second run; null without a value.
     pub second: Value,
-    /// Whether it makes the runs different: another script's path or version of the program does not.
+    /// True if the difference makes the runs different; another path of the script or another program version does not.
     pub counts: bool,
 }
 
-/// A column of the histories that differs.
+/// Difference between columns of the histories.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ColumnDifference {
-    /// Its name.
+    /// Name of the column.
     pub column: String,
-    /// Step of the first run from which on it differs.
+    /// Step of the first run at which the columns first differ.
     pub from_step: usize,
-    /// Its time.
+    /// Time of that row.
     pub from_time: f64,
-    /// Rows in which it differs.
+    /// Number of rows in which the columns differ.
     pub rows: usize,
-    /// The largest difference; null where one run has a number and the other has none.
+    /// Largest difference; null if only one of the runs has a number.
     pub largest: Option<f64>,
-    /// The same over the scale of the column.
+    /// Largest difference relative to the scale of the column.
     pub relative: Option<f64>,
-    /// Step of the first run at which it is largest.
+    /// Step of the first run at which the difference is largest.
     pub at_step: usize,
-    /// The first run's value there.
+    /// Value of the first run at that step.
     pub first: Option<f64>,
-    /// The second run's.
+    /// Value of the second run at that step.
     pub second: Option<f64>,
 }
 
-/// A field that differs. Places and sizes are those of the frame in which it differs most.
+/// Difference between fields. Places and sizes refer to the frame with the largest difference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldDifference {
-    /// The list of its frames.
+    /// Series of the frames.
     pub series: &'static str,
-    /// Its name.
+    /// Name of the field.
     pub field: String,
-    /// Frames in which it differs.
+    /// Number of frames in which the field differs.
     pub frames: usize,
-    /// Time of the first of them.
+    /// Time of the first frame in which the field differs.
     pub from_time: f64,
-    /// Time of the frame in which it differs most.
+    /// Time of the frame with the largest difference.
     pub at_time: f64,
-    /// Points (or cells) at which it differs.
+    /// Number of points (or cells) at which the field differs.
     pub places: usize,
-    /// The largest difference of a component; null where one run has a number and the other has none.
+    /// Largest difference of a component; null if only one of the runs has a number.
     pub largest: Option<f64>,
-    /// The same over the largest component of both.
+    /// Largest difference relative to the largest component in both runs.
     pub relative: Option<f64>,
-    /// The point (or cell), counted from 0 over all bodies, at which it is largest.
+    /// Point (or cell) of the largest difference, counted from 0 over all bodies.
     pub at: usize,
 }
 
-/// What was compared and what differs.
+/// Result of a comparison of two runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Name of the simulation's folder below the run's; empty for the first simulation.
+    /// Name of the simulation's folder below the folder of the run; empty for the first simulation.
     pub simulation: String,
-    /// Outcome of both runs if it is the same and neither was completed: steps that the script takes later were not compared.
+    /// Common outcome of both runs if neither was completed: later steps of the script were not compared.
     pub unfinished: Option<String>,
     /// Entries of the summaries that differ.
     pub entries: Vec<EntryDifference>,
-    /// Rows of the first history, of the second, and of times that both have.
+    /// Number of rows of the first history, of the second, and of rows with common times.
     pub rows: [usize; 3],
-    /// Columns that both have.
+    /// Number of columns that both histories have.
     pub columns_compared: usize,
     /// Columns that differ.
     pub columns: Vec<ColumnDifference>,
-    /// Columns, fields, files and simulations that one of them lacks, and frames that do not fit each other, a sentence each.
+    /// Columns, fields, files and simulations that only one run has, and frames that do not match, one sentence each.
     pub missing: Vec<String>,
-    /// Frames of the same time that both have.
+    /// Number of frames that both runs have.
     pub frames_compared: usize,
-    /// Fields in them that both have.
+    /// Number of fields that frames of both runs have.
     pub fields_compared: usize,
     /// Fields that differ.
     pub fields: Vec<FieldDifference>,
 }
 
 impl Comparison {
-    /// Whether nothing differs that counts.
+    /// True if no difference counts: entries, columns, fields and numbers of rows agree, and nothing is missing.
     pub fn is_same(&self) -> bool {
         let entries = self.entries.iter().all(|entry| !entry.counts);
         entries && self.columns.is_empty() && self.missing.is_empty() && self.fields.is_empty() && self.rows[0] == self.rows[1]
@@ -138,14 +137,14 @@ impl Comparison {
 }
 
 impl Comparison {
-    /// Notes what one of them lacks, once.
+    /// Adds a sentence on data that only one run has, unless it was added before.
     fn miss(&mut self, sentence: String) {
         if !self.missing.contains(&sentence) {
             self.missing.push(sentence);
         }
     }
 
-    /// Notes that a field differs in a further frame.
+    /// Adds the difference of a field in a further frame.
     fn differ(&mut self, new: FieldDifference) {
         let Some(known) = self.fields.iter_mut().find(|known| (known.series, &known.field) == (new.series, &new.field)) else {
             return self.fields.push(new);
@@ -192,7 +191,7 @@ pub fn compare(first: &Path, second: &Path, exactness: &Exactness) -> Result<Vec
     Ok(all)
 }
 
-/// The two runs in words.
+/// Names of the two runs in messages.
 const ORDINALS: [&str; 2] = ["first", "second"];
 
 fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<Comparison, ReadError> {
@@ -221,7 +220,7 @@ fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<C
     Ok(found)
 }
 
-/// Which run lacks what the other has.
+/// Returns the name of the run that lacks data of the other.
 fn lacking<T>(both: &[Option<T>; 2]) -> Option<&'static str> {
     match both {
         [None, Some(_)] => Some(ORDINALS[0]),
@@ -257,7 +256,7 @@ fn entries(runs: &[RunFolder; 2], exactness: &Exactness) -> Vec<EntryDifference>
     different
 }
 
-/// Pairs of rows with the same time, in ascending order.
+/// Returns pairs of rows with equal times, in ascending order.
 fn common_rows(times: [&[Option<f64>]; 2]) -> Vec<[usize; 2]> {
     let (mut common, mut i, mut j) = (Vec::new(), 0, 0);
     while let (Some(a), Some(b)) = (times[0].get(i), times[1].get(j)) {
@@ -319,7 +318,7 @@ fn compare_tables(tables: &[Table; 2], exactness: &Exactness, found: &mut Compar
     }
 }
 
-/// Columns of one kind have one scale.
+/// Returns the kind of a column; columns of one kind have a common scale.
 fn kind_of(column: &str) -> &str {
     match column {
         "kinetic" | "strain" | "potential" | "total" | "load_work" | "contact_work" | "friction_work" | "energy_defect" | "reserve"
@@ -335,7 +334,7 @@ fn kind_of(column: &str) -> &str {
     }
 }
 
-/// What two sequences of numbers differ by.
+/// Difference of two sequences of numbers.
 struct Difference {
     allowed: f64,
     scale: f64,

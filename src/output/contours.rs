@@ -1,4 +1,4 @@
-//! Where a nodal field is above a level: outlines of that region on a patch of cells, as closed loops.
+//! Regions where a nodal field is above a level, on a patch of cells, as closed loops.
 //!
 //! Painting the regions of ascending levels over each other gives filled contours without seams between cells, and a picture whose size
 //! depends on what it shows, not on how fine the mesh is. Cells with more than three corners are split into triangles around their
@@ -95,7 +95,7 @@ impl Patch {
         let place = |[a, b]: Corner| {
             let (p, q) = (self.points[a as usize], self.points[b as usize]);
             let (low, high) = (self.values[a as usize], self.values[b as usize]);
-            // Halved first: the difference of two huge values may not be a number.
+            // Halved first: the difference of two huge values may overflow.
             let share = if a == b { 0.0 } else { (0.5 * level - 0.5 * low) / (0.5 * high - 0.5 * low) };
             [p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1])]
         };
@@ -103,7 +103,7 @@ impl Patch {
     }
 }
 
-/// A corner of a loop: the mesh edge that it lies on, or twice the same node.
+/// Corner of a loop: the end nodes of the mesh edge on which the corner lies, or a node twice.
 type Corner = [u32; 2];
 
 fn corner(a: u32, b: u32) -> Corner {

@@ -1,9 +1,9 @@
-//! Files that a run which is resumed counts on.
+//! Files that a resumed run relies on.
 //!
-//! A run is resumed by computing again from a checkpoint on, and what shows the steps before it, such as the frames of the fields, is taken
-//! as it stands on the disk. So a checkpoint names these files with length and checksum. A run goes on after a checkpoint and may go back
-//! ([`FieldSeries::cut`](super::FieldSeries::cut)) and write other frames under the same names: then the file that a checkpoint counts on
-//! is moved beside the checkpoints, under a name that its content gives, and a run that is resumed takes it from there.
+//! A resumed run computes again from a checkpoint on; files that show earlier steps, such as the frames of the fields, are taken from the
+//! disk. A checkpoint therefore lists these files with length and checksum. After a checkpoint, a run may go back
+//! ([`FieldSeries::cut`](super::FieldSeries::cut)) and write other frames under the same names. The file that a checkpoint refers to is
+//! then moved beside the checkpoints, under a name derived from its content, and restored from there by a resumed run.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fs;
@@ -15,38 +15,38 @@ use serde::{Deserialize, Serialize};
 
 use crate::machine::files;
 
-/// Checkpoints that are kept, and whose files can be had back.
+/// Number of checkpoints that are kept, and whose files can be restored.
 pub const KEPT: usize = 2;
-/// Folder of the checkpoints of a run, and of files that were moved away for them.
+/// Folder of a run's checkpoints, and of files kept for them.
 pub const FOLDER: &str = "checkpoints";
-/// Ending of the files that were moved away.
+/// Extension of files that were moved to the folder of the checkpoints.
 pub const ASIDE: &str = "kept";
-/// Bytes that are read at once.
+/// Number of bytes that are read at once.
 const PIECE: usize = 1 << 16;
 
-/// A file that a run which is resumed counts on.
+/// File that a resumed run relies on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CountedFile {
-    /// Its path relative to the folder of the run.
+    /// Path relative to the folder of the run.
     pub name: String,
-    /// The time that it shows, if it is a frame of a series.
+    /// Time of the frame, if the file is a frame of a series.
     pub time: Option<f64>,
-    /// Its length.
+    /// Length of the file `[bytes]`.
     pub length: u64,
-    /// CRC-32 of its content.
+    /// CRC-32 of the content.
     pub checksum: u32,
 }
 
-/// What became of a file that a run counts on.
+/// Condition of a file that a resumed run relies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
-    /// It is there.
+    /// The file is in place.
     There,
-    /// It was moved away by the run itself.
+    /// The run has moved the file beside the checkpoints.
     Aside,
-    /// It is not there.
+    /// The file is missing.
     Gone,
-    /// It has another content.
+    /// Another content is in its place.
     Replaced,
 }
 
@@ -55,18 +55,18 @@ impl CountedFile {
         (self.length, self.checksum) == (other.length, other.checksum)
     }
 
-    /// Its place beside the checkpoints of a run.
+    /// Path of the file when it has been moved beside the checkpoints of a run.
     fn aside(&self, run: &Path) -> PathBuf {
         run.join(FOLDER).join(format!("{:08x}-{}.{ASIDE}", self.checksum, self.length))
     }
 
-    /// Its place in the folder of a run, unless the name leads out of it.
+    /// Path in the folder of a run; `None` if the name leads outside of the folder.
     fn place(&self, run: &Path) -> Option<PathBuf> {
         let is_inside = Path::new(&self.name).components().all(|part| matches!(part, Component::Normal(_)));
         is_inside.then(|| run.join(&self.name))
     }
 
-    /// How it stands with the file in the folder of a run.
+    /// Returns the condition of the file in the folder of a run.
     pub fn standing(&self, run: &Path) -> Standing {
         let Some(place) = self.place(run) else { return Standing::Gone };
         if self.agrees(&place) {
@@ -80,13 +80,13 @@ impl CountedFile {
         }
     }
 
-    /// Whether a file has its content.
+    /// True if the file at `path` has the recorded length and checksum.
     fn agrees(&self, path: &Path) -> bool {
         let Ok(found) = fs::symlink_metadata(path) else { return false };
         found.is_file() && found.len() == self.length && checksum(path, self.length).is_ok_and(|(sum, _)| sum == self.checksum)
     }
 
-    /// Puts the file back that was moved away.
+    /// Restores the file from the folder of the checkpoints.
     ///
     /// # Errors
     /// The operating system refused.
@@ -100,7 +100,7 @@ impl CountedFile {
     }
 }
 
-/// CRC-32 of the first bytes of a regular file, and how many there are.
+/// Returns the CRC-32 of the first `length` bytes of a regular file, and the number of bytes read.
 ///
 /// # Errors
 /// The operating system refused.
@@ -117,12 +117,12 @@ pub fn checksum(path: &Path, length: u64) -> io::Result<(u32, u64)> {
     }
 }
 
-/// The place to which a file is moved.
+/// Path to which a file is moved.
 #[derive(Debug)]
 pub struct Aside(PathBuf);
 
 impl Aside {
-    /// Moves the file there.
+    /// Moves the file at `path` to this path.
     ///
     /// # Errors
     /// The operating system refused.
@@ -134,7 +134,7 @@ impl Aside {
     }
 }
 
-/// The files that a run counts on.
+/// Files that a run relies on when it is resumed.
 #[derive(Debug)]
 pub struct Counted {
     root: PathBuf,
@@ -143,14 +143,15 @@ pub struct Counted {
 
 #[derive(Debug, Default)]
 struct Known {
-    /// As they are now.
+    /// Files at present.
     present: BTreeMap<String, CountedFile>,
-    /// As the checkpoints name them that are kept, the newest last.
+    /// Files named by the kept checkpoints, the newest checkpoint last.
     promised: VecDeque<Vec<CountedFile>>,
 }
 
 impl Counted {
-    /// Those of a run in a folder, as the checkpoints of an earlier program name them; the last one is that from which the run goes on.
+    /// Returns the files of a run in the folder `root`. `promised` are the lists of its checkpoints; the last list belongs to the
+    /// checkpoint from which the run is resumed.
     pub fn new(root: &Path, promised: Vec<Vec<CountedFile>>) -> Self {
         let present = promised.last().into_iter().flatten().map(|file| (file.name.clone(), file.clone())).collect();
         Counted { root: root.into(), known: Mutex::new(Known { present, promised: promised.into() }) }
@@ -160,14 +161,15 @@ impl Counted {
         path.strip_prefix(&self.root).ok().and_then(Path::to_str).map(String::from)
     }
 
-    /// Notes a file that was written.
+    /// Records a file that was written.
     pub fn note(&self, path: &Path, time: Option<f64>, content: &[u8]) {
         let Some(name) = self.name(path) else { return };
         let file = CountedFile { name: name.clone(), time, length: content.len() as u64, checksum: crc32fast::hash(content) };
         self.known.lock().unwrap_or_else(PoisonError::into_inner).present.insert(name, file);
     }
 
-    /// Forgets a file that is to be replaced or removed. Where it must be moved to, if a checkpoint counts on it.
+    /// Removes a file from the present ones before it is replaced or deleted. Returns the path to which it must be moved if a checkpoint
+    /// refers to it.
     pub fn forget(&self, path: &Path) -> Option<Aside> {
         let name = self.name(path)?;
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
@@ -176,18 +178,18 @@ impl Counted {
         is_promised.then(|| Aside(file.aside(&self.root)))
     }
 
-    /// A file, if it is one of them.
+    /// Returns the record of a file.
     pub fn get(&self, path: &Path) -> Option<CountedFile> {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.present.get(&self.name(path)?).cloned()
     }
 
-    /// All of them as they are now, in the order of their names.
+    /// Returns all present files in the order of their names.
     pub fn all(&self) -> Vec<CountedFile> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).present.values().cloned().collect()
     }
 
-    /// A checkpoint names these files. What no checkpoint that is kept counts on any more goes.
+    /// Records the files of a new checkpoint, and deletes files that no kept checkpoint refers to.
     pub fn promise(&self, files: Vec<CountedFile>) {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.promised.push_back(files);
@@ -197,7 +199,7 @@ impl Counted {
         }
         old.retain(|file| !known.promised.iter().flatten().any(|promised| promised.is_same(file)));
         for file in old {
-            // One too many does no harm.
+            // A file that cannot be removed does no harm.
             let _ = fs::remove_file(file.aside(&self.root));
         }
     }

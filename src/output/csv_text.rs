@@ -5,33 +5,33 @@
 
 use std::borrow::Cow;
 
-/// Characters with which formulas begin, and those that programs skip before them.
+/// Characters with which formulas begin, and white space that programs skip before a formula.
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
-/// Makes a text of what would be a formula.
+/// Prefix that makes a text of a formula.
 const MARK: char = '\'';
 
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches(MARK).starts_with(FORMULA)
 }
 
-/// A text that no program takes for a formula.
+/// Returns a text that no program takes for a formula.
 pub fn harmless(text: &str) -> Cow<'_, str> {
     if is_formula(text) && text.parse::<f64>().is_err() { format!("{MARK}{text}").into() } else { text.into() }
 }
 
-/// The text that a field was made of.
+/// Inverse of `harmless`.
 pub fn meant(field: &str) -> &str {
     field.strip_prefix(MARK).filter(|text| is_formula(text)).unwrap_or(field)
 }
 
-/// A field, in quotes where readers could take it for more or less than it is.
+/// Returns a CSV field, quoted where necessary.
 pub fn field(text: &str) -> String {
     let text = harmless(text);
     let needs_quotes = text.contains([',', '"', '\n', '\r', ';', '\t', '#']) || text.trim() != text;
     if needs_quotes { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into_owned() }
 }
 
-/// A line of fields. The only one of a line must be there to be seen, and not be parted at its blanks.
+/// Returns a CSV line. A single field of a line is quoted if it is empty or contains blanks.
 pub fn line<S: AsRef<str>>(fields: &[S]) -> Vec<u8> {
     let text = match fields {
         [only] if only.as_ref().is_empty() || only.as_ref().contains(char::is_whitespace) => {

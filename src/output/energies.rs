@@ -6,7 +6,7 @@
 use super::plot::{Curve, Plot, PlotAxis};
 use crate::dynamics::{LedgerRow, Rows};
 
-/// Names of the energies among the columns of a history.
+/// Names of the energy columns of a history.
 pub const ENERGIES: [&str; 4] = ["kinetic", "strain", "potential", "total"];
 
 /// Kinetic, strain, potential (where there is any) and total energy over time.
@@ -19,17 +19,17 @@ pub fn energies<R: Rows + ?Sized>(title: &str, rows: &R) -> Plot {
     let curves = ENERGIES.into_iter().zip(values).filter(|(name, values)| *name != "potential" || values.iter().any(|&value| value != 0.0));
     let mut curves: Vec<Curve> = curves.map(curve).collect();
     above_lowest_potential(&mut curves);
-    // Zero belongs to the picture: shares of the total are read off it.
+    // The axis includes zero, so that shares of the total can be read off.
     let y = PlotAxis { included: Some(0.0), ..PlotAxis::new("energy") };
     Plot { title: title.into(), x: PlotAxis::new("time"), y, curves, ..Plot::default() }
 }
 
-/// Rows that are drawn one by one; longer runs are drawn by the extrema of stretches.
+/// Largest number of rows that are drawn one by one; longer runs are drawn by the extrema of intervals.
 const MOST_POINTS: usize = 100_000;
-/// Stretches of longer runs.
+/// Number of intervals of longer runs.
 const STRETCHES: usize = 5_000;
 
-/// Times and energies of all rows; of a long run only the rows with the extrema of each energy in each stretch.
+/// Returns times and energies of all rows; of a long run, only the rows with the extrema of each energy in each interval.
 fn points<R: Rows + ?Sized>(rows: &R, most: usize) -> Vec<[f64; 5]> {
     let point = |row: &LedgerRow| [row.time, row.kinetic, row.strain, row.potential, row.total()];
     let mut points = Vec::new();
@@ -63,7 +63,7 @@ fn points<R: Rows + ?Sized>(rows: &R, most: usize) -> Vec<[f64; 5]> {
     points
 }
 
-/// Takes the lowest potential off curves labelled `potential` and `total`, where it would take more than half of the height.
+/// Subtracts the lowest potential from the curves `potential` and `total` if it would take more than half of the height.
 pub fn above_lowest_potential(curves: &mut [Curve]) {
     let Some(potential) = curves.iter().find(|curve| curve.label == "potential") else { return };
     let bounds = |curves: &mut dyn Iterator<Item = f64>| {
@@ -132,7 +132,7 @@ mod tests {
         let labels: Vec<&str> = plot.curves.iter().map(|curve| curve.label.as_str()).collect();
         assert_eq!(labels, ["kinetic", "strain", "potential + 98.1", "total + 98.1"]);
         assert!(plot.curves[3].y.iter().all(|value| value.abs() < 1.0));
-        // One that is exchanged with the kinetic energy stays as it is.
+        // A potential that is exchanged with the kinetic energy is not shifted.
         rows.iter_mut().for_each(|row| row.potential = 0.05 - row.kinetic);
         assert_eq!(energies("falling", &rows).curves[2].label, "potential");
     }

@@ -1,4 +1,4 @@
-//! Files of a run in other formats, written beside those that it has.
+//! Conversion of a run's files into other formats.
 
 use std::path::Path;
 
@@ -27,19 +27,19 @@ pub enum ExportFormat {
     Xdmf,
 }
 
-/// What stands in the way of a conversion.
+/// Error of a conversion.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
-    /// A file of the run.
+    /// Error of reading a file of the run.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// A file to be written.
+    /// Error of writing a file.
     #[error(transparent)]
     Write(#[from] OutputError),
 }
 
 impl ExportError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             ExportError::Read(error) => error.code(),
@@ -48,13 +48,13 @@ impl ExportError {
     }
 }
 
-/// Series that a run may have.
+/// Series that a run may have written.
 const SERIES: [&str; 3] = ["fields", "contacts", "obstacles"];
 
-/// Converts what a run has, the further simulations below it included; the names of the files that a reader opens.
+/// Converts the files of a run, including its further simulations; returns the names of the files that a reader opens.
 ///
 /// # Errors
-/// No run, nothing to convert, a damaged file, or a file that cannot be written.
+/// No run, no file to convert, a damaged file, or a file that cannot be written.
 pub fn export(run: &RunFolder, format: ExportFormat, into: &Path) -> Result<Vec<String>, ExportError> {
     let mut written = export_simulation(run, format, into)?;
     for name in run.further() {
@@ -91,7 +91,7 @@ fn export_simulation(run: &RunFolder, format: ExportFormat, into: &Path) -> Resu
     Ok(written)
 }
 
-/// Converts a series frame by frame, so that one is in memory at a time.
+/// Converts a series frame by frame, so that only one is in memory at a time.
 fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files: &RunFiles) -> Result<String, ExportError> {
     let (folder, ending) = match format {
         ExportFormat::Csv | ExportFormat::Parquet => (format!("{name}-csv"), "csv"),
@@ -116,7 +116,7 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         listed.push((*time, file));
     }
     let list = match format {
-        // A table of the frames with their times, for the tables themselves have no place for one.
+        // A table of the frames with their times, which the tables of frames do not contain.
         ExportFormat::Csv | ExportFormat::Parquet => {
             let lines = listed.iter().map(|(time, file)| format!("{time:?},{file}\n"));
             let list = format!("{name}-csv.csv");
@@ -137,7 +137,7 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
     Ok(list)
 }
 
-/// Removes the frames of an earlier conversion that had more of them than `count`.
+/// Removes surplus frames of an earlier conversion with more than `count` frames.
 fn remove_older(files: &RunFiles, name: impl Fn(usize) -> String, count: usize) -> Result<(), OutputError> {
     let further = (count..).map(|number| files.place(&name(number)));
     for path in further {

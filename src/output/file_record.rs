@@ -14,7 +14,7 @@ use crate::machine::files;
 
 /// Name of the record.
 pub const NAME: &str = ".files";
-/// Its name until it is whole.
+/// Name of the temporary file that is renamed to the record when complete.
 const PART: &str = "..files.part";
 
 /// Paths of the files that a run has written, relative to its folder.
@@ -25,13 +25,13 @@ pub struct FileRecord {
 }
 
 impl FileRecord {
-    /// The record in a folder, which has its canonical path, to be continued.
+    /// Opens the record in a folder (canonical path) to append to it.
     ///
     /// # Errors
     /// The operating system refused.
     pub fn open(root: &Path) -> io::Result<Self> {
         let (known, place) = (read(root), root.join(NAME));
-        // A new file in its place: the one that is there may have further names elsewhere, or be none.
+        // A new file replaces an existing one, which may be linked elsewhere, or be no regular file.
         let hidden = root.join(PART);
         let _ = fs::remove_file(&hidden);
         let mut file = File::options().create_new(true).append(true).open(&hidden)?;
@@ -40,18 +40,18 @@ impl FileRecord {
         Ok(FileRecord { root: root.into(), known: Mutex::new((known, file)) })
     }
 
-    /// The path of a file relative to the folder, as the record has it.
+    /// Returns the path of a file relative to the folder.
     fn name<'a>(&self, path: &'a Path) -> Option<&'a str> {
         path.strip_prefix(&self.root).ok().and_then(Path::to_str).filter(|name| !name.contains(['\n', '\r']))
     }
 
-    /// Whether a file is in the record.
+    /// True if a file is in the record.
     pub fn knows(&self, path: &Path) -> bool {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         self.name(path).is_some_and(|name| known.0.contains(name))
     }
 
-    /// Notes a file that is to be written.
+    /// Records a file before it is written.
     ///
     /// # Errors
     /// The operating system refused.
@@ -61,27 +61,27 @@ impl FileRecord {
         if known.insert(name.to_string()) { file.write_all(format!("{name}\n").as_bytes()) } else { Ok(()) }
     }
 
-    /// Paths of the files that are there, one a line, in the order of the alphabet: they are noted in the order in which threads come to
-    /// them, and checkpoints go when they have served.
+    /// Returns the paths of existing files, one per line, in alphabetical order: they were recorded in the order of threads, and
+    /// checkpoints are removed in between.
     pub fn text(&self) -> String {
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         known.0.iter().filter(|name| self.root.join(name).is_file()).map(|name| format!("{name}\n")).collect()
     }
 }
 
-/// The paths that the record in a folder names.
+/// Reads the paths of the record in a folder.
 fn read(root: &Path) -> BTreeSet<String> {
     let bytes = files::read(&root.join(NAME)).unwrap_or_default();
     String::from_utf8(bytes).unwrap_or_default().lines().map(String::from).collect()
 }
 
-/// Removes the files that the record in a folder names but for those that the run reads, folders that are empty then, and the record.
+/// Removes the files that the record in a folder names except those that the run reads, folders that are then empty, and the record.
 ///
 /// # Errors
 /// The operating system refused to remove the file.
 pub fn remove_all(root: &Path, inputs: &Inputs) -> Result<(), (PathBuf, io::Error)> {
     for name in read(root) {
-        // The record may have been written by anybody.
+        // The record is untrusted input.
         if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
             continue;
         }

@@ -1,10 +1,10 @@
 //! The output directory of a run: every file below it, replaced in one piece, and errors that name the file.
 //!
-//! A file is written beside its place under a hidden name and renamed, so that a reader sees the old or the new content, never half
-//! of one, and whatever stood there before (another name of a file elsewhere, a link, a pipe) is replaced, not written through. Names come
-//! from scripts: what leads outside the directory (`..`, an absolute path, a symbolic link) is refused, and so is the place of a file that
-//! the run reads. This guards against mistakes and untrusted scripts, not against another program that swaps links while we write. Only
-//! checkpoints are forced to the disk: after a power failure the last of the other files may be missing.
+//! A file is written under a hidden name beside its place and then renamed, so that a reader sees the old or the new content, never a part.
+//! A file, link or pipe at that place is replaced, not written through. Names come from scripts: names that lead outside the directory
+//! (`..`, an absolute path, a symbolic link) are refused, and so are files that the run reads. This guards against mistakes and untrusted
+//! scripts, not against another program that swaps links during a write. Only checkpoints are synced to disk: after a power failure the
+//! last of the other files may be missing.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -38,7 +38,7 @@ pub enum OutputError {
         /// The name as given.
         name: String,
     },
-    /// A file that was written is not there any more.
+    /// A file that was written has been removed.
     #[error("\"{}\" is gone: it was removed or replaced while the run went on", path.display())]
     Gone {
         /// The file.
@@ -50,7 +50,7 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
     },
-    /// Another process writes there.
+    /// Another process writes to the directory.
     #[error(
         "a run is under way here{}: \"{}\"",
         if process.is_empty() { String::new() } else { format!(" ({process})") },
@@ -59,21 +59,21 @@ pub enum OutputError {
     UnderWay {
         /// The output directory.
         directory: PathBuf,
-        /// Who that is, such as `process 4711`; empty where it cannot be told.
+        /// The other process, such as `process 4711`; empty if unknown.
         process: String,
     },
-    /// The operating system refused.
+    /// The operating system refused to write.
     #[error("\"{}\" could not be written: {}", path.display(), reason(source))]
     Write {
         /// The file or directory.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
 impl OutputError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             OutputError::Outside { .. } => "C0901",
@@ -85,7 +85,7 @@ impl OutputError {
         }
     }
 
-    /// How to mend it, one sentence.
+    /// Returns a hint how to mend the error, one sentence.
     pub fn hint(&self) -> String {
         use io::ErrorKind::{
             DirectoryNotEmpty, FileTooLarge, IsADirectory, NotADirectory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull,
@@ -117,7 +117,7 @@ impl OutputError {
     }
 }
 
-/// The operating system's reason in words, without its number.
+/// Returns the operating system's message without its number.
 pub(super) fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     let words = text.split(" (os error").next().unwrap_or_default();
@@ -133,7 +133,7 @@ pub struct RunFiles {
     run: Option<Arc<Run>>,
 }
 
-/// What is known of a run that owns its directory.
+/// Records of a run that owns its directory.
 #[derive(Debug)]
 struct Run {
     record: FileRecord,
@@ -142,15 +142,15 @@ struct Run {
 }
 
 impl RunFiles {
-    /// Whether a folder holds files of a run: their record, a summary, or checkpoints to go on from.
+    /// True if a folder holds files of a run: their record, a summary, or checkpoints for a resumption.
     pub fn are_in(folder: &Path) -> bool {
         [file_record::NAME, counted::FOLDER, SUMMARY].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
     }
 
-    /// Opens the output directory, made with its parents where missing. What is in it stays until a file of the same name is written.
+    /// Opens the output directory, which is created with its parents if missing. Its files stay until files of equal names are written.
     ///
     /// # Errors
-    /// The directory cannot be made.
+    /// The directory cannot be created.
     pub fn create(directory: impl AsRef<Path>) -> Result<Self, OutputError> {
         let directory = directory.as_ref();
         fs::create_dir_all(directory).map_err(OutputError::write(directory))?;
@@ -158,8 +158,8 @@ impl RunFiles {
         Ok(RunFiles { directory: directory.into(), root, run: None })
     }
 
-    /// Opens the output directory for a run, which removes the files of an earlier run that its record names (`.files`) and begins its own.
-    /// What the run reads stays.
+    /// Opens the output directory for a run. Removes the files of an earlier run that its record (`.files`) names, except the inputs of
+    /// this run, and begins a new record.
     ///
     /// # Errors
     /// The operating system refused.
@@ -169,9 +169,8 @@ impl RunFiles {
         files.recorded(inputs, Vec::new())
     }
 
-    /// Opens the output directory for a run that goes on with what an earlier program has written, and counts on files of it: those that
-    /// its
-    /// checkpoints name, the one last from which it goes on.
+    /// Opens the output directory for a run that continues an earlier process. `counted` are the files of its checkpoints; the last list
+    /// belongs to the checkpoint from which the run is resumed.
     ///
     /// # Errors
     /// The operating system refused.
@@ -186,16 +185,16 @@ impl RunFiles {
         Ok(RunFiles { run: Some(Arc::new(Run { record, counted, inputs })), ..self })
     }
 
-    /// A folder below the directory, with the same record.
+    /// Returns a folder below the directory, with a common record.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused.
+    /// An invalid name, or the operating system refused.
     pub fn below(&self, name: &str) -> Result<Self, OutputError> {
         let root = self.place(&format!("{name}/x"))?.with_file_name("");
         Ok(RunFiles { directory: self.directory.join(name), root, run: self.run.clone() })
     }
 
-    /// Writes the record in its order, when the run has written everything.
+    /// Writes the record in alphabetical order at the end of a run.
     ///
     /// # Errors
     /// The operating system refused.
@@ -204,11 +203,11 @@ impl RunFiles {
         RunFiles { run: None, ..self.clone() }.write(file_record::NAME, run.record.text()).map(drop)
     }
 
-    /// The place of a file that is about to be written, noted in the record.
+    /// Returns the path of a file that is about to be written, and records it.
     fn noted(&self, name: &str) -> Result<PathBuf, OutputError> {
         let path = self.place(name)?;
         let Some(run) = &self.run else { return Ok(path) };
-        // A result of this run may be read by it and written again.
+        // The run may write files again that it has itself written and read.
         if run.inputs.contains(&path) && !run.record.knows(&path) {
             return Err(OutputError::Input { path });
         }
@@ -216,36 +215,36 @@ impl RunFiles {
         Ok(path)
     }
 
-    /// The files that a run which is resumed counts on, as they are now.
+    /// Returns the present files that a resumed run relies on.
     pub fn counted(&self) -> Vec<CountedFile> {
         self.run.as_ref().map_or(Vec::new(), |run| run.counted.all())
     }
 
-    /// From now on these files can be had back, until two further checkpoints are written.
+    /// Keeps these files restorable until two further checkpoints are written.
     pub fn promise(&self, files: Vec<CountedFile>) {
         self.run.iter().for_each(|run| run.counted.promise(files.clone()));
     }
 
-    /// Whether the record of the run has a file of that name, which may have been removed since.
+    /// True if the record of the run has a file of that name, which may have been removed since.
     pub(crate) fn has_written(&self, name: &str) -> bool {
         self.run.as_ref().is_some_and(|run| run.record.knows(&self.root.join(name)))
     }
 
-    /// Whether a run that is resumed counts on a file of that name and moment.
+    /// True if a resumed run relies on the file `name` written at `time`.
     pub fn counts_on(&self, name: &str, time: f64) -> bool {
         let path = self.root.join(name);
         self.run.as_ref().is_none_or(|run| run.counted.get(&path).is_some_and(|file| file.time == Some(time)))
     }
 
-    /// The directory as it was given.
+    /// Directory as given.
     pub fn directory(&self) -> &Path {
         &self.directory
     }
 
-    /// The place of a file below the directory, whose folders are made where missing.
+    /// Returns the path of a file below the directory; missing folders are created.
     ///
     /// # Errors
-    /// A name that leads outside or names no file; a folder that cannot be made.
+    /// A name that leads outside or names no file; a folder that cannot be created.
     pub fn place(&self, name: &str) -> Result<PathBuf, OutputError> {
         let outside = || OutputError::Outside { name: name.into(), directory: self.directory.clone() };
         let mut parts = Vec::new();
@@ -260,7 +259,7 @@ impl RunFiles {
             return Err(OutputError::NoFileName { name: name.into() });
         };
         let inside = |path: &Path| match fs::symlink_metadata(path) {
-            // A link that leads nowhere cannot be judged, so it counts as leading outside.
+            // The target of a dangling link is unknown, so the link counts as leading outside.
             Ok(found) if found.is_symlink() => path.canonicalize().is_ok_and(|target| target.starts_with(&self.root)),
             _ => true,
         };
@@ -279,15 +278,15 @@ impl RunFiles {
         if inside(&path) { Ok(path) } else { Err(outside()) }
     }
 
-    /// Writes a file in one piece and returns its place.
+    /// Writes a file atomically and returns its path.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused; an older file of that name is then still there.
+    /// An invalid name, or the operating system refused; an older file of that name is then kept.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<PathBuf, OutputError> {
         self.replace(name, |file| file.write_all(bytes.as_ref()))
     }
 
-    /// The same for what must be there after a power failure, too.
+    /// Writes a file and syncs it to disk, so that it survives a power failure.
     ///
     /// # Errors
     /// As [`Self::write`].
@@ -295,8 +294,8 @@ impl RunFiles {
         self.replace(name, |file| file.write_all(bytes.as_ref()).and_then(|()| file.sync_all()))
     }
 
-    /// The same for a file that a run which is resumed counts on, because it shows what only the steps before know: a frame of a moment, a
-    /// movie. What a checkpoint counts on can be had back when it is replaced.
+    /// Writes a file that a resumed run relies on, because the file shows earlier steps that are not computed again (a frame, a movie). A
+    /// file that a checkpoint refers to is kept aside when it is replaced.
     ///
     /// # Errors
     /// As [`Self::write`].
@@ -306,10 +305,10 @@ impl RunFiles {
         Ok(path)
     }
 
-    /// Removes a file of this run; what a checkpoint counts on can be had back.
+    /// Removes a file of this run; a file that a checkpoint refers to can be restored.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused.
+    /// An invalid name, or the operating system refused.
     pub fn remove(&self, name: &str) -> Result<(), OutputError> {
         let path = self.place(name)?;
         self.set_aside(&path)?;
@@ -319,25 +318,25 @@ impl RunFiles {
         }
     }
 
-    /// Before a file is replaced or removed: it is moved away where a checkpoint counts on it.
+    /// Moves a file away before it is replaced or removed, if a checkpoint refers to it.
     fn set_aside(&self, path: &Path) -> Result<(), OutputError> {
         let Some(aside) = self.run.as_ref().and_then(|run| run.counted.forget(path)) else { return Ok(()) };
         aside.take(path).map_err(OutputError::write(path))
     }
 
-    /// Fills a file beside the place of that name and puts it there.
+    /// Writes a temporary file by `fill` and renames it to `name`.
     fn replace(&self, name: &str, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<PathBuf, OutputError> {
         let path = self.noted(name)?;
         self.put(&path, fill).map(|_| path)
     }
 
-    /// Fills a file beside a place and puts it there; the file is still open.
+    /// Writes a temporary file by `fill` and renames it to `path`; returns the open file.
     fn put(&self, path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<File, OutputError> {
         let mut hidden = OsString::from(".");
         hidden.push(path.file_name().unwrap_or_default());
         hidden.push(".part");
         let hidden = path.with_file_name(hidden);
-        // What a killed run left behind goes first: `create_new` then never writes through a link.
+        // The remainder of a killed run is removed first: `create_new` then never writes through a link.
         let _ = fs::remove_file(&hidden);
         let mut options = File::options();
         let mut written = options.append(true).create_new(true).open(&hidden);
@@ -347,24 +346,24 @@ impl RunFiles {
             fs::rename(&hidden, path).map_err(OutputError::write(path)).map(|()| file)
         });
         if put.is_err() {
-            // The first error is the one to report; a part that cannot be removed either is only litter.
+            // The first error is reported; a temporary file that cannot be removed does no harm.
             let _ = fs::remove_file(&hidden);
         }
         put
     }
 
-    /// Opens an empty file that grows at its end, in place of what stands there.
+    /// Opens an empty file for appending, in place of an existing one.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused.
+    /// An invalid name, or the operating system refused.
     pub fn stream(&self, name: &str) -> Result<Stream, OutputError> {
         self.filled(name, |_| Ok(()))
     }
 
-    /// Opens a file that grows at its end with what it is filled with, in place of what stands there.
+    /// Opens a file for appending with the content written by `fill`, in place of an existing one.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused.
+    /// An invalid name, or the operating system refused.
     pub fn filled(&self, name: &str, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>) -> Result<Stream, OutputError> {
         let path = self.noted(name)?;
         let file = self.put(&path, |file| {
@@ -376,10 +375,10 @@ impl RunFiles {
         Ok(Stream { path, file, length })
     }
 
-    /// Opens a file that grows at its end with what is in it; one that has further names is copied before.
+    /// Opens an existing file for appending; a file with several hard links is copied before.
     ///
     /// # Errors
-    /// A bad name, or the operating system refused.
+    /// An invalid name, or the operating system refused.
     pub fn extend(&self, name: &str) -> Result<Stream, OutputError> {
         let path = self.place(name)?;
         let found = fs::symlink_metadata(&path).map_err(OutputError::write(&path))?;
@@ -393,22 +392,22 @@ impl RunFiles {
     }
 }
 
-/// Bytes that are collected before they are written.
+/// Size of the write buffer `[bytes]`.
 const BUFFER: usize = 1 << 16;
 
-/// Whether a file has more names than one.
+/// True if a file has several hard links.
 #[cfg(unix)]
 fn has_further_names(found: &fs::Metadata) -> bool {
     std::os::unix::fs::MetadataExt::nlink(found) > 1
 }
 
-/// Whether a file has more names than one, as far as can be told.
+/// Always false: the number of hard links is not available on this system.
 #[cfg(not(unix))]
 fn has_further_names(_: &fs::Metadata) -> bool {
     false
 }
 
-/// A file that grows at its end by whole pieces.
+/// File to which complete pieces are appended.
 #[derive(Debug)]
 pub struct Stream {
     path: PathBuf,
@@ -417,23 +416,23 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Its place.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Bytes written so far.
+    /// Number of bytes written so far.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// Appends a piece with one call to the operating system, so that it is in the file when this returns, however the program ends.
+    /// Appends a piece with one system call, so that the piece is in the file on return, even if the program is killed.
     ///
     /// # Errors
-    /// The operating system refused; the file is then as it was before.
+    /// The operating system refused; the file is then unchanged.
     pub fn append(&mut self, piece: &[u8]) -> Result<(), OutputError> {
         if let Err(error) = self.file.write_all(piece) {
-            // A full disk may have taken a part of the piece.
+            // A full disk may have written a part of the piece.
             let _ = self.file.set_len(self.length);
             return Err(OutputError::Write { path: self.path.clone(), source: error });
         }
@@ -441,7 +440,7 @@ impl Stream {
         Ok(())
     }
 
-    /// Waits until it is on the disk.
+    /// Syncs the file to disk.
     ///
     /// # Errors
     /// The operating system refused.
@@ -449,16 +448,16 @@ impl Stream {
         self.file.sync_data().map_err(OutputError::write(&self.path))
     }
 
-    /// Makes sure that the file is still at its place.
+    /// Checks that the file is still at its path.
     ///
     /// # Errors
-    /// It was removed or replaced.
+    /// The file was removed or replaced.
     pub fn verify(&self) -> Result<(), OutputError> {
         let is_there = fs::metadata(&self.path).is_ok_and(|there| self.file.metadata().is_ok_and(|own| are_same(&there, &own)));
         if is_there { Ok(()) } else { Err(OutputError::Gone { path: self.path.clone() }) }
     }
 
-    /// Cuts the file back to its first `length` bytes.
+    /// Truncates the file to its first `length` bytes.
     ///
     /// # Errors
     /// The operating system refused.
@@ -469,14 +468,14 @@ impl Stream {
     }
 }
 
-/// Whether both are of one file.
+/// True if both metadata are of one file (device and inode agree).
 #[cfg(unix)]
 pub(super) fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
     use std::os::unix::fs::MetadataExt;
     (there.dev(), there.ino()) == (own.dev(), own.ino())
 }
 
-/// Whether both are of one file, as far as can be told.
+/// True if both metadata have equal length; identity of files cannot be determined on this system.
 #[cfg(not(unix))]
 pub(super) fn are_same(there: &fs::Metadata, own: &fs::Metadata) -> bool {
     there.len() == own.len()

@@ -1,8 +1,8 @@
 //! Rows of a run so far: the last ones in memory, the older ones on the disk.
 //!
-//! Rows that fill a block never change, so histories of saved states and branches share blocks. Without a folder of results blocks stay in
-//! memory. The file of blocks is unlinked as soon as it is open, where the system allows that: nothing of it is left, however the program
-//! ends, and a run that is resumed fills another one from its journal.
+//! Complete blocks of rows never change, so histories of saved states and branches share blocks. Without an output folder, blocks stay in
+//! memory. The file of blocks is unlinked when opened, where the system allows that, so that no file is left however the program ends; a
+//! resumed run fills a new file from its journal.
 
 use std::cell::RefCell;
 use std::fs::{self, File};
@@ -13,12 +13,12 @@ use super::counted::FOLDER;
 use super::files::RunFiles;
 use crate::dynamics::{LedgerRow, Rows};
 
-/// Rows of a block. Between one and two blocks are in memory.
+/// Rows per block. Between one and two blocks are in memory.
 const BLOCK: usize = 64;
-/// Name of the file of blocks in the folder of the checkpoints, with the number of the process behind it.
+/// Name of the file of blocks in the folder of the checkpoints, followed by the process number.
 pub const ROWS: &str = "rows";
 
-/// Place where blocks of rows are kept.
+/// Storage of blocks of rows.
 #[derive(Debug, Default)]
 pub struct RowStore {
     file: RefCell<Stored>,
@@ -36,7 +36,7 @@ struct Stored {
 }
 
 impl RowStore {
-    /// Keeps blocks in the folder of a run from now on.
+    /// Stores further blocks in the folder of a run.
     pub fn keep_in(&self, run: &RunFiles) {
         self.file.borrow_mut().run.get_or_insert_with(|| run.clone());
     }
@@ -46,7 +46,7 @@ impl RowStore {
         self.file.borrow().problem.clone()
     }
 
-    /// Puts a block into the file, or into memory where there is no folder or the disk is full.
+    /// Stores a block in the file, or in memory without a folder or with a full disk.
     fn put(&self, bytes: Vec<u8>) -> Place {
         let mut stored = self.file.borrow_mut();
         let Stored { run, file, length, .. } = &mut *stored;
@@ -62,7 +62,7 @@ impl RowStore {
         place
     }
 
-    /// Bytes of a block in the file.
+    /// Reads a block from the file.
     fn take(&self, start: u64, length: usize) -> io::Result<Vec<u8>> {
         let mut stored = self.file.borrow_mut();
         let file = stored.file.as_mut().ok_or(io::ErrorKind::NotFound)?;
@@ -73,23 +73,23 @@ impl RowStore {
     }
 }
 
-/// A new file below the folder of a run, unlinked where the system allows that; no link is followed.
+/// Creates a file below the folder of a run, unlinked where the system allows that; links are not followed.
 fn opened(run: &RunFiles) -> Option<File> {
     let place = run.place(&format!("{FOLDER}/{ROWS}-{}", std::process::id())).ok()?;
     let _ = fs::remove_file(&place);
     let file = File::options().read(true).write(true).create_new(true).open(&place).ok()?;
     if cfg!(unix) {
         fs::remove_file(&place).ok()?;
-        // A folder with other files stays.
+        // A folder with other files is not removed.
         let _ = place.parent().map(fs::remove_dir);
     }
     Some(file)
 }
 
-/// Rows that do not change any more, as [`LedgerRow::pack`] puts them.
+/// Rows that are final, encoded by [`LedgerRow::pack`].
 #[derive(Debug)]
 struct Block {
-    /// Index of its first row in every history that shares it.
+    /// Index of the block's first row, equal in every history that shares the block.
     first: usize,
     count: usize,
     place: Place,
@@ -102,7 +102,7 @@ enum Place {
 }
 
 impl Block {
-    /// Calls a function with every row. Where the disk has lost them the rows have no meaning, and the store keeps the problem.
+    /// Calls `each` with every row. If the block cannot be read, the rows are meaningless, and the store records the problem.
     fn visit(&self, store: &RowStore, each: &mut dyn FnMut(&LedgerRow)) {
         let read;
         let mut rest = match &self.place {
@@ -127,18 +127,18 @@ impl Block {
     }
 }
 
-/// Rows of a run so far; cheap to clone.
+/// Rows of a run; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct History {
     store: Rc<RowStore>,
     blocks: Vec<Rc<Block>>,
-    /// Rows in blocks.
+    /// Number of rows in blocks.
     blocked: usize,
     last: Vec<LedgerRow>,
 }
 
 impl History {
-    /// A history of some rows.
+    /// Returns a history with the given rows.
     pub fn new(store: Rc<RowStore>, rows: Vec<LedgerRow>) -> Self {
         let mut history = History { store, blocks: Vec::new(), blocked: 0, last: Vec::new() };
         rows.into_iter().for_each(|row| history.push(row));
@@ -150,7 +150,7 @@ impl History {
         self.blocked + self.last.len()
     }
 
-    /// Whether there is no row.
+    /// True if the history has no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -165,26 +165,26 @@ impl History {
         self.last.last()
     }
 
-    /// The row of an index.
+    /// Returns the row with an index.
     pub fn row(&self, index: usize) -> Option<LedgerRow> {
         let mut found = None;
         self.visit_some(index, index + 1, &mut |row| found = Some(row.clone()));
         found
     }
 
-    /// Rows of a range of indices.
+    /// Returns the rows `from` to `to`.
     pub fn rows(&self, from: usize, to: usize) -> Vec<LedgerRow> {
         let mut found = Vec::new();
         self.visit_some(from, to, &mut |row| found.push(row.clone()));
         found
     }
 
-    /// The history of the first rows.
+    /// Returns a history of the first `count` rows.
     pub fn first(&self, count: usize) -> Self {
         let whole = self.blocks.partition_point(|block| block.first + block.count <= count);
         let mut first = History { store: self.store.clone(), blocks: self.blocks[..whole].to_vec(), blocked: 0, last: Vec::new() };
         first.blocked = first.blocks.last().map_or(0, |block| block.first + block.count);
-        // The last row is one in memory, so that it can be looked at and replaced.
+        // The last row must be in memory, where it can be read and replaced.
         if first.blocked == count && count > 0 {
             first.blocked = first.blocks.pop().map_or(0, |block| block.first);
         }
@@ -207,19 +207,19 @@ impl History {
         }
     }
 
-    /// Takes all rows out.
+    /// Removes all rows.
     pub fn clear(&mut self) {
         (self.blocks, self.blocked, self.last) = (Vec::new(), 0, Vec::new());
     }
 
-    /// Number of rows at the beginning that both have.
+    /// Returns the number of leading rows that both histories share.
     pub fn common(&self, other: &History) -> usize {
         let shared = self.blocks.iter().zip(&other.blocks).take_while(|(a, b)| Rc::ptr_eq(a, b)).count();
         let from = shared.checked_sub(1).map_or(0, |last| self.blocks[last].first + self.blocks[last].count);
         self.alike(other, from, |a, b| a == b)
     }
 
-    /// First index from `from` on at which the rows of both differ, or one of them ends.
+    /// Returns the first index from `from` at which the rows of both histories differ, or one history ends.
     pub fn alike(&self, other: &History, mut from: usize, are: impl Fn(&LedgerRow, &LedgerRow) -> bool) -> usize {
         loop {
             let [own, others] = [self, other].map(|history| history.rows(from, from + BLOCK));
@@ -231,7 +231,7 @@ impl History {
         }
     }
 
-    /// Makes a block of the first rows in memory.
+    /// Moves the first `count` rows in memory into a block.
     fn put_away(&mut self, count: usize) {
         let mut bytes = Vec::new();
         self.last.drain(..count).for_each(|row| row.pack(&mut bytes));

@@ -1,10 +1,9 @@
 //! `history.csv`: one row per accepted step, on the disk as soon as the step is accepted.
 //!
-//! Every row is one call to the operating system, so the file is whole up to the last accepted step however the program ends. One
-//! exception cannot be closed from here: Linux may stop a write between two pages of the file when the process is killed in that very
-//! microsecond, which leaves a last line without its end (2 of 200 kills of a program that did nothing but write rows, at 4 microseconds
-//! each). Numbers have the fewest digits that read back as the same value. A value that does not exist yet, such as
-//! that of a probe added later, is an empty field.
+//! Every row is written by one system call, so the file is complete up to the last accepted step however the program ends. One exception
+//! remains: Linux may stop a write between two pages of the file when the process is killed at that moment, which leaves an incomplete last
+//! line (2 of 200 kills of a program that only wrote rows, 4 microseconds each). Numbers have the fewest digits that read back as the same
+//! value. A value that does not exist yet, such as that of a probe added later, is an empty field.
 
 use std::fmt::Write as _;
 use std::io::{self, BufRead, BufReader, Read as _, Seek, SeekFrom, Write as _};
@@ -18,20 +17,20 @@ use super::table::is_count;
 use crate::dynamics::{LedgerRow, Rows};
 use crate::machine::files;
 
-/// The header for a space dimension with further columns at its end.
+/// Returns the header for a space dimension, with further columns at its end.
 fn header(dimension: usize, extra: &[String]) -> Vec<u8> {
     let names = LedgerRow::columns(dimension);
     line(&names.into_iter().map(String::from).chain(extra.iter().cloned()).collect::<Vec<_>>())
 }
 
-/// A row with the values of the further columns; NaN there, and what is missing, becomes an empty field.
+/// Returns a row with the values of the further columns; NaN or missing ones become empty fields.
 fn record(dimension: usize, row: &LedgerRow, extra: &[f64], extra_columns: usize) -> Vec<u8> {
-    // Numbers need no quotes, so a row is written without a writer of records and a string for each field.
+    // Numbers need no quotes, so a row is written directly, without a string for each field.
     let mut text = String::with_capacity(20 * (20 + extra_columns));
     let own = LedgerRow::columns(dimension).into_iter().map(|name| (row.column(name), is_count(name)));
     let further = (0..extra_columns).map(|index| (extra.get(index).copied().filter(|value| !value.is_nan()), false));
     for (value, is_count) in own.chain(further) {
-        // Memory takes everything.
+        // Writing to memory does not fail.
         let _ = match value {
             Some(value) if is_count => write!(text, "{value},"),
             Some(value) => write!(text, "{value:?},"),
@@ -43,12 +42,12 @@ fn record(dimension: usize, row: &LedgerRow, extra: &[f64], extra_columns: usize
     text.into_bytes()
 }
 
-/// Its name.
+/// Name of the file.
 const NAME: &str = "history.csv";
 
-/// Rows between two places of the file that are remembered.
+/// Number of rows between recorded positions in the file.
 const MARKED: usize = 256;
-/// Bytes that are read at once.
+/// Number of bytes that are read at once.
 const PIECE: usize = 1 << 16;
 
 /// The growing file.
@@ -57,12 +56,12 @@ pub struct HistoryCsv {
     files: RunFiles,
     dimension: usize,
     extra: Vec<String>,
-    /// None while its rows are those of an earlier program: the file that this one has left stays as it is until then.
+    /// `None` while the rows are those of an earlier process, whose file is unchanged until then.
     stream: Option<Stream>,
     rows: usize,
-    /// Numbers of rows with the length of the file up to them, ascending, that of the header first.
+    /// Row numbers with the length of the file up to these, ascending; the header first.
     marks: Vec<(usize, u64)>,
-    /// CRC-32 of the file; none where rows were dropped.
+    /// CRC-32 of the file; `None` after rows were dropped.
     sum: Option<Hasher>,
 }
 
@@ -77,12 +76,12 @@ impl HistoryCsv {
         Ok(history)
     }
 
-    /// Counts the rows of an earlier program; nothing is written before [`Self::begin`].
+    /// Counts the rows of an earlier process; no row is written before [`Self::begin`].
     pub(crate) fn recalled(files: &RunFiles, dimension: usize, extra: Vec<String>) -> Self {
         HistoryCsv { files: files.clone(), dimension, extra, stream: None, rows: 0, marks: vec![(0, 0)], sum: None }
     }
 
-    /// Puts a file with these rows and their further values in the place of the one that is there, in one piece.
+    /// Replaces the file by one with the given rows and their further values, atomically.
     ///
     /// # Errors
     /// The operating system refused.
@@ -107,8 +106,8 @@ impl HistoryCsv {
         Ok(())
     }
 
-    /// Goes on with the file of an earlier program, up to the length and the checksum that a checkpoint has, if it has the same columns and
-    /// this last row; whether it does.
+    /// Continues the file of an earlier process up to the length and checksum of a checkpoint. Returns false if its columns or its last row
+    /// differ.
     ///
     /// # Errors
     /// The operating system refused.
@@ -129,7 +128,7 @@ impl HistoryCsv {
         Ok(true)
     }
 
-    /// Length and CRC-32 of the file; none while its rows are those of an earlier program.
+    /// Length and CRC-32 of the file; `None` while its rows are those of an earlier process.
     pub fn digest(&mut self) -> Option<(u64, u32)> {
         let stream = self.stream.as_ref()?;
         if self.sum.is_none() {
@@ -164,15 +163,15 @@ impl HistoryCsv {
         Ok(())
     }
 
-    /// Makes sure that the file is still at its place.
+    /// Checks that the file is still at its path.
     ///
     /// # Errors
-    /// It was removed or replaced.
+    /// The file was removed or replaced.
     pub fn verify(&self) -> Result<(), OutputError> {
         self.stream.as_ref().map_or(Ok(()), Stream::verify)
     }
 
-    /// Drops all but the first `rows` rows, when a simulation goes back.
+    /// Drops all rows behind the first `rows`, when a simulation goes back.
     ///
     /// # Errors
     /// The operating system refused.
@@ -191,7 +190,7 @@ impl HistoryCsv {
         Ok(())
     }
 
-    /// Adds columns to a file that has rows already; these get empty fields. Costs a rewrite of the file.
+    /// Adds columns, with empty fields in existing rows. The file is rewritten.
     ///
     /// # Errors
     /// The file cannot be read back, or the operating system refused.
@@ -207,7 +206,7 @@ impl HistoryCsv {
         old.seek(SeekFrom::Start(self.marks[0].1)).map_err(failed)?;
         let header = header(self.dimension, &extra);
         let (mut length, mut marks) = (header.len() as u64, vec![(0, header.len() as u64)]);
-        // A quoted name in the header may hold a line end, a row never does.
+        // A quoted name in the header may contain a line end, rows never do.
         let stream = self.files.filled(NAME, |file| {
             file.write_all(&header)?;
             let mut line = Vec::new();
@@ -228,14 +227,14 @@ impl HistoryCsv {
     }
 }
 
-/// Remembers the length of the file up to some of the rows.
+/// Records the length of the file up to some of the rows.
 fn mark(marks: &mut Vec<(usize, u64)>, rows: usize, length: u64) {
     if rows.is_multiple_of(MARKED) {
         marks.push((rows, length));
     }
 }
 
-/// Bytes of a file.
+/// Reads `count` bytes of a file.
 fn piece(path: &Path, from: u64, count: usize) -> io::Result<Vec<u8>> {
     let mut file = files::open(path)?.0;
     file.seek(SeekFrom::Start(from))?;
@@ -244,7 +243,7 @@ fn piece(path: &Path, from: u64, count: usize) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Length of a file up to a row, counted from the last of the places that are remembered.
+/// Returns the length of a file up to a row, counted from the last recorded position.
 fn end_of(path: &Path, marks: &mut Vec<(usize, u64)>, rows: usize) -> io::Result<u64> {
     let (mut count, mut end) = marks.last().copied().unwrap_or_default();
     if count == rows {

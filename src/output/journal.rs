@@ -1,9 +1,9 @@
-//! The journal of a run: all that its simulations computed, in the order in which the script asked for it, in one file that only grows.
+//! The journal of a run: results of all computations of its simulations, in the order of the script's calls, in one append-only file.
 //!
-//! Checkpoints say how far it belongs to them ([`Mark`]), so that each of them takes what the simulations are, not what they were. What
-//! stands behind the mark of the checkpoint from which a run is resumed is cut off.
+//! A checkpoint refers to a position in the journal ([`Mark`]), so that the checkpoint itself holds only the current state of the
+//! simulations. Entries behind the mark of the checkpoint from which a run is resumed are removed.
 //!
-//! The file: entries one behind the other, each its length (4 bytes, little endian) and its content in the encoding of `postcard`.
+//! File format: consecutive entries, each of its length (4 bytes, little endian) and its content encoded by `postcard`.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Take};
@@ -20,34 +20,34 @@ use crate::machine::files;
 
 /// Name of the file in the folder of the checkpoints.
 pub const NAME: &str = "journal";
-/// Bytes that are collected before they are written without being asked for.
+/// Number of buffered bytes beyond which the buffer is written.
 const PIECE: usize = 1 << 20;
-/// Bytes that are read at once: few enough to stay in the processor's cache.
+/// Number of bytes that are read at once; small enough for the processor's cache.
 const BUFFER: usize = 1 << 16;
-/// Bytes that wait at most where they cannot be written.
+/// Largest number of buffered bytes if the file cannot be written.
 const MOST_WAITING: usize = 1 << 26;
 
-/// A call for which a simulation computed.
+/// Request for a computation of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Computation {
-    /// A nominal step, cut off at a time if it is reached.
+    /// A nominal step, shortened to end at the given time.
     Step(Option<f64>),
-    /// Equilibrium at a time, with friction or without it.
+    /// Equilibrium at a time; true with friction.
     Settle(f64, bool),
 }
 
-/// How a computation ended.
+/// Outcome of a computation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
-    /// The step was taken, in pieces with these rows.
+    /// The step was taken, in substeps with these rows of the history.
     Stepped(#[serde(with = "packed_rows")] Vec<LedgerRow>),
     /// Equilibrium was found.
     Settled(SettleReport),
-    /// It failed, and the script went on; it fails again.
+    /// The computation failed, and the script went on; the resumed run repeats the failure.
     Failed,
 }
 
-/// Rows in an entry, as [`LedgerRow::pack`] puts them.
+/// Encoding of rows in an entry by [`LedgerRow::pack`].
 mod packed_rows {
     use serde::de::{Deserialize, Deserializer, Error};
     use serde::{Serialize, Serializer};
@@ -71,7 +71,7 @@ mod packed_rows {
         Ok(rows)
     }
 
-    /// Bytes that are written at once, not one by one.
+    /// Bytes that are serialized at once, not one by one.
     struct Bytes<'a>(&'a [u8]);
 
     impl Serialize for Bytes<'_> {
@@ -84,46 +84,46 @@ mod packed_rows {
 /// An entry of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Entry {
-    /// Whose journal it is, first of all: the script, the folder in which the program was started, the values given for parameters.
+    /// Identification of the run, the first entry: script, folder in which the program was started, values given for parameters.
     Run(String, String, Vec<(String, String)>),
-    /// A simulation computed.
+    /// Computation of a simulation.
     Computed {
-        /// Which of the script's simulations.
+        /// Index of the simulation in the script.
         simulation: usize,
-        /// What was asked.
+        /// Computation that was requested.
         computation: Computation,
-        /// How it ended.
+        /// Outcome of the computation.
         outcome: Outcome,
-        /// What the simulation has counted then.
+        /// Counters of the simulation after the computation.
         tally: Tally,
     },
-    /// A simulation went to a state that the script had kept, or back by steps.
+    /// Return of a simulation to a kept state, or back by steps.
     WentBack {
-        /// Which of the script's simulations.
+        /// Index of the simulation in the script.
         simulation: usize,
     },
-    /// The script came to a state that does not follow from the entries before it without computing.
+    /// State that does not follow from the entries before it without computation.
     State {
-        /// Which of the script's simulations.
+        /// Index of the simulation in the script.
         simulation: usize,
         /// The state.
         state: Arc<State>,
     },
 }
 
-/// How much of a journal a checkpoint counts on.
+/// Position in a journal to which a checkpoint refers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mark {
-    /// Bytes.
+    /// Length of the journal `[bytes]`.
     pub length: u64,
-    /// Their CRC-32.
+    /// CRC-32 of these bytes.
     pub checksum: u32,
-    /// Computations and ways back among the entries.
+    /// Number of computations and returns among the entries.
     pub events: u64,
 }
 
 impl Mark {
-    /// What is wrong with the journal in the folder of a run, if something is.
+    /// Returns the fault of the journal in the folder of a run; `None` if the journal agrees with the mark.
     pub fn complaint(&self, run: &Path) -> Option<&'static str> {
         match checksum(&run.join(FOLDER).join(NAME), self.length) {
             Ok((sum, found)) if found == self.length && sum == self.checksum => None,
@@ -140,33 +140,33 @@ pub struct JournalWriter {
     files: RunFiles,
     stream: Option<Stream>,
     sum: Hasher,
-    /// What is in the file.
+    /// Position reached in the file.
     mark: Mark,
-    /// Entries that are not in it yet, and the events among them.
+    /// Buffered entries, and the number of events among them.
     waiting: Vec<u8>,
     events: u64,
 }
 
 impl JournalWriter {
-    /// The journal of a run, from its beginning or from the mark of a checkpoint on.
+    /// Returns the writer of a run's journal, from the beginning or from the mark of a checkpoint.
     pub fn new(files: &RunFiles, mark: Mark) -> Self {
         let sum = Hasher::new_with_initial_len(mark.checksum, mark.length);
         JournalWriter { files: files.clone(), stream: None, sum, mark, waiting: Vec::new(), events: 0 }
     }
 
-    /// Whether there is no entry yet.
+    /// True if the journal has no entry.
     pub fn is_empty(&self) -> bool {
         self.mark.length == 0 && self.waiting.is_empty()
     }
 
-    /// Adds an entry; the bytes that it takes.
+    /// Adds an entry; returns its size in bytes.
     ///
     /// # Errors
-    /// What was collected cannot be written, and there is too much of it to wait longer.
+    /// Buffered entries cannot be written, and exceed the size of the buffer.
     pub fn add(&mut self, entry: &Entry) -> Result<usize, OutputError> {
         let before = self.waiting.len();
         self.waiting.extend([0; 4]);
-        // Memory takes everything, and all of these types can be encoded.
+        // Writing to memory does not fail, and all of these types can be encoded.
         self.waiting = postcard::to_extend(entry, std::mem::take(&mut self.waiting)).unwrap_or_default();
         let size = self.waiting.len().saturating_sub(before);
         let length = u32::try_from(size.saturating_sub(4)).unwrap_or(u32::MAX);
@@ -177,7 +177,7 @@ impl JournalWriter {
         }
         match self.flush() {
             Err(error) if self.waiting.len() > MOST_WAITING => Err(error),
-            // The next checkpoint tells, if it is still so.
+            // The next checkpoint reports the error if it persists.
             _ => Ok(size),
         }
     }
@@ -202,10 +202,10 @@ impl JournalWriter {
         Ok(())
     }
 
-    /// Brings all entries to the disk; how far the journal goes now.
+    /// Syncs all entries to disk; returns the position reached.
     ///
     /// # Errors
-    /// The operating system refused; the entries wait for the next time.
+    /// The operating system refused; the entries stay buffered.
     pub fn secure(&mut self) -> Result<Mark, OutputError> {
         if !self.waiting.is_empty() {
             self.flush()?;
@@ -220,7 +220,7 @@ impl JournalWriter {
 pub struct JournalReader {
     file: BufReader<Take<File>>,
     next: Option<Entry>,
-    /// Bytes of the entry that was read last.
+    /// Bytes of the last entry.
     content: Vec<u8>,
 }
 
@@ -228,7 +228,7 @@ impl JournalReader {
     /// Opens the journal in the folder of a run.
     ///
     /// # Errors
-    /// The operating system refused, or it is no journal.
+    /// The operating system refused, or the file is no journal.
     pub fn open(run: &Path, mark: &Mark) -> io::Result<Self> {
         let path = run.join(FOLDER).join(NAME);
         let file = BufReader::with_capacity(BUFFER, files::open(&path)?.0.take(mark.length));
@@ -237,7 +237,7 @@ impl JournalReader {
         Ok(reader)
     }
 
-    /// The entry that comes next.
+    /// Next entry.
     pub fn peek(&self) -> Option<&Entry> {
         self.next.as_ref()
     }
@@ -245,7 +245,7 @@ impl JournalReader {
     /// Takes the next entry.
     ///
     /// # Errors
-    /// What comes after it is no entry.
+    /// The bytes behind the entry are not a valid entry.
     pub fn take(&mut self) -> io::Result<Option<Entry>> {
         let entry = self.next.take();
         self.advance()?;
@@ -260,7 +260,7 @@ impl JournalReader {
         }
         let damaged = || io::Error::new(io::ErrorKind::InvalidData, "it is damaged");
         let length = u32::from_le_bytes(length) as usize;
-        // A damaged length must not ask for more memory than the file has.
+        // A damaged length must not lead to an allocation beyond the size of the file.
         if length as u64 > self.file.get_ref().limit() + self.file.buffer().len() as u64 {
             return Err(damaged());
         }

@@ -1,6 +1,6 @@
 //! Texts in XML and HTML.
 
-/// A text as the content of an element or attribute; what XML 1.0 cannot contain becomes the replacement character.
+/// Escapes a text as the content of an element or attribute; characters that XML 1.0 does not allow become the replacement character.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -17,7 +17,7 @@ pub fn escaped(text: &str) -> String {
 
 /// A text inside a comment, on one line.
 pub fn comment(text: &str) -> String {
-    // Two hyphens would end it, and so would one at its end.
+    // Two hyphens, or a hyphen at the end, would end the comment.
     let text: String = text.chars().map(|letter| if letter.is_control() { permitted_in_line(letter) } else { permitted(letter) }).collect();
     text.replace("--", "\u{2013}")
 }

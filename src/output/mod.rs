@@ -72,7 +72,7 @@ pub use picture::{
     Component, CutPlane, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, picture_of_boundaries, sight,
 };
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
-pub use point_log::{PointLog, encoded};
+pub use point_log::{PointLog, decoded, encoded};
 pub use pvd::{FieldSeries, pvd};
 pub use reading::columns::{ReadColumn, read_columns};
 pub use reading::error::ReadError;

@@ -19,14 +19,14 @@ pub enum MovieFormat {
     Gif,
 }
 
-/// Pictures whose colors make the palette, at most.
+/// Largest number of pictures whose colors determine the palette.
 const SAMPLES: usize = 6;
-/// Index of what stays as it was.
+/// Palette index of unchanged pixels.
 const SAME: u8 = 255;
 /// Shortest time of a picture that browsers keep, in hundredths of a second.
 const SHORTEST: u16 = 2;
 
-/// A palette, with what is known of other colors.
+/// Palette, with cached indices of other colors.
 struct Palette {
     colors: Vec<[u8; 3]>,
     known: HashMap<[u8; 3], u8>,
@@ -60,7 +60,7 @@ impl Palette {
     }
 }
 
-/// The part of a picture that differs from the one before.
+/// Part of a picture that differs from the previous one.
 struct Part {
     left: u32,
     top: u32,
@@ -91,8 +91,8 @@ impl Part {
     }
 }
 
-/// A movie of `count` drawings of one size, which lasts so many seconds and repeats; `None` where there is no memory for a
-/// picture, where one has another size, and where `draw` gives none.
+/// Returns a repeating movie of `count` drawings of equal size with a duration of `seconds`; `None` if memory for a picture is missing,
+/// sizes differ, or `draw` fails.
 pub fn movie(count: usize, draw: &dyn Fn(usize) -> Option<Drawing>, seconds: f64, format: MovieFormat) -> Option<Vec<u8>> {
     let pixels = |index: usize| -> Option<(u32, u32, Vec<[u8; 3]>)> {
         let picture = painted(&draw(index)?, 1.0)?;

@@ -13,31 +13,32 @@ use crate::dynamics::PlacedObstacle;
 
 type Vector = Vector3<f64>;
 
-/// How far obstacles are drawn over the radius of one that is drawn as a whole.
+/// Ratio of the drawn distance to an obstacle's radius above which round obstacles are drawn as a whole.
 const WHOLE: f64 = 0.2;
 
-/// Pieces of what is flat or straight.
+/// Number of subdivisions of flat or straight parts.
 const PIECES: usize = 24;
-/// Pieces of a circle.
+/// Number of subdivisions of a circle.
 const AROUND: usize = 64;
-/// Pieces of a quarter of a small circle.
+/// Number of subdivisions of a quarter of a small circle.
 const CORNER: usize = 4;
-/// Pieces of half a circle.
+/// Number of subdivisions of half a circle.
 const HALF_AROUND: usize = 32;
 
-/// The surface of an obstacle as it is drawn.
+/// Surface of a drawn obstacle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObstacleSurface {
     /// Name of its contact.
     pub name: String,
-    /// Points `[length]`.
+    /// Vertices `[length]`.
     pub points: Vec<[f64; 3]>,
-    /// Facets of three or four of them, counter-clockwise as seen from where bodies are.
+    /// Facets of three or four vertices, counter-clockwise as seen from the side of the bodies.
     pub facets: Vec<Vec<u32>>,
 }
 
 impl ObstacleSurface {
-    /// An obstacle among bodies, none if it is of the plane; `reach`: how far from the middle of the bodies it is drawn, in their extents.
+    /// Returns the surface of an obstacle, `None` for obstacles of the plane; `reach` is the drawn size from the center of the bodies,
+    /// relative to their extent.
     pub fn new(obstacle: &PlacedObstacle, around: &Surroundings, reach: f64) -> Option<Self> {
         let Obstacle::InSpace(shape) = &obstacle.shape else { return None };
         let by = Vector::from(obstacle.translation);
@@ -108,14 +109,14 @@ impl ObstacleSurface {
     }
 }
 
-/// Points over a rectangle of two parameters, and the facets between them.
+/// Points over a rectangle of two parameters, and facets between the points.
 struct Grid {
     points: Vec<Vector>,
     facets: Vec<Vec<u32>>,
 }
 
 impl Grid {
-    /// `is_turned`: whether facets look the other way than the cross product of the derivatives.
+    /// Returns a grid of `m` times `n` facets; with `is_turned`, facets are oriented opposite to the cross product of the derivatives.
     fn over([m, n]: [usize; 2], [first, second]: [[f64; 2]; 2], is_turned: bool, at: impl Fn(f64, f64) -> Vector) -> Grid {
         let between = |[low, high]: [f64; 2], k: usize, count: usize| low + (high - low) * k as f64 / count as f64;
         let places = (0..=n).flat_map(|j| (0..=m).map(move |i| (i, j)));
@@ -133,7 +134,7 @@ impl Grid {
     }
 }
 
-/// Direction of the middle of what is drawn of something round, and half the angle of it: all of it where that is not far.
+/// Returns the direction of the middle of the drawn part of a round obstacle, and half its angle: the whole angle for a small obstacle.
 fn part(toward: Vector, otherwise: Vector, reach: f64) -> (Vector, f64) {
     if reach >= WHOLE { (otherwise, PI) } else { (toward.try_normalize(0.0).unwrap_or(otherwise), (2.0 * reach).min(PI)) }
 }
@@ -142,7 +143,7 @@ fn unit(vector: [f64; 3]) -> Vector {
     Vector::from(vector).try_normalize(0.0).unwrap_or(Vector::z())
 }
 
-/// Two unit vectors that make a right-handed triad with a third one, which comes last.
+/// Returns two unit vectors that form a right-handed triad with `normal` as the third.
 fn across(normal: Vector) -> [Vector; 2] {
     let least = if normal.x.abs() <= normal.y.abs() && normal.x.abs() <= normal.z.abs() {
         Vector::x()

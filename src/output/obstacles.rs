@@ -1,29 +1,29 @@
-//! Rigid obstacles of the plane as something to look at: a border and a band behind it. Those in space are in `obstacle_surfaces.rs`.
+//! Rigid obstacles of the plane as drawings: a border and a band behind it. Obstacles in space are in `obstacle_surfaces.rs`.
 //!
-//! A half plane has no ends and a circle no corners, so how long and how fine they are drawn depends on the bodies beside them.
+//! A half plane has no ends and a circle no corners, so that drawn length and fineness depend on the bodies beside the obstacle.
 
 use crate::contact::Obstacle;
 use crate::dynamics::{BodyFields, PlacedObstacle};
 use crate::math::tolerances::PICTURE_ROUNDNESS;
 
-/// Thickness of the band over the largest extent of the bodies.
+/// Thickness of the band relative to the largest extent of the bodies.
 const THICKNESS: f64 = 0.03;
-/// Longest way from a corner of a bent border to the corner of its band, in thicknesses.
+/// Largest distance between a corner of the border and the corner of its band, relative to the thickness.
 const LONGEST_MITRE: f64 = 2.0;
-/// Corners of a circle at least and at most.
+/// Smallest and largest number of corners of a circle.
 const CORNERS: [f64; 2] = [120.0, 4096.0];
 
-/// The undeformed bodies' box: middle and largest extent.
+/// Center and largest extent of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surroundings {
-    /// Middle `[length]`.
+    /// Center `[length]`.
     pub middle: [f64; 3],
     /// Largest extent `[length]`.
     pub extent: f64,
 }
 
 impl Surroundings {
-    /// Those of points; the unit square where there are none.
+    /// Returns center and extent of points; those of the unit square centered at the origin if the points have no extent.
     pub fn of(points: impl Iterator<Item = [f64; 3]>) -> Self {
         let finite = points.filter(|point| point.iter().all(|x| x.is_finite()));
         let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -38,28 +38,29 @@ impl Surroundings {
         }
     }
 
-    /// Those of bodies where they are.
+    /// Returns center and extent of the bodies in their current position.
     pub fn of_bodies(bodies: &[BodyFields]) -> Self {
         let points = |body: &'_ BodyFields| (0..body.mesh.points.len()).map(|node| body.position(node)).collect::<Vec<_>>();
         Surroundings::of(bodies.iter().flat_map(points))
     }
 }
 
-/// An obstacle as it is drawn.
+/// A drawn obstacle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wall {
-    /// Name of its contact.
+    /// Name of the contact.
     pub name: String,
-    /// Points of its border, with the obstacle on the left of the way through them.
+    /// Points of the border; the obstacle is on the left of the path.
     pub border: Vec<[f64; 2]>,
-    /// For each point of the border the one at the back of the band.
+    /// Points at the back of the band, one for each point of the border.
     pub back: Vec<[f64; 2]>,
-    /// Whether the border comes back to its first point, which is then not repeated.
+    /// True if the border is closed; the first point is not repeated at the end.
     pub is_closed: bool,
 }
 
 impl Wall {
-    /// An obstacle among bodies, none if it is in space; `reach`: how far a half plane is drawn, in extents of the bodies to either side.
+    /// Returns a drawn obstacle, `None` for obstacles in space; `reach` is half the length of a half plane's border, relative to the extent
+    /// of the bodies.
     pub fn new(obstacle: &PlacedObstacle, around: &Surroundings, reach: f64) -> Option<Self> {
         let Surroundings { middle, extent } = *around;
         let shifted = |point: [f64; 2]| [point[0] + obstacle.translation[0], point[1] + obstacle.translation[1]];
@@ -85,7 +86,7 @@ impl Wall {
         Some(Wall { name: obstacle.name.clone(), border, back, is_closed })
     }
 
-    /// Pieces of the band, each between two neighboring points of the border: along the border, back behind it.
+    /// Quadrilaterals of the band, each between two neighboring points of the border: along the border, back behind it.
     pub fn pieces(&self) -> impl Iterator<Item = [[f64; 2]; 4]> + '_ {
         let count = self.border.len();
         (0..count - usize::from(!self.is_closed)).map(move |k| {
@@ -94,7 +95,7 @@ impl Wall {
         })
     }
 
-    /// Points of the border that are nearest to the corners of a box, and its own corners.
+    /// Returns the points of the border nearest to the corners of a box, and the vertices of the border.
     pub fn landmarks(&self, low: [f64; 2], high: [f64; 2]) -> Vec<[f64; 2]> {
         let corners = [low, [high[0], low[1]], high, [low[0], high[1]], [0, 1].map(|d| 0.5 * (low[d] + high[d]))];
         let nearest = |[a, b, c, d]: [[f64; 2]; 4]| {
@@ -115,7 +116,7 @@ impl Wall {
     }
 }
 
-/// A circle as a polygon that is not seen to be one; counterclockwise for `turn` 1, clockwise for -1.
+/// Returns a circle as a polygon, fine enough to look smooth; counter-clockwise for `turn` 1, clockwise for -1.
 fn circle(center: [f64; 2], radius: f64, turn: f64, extent: f64) -> Vec<[f64; 2]> {
     let corners = std::f64::consts::PI / (2.0 * PICTURE_ROUNDNESS * extent / radius).sqrt();
     let corners = corners.clamp(CORNERS[0], CORNERS[1]).ceil();
@@ -126,7 +127,8 @@ fn circle(center: [f64; 2], radius: f64, turn: f64, extent: f64) -> Vec<[f64; 2]
     (0..corners as usize).map(corner).collect()
 }
 
-/// The points at a distance on the left of a chain; at a corner they are where the sides of the band meet, if that is not far.
+/// Returns the points at a distance on the left of a chain; at a corner, the intersection of the sides of the band, within
+/// `LONGEST_MITRE`.
 fn behind(chain: &[[f64; 2]], is_closed: bool, distance: f64) -> Vec<[f64; 2]> {
     let count = chain.len();
     let left = |a: usize, b: usize| {

@@ -20,7 +20,7 @@ use super::table::{Column, Table, TextColumn};
 /// Rows of a row group: readers take one at a time.
 const GROUP: usize = 1 << 17;
 
-/// A column of numbers or of words.
+/// Column of numbers or of words.
 #[derive(Clone, Copy, Debug)]
 pub enum Field<'a> {
     /// Numbers.
@@ -47,15 +47,15 @@ impl Field<'_> {
     }
 }
 
-/// The bytes of the file.
+/// Encodes a table.
 ///
 /// # Errors
-/// What the format refuses, in words; no table of numbers with columns of different names is known to be refused.
+/// The format refuses the table; the text gives the reason. No table of numbers with columns of different names is known to be refused.
 pub fn parquet(table: &Table) -> std::result::Result<Vec<u8>, String> {
     parquet_of(&table.columns.iter().map(Field::Numbers).collect::<Vec<_>>())
 }
 
-/// The bytes of the file of columns of equal length.
+/// Encodes columns of equal length.
 ///
 /// # Errors
 /// As [`parquet()`].
@@ -105,7 +105,7 @@ fn write_group<W: Write + Send>(columns: &[Field], start: usize, writer: &mut Se
     group.close().map(drop)
 }
 
-/// The values that there are, and where they are.
+/// Returns the existing values, and their positions.
 fn known<T, U>(values: &[Option<T>], as_written: impl Fn(&T) -> U) -> (Vec<U>, Vec<i16>) {
     (values.iter().flatten().map(as_written).collect(), values.iter().map(|value| i16::from(value.is_some())).collect())
 }

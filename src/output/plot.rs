@@ -7,7 +7,7 @@
 use super::axis::Axis;
 use super::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke, elided, text_width};
 
-/// Okabe & Ito (2008): told apart by readers with any color vision.
+/// Colors of Okabe & Ito (2008), distinguishable with any color vision.
 const COLORS: [Color; 7] = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233], [120, 120, 120]];
 const BLACK: Color = [0; 3];
 const GRID: Color = [226; 3];
@@ -15,18 +15,18 @@ const INK: Color = [34; 3];
 /// Sizes of text in pixels: readable where the picture is shown at half of its size.
 const TITLE: f64 = 20.0;
 const TEXT: f64 = 17.0;
-/// Margin around everything, and length of a legend's sample, in pixels.
+/// Margin, and length of a sample in the legend, in pixels.
 const MARGIN: f64 = 12.0;
 const SAMPLE: f64 = 26.0;
-/// Radius of a marker in pixels, and the corners that make it look round.
+/// Radius of a marker in pixels, and its number of corners.
 const MARKER: f64 = 3.5;
 const ROUND: usize = 12;
 /// Least height of the axes in pixels.
 const LEAST: f64 = 100.0;
-/// Share of the values' range that is left free above and below them.
+/// Margin above and below the values relative to their range.
 const FREE: f64 = 0.04;
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurveStyle {
     /// Joined by a line.
@@ -39,41 +39,41 @@ pub enum CurveStyle {
 }
 
 impl CurveStyle {
-    /// All of them with their names in a script.
+    /// All styles with their names in scripts.
     pub const ALL: &'static [(&'static str, CurveStyle)] =
         &[("line", CurveStyle::Line), ("dashed", CurveStyle::Dashed), ("points", CurveStyle::Points)];
 }
 
-/// One curve.
+/// A curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
-    /// What the legend says.
+    /// Text in the legend.
     pub label: String,
-    /// Values to the right.
+    /// Values on the horizontal axis.
     pub x: Vec<f64>,
-    /// Values upwards, as many.
+    /// Values on the vertical axis, as many as in `x`.
     pub y: Vec<f64>,
-    /// How it is drawn.
+    /// Style of the curve.
     pub style: CurveStyle,
-    /// Black and a little wider than others, as a sum is.
+    /// True for a sum, drawn in black and slightly wider.
     pub is_sum: bool,
 }
 
 /// One of the two axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlotAxis {
-    /// What it says, with the unit.
+    /// Label with the unit.
     pub label: String,
-    /// Values at its ends; those of the curves where there are none.
+    /// Values at the ends of the axis; `None` for the range of the curves.
     pub range: Option<[f64; 2]>,
-    /// Whether equal steps are equal factors.
+    /// True for a logarithmic scale.
     pub is_logarithmic: bool,
-    /// A value that must be seen.
+    /// Value that the axis must include.
     pub included: Option<f64>,
 }
 
 impl PlotAxis {
-    /// A linear axis over the values.
+    /// Returns a linear axis.
     pub fn new(label: impl Into<String>) -> Self {
         PlotAxis { label: label.into(), ..PlotAxis::default() }
     }
@@ -94,11 +94,11 @@ impl PlotAxis {
 pub struct Plot {
     /// Text above.
     pub title: String,
-    /// The axis to the right.
+    /// Horizontal axis.
     pub x: PlotAxis,
-    /// The axis upwards.
+    /// Vertical axis.
     pub y: PlotAxis,
-    /// What is drawn.
+    /// Curves of the plot.
     pub curves: Vec<Curve>,
     /// Width and height in pixels.
     pub size: [f64; 2],
@@ -110,7 +110,7 @@ impl Default for Plot {
     }
 }
 
-/// The box of the axes and what they say, in a picture of that height.
+/// Axes with their labels, in a picture of a given height.
 pub(super) struct Frame {
     height: f64,
     pub low: Point,
@@ -120,12 +120,12 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Begins a group of what is seen in the box; half of a line's width is seen outside.
+    /// Begins a group clipped to the box, extended by half of a line's width.
     pub fn clip_into(&self, out: &mut Drawing) {
         out.begin_clipped([self.low[0] - 2.0, self.low[1] - 2.0], [self.high[0] + 2.0, self.high[1] + 2.0]);
     }
 
-    /// The place of a value; none of what an axis cannot show.
+    /// Returns the pixels of a value; NaN if an axis cannot show the value.
     pub fn place(&self, x: f64, y: f64) -> Point {
         let [right, up] = [self.x.share(x), self.y.share(y)];
         [self.low[0] + right * (self.high[0] - self.low[0]), self.high[1] - up * (self.high[1] - self.low[1])]
@@ -144,12 +144,12 @@ impl Plot {
         out
     }
 
-    /// Title, legend and axes, with some pixels free at the right.
+    /// Draws title, legend and axes, with `free` pixels left at the right.
     pub(super) fn framed(&self, free: f64) -> (Drawing, Frame) {
         let [width, height] = self.size;
         let mut out = Drawing::new(self.size);
         let (count_x, count_y) = ((width / 80.0) as usize, (height / 65.0) as usize);
-        // Markers at the ends are to be whole.
+        // Leave room for whole markers at the ends.
         let aside = if self.curves.iter().any(|curve| curve.style == CurveStyle::Points) { FREE } else { 0.0 };
         let x = self.x.over(self.curves.iter().flat_map(|curve| &curve.x), count_x.max(2), aside);
         let y = self.y.over(self.curves.iter().flat_map(|curve| &curve.y), count_y.max(2), FREE);
@@ -158,7 +158,7 @@ impl Plot {
         let left = MARGIN + label_height(&self.y, TEXT + 10.0) + widest(&y) + 8.0;
         let right = width - free - MARGIN - (0.5 * widest(&x)).min(30.0);
         let top = self.head_into(&mut out, left, right);
-        // A legend of many rows makes the picture higher, not the axes smaller than anyone can read.
+        // A legend with many rows increases the height of the picture, not at the cost of the axes.
         let below = MARGIN + label_height(&self.x, TEXT + 8.0) + TEXT + 4.0;
         let height = height.max(top + LEAST + below);
         out.set_height(height);
@@ -172,7 +172,7 @@ impl Plot {
         self.curves.iter().map(move |curve| (curve, if curve.is_sum { BLACK } else { colors.next().copied().unwrap_or(BLACK) }))
     }
 
-    /// Title and legend; gives the place below them.
+    /// Draws title and legend; returns the vertical position below.
     fn head_into(&self, out: &mut Drawing, left: f64, right: f64) -> f64 {
         let mut y = MARGIN;
         if !self.title.is_empty() {
@@ -181,7 +181,7 @@ impl Plot {
             y += 8.0;
         }
         let labelled: Vec<(&Curve, Color)> = self.colored().filter(|(curve, _)| !curve.label.is_empty()).collect();
-        // The axis says already what a single curve is.
+        // A single curve is already described by the axis.
         if labelled.is_empty() || labelled.len() == 1 && self.curves.len() == 1 && labelled[0].0.label == self.y.label {
             return y + 4.0;
         }
@@ -220,7 +220,7 @@ impl Plot {
             out.line([[at_x(tick), high[1]], [at_x(tick), high[1] + 5.0]], solid);
             let (label, middle) = (x.label(tick), at_x(tick));
             let half = 0.5 * text_width(&label, TEXT);
-            // Long numbers would run into each other.
+            // Long numbers would overlap.
             if middle - half > end {
                 out.text([middle, high[1] + TEXT + 5.0], label, TEXT, Anchor::Middle);
                 end = middle + half + 6.0;
@@ -268,7 +268,7 @@ fn curve_into(out: &mut Drawing, curve: &Curve, color: Color, frame: &Frame) {
     out.paint(markers, Ink::Fill(color));
 }
 
-/// The first, highest, lowest and last point of every stretch that stays in one column of pixels, in their order.
+/// Returns the first, highest, lowest and last point of every section within one column of pixels, in their order.
 fn thinned(points: &[Point]) -> Vec<Point> {
     let mut kept = Vec::new();
     for stretch in points.chunk_by(|a, b| a[0].floor() == b[0].floor()) {
@@ -330,7 +330,7 @@ mod tests {
         let curve = &polylines(&svg(&plot.draw()))[0];
         let slope = |k: usize| (curve[k + 1][1] - curve[k][1]) / (curve[k + 1][0] - curve[k][0]);
         assert!((slope(0) - slope(2)).abs() < 2e-3 && slope(0) < 0.0, "{curve:?}");
-        // What is not positive has no place there.
+        // Values that are not positive leave a gap on a logarithmic axis.
         plot.curves[0].y = vec![1.0, 0.0, -1.0, 10.0];
         let text = svg(&plot.draw());
         well_formed(&text);

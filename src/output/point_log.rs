@@ -1,7 +1,7 @@
-//! What the points of a study have given, kept beside the checkpoints of a run, so that one that is resumed does not compute them again.
+//! Results of a study's points, kept beside the checkpoints of a run, so that a resumed run does not compute them again.
 //!
-//! A file that grows by records: length and CRC-32 (little endian), then the content. A record that a killed program has left half
-//! written is cut off.
+//! An append-only file of records: length and CRC-32 (little endian), then the content. An incomplete record of a killed process is
+//! removed.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -10,15 +10,15 @@ use super::checkpoint::POINTS;
 use super::counted::FOLDER;
 use super::files::{OutputError, RunFiles, Stream};
 
-/// Bytes before a record.
+/// Size of the header of a record `[bytes]`.
 const HEADER: usize = 8;
 
-/// A growing file of records.
+/// Append-only file of records.
 #[derive(Debug)]
 pub struct PointLog(Stream);
 
 impl PointLog {
-    /// A file without records, in place of an older one.
+    /// Creates an empty file, in place of an older one.
     ///
     /// # Errors
     /// The operating system refused.
@@ -26,7 +26,7 @@ impl PointLog {
         files.stream(&path(study)).map(PointLog)
     }
 
-    /// The file that an earlier program has left, and its records; a new one where there is none.
+    /// Opens the file of an earlier process and returns its records; creates a new file if there is none.
     ///
     /// # Errors
     /// The operating system refused.
@@ -35,7 +35,7 @@ impl PointLog {
         let Ok(bytes) = std::fs::read(&place) else { return Ok((PointLog::create(files, study)?, Vec::new())) };
         let (mut records, mut whole) = (Vec::new(), 0);
         while let Some(record) = record(&bytes[whole..]) {
-            // One of another version of the program is computed again.
+            // A record of another program version is computed again.
             records.extend(postcard::from_bytes(record).ok());
             whole += HEADER + record.len();
         }
@@ -56,17 +56,22 @@ impl PointLog {
     }
 }
 
-/// The bytes of a value, the same for values that are the same to the last bit.
+/// Encodes a value; bitwise equal values give equal bytes.
 pub fn encoded(value: &(impl Serialize + ?Sized)) -> Vec<u8> {
-    // Memory takes everything, and only values of known length are encoded.
+    // Writing to memory does not fail, and only values of known length are encoded.
     postcard::to_allocvec(value).unwrap_or_default()
+}
+
+/// The value of bytes that [`encoded`] has made; `None` for others.
+pub fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    postcard::from_bytes(bytes).ok()
 }
 
 fn path(study: &str) -> String {
     format!("{FOLDER}/{study}.{POINTS}")
 }
 
-/// The first record of some bytes, if it is whole.
+/// Returns the first record of some bytes if complete.
 fn record(bytes: &[u8]) -> Option<&[u8]> {
     let (length, rest) = bytes.split_first_chunk::<4>()?;
     let (checksum, rest) = rest.split_first_chunk::<4>()?;

@@ -21,13 +21,13 @@ pub fn pvd<'a>(frames: impl IntoIterator<Item = (f64, &'a str)>) -> String {
     text + "  </Collection>\n</VTKFile>\n"
 }
 
-/// A frame that is listed.
+/// Frame in the list.
 #[derive(Debug)]
 struct Listed {
     time: f64,
-    /// Row of the history that belongs to it.
+    /// Row of the history for the frame.
     row: usize,
-    /// Its path, relative to the list.
+    /// Path of the frame, relative to the list.
     path: String,
 }
 
@@ -38,7 +38,7 @@ pub struct FieldSeries {
     name: String,
     stem: String,
     frames: Vec<Listed>,
-    /// Whether its frames are those of an earlier program: nothing is written then.
+    /// True if the frames of the series were written by an earlier process and are recalled: nothing is written.
     recalls: bool,
 }
 
@@ -54,24 +54,24 @@ impl FieldSeries {
         Ok(series)
     }
 
-    /// A series whose frames an earlier program has written; its list and they stay as they are until [`Self::go_on`].
+    /// Returns a series whose frames an earlier process has written; list and frames are unchanged until [`Self::go_on`].
     ///
     /// # Errors
-    /// A bad name.
+    /// An invalid name.
     pub(crate) fn recalled(files: &RunFiles, name: &str) -> Result<Self, OutputError> {
         let name = if name.ends_with(".pvd") { name.to_string() } else { format!("{name}.pvd") };
         let stem = files.place(&name)?.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(FieldSeries { files: files.clone(), name, stem, frames: Vec::new(), recalls: true })
     }
 
-    /// Takes the next frame, which an earlier program has written for this time and row of the history, into the list.
+    /// Adds the next frame, which an earlier process has written for this time and row of the history, to the list.
     pub fn recall(&mut self, time: f64, row: usize) {
         self.frames.truncate(self.before(time));
         let path = self.path(self.frames.len());
         self.frames.push(Listed { time, row, path });
     }
 
-    /// From here on frames are written. The first of those so far whose file is of another moment, if there is one.
+    /// Ends recalling; further frames are written. Returns the time of the first recalled frame whose file is of another moment.
     ///
     /// # Errors
     /// The operating system refused.
@@ -84,14 +84,13 @@ impl FieldSeries {
         }
     }
 
-    /// Removes the frames behind the list that an earlier program of this run has written: that of the moment at which it was interrupted,
-    /// and those after its last checkpoint.
+    /// Removes frames of an earlier process behind the list: that of the interrupt, and those after its last checkpoint.
     fn remove_further(&self) -> Result<(), OutputError> {
         let further = (self.frames.len()..).map(|number| self.below(&self.path(number)));
         further.take_while(|name| self.files.has_written(name)).try_for_each(|name| self.files.remove(&name))
     }
 
-    /// Forgets the frames behind the first `rows` rows of the history, when a simulation goes back: they are of a course that was given up.
+    /// Removes the frames behind the first `rows` rows of the history, when a simulation goes back.
     ///
     /// # Errors
     /// The operating system refused.
@@ -101,7 +100,7 @@ impl FieldSeries {
         if self.recalls || given_up.is_empty() {
             return Ok(());
         }
-        // A reader never finds a frame in the list whose file is gone.
+        // The list is written first, so that it never contains a frame whose file is gone.
         self.list()?;
         given_up.iter().try_for_each(|frame| self.files.remove(&self.below(&frame.path)))
     }
@@ -111,10 +110,10 @@ impl FieldSeries {
         self.files.write(&self.name, pvd(self.frames.iter().map(|frame| (frame.time, frame.path.as_str())))).map(drop)
     }
 
-    /// Makes sure that all frames of the list are still at their places.
+    /// Checks that all frames of the list are still at their paths.
     ///
     /// # Errors
-    /// One was removed.
+    /// A frame was removed.
     pub fn verify(&self) -> Result<(), OutputError> {
         for frame in &self.frames {
             let path = self.files.place(&self.below(&frame.path))?;
@@ -130,12 +129,12 @@ impl FieldSeries {
         format!("{0}/{0}_{number:06}.vtu", self.stem)
     }
 
-    /// A path relative to the list as one relative to the output directory.
+    /// Converts a path relative to the list into one relative to the output directory.
     fn below(&self, path: &str) -> String {
         Path::new(&self.name).with_file_name(path).to_string_lossy().into_owned()
     }
 
-    /// Number of the frames before a time.
+    /// Number of frames before a time.
     fn before(&self, time: f64) -> usize {
         self.frames.iter().rposition(|frame| frame.time < time).map_or(0, |last| last + 1)
     }

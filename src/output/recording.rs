@@ -1,15 +1,15 @@
-//! A recording: what an animation of a run needs, kept beside the run and bounded in memory.
+//! A recording: data for the animation of a run, kept beside the run and bounded in memory.
 //!
-//! A *still* is kept of every nominal step at first; whenever there are more than allowed, every second one is dropped and the spacing
-//! doubles. So which stills are there depends on the steps alone, never on the clock, and a long run costs what a short one does. A still
-//! holds displacement, velocity and stress of all nodes that can be seen (in space those of the hull, unless the inside is asked for), and
-//! the plastic strain of bodies that flow, as 16-bit numbers between the extremes of each component: an error of 1/131072 of the range. It
-//! is the state's picture, not the state: nothing can be computed from it again.
+//! At first, a *still* of every nominal step is kept; when there are more than allowed, every second one is dropped and the spacing
+//! doubles. The stills thus depend only on the steps, not on the clock, and memory is bounded. A still holds displacement, velocity and
+//! stress of all visible nodes (in space those of the hull, optionally also inner ones), and the plastic strain of bodies with plasticity,
+//! as 16-bit numbers between the extremes of each component: an error of 1/131072 of the range. A simulation cannot be continued from a
+//! still.
 //!
 //! Bytes of a still, body after body, little-endian: for each component its two extremes as f32; the high bytes of all components, then
 //! their low bytes, each value as the difference from the node before; the number of contact nodes (u32), their places among the nodes of
 //! the body (u32, with [`BodyFields::contact_slip`] in the two highest bits), for each its pressure and the vector of the pressure (f32).
-//! They are those of the report, which compresses them only.
+//! Reports have identical bytes, compressed.
 
 use std::fmt;
 use std::sync::Arc;
@@ -22,21 +22,21 @@ use crate::contact::Obstacle;
 use crate::dynamics::{BodyDefinition, BodyFields, Model, Partner, PlacedObstacle, Simulation};
 use crate::mesh::Mesh;
 
-/// Stills that are held at most where nothing else is asked for.
+/// Default of the largest number of stills.
 const STILLS: usize = 160;
-/// Bytes that the stills may take where nothing else is asked for, and the stills that are allowed even if they take more.
+/// Default of the memory for stills `[bytes]`, and the number of stills that is allowed beyond.
 const BYTES: usize = 24 << 20;
 const FEWEST: usize = 40;
-/// Spacing that is chosen beforehand at most.
+/// Largest initial spacing.
 const FORESIGHT: usize = 4;
-/// Largest number of a component.
+/// Largest encoded value of a component.
 const TOP: f64 = 65535.0;
-/// Bit from which on the word of a contact node tells whether it sticks or slides.
+/// First bit for stick or slip in the word of a contact node.
 const SLIP: u32 = 30;
-/// The bits below it.
+/// Mask of the bits below `SLIP`.
 const PLACE: usize = (1 << SLIP) - 1;
 
-/// Stills of a run so far. A value: keep it, restore it, go on from it to the same bytes.
+/// Stills of a run. A value: a restored recording continues with identical bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     most: usize,
@@ -46,7 +46,7 @@ pub struct Recording {
     bodies: Vec<Skin>,
 }
 
-/// What is recorded of a body.
+/// Recorded nodes and quantities of a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Skin {
     /// Nodes that are recorded, in ascending order.
@@ -70,23 +70,23 @@ impl Skin {
         Skin { nodes, dimension, flows }
     }
 
-    /// Components of the stress that a body of this dimension has, as indices into [`BodyFields::stress`].
+    /// Components of the stress in a body of this dimension, as indices into [`BodyFields::stress`].
     pub fn stresses(&self) -> &'static [usize] {
         if self.dimension == 2 { &[0, 1, 2, 3] } else { &[0, 1, 2, 3, 4, 5] }
     }
 
-    /// Numbers that are recorded of a node.
+    /// Number of recorded components per node.
     fn components(&self) -> usize {
         2 * self.dimension + self.stresses().len() + usize::from(self.flows)
     }
 }
 
-/// A state of a run to look at.
+/// Recorded fields of a state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Still {
-    /// Row of the history that belongs to it.
+    /// Row of the history.
     pub row: usize,
-    /// Nominal steps before it.
+    /// Number of nominal steps before.
     steps: usize,
     /// Time `[time]`.
     pub time: f64,
@@ -94,12 +94,12 @@ pub struct Still {
     pub extremes: Vec<[f64; 2]>,
     /// Longest vector of contact pressure `[stress]`.
     pub pressing: f64,
-    /// Rigid obstacles: number of the shape among [`shapes`], translation.
+    /// Rigid obstacles: index of the shape in [`shapes`], translation.
     pub obstacles: Vec<(usize, [f64; 3])>,
     bytes: Bytes,
 }
 
-/// Bytes that are written as such.
+/// Bytes that are serialized at once.
 #[derive(Clone, PartialEq, Default)]
 struct Bytes(Vec<u8>);
 
@@ -141,7 +141,7 @@ impl<'de> Deserialize<'de> for Bytes {
     }
 }
 
-/// The different shapes of a model's rigid obstacles.
+/// Returns the different shapes of a model's rigid obstacles.
 pub fn shapes(model: &Model) -> Vec<Obstacle> {
     let mut shapes: Vec<Obstacle> = Vec::new();
     for interaction in &model.interactions {
@@ -155,8 +155,8 @@ pub fn shapes(model: &Model) -> Vec<Obstacle> {
 }
 
 impl Recording {
-    /// Of a model, with so many stills at most (2 at least); by default 160, or fewer where they would take too much memory. `has_inside`:
-    /// whether all nodes of bodies in space are recorded.
+    /// Returns an empty recording of a model with at most `most` stills (at least 2); by default 160, or fewer if memory would be exceeded.
+    /// With `has_inside`, all nodes of bodies in space are recorded, not only those of the hull.
     pub fn new(model: &Model, most: Option<usize>, has_inside: bool) -> Self {
         let bodies: Vec<Skin> = model.bodies.iter().map(|body| Skin::new(&body.mesh, body.flows(), has_inside)).collect();
         let size: usize = bodies.iter().map(|skin| 2 * skin.components() * skin.nodes.len()).sum();
@@ -164,13 +164,13 @@ impl Recording {
         Recording { most, spacing: 1, steps: 0, stills: Vec::new(), bodies }
     }
 
-    /// What is recorded of each body.
+    /// Recorded nodes and quantities of each body.
     pub fn bodies(&self) -> &[Skin] {
         &self.bodies
     }
 
-    /// Whether a recording that was read goes on this one: of the same bodies, every still with all of its bytes, of one of so many rows of
-    /// the history, with obstacles among so many shapes.
+    /// True if the recording `other`, read from a file, can continue this one: same bodies, complete stills, rows below `rows` in the
+    /// history, and obstacle shapes below `shapes`.
     pub fn goes_on_with(&self, other: &Recording, rows: usize, shapes: usize) -> bool {
         let is_whole = |still: &Arc<Still>| {
             still.is_of(&self.bodies)
@@ -181,13 +181,12 @@ impl Recording {
         (other.most, &other.bodies) == (self.most, &self.bodies) && other.spacing.is_power_of_two() && other.stills.iter().all(is_whole)
     }
 
-    /// The stills so far, in the order of time.
+    /// Stills in the order of time.
     pub fn stills(&self) -> &[Arc<Still>] {
         &self.stills
     }
 
-    /// Tells a recording that has hardly begun that so many nominal steps are to come: it then begins with the spacing to which they lead,
-    /// or with one still in four steps if that is less, because a run may end early.
+    /// Sets the initial spacing for an expected number of nominal steps; it is at most `FORESIGHT`, because a run may end early.
     pub fn expect(&mut self, steps: f64) {
         if self.stills.len() <= 1 && self.steps == 0 && self.spacing == 1 {
             while self.spacing < FORESIGHT && steps / self.spacing as f64 > self.most as f64 {
@@ -196,14 +195,14 @@ impl Recording {
         }
     }
 
-    /// Before the first step: the state at the start, whose row of the history is `row`.
+    /// Records the state at the start, whose row of the history is `row`.
     pub fn begin(&mut self, simulation: &Simulation, row: usize) {
         if self.stills.is_empty() {
             self.stills.push(Arc::new(self.still(simulation, row)));
         }
     }
 
-    /// After a nominal step or a new equilibrium, whose last row of the history is `row`.
+    /// Records the state after a nominal step or a new equilibrium, whose last row of the history is `row`.
     pub fn advanced(&mut self, simulation: &Simulation, row: usize) {
         if self.stills.is_empty() {
             return self.begin(simulation, row);
@@ -223,14 +222,14 @@ impl Recording {
         self.stills.push(Arc::new(self.still(simulation, row)));
     }
 
-    /// Forgets what came behind the first `rows` rows of the history, when a simulation goes back.
+    /// Drops stills behind the first `rows` rows of the history, when a simulation goes back.
     pub fn keep(&mut self, rows: usize) {
         self.stills.retain(|still| still.row < rows);
-        // Steps since the last still are not known any more; a piece of a halved step counts as one.
+        // Steps since the last still are unknown here; a substep counts as a step.
         self.steps = self.stills.last().map_or(0, |last| last.steps + rows.saturating_sub(last.row + 1));
     }
 
-    /// The state as it is now.
+    /// Returns a still of the present state.
     pub fn still(&self, simulation: &Simulation, row: usize) -> Still {
         let shapes = shapes_of(&simulation.obstacles());
         Still { row, steps: self.steps, time: simulation.time(), ..self.packed(&simulation.fields(), shapes) }
@@ -251,7 +250,7 @@ impl Recording {
     }
 }
 
-/// Obstacles as numbers of their shapes, in the order in which the shapes come first.
+/// Returns obstacles as indices of shapes, numbered in the order of their first occurrence.
 fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 3])> {
     let mut shapes: Vec<&Obstacle> = Vec::new();
     let mut number = |shape| match shapes.iter().position(|known| *known == shape) {
@@ -264,7 +263,7 @@ fn shapes_of(placed: &[PlacedObstacle]) -> Vec<(usize, [f64; 3])> {
     placed.iter().map(|obstacle| (number(&obstacle.shape), obstacle.translation)).collect()
 }
 
-/// Least and greatest value of each field of [`Field::ALL`], in its order. Lengths are compared by their squares: this runs at most steps.
+/// Returns minimum and maximum of each field of [`Field::ALL`]. Magnitudes are compared by their squares, since this runs at most steps.
 fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
     let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; Field::ALL.len()];
     for node in skin.nodes.iter().map(|&node| node as usize) {
@@ -281,7 +280,7 @@ fn extremes_of(body: &BodyFields, skin: &Skin) -> Vec<[f64; 2]> {
             body.contact_slip[node],
         ];
         for ([low, high], value) in all.iter_mut().zip(values.into_iter().chain(body.stress[node])) {
-            // What is no number leaves them as they are.
+            // NaN leaves the extremes unchanged.
             (*low, *high) = (low.min(value), high.max(value));
         }
     }
@@ -310,7 +309,7 @@ fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
         let mut before = 0u16;
         for value in values() {
             let place = if range > 0.0 { (value - origin) / range * TOP } else { 0.0 };
-            // What is no number becomes zero.
+            // NaN becomes zero.
             let word = place.round().clamp(0.0, TOP) as u16;
             let [l, h] = word.wrapping_sub(before).to_le_bytes();
             low.push(l);
@@ -332,7 +331,7 @@ fn pack_into(bytes: &mut Vec<u8>, body: &BodyFields, skin: &Skin) {
     }
 }
 
-/// Takes a body from the beginning of the bytes.
+/// Decodes a body from the start of the bytes.
 fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
     let mut take = |length: usize| {
         let (taken, left) = rest.split_at(length.min(rest.len()));
@@ -390,7 +389,7 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         fields.contact_slip[node] = (word >> SLIP) as f64;
         fields.contact_pressure[node] = number(take(4));
         for component in 0..dimension {
-            // The pressure's own direction is all that is known of the force.
+            // Only the direction of the pressure is recorded, not the force.
             fields.contact_pressing[node][component] = number(take(4));
         }
         fields.contact_force[node] = fields.contact_pressing[node];
@@ -400,14 +399,14 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
 }
 
 impl Still {
-    /// The bodies as they were; strains, back stresses and gaps are not recorded, and inner nodes of bodies in space have the values of one
-    /// on the hull.
+    /// Returns the recorded bodies; strains, back stresses and gaps are not recorded, and inner nodes of bodies in space have the values of
+    /// a node of the hull.
     pub fn fields(&self, bodies: &[BodyDefinition], skins: &[Skin]) -> Vec<BodyFields> {
         let mut rest = self.bytes();
         bodies.iter().zip(skins).map(|(body, skin)| unpack(&mut rest, body, skin)).collect()
     }
 
-    /// The rigid obstacles as they were; `shapes` are those of the model.
+    /// Returns the rigid obstacles; `shapes` are those of the model.
     pub fn placed(&self, shapes: &[Obstacle]) -> Vec<PlacedObstacle> {
         let of = |&(number, translation): &(usize, [f64; 3])| {
             shapes.get(number).map(|shape| PlacedObstacle { name: String::new(), shape: shape.clone(), translation })
@@ -415,7 +414,7 @@ impl Still {
         self.obstacles.iter().filter_map(of).collect()
     }
 
-    /// Whether its bytes are those of such bodies, to the last one.
+    /// True if the length and contact nodes of the encoded bytes agree with the recorded bodies.
     fn is_of(&self, skins: &[Skin]) -> bool {
         let mut rest = self.bytes();
         let mut pass = |skin: &Skin| {
@@ -431,7 +430,7 @@ impl Still {
         skins.iter().all(|skin| pass(skin).is_some()) && rest.is_empty()
     }
 
-    /// Its bytes, as the head of this file describes them.
+    /// Encoded bytes, in the format described at the head of this file.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes.0
     }

@@ -1,4 +1,4 @@
-//! Values over two others as colors: boxes where they stand in rows and columns, markers where they are scattered.
+//! Values over two parameters as colors: boxes for values on a grid, markers for scattered ones.
 //!
 //! Nothing is computed between the values, so the picture shows no more than was computed.
 
@@ -7,35 +7,35 @@ use super::colormap::viridis;
 use super::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke};
 use super::plot::{Frame, Plot, PlotAxis};
 
-/// Values over two others.
+/// Values over two parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
     /// Text above.
     pub title: String,
-    /// The axis to the right.
+    /// Horizontal axis.
     pub x: PlotAxis,
-    /// The axis upwards.
+    /// Vertical axis.
     pub y: PlotAxis,
-    /// What the colors are.
+    /// Label of the color bar.
     pub label: String,
-    /// Places with their values, finite.
+    /// Positions with their values, finite.
     pub points: Vec<[f64; 3]>,
 }
 
-/// Space at the right for the scale of the colors, its width, and its text, in pixels.
+/// Space for the color bar at the right, width of the bar, and size of its text, in pixels.
 const SCALE: f64 = 110.0;
 const BAR: f64 = 18.0;
 const TEXT: f64 = 15.0;
-/// Radius of a marker, and the corners that make it look round.
+/// Radius of a marker in pixels, and its number of corners.
 const MARKER: f64 = 7.0;
 const ROUND: usize = 16;
-/// Boxes of which the scale consists.
+/// Number of boxes of the color bar.
 const STEPS: usize = 64;
-/// Share of the range that is free around markers.
+/// Margin around markers relative to the range.
 const FREE: f64 = 0.05;
 
 impl Response {
-    /// The picture.
+    /// Draws the picture.
     pub fn draw(&self) -> Drawing {
         let (columns, rows) = (different(&self.points, 0), different(&self.points, 1));
         let is_grid = columns.len() > 1 && rows.len() > 1 && columns.len() * rows.len() == self.points.len() && self.is_each_once();
@@ -76,7 +76,7 @@ impl Response {
         places.windows(2).all(|pair| pair[0] != pair[1])
     }
 
-    /// What the colors mean.
+    /// Draws the color bar.
     fn scale_into(&self, out: &mut Drawing, frame: &Frame, values: &Axis) {
         let (low, high) = (frame.low[1], frame.high[1]);
         let left = frame.high[0] + 24.0;
@@ -98,7 +98,7 @@ fn painted(share: f64) -> Color {
     viridis(share).map(|channel| channel.round() as u8)
 }
 
-/// The values of one coordinate, ascending, each once.
+/// Returns the different values of one coordinate, ascending.
 fn different(points: &[[f64; 3]], axis: usize) -> Vec<f64> {
     let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
     values.sort_by(f64::total_cmp);
@@ -106,7 +106,7 @@ fn different(points: &[[f64; 3]], axis: usize) -> Vec<f64> {
     values
 }
 
-/// Ends and middles between values, so that each has its interval.
+/// Returns the ends and the midpoints between values, the borders of their boxes.
 fn borders(values: &[f64], is_logarithmic: bool) -> Vec<f64> {
     let scaled: Vec<f64> = values.iter().map(|&value| if is_logarithmic { value.ln() } else { value }).collect();
     let count = scaled.len();
@@ -116,7 +116,7 @@ fn borders(values: &[f64], is_logarithmic: bool) -> Vec<f64> {
     borders.into_iter().map(|border| if is_logarithmic { border.exp() } else { border }).collect()
 }
 
-/// The ends of values with some space around.
+/// Returns the ends of values with a margin.
 fn free(values: &[f64], is_logarithmic: bool) -> Vec<f64> {
     let scaled = |value: Option<&f64>| value.map_or(0.0, |&value| if is_logarithmic { value.ln() } else { value });
     let (low, high) = (scaled(values.first()), scaled(values.last()));

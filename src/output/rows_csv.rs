@@ -1,6 +1,6 @@
-//! A table of texts that grows by rows, one for each point of a study, and is whole after each of them.
+//! A growing table of texts, a row for each point of a study; the file is complete after each row.
 //!
-//! A row is appended with one call to the operating system. One that brings a new column writes the file anew, in one piece.
+//! A row is appended by one system call. A row with a new column rewrites the file atomically.
 
 use std::path::Path;
 
@@ -15,19 +15,19 @@ pub struct RowsCsv {
     files: RunFiles,
     name: String,
     columns: Vec<String>,
-    /// The column that stays the last one.
+    /// Name of the column that stays last.
     last: &'static str,
     rows: Vec<Vec<String>>,
     stream: Option<Stream>,
 }
 
 impl RowsCsv {
-    /// A file without rows; nothing is written yet. `last` is the name of a column that stays behind all others.
+    /// Returns a file without rows; no file is written yet. `last` is the name of the column that stays last.
     pub fn new(files: RunFiles, name: &str, last: &'static str) -> Self {
         RowsCsv { files, name: name.into(), columns: Vec::new(), last, rows: Vec::new(), stream: None }
     }
 
-    /// Adds a row of named fields and the one of the last column.
+    /// Adds a row of named fields and the field of the last column.
     ///
     /// # Errors
     /// The operating system refused, or the name leads outside the directory of the run.
@@ -53,7 +53,7 @@ impl RowsCsv {
         let header = self.columns.iter().map(String::as_str).chain([self.last]);
         let mut bytes = line(&header.collect::<Vec<_>>());
         for row in &self.rows {
-            // Columns that came later are empty in earlier rows.
+            // Columns that were added later are empty in earlier rows.
             let (last, fields) = row.split_last().map_or(("", &[][..]), |(last, fields)| (last.as_str(), fields));
             let later = std::iter::repeat_n("", self.columns.len() - fields.len());
             bytes.extend(line(&fields.iter().map(String::as_str).chain(later).chain([last]).collect::<Vec<_>>()));
@@ -65,12 +65,12 @@ impl RowsCsv {
     }
 }
 
-/// The text of a table of texts.
+/// Returns the text of a table of texts.
 pub fn rows_csv<S: AsRef<str>>(header: &[S], rows: &[Vec<S>]) -> Vec<u8> {
     std::iter::once(line(header)).chain(rows.iter().map(|row| line(row))).flatten().collect()
 }
 
-/// The rows of a study, read back: the columns of numbers (what is none does not exist), and the fields of the last column.
+/// Reads the rows of a study: columns of numbers (other texts are missing values), and the fields of the last column.
 ///
 /// # Errors
 /// A file that cannot be read, is not text, or has a line with another number of fields.

@@ -1,7 +1,7 @@
 //! The lock on the folder of a run: one process at a time writes there.
 //!
-//! `.lock` in the folder is locked (`flock`, also across machines on a shared file system) while a run goes on, says which process that
-//! is, and goes with the run. Locks end with their process, so what a killed one leaves is in nobody's way.
+//! While a run goes on, `.lock` in its folder is locked (`flock`, also across machines on a shared file system). The file names the process
+//! and is removed with the end of the run. Locks end with their process, so the file of a killed process has no effect.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
@@ -13,23 +13,23 @@ use crate::machine::files::read;
 
 /// Name of the file.
 const NAME: &str = ".lock";
-/// How often a lock is tried, and the time between: whoever only looks holds it for a moment.
+/// Number of attempts to take a lock, and the time between them: a process that only inspects the lock holds it for a moment.
 const ATTEMPTS: usize = 4;
 const MOMENT: Duration = Duration::from_millis(10);
 
-/// The right to write into the folder of a run, until it goes out of scope.
+/// Right to write into the folder of a run, until dropped.
 #[derive(Debug)]
 pub struct RunLock {
     path: PathBuf,
-    /// Locked as long as it is open.
+    /// File that is locked as long as it is open.
     _file: File,
 }
 
 impl RunLock {
-    /// Takes the lock on a folder, which is there.
+    /// Takes the lock on an existing folder.
     ///
     /// # Errors
-    /// Another process has it, or the operating system refused.
+    /// Another process holds the lock, or the operating system refused.
     pub fn take(folder: &Path) -> Result<Self, OutputError> {
         let path = folder.join(NAME);
         let outcome = loop {
@@ -45,10 +45,10 @@ impl RunLock {
         }
     }
 
-    /// Refuses a folder in which a run is under way, without touching it.
+    /// Refuses a folder in which a run is under way, without changing it.
     ///
     /// # Errors
-    /// A run is under way there.
+    /// A run is under way in the folder.
     pub fn refuse_if_taken(folder: &Path) -> Result<(), OutputError> {
         let path = folder.join(NAME);
         if !fs::symlink_metadata(&path).is_ok_and(|found| found.is_file()) {
@@ -64,17 +64,17 @@ impl RunLock {
 
 impl Drop for RunLock {
     fn drop(&mut self) {
-        // It is still locked here, so nobody else believes to have it.
+        // The file is still locked here, so that no other process takes the lock.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// What came of trying.
+/// Result of an attempt to take the lock.
 enum Attempt {
     Taken(File),
-    /// Somebody else has it.
+    /// Another process holds the lock.
     Lost,
-    /// The file has changed meanwhile.
+    /// The lock file was replaced meanwhile.
     Again,
 }
 
@@ -84,7 +84,7 @@ fn attempt(path: &Path) -> io::Result<Attempt> {
             if !locked(&file)? {
                 return Ok(Attempt::Lost);
             }
-            // Who it is helps people only, so that a full disk may refuse it.
+            // The process number is information only, so that a full disk may refuse the write.
             let _ = file.write_all(format!("process {}\n", std::process::id()).as_bytes());
             Ok(if is_at(&file, path) { Attempt::Taken(file) } else { Attempt::Again })
         }
@@ -102,7 +102,7 @@ fn attempt(path: &Path) -> io::Result<Attempt> {
             if !locked(&file)? {
                 return Ok(Attempt::Lost);
             }
-            // Of a process that was killed: a file of our own takes its place.
+            // A lock file of a killed process is replaced.
             if is_at(&file, path) {
                 fs::remove_file(path)?;
             }
@@ -112,14 +112,14 @@ fn attempt(path: &Path) -> io::Result<Attempt> {
     }
 }
 
-/// Locks a file; whether nobody else has it.
+/// Locks a file; returns false if another process holds the lock.
 fn locked(file: &File) -> io::Result<bool> {
     for attempt in 1.. {
         match file.try_lock() {
             Ok(()) => break,
             Err(TryLockError::WouldBlock) if attempt < ATTEMPTS => std::thread::sleep(MOMENT),
             Err(TryLockError::WouldBlock) => return Ok(false),
-            // A file system without locks: there is nothing to hold on to, and nothing to keep a run from.
+            // Without locks of the file system, the run goes on unprotected.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => break,
             Err(TryLockError::Error(error)) => return Err(error),
         }
@@ -131,7 +131,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|there| file.metadata().is_ok_and(|own| are_same(&there, &own)))
 }
 
-/// Who has the lock, as far as it says.
+/// Returns the process that holds the lock, as written in the file.
 fn process(folder: &Path) -> String {
     let text = read(&folder.join(NAME)).ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default();
     text.lines()
@@ -156,7 +156,7 @@ mod tests {
         assert!(RunLock::refuse_if_taken(&directory).is_err());
         drop(lock);
         assert_eq!(fs::read_dir(&*directory).unwrap().count(), 0);
-        // What a killed process has left.
+        // Lock file of a killed process.
         fs::write(directory.join(NAME), "process 1\n").unwrap();
         RunLock::refuse_if_taken(&directory).unwrap();
         drop(RunLock::take(&directory).unwrap());

@@ -9,7 +9,7 @@ use super::RunFiles;
 use crate::dynamics::{BodyFields, LedgerRow};
 use crate::mesh::{self, Mesh};
 
-/// A directory that goes with the test.
+/// Temporary directory that is removed at the end of a test.
 pub(super) struct Scratch(PathBuf);
 
 impl Deref for Scratch {

@@ -1,7 +1,7 @@
 //! `summary.json`: a run in numbers, for programs that compare runs.
 //!
-//! Drifts are what the conservation laws were off by since the loads ended, relative to a scale of the problem, so that a run without
-//! any linear momentum is not blamed for the round-off it has instead. Not a record of the steps: that is `history.csv`.
+//! Drifts are deviations of the conserved quantities since the loads ended, relative to a scale of the problem, so that round-off is not
+//! judged relative to a zero momentum. Steps are recorded in `history.csv`.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -12,19 +12,19 @@ use crate::dynamics::{BodyDefinition, EnergyAccount, Halving, LedgerRow, Model, 
 
 /// Name of the file.
 pub const SUMMARY: &str = "summary.json";
-/// Outcome of a run that came to its end.
+/// Outcome of a run that ended normally.
 pub const COMPLETED: &str = "completed";
-/// Outcome of a run that came to its end with an energy that its integrator has changed.
+/// Outcome of a run that ended normally, but whose integrator changed the energy.
 pub const NOT_CONSERVING: &str = "not conserving";
 
-/// Everything in `summary.json`; the names of the fields are those of the file.
+/// Content of `summary.json`; the names of the fields are those of the file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Path of the script.
     pub script: String,
     /// Values of `param(...)` by name.
     pub parameters: BTreeMap<String, serde_json::Value>,
-    /// What the script yields with `result(...)`, in its order.
+    /// Results of the script from `result(...)`, in the order of the calls.
     #[serde(serialize_with = "in_order")]
     pub results: Vec<(String, serde_json::Value)>,
     /// Version of the program.
@@ -35,15 +35,15 @@ pub struct Summary {
     pub unknowns: usize,
     /// Accepted steps.
     pub steps: usize,
-    /// Newton iterations, those of refused steps included.
+    /// Newton iterations, including those of refused steps.
     pub newton_iterations: usize,
-    /// Halvings.
+    /// Number of halvings.
     pub halvings: usize,
     /// Numeric factorizations.
     pub factorizations: usize,
-    /// Where the time went.
+    /// Wall-clock time by phase.
     pub wall_seconds: WallSeconds,
-    /// Largest resident memory of the process, where the system tells.
+    /// Largest resident memory of the process, if the system reports it.
     pub peak_memory_bytes: Option<u64>,
     /// See [`Drifts::energy`].
     pub energy_drift: Option<f64>,
@@ -55,17 +55,17 @@ pub struct Summary {
     pub angular_momentum_drift: Option<f64>,
     /// See [`Drifts::worst_energy_defect`].
     pub worst_energy_defect: Option<f64>,
-    /// What changed the energy beyond round-off, by cause.
+    /// Energy changes beyond round-off, by cause.
     pub energy_changes: BTreeMap<&'static str, EnergyChange>,
-    /// Halvings by cause, those of steps included that were not even tried.
+    /// Halvings by cause, including those of steps that were not tried.
     pub halvings_by_cause: BTreeMap<String, usize>,
-    /// What is remarkable about the run.
+    /// Findings of the run.
     pub findings: Vec<FindingRecord>,
     /// [`COMPLETED`], [`NOT_CONSERVING`], `interrupted`, or the title of the error.
     pub outcome: String,
 }
 
-/// Keys of the file, each with what it is, in their order.
+/// Keys of the file in their order, with descriptions.
 pub const KEYS: &[(&str, &str)] = &[
     ("script", "the path of the script"),
     ("parameters", "the values of `param(...)` by name"),
@@ -109,31 +109,31 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
 ];
 
-/// What one cause did to the energy, as the file has it.
+/// Energy change by one cause, as written to the file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyChange {
-    /// How much it gave `[energy]`, negative where it took.
+    /// Energy added to the system `[energy]`; negative if removed.
     pub energy: f64,
-    /// The same over the largest energy of the run.
+    /// Energy change relative to the largest energy of the run.
     pub share: f64,
 }
 
-/// A finding of the run as the file has it.
+/// A finding of the run, as written to the file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FindingRecord {
-    /// Stable name of its kind.
+    /// Stable name of the kind.
     pub kind: &'static str,
-    /// The contact that it is about.
+    /// Contact of the finding.
     pub contact: Option<String>,
-    /// How much.
+    /// Value of the finding.
     pub value: f64,
-    /// From how much on it is told.
+    /// Threshold of the value above which the finding is reported.
     pub limit: f64,
-    /// When `[time]`.
+    /// Time of the finding `[time]`.
     pub time: f64,
-    /// The accepted step.
+    /// Accepted step of the finding.
     pub step: usize,
-    /// What it is, with the numbers that show it.
+    /// Description of the finding with its numbers.
     pub message: String,
 }
 
@@ -145,13 +145,13 @@ impl From<&RunFinding> for FindingRecord {
     }
 }
 
-/// Pairs as an object with their keys in this order.
+/// Serializes pairs as an object in this order.
 fn in_order<S: Serializer>(pairs: &[(String, serde_json::Value)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(pairs.iter().map(|(name, value)| (name, value)))
 }
 
 impl Summary {
-    /// Takes over the counters of a simulation.
+    /// Sets the counters from a simulation.
     pub fn count(&mut self, statistics: &Statistics) {
         self.steps = statistics.steps;
         self.newton_iterations = statistics.newton_iterations;
@@ -159,7 +159,7 @@ impl Summary {
         self.factorizations = statistics.factorizations;
     }
 
-    /// Takes over the drifts of a run.
+    /// Sets the drifts.
     pub fn judge(&mut self, drifts: &Drifts) {
         self.energy_drift = drifts.energy;
         self.energy_unexplained = drifts.unexplained_energy;
@@ -168,7 +168,7 @@ impl Summary {
         self.worst_energy_defect = drifts.worst_energy_defect;
     }
 
-    /// Takes over where energy came from and went to.
+    /// Sets the energy changes.
     pub fn book(&mut self, account: &EnergyAccount) {
         let change = |(cause, energy): (&'static str, f64)| {
             (cause.trim_start_matches("the "), EnergyChange { energy, share: energy / account.scale })
@@ -176,7 +176,7 @@ impl Summary {
         self.energy_changes = account.changes().into_iter().map(change).collect();
     }
 
-    /// Takes over what was found, and why steps were halved.
+    /// Sets findings and causes of halvings.
     pub fn tell(&mut self, findings: &[RunFinding], halvings: &[Halving]) {
         self.findings = findings.iter().map(FindingRecord::from).collect();
         for Halving { cause, count, .. } in halvings {
@@ -184,7 +184,7 @@ impl Summary {
         }
     }
 
-    /// The text of the file. Numbers that are not finite become `null`.
+    /// Returns the text of the file. Numbers that are not finite become `null`.
     pub fn to_json(&self) -> String {
         // Strings, numbers and maps with string keys always have a JSON form.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
@@ -194,7 +194,7 @@ impl Summary {
 /// Wall-clock time by phase `[s]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct WallSeconds {
-    /// From the start of the program to the summary.
+    /// Time from the start of the program to the summary.
     pub total: f64,
     /// Element loop.
     pub assembly: f64,
@@ -206,16 +206,16 @@ pub struct WallSeconds {
     pub solve: f64,
     /// Contact search.
     pub search: f64,
-    /// Files.
+    /// Writing of files.
     pub output: f64,
-    /// The script's own statements and closures.
+    /// Statements and closures of the script.
     pub script: f64,
-    /// What is left.
+    /// Remaining wall-clock time `[s]`.
     pub other: f64,
 }
 
 impl WallSeconds {
-    /// The kernels' times with those of output and script; `other` is what they leave of `total`.
+    /// Returns the times of the kernels, output and script; `other` is the remainder of `total`.
     pub fn new(total: Duration, phases: &PhaseTimes, output: Duration, script: Duration) -> Self {
         let PhaseTimes { assembly, contact, factorization, solve, search } = *phases;
         let known = assembly + contact + factorization + solve + search + output + script;
@@ -233,14 +233,14 @@ impl WallSeconds {
     }
 }
 
-/// Largest resident memory of this process in bytes, where the system tells (Linux).
+/// Largest resident memory of this process in bytes, if the system reports it (Linux).
 pub fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     kilobytes.split_whitespace().next()?.parse::<u64>().ok().map(|count| count * 1024)
 }
 
-/// Mass and size of a model, from which its momenta get a scale.
+/// Mass and size of a model, the scales of linear and angular momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia {
     /// Mass of all bodies `[mass]`.
@@ -250,7 +250,7 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// That of a model.
+    /// Returns mass and size of a model.
     pub fn of(model: &Model) -> Self {
         let bodies = || model.bodies.iter();
         let points = bodies().flat_map(|body| &body.mesh.points);
@@ -261,31 +261,33 @@ impl Inertia {
     }
 }
 
-/// What the conservation laws were off by; `None` where there is nothing to compare.
+/// Drifts of the conserved quantities; `None` where there is nothing to compare.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drifts {
     /// Largest change of the total energy since the loads ended, contact work included, over the largest `kinetic + strain + |potential|`
     /// since then.
     pub energy: Option<f64>,
-    /// Largest sum of energy defects since the loads ended, which neither loads nor contact nor dissipation explain, over the same.
+    /// Largest sum of energy defects since the loads ended, not explained by loads, contact or dissipation, relative to the largest
+    /// `kinetic + strain + |potential|` since then.
     pub unexplained_energy: Option<f64>,
     /// Largest change of the linear momentum since the loads ended, less what supports explain, over the largest of `|p|` and
     /// `sqrt(2 mass kinetic)`, which bounds `|p|` from above. Without [`Inertia`]: over the largest `|p|`.
     pub momentum: Option<f64>,
-    /// The same for the angular momentum, with `radius` times the scale of the momentum.
+    /// Largest change of the angular momentum since the loads ended, less contributions of supports, relative to `radius` times the scale
+    /// of the linear momentum.
     pub angular_momentum: Option<f64>,
     /// Largest `|energy_defect|` of a step, over the largest `kinetic + strain + |potential|` of the run.
     pub worst_energy_defect: Option<f64>,
 }
 
-/// Drifts of a run whose last load acted until `loads_ended`; rows in ascending order of time.
+/// Returns the drifts of a run whose last load acted until `loads_ended`; rows are in ascending order of time.
 ///
-/// Momenta change where a support holds a body, which the law allows. What neither loads nor reactions explain is booked step by step in
-/// the ledger's defects, so the drift is the smaller one of the plain change and of the sum of the defects.
+/// Momenta may change where a support holds a body. The part not explained by loads and reactions is booked in the ledger's defects in each
+/// step; the drift is the smaller one of the plain change and of the sum of the defects.
 pub fn drifts<R: Rows + ?Sized>(rows: &R, loads_ended: f64, inertia: Option<Inertia>) -> Drifts {
     let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
     let [mut scale, mut worst, mut kinetic, mut momentum, mut angular] = [0.0; 5];
-    // The last row at that time: settling gives another row without letting time pass.
+    // The last row at that time: an equilibrium adds a row at the same time.
     let (mut index, mut first) = (0, None);
     rows.visit(0, &mut |row| {
         raise(&mut scale, row.energy_scale());
@@ -330,14 +332,14 @@ pub fn drifts<R: Rows + ?Sized>(rows: &R, loads_ended: f64, inertia: Option<Iner
     }
 }
 
-/// Maximum of two values. Unlike `f64::max` it keeps a NaN: a broken run must not look like a perfect one.
+/// Sets `most` to the maximum. Unlike `f64::max` this keeps a NaN: a diverged run must not look perfect.
 fn raise(most: &mut f64, value: f64) {
     if value > *most || value.is_nan() {
         *most = value;
     }
 }
 
-/// `part / scale`; 0 of nothing is 0.
+/// Returns `part / scale`; 0 for `0 / 0`.
 fn relative(part: f64, scale: f64) -> f64 {
     if part == 0.0 { 0.0 } else { part / scale }
 }

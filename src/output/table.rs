@@ -1,15 +1,15 @@
 //! A table: named columns of numbers, written as CSV or Parquet.
 //!
-//! Columns of counts stay whole numbers in both formats. What does not exist (a force before the first step) is an empty field of a CSV
-//! file and a null of a Parquet file; NaN and infinities are values. CSV has the fewest digits that read back as the same number,
-//! Parquet the number's own bits, so both give back exactly what the script sees. Columns of a history that hold counts are known by
-//! their names ([`is_count`]).
+//! Columns of counts stay whole numbers in both formats. A missing value (a force before the first step) is an empty field of a CSV file
+//! and a null of a Parquet file; NaN and infinities are values. CSV has the fewest digits that read back as the same number, Parquet the
+//! exact bits, so both return exactly the values that scripts read. Columns of a history with counts are known by their names
+//! ([`is_count`]).
 
 use std::fmt::Write as _;
 
 use super::csv_text::line;
 
-/// Whether a column of a history holds counts, which are written without a fraction.
+/// True if a column of a history holds counts, which are written without a fraction.
 pub fn is_count(column: &str) -> bool {
     ["step", "newton_iterations", "halvings", "active", "factorizations"].contains(&column)
 }
@@ -17,16 +17,16 @@ pub fn is_count(column: &str) -> bool {
 /// A named column; `None` where there is no value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
-    /// Its values.
+    /// Values by row.
     pub values: Vec<Option<f64>>,
-    /// Whether they are whole numbers.
+    /// True if the values are whole numbers.
     pub is_count: bool,
 }
 
 impl Column {
-    /// A column of a history. Behind the columns of the ledger, what is no number does not exist yet, as in `history.csv`.
+    /// Returns a column of a history. In columns behind those of the ledger, NaN is a missing value, as in `history.csv`.
     pub fn of_history(name: &str, values: impl IntoIterator<Item = f64>, is_ledger: bool) -> Self {
         let values: Vec<Option<f64>> = values.into_iter().map(|value| Some(value).filter(|value| is_ledger || !value.is_nan())).collect();
         let is_count = is_count(name) && values.iter().flatten().all(|value| value.fract() == 0.0);
@@ -37,9 +37,9 @@ impl Column {
 /// A named column of words; `None` where there is none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextColumn {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
-    /// Its words.
+    /// Words by row.
     pub values: Vec<Option<String>>,
 }
 
@@ -56,12 +56,12 @@ impl Table {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// The column of that name.
+    /// Returns the column with a name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// The text of a CSV file (RFC 4180 with line feeds): a header and the rows.
+    /// Returns the table as CSV (RFC 4180 with line feeds): a header and the rows.
     pub fn to_csv(&self) -> Vec<u8> {
         let mut text = line(&self.columns.iter().map(|column| &column.name).collect::<Vec<_>>());
         let mut row_text = String::new();
@@ -72,7 +72,7 @@ impl Table {
                 let _ = match column.values[row] {
                     Some(value) if column.is_count => write!(row_text, "{comma}{value}"),
                     Some(value) => write!(row_text, "{comma}{value:?}"),
-                    // The only field of a line must be there to be seen.
+                    // A single empty field is quoted, since the line would be empty otherwise.
                     None if self.columns.len() == 1 => write!(row_text, "\"\""),
                     None => write!(row_text, "{comma}"),
                 };

@@ -28,26 +28,26 @@ use crate::elements::CellKind;
 /// VTK's number of a line with two nodes.
 const LINE: u8 = 3;
 
-/// Bytes that are compressed together. VTK's own default, and a multiple of every scalar's size as meshio needs it.
+/// Number of bytes that are compressed together: the default of VTK, and a multiple of every scalar's size as required by meshio.
 const BLOCK: usize = 32768;
 
-/// How far a half plane reaches to either side of the bodies, in their extents: bodies may move along it.
+/// Half length of the line by which a half plane is drawn, relative to the extent of the bodies: bodies may move along the plane.
 const REACH: f64 = 10.0;
 
-/// The same of a plane, a cylinder or a cone in space from the middle of the bodies.
+/// Size of planes, cylinders and cones in space, from the center of the bodies, relative to their extent.
 const REACH_IN_SPACE: f64 = 1.5;
 
-/// Speed against size: level 6 makes files 8 % smaller in two to four times the time (bearing and a block of 144 000 cells).
+/// Compression level: level 6 makes files 8 % smaller in two to four times the time (bearing and a block of 144 000 cells).
 const LEVEL: Compression = Compression::fast();
 
-/// A named array as it goes into the file.
+/// A named array of the file.
 #[derive(Debug)]
 struct Array {
     name: &'static str,
     scalar: &'static str,
     components: usize,
     bytes: Vec<u8>,
-    /// The bytes in blocks as the file holds them, once they were asked for.
+    /// Compressed blocks, created on first use.
     packed: OnceLock<Vec<u8>>,
 }
 
@@ -73,10 +73,10 @@ impl Array {
     }
 }
 
-/// What all frames of a simulation have in common: the undeformed bodies. It is compressed once, by the first frame that is encoded.
+/// Undeformed bodies, common to all frames of a simulation. The grid is compressed once, by the first frame that is encoded.
 #[derive(Debug)]
 pub struct Grid {
-    /// What its parts are: `body` or `obstacle`.
+    /// Kind of the grid's parts: `body` or `obstacle`.
     kind: &'static str,
     names: Vec<String>,
     points: usize,
@@ -87,7 +87,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Copies what the files need.
+    /// Copies the data of the bodies for the files.
     pub fn new(bodies: &[BodyFields]) -> Self {
         let cells = || bodies.iter().flat_map(|body| body.mesh.cells().map(move |cell| (body.mesh.kind, cell)));
         let first_node = |index: usize| bodies[..index].iter().map(|body| body.mesh.points.len()).sum::<usize>() as i64;
@@ -119,7 +119,7 @@ impl Grid {
 }
 
 impl Grid {
-    /// Surfaces with their names, points and facets.
+    /// Returns the grid of surfaces with their names, points and facets.
     fn of_surfaces<'a>(kind: &'static str, surfaces: impl Iterator<Item = (&'a str, &'a [[f64; 3]], &'a [Vec<u32>])>) -> Self {
         let (mut names, mut position, mut connectivity) = (Vec::new(), Vec::new(), Vec::new());
         let (mut offsets, mut types, mut number) = (Vec::new(), Vec::new(), Vec::new());
@@ -154,23 +154,23 @@ impl Grid {
     }
 }
 
-/// All bodies at one time as plain bytes: taking a frame is quick, and a frame can be encoded and written by another thread.
+/// All bodies at one time as plain bytes: taking a frame is quick, and another thread can encode and write it.
 #[derive(Debug)]
 pub struct Frame {
     time: f64,
     grid: Arc<Grid>,
-    /// Which arrays stand for scalars, vectors and tensors where a reader shows only one of each.
+    /// Names of the default scalars, vectors and tensors, for readers that show only one of each.
     shown: &'static str,
     nodal: Vec<Array>,
 }
 
 impl Frame {
-    /// Copies what the file needs.
+    /// Copies the data for the file.
     pub fn new(time: f64, bodies: &[BodyFields]) -> Self {
         Frame::on(Arc::new(Grid::new(bodies)), time, bodies)
     }
 
-    /// Rigid obstacles where they are at that time, drawn beside bodies that are about as large as `around`.
+    /// Returns a frame of rigid obstacles at their positions at `time`, drawn beside bodies as large as `around`.
     pub fn of_obstacles(time: f64, obstacles: &[PlacedObstacle], around: &Surroundings) -> Self {
         let of_wall = |wall: Wall| {
             let pieces: Vec<[[f64; 2]; 4]> = wall.pieces().collect();
@@ -187,7 +187,7 @@ impl Frame {
         Frame { time, grid: Arc::new(grid), shown: "", nodal: Vec::new() }
     }
 
-    /// Secondary surfaces of contacts at that time.
+    /// Returns a frame of the secondary surfaces of contacts.
     pub fn of_contacts(time: f64, surfaces: &[ContactSurface]) -> Self {
         let grid = Grid::of_surfaces("contact", surfaces.iter().map(|surface| (&*surface.name, &*surface.points, &*surface.facets)));
         let count = grid.points;
@@ -218,7 +218,7 @@ impl Frame {
         Frame { time, grid: Arc::new(grid), shown: " Scalars=\"contact_pressure\" Vectors=\"displacement\"", nodal }
     }
 
-    /// Copies what the file needs besides the grid of the same bodies.
+    /// Copies the data for the file, except those in the grid of the bodies.
     pub fn on(grid: Arc<Grid>, time: f64, bodies: &[BodyFields]) -> Self {
         let count = grid.points;
         let scalars = |name, of: fn(&BodyFields) -> &[f64]| {
@@ -244,12 +244,12 @@ impl Frame {
         Frame { time, grid, shown: " Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", nodal }
     }
 
-    /// Its time.
+    /// Time of the frame.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// The bytes of the file.
+    /// Encodes the file.
     pub(crate) fn encode(&self) -> Vec<u8> {
         let mut text = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -260,7 +260,7 @@ impl Frame {
             let tag_name = tag.split(' ').next().unwrap_or(tag);
             let _ = writeln!(text, "      <{tag}>");
             for array @ Array { name, scalar, components, .. } in arrays {
-                // meshio makes a column matrix of a scalar that says that it has one component.
+                // meshio makes a column matrix of an array with `NumberOfComponents="1"`.
                 let count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
                 let offset = blob.len();
                 let _ =
@@ -296,13 +296,13 @@ impl Frame {
     }
 }
 
-/// An array as VTK stores it: number of blocks, size of a block, size of the last one if it is not full, compressed sizes, blocks.
+/// Encodes an array in VTK's format: number of blocks, size of a block, size of the last one if incomplete, compressed sizes, blocks.
 fn packed(bytes: &[u8]) -> Vec<u8> {
     let blocks: Vec<Vec<u8>> = bytes
         .chunks(BLOCK)
         .map(|block| {
             let mut encoder = ZlibEncoder::new(Vec::new(), LEVEL);
-            // Memory takes everything.
+            // Writing to memory does not fail.
             let _ = encoder.write_all(block);
             encoder.finish().unwrap_or_default()
         })

@@ -1,4 +1,4 @@
-//! A frame as VTU in plain text, to be read by eyes and by programs that know neither appended bytes nor zlib.
+//! A frame as VTU in plain text, for people and for programs without support of appended data or zlib.
 //!
 //! Numbers have the fewest digits that read back as the same value; `nan` where there is none (VTK and meshio read it).
 
@@ -7,10 +7,10 @@ use std::fmt::Write as _;
 use super::markup::comment;
 use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
 
-/// Numbers on a line where an array has one for each place.
+/// Values per line of an array with one component.
 const PER_LINE: usize = 12;
 
-/// The text of the file.
+/// Returns the text of the file.
 pub fn vtu_text(frame: &FieldsRead) -> String {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n",

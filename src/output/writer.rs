@@ -1,8 +1,8 @@
 //! Frames of a simulation, encoded and written by a thread of their own, in order, while the solver goes on.
 //!
-//! The queue holds [`AHEAD`] frames; whoever hands over more waits, so memory is bounded. The thread lives while there is something to
-//! write: [`FieldWriter::wait`] ends it and takes the series back, and so does dropping the writer. What the operating system refuses is
-//! told by the next call. Rows of the history do not come this way: a row takes microseconds and is in its file when its step is accepted.
+//! The queue holds [`AHEAD`] frames; further calls wait, so that memory is bounded. The thread runs while there are frames to write:
+//! [`FieldWriter::wait`] and dropping the writer end it; the former returns the series. Errors of the operating system are returned by the
+//! next call. Rows of the history are written directly: a row takes microseconds and is in its file when its step is accepted.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -15,39 +15,39 @@ use super::pvd::FieldSeries;
 use super::vtu::{Frame, Grid};
 use crate::dynamics::BodyFields;
 
-/// Frames that wait to be written, besides the one that is being written.
+/// Largest number of waiting frames, besides the one being written.
 const AHEAD: usize = 2;
 
-/// A thread that writes frames; it gives back the series and the first error.
+/// Thread that writes frames; its result is the series and the first error.
 struct Thread {
     frames: SyncSender<(Frame, usize)>,
     handle: JoinHandle<(FieldSeries, Result<(), OutputError>)>,
 }
 
-/// Writes the frames of one simulation behind its back.
+/// Writes the frames of one simulation in the background.
 pub struct FieldWriter {
-    /// The series, unless a thread has it, or lost it in a panic.
+    /// The series; `None` while a thread has it, or if lost by a panic.
     series: Option<FieldSeries>,
     thread: Option<Thread>,
     grid: Option<Arc<Grid>>,
-    /// Time of the last frame that was handed over or, after an error, written, and the row of the history that belongs to it.
+    /// Time of the last frame that was handed over or, after an error, written, and its row of the history.
     last: Option<(f64, usize)>,
-    /// Whether something was refused that has not been told.
+    /// True if an error of the operating system has not been reported yet.
     refused: Arc<AtomicBool>,
 }
 
 impl FieldWriter {
-    /// Writes into a series.
+    /// Returns a writer of a series.
     pub fn new(series: FieldSeries) -> Self {
         FieldWriter { last: series.last(), series: Some(series), thread: None, grid: None, refused: Arc::default() }
     }
 
-    /// Time of the last frame, and the row of the history that belongs to it.
+    /// Time of the last frame, and its row of the history.
     pub fn last(&self) -> Option<(f64, usize)> {
         self.last
     }
 
-    /// Hands over all bodies at one time, with the row of the history that belongs to it; the bodies are the same at each call.
+    /// Hands over all bodies at one time, with the row of the history. The bodies must be the same at each call.
     ///
     /// # Errors
     /// The operating system refused this frame or an earlier one.
@@ -61,7 +61,7 @@ impl FieldWriter {
         if let Some(series) = self.series.take() {
             match start(series, self.refused.clone()) {
                 Ok(thread) => self.thread = Some(thread),
-                // Where there can be no thread, the frame is written here and now.
+                // If no thread can be started, the frame is written on this thread.
                 Err(series) => {
                     let written = self.series.insert(*series).append(&frame, row);
                     self.last = self.series.as_ref().and_then(FieldSeries::last);
@@ -77,10 +77,10 @@ impl FieldWriter {
         }
     }
 
-    /// Works on the series when all frames that were handed over are written; none where a panic has lost it.
+    /// Calls `work` with the series when all frames are written; `None` if a panic has lost the series.
     ///
     /// # Errors
-    /// The operating system refused an earlier frame, or what is done.
+    /// The operating system refused an earlier frame, or `work` fails.
     ///
     /// # Panics
     /// The thread panicked.
@@ -92,7 +92,7 @@ impl FieldWriter {
         done.map(Some)
     }
 
-    /// Tells what was refused so far, without waiting for the rest.
+    /// Returns errors so far, without waiting for further frames.
     ///
     /// # Errors
     /// The operating system refused a frame.
@@ -125,16 +125,16 @@ impl Drop for FieldWriter {
     fn drop(&mut self) {
         if let Some(Thread { frames, handle }) = self.thread.take() {
             drop(frames);
-            // Nobody is left to be told.
+            // The result has no receiver.
             let _ = handle.join();
         }
     }
 }
 
-/// Starts the thread, or gives the series back where the operating system has none to give.
+/// Starts the thread, or returns the series if the operating system cannot start one.
 fn start(series: FieldSeries, refused: Arc<AtomicBool>) -> Result<Thread, Box<FieldSeries>> {
     let (frames, queue) = sync_channel::<(Frame, usize)>(AHEAD);
-    // The series goes by a channel of its own: a thread that cannot be started would keep it.
+    // The series is sent through a separate channel: a thread that cannot be started would keep it.
     let (hand_over, receive) = sync_channel::<FieldSeries>(1);
     let work = move || {
         let Ok(mut series) = receive.recv() else { unreachable!("the series is sent before the first frame") };

@@ -1,7 +1,7 @@
 //! XDMF with HDF5: a series as a list in XML (`fields.xdmf`) with its numbers in one HDF5 file for each frame (`fields_000000.h5`).
 //!
-//! For programs that read HDF5 and not VTK (h5py, MATLAB, Julia), and for meshio and ParaView as well. The grid stands in every file, so
-//! that each is whole by itself. Symmetric tensors are in the order xx, xy, xz, yy, yz, zz. (XDMF model and format, version 3; cells of
+//! For programs that read HDF5 and not VTK (h5py, MATLAB, Julia), and for meshio and ParaView as well. Every file includes the grid, so
+//! that each is complete by itself. Symmetric tensors are in the order xx, xy, xz, yy, yz, zz. (XDMF model and format, version 3; cells of
 //! several kinds are written as `Mixed`.)
 
 use std::fmt::Write as _;
@@ -16,7 +16,7 @@ use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
 /// VTK's number of a polyline.
 const POLYLINE: u8 = 3;
 
-/// XDMF's number and name of a kind of cells, by VTK's number, and its nodes.
+/// Returns XDMF's number and name of a cell type, by VTK's number, and its number of nodes.
 fn kind_of(vtk: u8) -> Result<(i64, &'static str, usize), String> {
     if vtk == POLYLINE {
         return Ok((2, "Polyline", 2));
@@ -25,7 +25,7 @@ fn kind_of(vtk: u8) -> Result<(i64, &'static str, usize), String> {
     row.map(|row| (row.xdmf.0, row.xdmf.1, row.nodes)).ok_or_else(|| format!("cells of VTK's kind {vtk} have no name in XDMF"))
 }
 
-/// The topology of a frame: name, and its numbers with their width.
+/// Topology of a frame: name, and connectivity with its width.
 struct Topology {
     name: &'static str,
     numbers: Vec<i64>,
@@ -50,10 +50,10 @@ fn topology(frame: &FieldsRead) -> Result<Topology, String> {
     Ok(Topology { name: "Mixed", width: 1, numbers })
 }
 
-/// The HDF5 file of a frame: `points`, `topology`, and every field under its name.
+/// Returns the HDF5 file of a frame: `points`, `topology`, and every field under its name.
 ///
 /// # Errors
-/// What the format refuses, in words.
+/// The HDF5 writer refuses the data; the text gives the reason.
 pub fn hdf5(frame: &FieldsRead) -> Result<Vec<u8>, String> {
     let mut file = FileBuilder::new();
     let topology = topology(frame)?;
@@ -72,7 +72,7 @@ pub fn hdf5(frame: &FieldsRead) -> Result<Vec<u8>, String> {
     file.finish().map_err(|error| error.to_string())
 }
 
-/// Symmetric tensors xx, yy, zz, xy, yz, xz in the order of XDMF: xx, xy, xz, yy, yz, zz.
+/// Reorders symmetric tensors xx, yy, zz, xy, yz, xz to XDMF's order xx, xy, xz, yy, yz, zz.
 fn as_tensors(values: &[f64]) -> Vec<f64> {
     values.chunks_exact(6).flat_map(|tensor| [0, 3, 5, 1, 4, 2].map(|component| tensor[component])).collect()
 }
@@ -82,7 +82,7 @@ fn shape_of(array: &ArrayRead) -> Vec<u64> {
     if array.components > 1 { vec![rows, array.components as u64] } else { vec![rows] }
 }
 
-/// Name of an array's data set; a field of cells may have the name of one of points.
+/// Returns the name of an array's data set; a field of cells may have the name of a field of points.
 fn dataset_of(array: &ArrayRead) -> String {
     match array.section {
         Section::Points => "points".into(),
@@ -91,10 +91,10 @@ fn dataset_of(array: &ArrayRead) -> String {
     }
 }
 
-/// A frame's part of the list; `file`: path of its HDF5 file relative to the list.
+/// Returns the XML of a frame in the list; `file` is the path of its HDF5 file relative to the list.
 ///
 /// # Errors
-/// Cells that have no name in XDMF.
+/// Cells without a name in XDMF.
 pub fn grid(frame: &FieldsRead, time: f64, file: &str) -> Result<String, String> {
     let Topology { name, numbers, width } = topology(frame)?;
     let file = escaped(file);
@@ -138,7 +138,7 @@ pub fn grid(frame: &FieldsRead, time: f64, file: &str) -> Result<String, String>
     Ok(text)
 }
 
-/// The list of a series with its frames' parts.
+/// Returns the list of a series from the XML of its frames.
 pub fn xdmf(grids: &[String]) -> String {
     let head = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n    \
                 <Grid Name=\"series\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";

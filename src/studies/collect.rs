@@ -1,4 +1,4 @@
-//! The table of a study with its pictures and its page, from what its points have left.
+//! Collects table, pictures and page of a study from the records of its points.
 
 use super::collected::Collected;
 use super::draw::{StudyPicture, pictures};
@@ -10,7 +10,7 @@ use super::table::StudyTable;
 use crate::output::{OutputError, svg};
 use crate::script::Diagnostic;
 
-/// Writes `table.csv`, `table.parquet`, `pictures/` and `study.html` of the points as they stand now.
+/// Writes `table.csv`, `table.parquet`, `pictures/` and `study.html` from the present points.
 ///
 /// # Errors
 /// A file that cannot be written.
@@ -33,7 +33,7 @@ pub fn collect(study: &StudyFolder, plan: &Plan) -> Result<Collected, Box<Diagno
     Ok(collected)
 }
 
-/// Pictures of results that there are no more would mislead.
+/// Removes the pictures of an earlier collection, some of which may show results that no longer exist.
 fn remove_pictures(study: &StudyFolder) -> Result<(), Box<Diagnostic>> {
     let path = study.path().join("pictures");
     match std::fs::remove_dir_all(&path) {
@@ -42,7 +42,7 @@ fn remove_pictures(study: &StudyFolder) -> Result<(), Box<Diagnostic>> {
     }
 }
 
-/// Points that do not belong together: computed by other versions, from other scripts.
+/// Returns remarks on inconsistent points: computed by different versions, or from different scripts.
 fn remarks(plan: &Plan, states: &[PointState]) -> Vec<String> {
     let records = || states.iter().filter_map(|state| if let PointState::Done(record) = state { Some(record) } else { None });
     let different = |mut all: Vec<String>| {
@@ -55,7 +55,7 @@ fn remarks(plan: &Plan, states: &[PointState]) -> Vec<String> {
     if versions.len() > 1 {
         remarks.push(format!("points were computed by different versions of the program: {}", versions.join(", ")));
     }
-    // A point that failed may not have come to all of its files.
+    // A failed point may not have written all of its files.
     let ended = records().filter(|record| record.outcome == RecordOutcome::Completed);
     let scripts = different(ended.filter_map(|record| record.scripts.clone()).collect());
     let reads_others = scripts.len() > 1;

@@ -1,31 +1,31 @@
-//! A study as it stands: its table, where each point is, what is remarkable.
+//! Present results of a study: its table, the state of each point, remarks.
 
 use super::folder::PointState;
 use super::record::RecordOutcome;
 use super::table::StudyTable;
 
-/// A study as it stands.
+/// Present results of a study.
 pub struct Collected {
-    /// Its table.
+    /// Table of the study.
     pub table: StudyTable,
-    /// Where each point stands.
+    /// State of each point.
     pub states: Vec<PointState>,
-    /// What is remarkable about it.
+    /// Remarks on the study.
     pub remarks: Vec<String>,
 }
 
 impl Collected {
-    /// Number of points that came to their end.
+    /// Number of points whose script ended normally.
     pub fn completed(&self) -> usize {
         self.count(|state| matches!(state, PointState::Done(record) if record.outcome.is_completed()))
     }
 
-    /// Number of points that came to their end with an energy that their integrator has changed.
+    /// Number of points whose script ended normally, but whose integrator changed the energy.
     pub(crate) fn not_conserving(&self) -> usize {
         self.count(|state| matches!(state, PointState::Done(record) if record.outcome == RecordOutcome::NotConserving))
     }
 
-    /// How many points came to which end, in words.
+    /// Returns the number of points by outcome, in words.
     pub fn tally(&self) -> String {
         let (not_conserving, failed) = (self.not_conserving(), self.failed());
         let conserving = self.completed() - not_conserving;

@@ -1,4 +1,4 @@
-//! What varies in a study, and the points that come of it.
+//! Varied parameters of a study, and the points that result.
 //!
 //! Rows of a file, listed values and samples are independent of each other: every combination is a point. Rows change slowest, then the
 //! listed parameters in their order, samples fastest.
@@ -11,17 +11,17 @@ use crate::machine::files;
 use crate::output::csv_text;
 use crate::script::Diagnostic;
 
-/// How listed values of several parameters are combined.
+/// Combination of the listed values of several parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pairing {
-    /// Every value with every other.
+    /// All combinations of the values.
     #[default]
     Grid,
-    /// The first with the first, the second with the second.
+    /// Values at equal positions of the lists.
     Zip,
 }
 
-/// Points from a file.
+/// Points read from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
     /// Names of the parameters.
@@ -34,7 +34,7 @@ impl Rows {
     /// Reads a CSV file: a header with the names, and a row for each point.
     ///
     /// # Errors
-    /// A file that cannot be read, has no rows, or rows of different lengths; a name or a value that is missing.
+    /// A file that cannot be read, has no rows, or rows of different lengths; a missing name or value.
     pub fn read(path: &Path) -> Result<Self, Box<Diagnostic>> {
         let refused = |cause: String| {
             let error = refusal(format!("the points in {} cannot be read", path.display())).cause(cause);
@@ -61,27 +61,27 @@ impl Rows {
     }
 }
 
-/// What varies.
+/// Varied parameters of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Design {
-    /// Points from a file.
+    /// Points read from a file.
     pub rows: Option<Rows>,
     /// Parameters with their values.
     pub varied: Vec<Varied>,
-    /// How listed values are combined.
+    /// Combination of listed values.
     pub pairing: Pairing,
-    /// How intervals are sampled.
+    /// Method of sampling of intervals.
     pub sampling: Option<Sampling>,
 }
 
-/// Most points of a study.
+/// Largest number of points of a study.
 const MOST: usize = 1_000_000;
 
 impl Design {
-    /// Names of the parameters, and their values at every point.
+    /// Returns the names of the parameters, and their values at every point.
     ///
     /// # Errors
-    /// Nothing that varies, a parameter or a point twice, an interval without sampling or the other way round, lists of different
+    /// No varied parameter, a parameter or a point twice, an interval without sampling or sampling without intervals, lists of different
     /// lengths side by side, too many points.
     pub fn points(&self) -> Result<Rows, Box<Diagnostic>> {
         let mut points = self.rows.clone().unwrap_or_else(|| Rows { names: Vec::new(), rows: vec![Vec::new()] });

@@ -1,7 +1,7 @@
-//! Pictures of a study: each result over what varies.
+//! Pictures of a study: each result over the varied parameters.
 //!
-//! With one parameter a curve, with more a family of curves where there are few, markers over each parameter where there are many, and
-//! for exactly two numbers the response as colors over both.
+//! With one parameter a curve; with more parameters a family of curves if there are few, markers over each parameter if there are many; for
+//! exactly two numbers the response as colors over both.
 
 use crate::output::{Curve, CurveStyle, Drawing, Plot, PlotAxis, Response};
 
@@ -9,19 +9,19 @@ use super::table::{StudyColumn, StudyTable};
 
 /// A picture.
 pub struct StudyPicture {
-    /// Name of its file without an ending.
+    /// Name of the file without extension.
     pub name: String,
-    /// What it shows.
+    /// Title of the picture.
     pub title: String,
     /// The picture.
     pub drawing: Drawing,
 }
 
-/// Curves of a family at most: as many as have colors of their own.
+/// Largest number of curves of a family, the number of different colors.
 const FAMILY: usize = 7;
-/// Pictures at most: a study of many results is looked at in its table.
+/// Largest number of pictures; more results are only in the table.
 const MOST: usize = 60;
-/// From this ratio of the largest to the smallest value on, an axis is logarithmic.
+/// Ratio of the largest to the smallest value above which an axis is logarithmic.
 const WIDE: f64 = 30.0;
 
 /// A column of numbers by its name.
@@ -61,10 +61,10 @@ fn count_different(column: &StudyColumn) -> usize {
     words.len()
 }
 
-/// A curve over one parameter for each combination of the others; none where these are too many to be told apart.
+/// Returns a curve over one parameter for each combination of the others; `None` if there are too many combinations.
 fn family(parameters: &[&StudyColumn], axis: usize, result: &Named) -> Option<Vec<Curve>> {
     let xs = parameters[axis].numbers()?;
-    // Each with the row at which it begins.
+    // Each curve with its first row.
     let mut curves: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
     let others = || parameters.iter().enumerate().filter(|(place, _)| *place != axis).map(|(_, column)| column);
     for (row, (x, y)) in xs.iter().zip(result.values).enumerate() {
@@ -92,7 +92,7 @@ fn family(parameters: &[&StudyColumn], axis: usize, result: &Named) -> Option<Ve
 
 fn curve_picture(parameter: &StudyColumn, result: &Named, curves: Vec<Curve>) -> StudyPicture {
     let title = format!("{} over {}", result.name, parameter.name());
-    // Lines with markers, so that one sees what was computed.
+    // Lines with markers, so that computed points are visible.
     let markers = curves.iter().map(|curve| Curve { style: CurveStyle::Points, label: String::new(), ..curve.clone() }).collect::<Vec<_>>();
     let plot =
         Plot { x: axis(parameter.name(), parameter.numbers().unwrap_or_default()), y: axis(result.name, result.values), ..Plot::default() };
@@ -138,14 +138,14 @@ fn response(a: &StudyColumn, b: &StudyColumn, result: &Named) -> Option<StudyPic
     Some(StudyPicture { name: file_name(&title), title, drawing })
 }
 
-/// An axis that is logarithmic where values are of different orders.
+/// Returns an axis, logarithmic if the values differ by orders of magnitude.
 fn axis(name: &str, values: &[Option<f64>]) -> PlotAxis {
     let finite = || values.iter().flatten().copied().filter(|value| value.is_finite());
     let (low, high) = finite().fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
     PlotAxis { is_logarithmic: low > 0.0 && high >= WIDE * low, ..PlotAxis::new(name) }
 }
 
-/// A title as the name of a file.
+/// Converts a title into a file name.
 fn file_name(title: &str) -> String {
     let plain = |sign: char| if sign.is_alphanumeric() || "-+.".contains(sign) { sign } else { '_' };
     title.chars().take(100).map(plain).collect::<String>().trim_matches(['_', '.']).into()

@@ -1,16 +1,16 @@
-//! The folder of a study: what it holds, and who may compute a point.
+//! The folder of a study: its files, and the right to compute a point.
 //!
 //! | file | what |
 //! |---|---|
 //! | `study.json` | the [`Plan`] |
-//! | `points.csv` | the same for people and engines |
+//! | `points.csv` | the points as a table |
 //! | `points/ID/` | the run of a point |
 //! | `points/ID/point.json` | its [`Record`]: the point is done |
-//! | `points/ID/.claim` | locked while somebody computes it, with who that is |
-//! | `table.csv`, `table.parquet`, `pictures/`, `study.html` | what [`collect`](super::collect()) makes |
+//! | `points/ID/.claim` | locked by the process that computes the point, with its identification |
+//! | `table.csv`, `table.parquet`, `pictures/`, `study.html` | output of [`collect`](super::collect()) |
 //!
-//! Locks are those of the operating system (`flock`), which end with the process that holds them, also across machines on a shared file
-//! system. Nothing else says that a point is under way, so nothing has to be cleaned up after a crash.
+//! Locks are those of the operating system (`flock`), which end with their process, also across machines on a shared file system. Only the
+//! lock marks a point as under way, so no cleanup is needed after a crash.
 
 use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, Write};
@@ -29,7 +29,7 @@ const RECORD: &str = "point.json";
 const CLAIM: &str = ".claim";
 const LOCK: &str = ".lock";
 
-/// How often a lock is tried, and the time between.
+/// Number of attempts to take a lock, and the time between them.
 const ATTEMPTS: usize = 4;
 const MOMENT: Duration = Duration::from_millis(10);
 
@@ -39,21 +39,21 @@ pub struct StudyFolder {
     files: RunFiles,
 }
 
-/// Where a point stands.
+/// State of a point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PointState {
-    /// It is done.
+    /// The point is computed.
     Done(Record),
-    /// Somebody computes it.
+    /// Another process computes the point.
     UnderWay,
-    /// Somebody began it and was ended; who that was.
+    /// A process began the point and was ended; the text identifies the process.
     Stopped(String),
-    /// Nobody has begun it.
+    /// The point was not begun.
     Missing,
 }
 
 impl PointState {
-    /// Its word in tables.
+    /// Returns the state of the point as written in tables.
     pub fn word(&self) -> &'static str {
         match self {
             PointState::Done(record) => record.outcome.word(),
@@ -63,7 +63,7 @@ impl PointState {
         }
     }
 
-    /// Whether it is to be computed.
+    /// True if the point must be computed: it is missing, stopped or was killed.
     pub fn is_open(&self) -> bool {
         match self {
             PointState::Done(record) => record.outcome == RecordOutcome::Killed,
@@ -73,11 +73,11 @@ impl PointState {
     }
 }
 
-/// The right to compute a point, until it goes out of scope.
+/// Right to compute a point, until dropped.
 #[derive(Debug)]
 pub struct Claim(#[allow(dead_code, reason = "the lock lasts as long as the file is open")] File);
 
-/// The message of a file that could not be written.
+/// Returns the message of a file that could not be written.
 pub(super) fn unwritten(error: &OutputError) -> Box<Diagnostic> {
     Box::new(Diagnostic::error(Class::Output, error.to_string()).code(error.code()).hint(error.hint()))
 }
@@ -88,18 +88,18 @@ fn unlocked(path: &Path, error: &std::io::Error) -> Box<Diagnostic> {
 }
 
 impl StudyFolder {
-    /// The folder of a new study, or of one that grows.
+    /// Opens the folder of a new or growing study.
     ///
     /// # Errors
-    /// It cannot be made.
+    /// The folder cannot be created.
     pub fn create(path: &Path) -> Result<Self, Box<Diagnostic>> {
         RunFiles::create(path).map(|files| StudyFolder { files }).map_err(|error| unwritten(&error))
     }
 
-    /// The folder of a study that is planned.
+    /// Opens the folder of a planned study.
     ///
     /// # Errors
-    /// It holds no study.
+    /// The folder holds no study.
     pub fn open(path: &Path) -> Result<Self, Box<Diagnostic>> {
         if !Self::is_study(path) {
             let error = refusal(format!("{} holds no study", path.display())).cause(format!("there is no {STUDY} in it"));
@@ -108,28 +108,28 @@ impl StudyFolder {
         Self::create(path)
     }
 
-    /// Whether a folder holds a study.
+    /// True if a folder holds a study.
     pub(crate) fn is_study(path: &Path) -> bool {
         path.join(STUDY).is_file()
     }
 
-    /// The folder as it was named.
+    /// Path of the folder as given.
     pub fn path(&self) -> &Path {
         self.files.directory()
     }
 
-    /// Writes a file of the study in one piece.
+    /// Writes a file of the study atomically.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf, Box<Diagnostic>> {
         self.files.write(name, bytes).map_err(|error| unwritten(&error))
     }
 
-    /// The plan.
+    /// Reads the plan.
     ///
     /// # Errors
-    /// A damaged file, or one of a later version.
+    /// A damaged file, or a file of a later version.
     pub fn plan(&self) -> Result<Plan, Box<Diagnostic>> {
         let path = self.path().join(STUDY);
         let damaged = |reason: String| {
@@ -158,7 +158,7 @@ impl StudyFolder {
     /// Writes the plan in place of an older one.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write_plan(&self, plan: &Plan) -> Result<(), Box<Diagnostic>> {
         // A plan of strings and numbers always has a JSON form.
         let text = serde_json::to_string_pretty(plan).unwrap_or_default() + "\n";
@@ -166,10 +166,10 @@ impl StudyFolder {
         self.write("points.csv", &plan.to_csv()).map(drop)
     }
 
-    /// Waits until nobody else plans or collects; what is returned keeps others waiting.
+    /// Waits until no other process plans or collects, and locks the study until the result is dropped.
     ///
     /// # Errors
-    /// There are no locks here.
+    /// The file system has no locks.
     pub fn lock(&self) -> Result<Claim, Box<Diagnostic>> {
         let path = self.path().join(LOCK);
         let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(|error| unlocked(&path, &error))?;
@@ -177,25 +177,25 @@ impl StudyFolder {
         Ok(Claim(file))
     }
 
-    /// The folder of a point.
+    /// Path of the folder of a point.
     pub fn point(&self, point: &Point) -> PathBuf {
         self.path().join("points").join(&point.id)
     }
 
-    /// The record of a point, if it is done.
+    /// Reads the record of a point; `None` if the point is not computed.
     pub fn record(&self, point: &Point) -> Option<Record> {
         Record::read(&self.point(point).join(RECORD), &point.id)
     }
 
-    /// Writes the record of a point, which is then done.
+    /// Writes the record of a computed point.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The record cannot be written.
     pub fn write_record(&self, record: &Record) -> Result<(), Box<Diagnostic>> {
         self.write(&format!("points/{}/{RECORD}", record.id), record.to_json().as_bytes()).map(drop)
     }
 
-    /// Forgets what became of a point.
+    /// Removes the record of a point.
     ///
     /// # Errors
     /// The record cannot be removed.
@@ -207,10 +207,10 @@ impl StudyFolder {
         }
     }
 
-    /// The right to compute a point; none while somebody else has it.
+    /// Takes the right to compute a point; `None` while another process has it.
     ///
     /// # Errors
-    /// The folder cannot be made, or has no locks.
+    /// The folder cannot be created, or has no locks.
     pub fn claim(&self, point: &Point) -> Result<Option<Claim>, Box<Diagnostic>> {
         let path = self.files.place(&format!("points/{}/{CLAIM}", point.id)).map_err(|error| unwritten(&error))?;
         let open = File::options().create(true).truncate(false).read(true).write(true).open(&path);
@@ -218,18 +218,18 @@ impl StudyFolder {
         for attempt in 1.. {
             match file.try_lock() {
                 Ok(()) => break,
-                // Whoever only looks at a point's state holds the lock for a moment.
+                // A process that only queries the state of a point holds the lock for a moment.
                 Err(TryLockError::WouldBlock) if attempt < ATTEMPTS => std::thread::sleep(MOMENT),
                 Err(TryLockError::WouldBlock) => return Ok(None),
                 Err(TryLockError::Error(error)) => return Err(unlocked(&path, &error)),
             }
         }
-        // Who it is helps people only, so that a full disk may refuse it.
+        // The identification is information only, so that a full disk may refuse the write.
         let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder().as_bytes()));
         Ok(Some(Claim(file)))
     }
 
-    /// Where a point stands.
+    /// Returns the state of a point.
     pub fn state(&self, point: &Point) -> PointState {
         if let Some(record) = self.record(point) {
             return PointState::Done(record);
@@ -238,7 +238,7 @@ impl StudyFolder {
         if matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)) {
             return PointState::UnderWay;
         }
-        // It may have been done a moment ago.
+        // The point may have been completed meanwhile.
         if let Some(record) = self.record(point) {
             return PointState::Done(record);
         }
@@ -248,7 +248,7 @@ impl StudyFolder {
     }
 }
 
-/// Who computes: the process, and the task of a scheduler that it is.
+/// Identifies this process, and its task of a scheduler.
 fn holder() -> String {
     let value = |name: &str| std::env::var(name).ok();
     let task = value("SLURM_ARRAY_JOB_ID").or(value("SLURM_JOB_ID")).map(|job| match value("SLURM_ARRAY_TASK_ID") {

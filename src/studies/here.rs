@@ -1,7 +1,7 @@
-//! The points of a study on this machine: as many processes as there are processors, each given a point after the other.
+//! Computes the points of a study on this machine, in one process per processor; each process computes one point after another.
 //!
-//! A process is [`serve`] behind `conserva sweep point DIR --index -`: it reads numbers of points, one a line, and answers each with a
-//! word. A point that takes its process with it therefore harms no other one.
+//! A process runs [`serve`] as `conserva sweep point DIR --index -`: it reads indices of points, one per line, and answers each with a
+//! word. A point that crashes its process thus does not affect other points.
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -20,21 +20,21 @@ use super::values::refusal;
 use super::watchdog::Watchdog;
 use crate::script::{Class, Diagnostic};
 
-/// What a process is told to end with the point that it computes.
+/// Message upon which a process ends after its current point.
 const STOP: &str = "stop";
-/// What it answers: the point is done.
+/// Answer of a process whose point is done.
 const DONE: &str = "done";
-/// Somebody else computes it.
+/// Answer of a process whose point is computed by another process.
 const BUSY: &str = "busy";
-/// It was interrupted.
+/// Answer of a process that was interrupted.
 const INTERRUPTED: &str = "interrupted";
-/// How often an interrupt is looked for, and a point that somebody else computes.
+/// Period at which interrupts, and points computed by other processes, are checked.
 const PERIOD: Duration = Duration::from_millis(100);
 
-/// Computes the points whose numbers come as lines, and says a word for each.
+/// Computes the points whose indices are read line by line, and answers each with a word.
 ///
 /// # Errors
-/// Files that cannot be written, numbers that the study does not have.
+/// Files that cannot be written, indices that the study does not have.
 pub fn serve(
     study: &StudyFolder,
     plan: &Plan,
@@ -70,12 +70,12 @@ pub fn serve(
     Ok(())
 }
 
-/// A point that is done.
+/// A computed point.
 #[derive(Clone, Debug)]
 pub struct Done {
-    /// Its number.
+    /// Index of the point.
     pub index: usize,
-    /// What became of it.
+    /// Record of the point.
     pub record: Record,
 }
 
@@ -84,7 +84,7 @@ enum Message {
     Trouble(Box<Diagnostic>),
 }
 
-/// What the threads share that look after a process each.
+/// Data shared by the threads that control one process each.
 struct Pool<'a> {
     study: &'a StudyFolder,
     plan: &'a Plan,
@@ -93,13 +93,13 @@ struct Pool<'a> {
     is_over: AtomicBool,
 }
 
-/// Where a process gets its orders.
+/// Input of a process for indices of points.
 type Orders = Mutex<Option<ChildStdin>>;
 
-/// Computes points in `jobs` processes of `program`; `tell` hears of each that is done.
+/// Computes points in `jobs` processes of `program`; `tell` is called with each computed point.
 ///
 /// # Errors
-/// A process that cannot be started, or that could not write its files. What is done until then stays.
+/// A process that cannot be started, or could not write its files. Points computed before are kept.
 pub(crate) fn compute_all(
     (study, plan): (&StudyFolder, &Plan),
     points: Vec<usize>,
@@ -138,7 +138,7 @@ pub(crate) fn compute_all(
     trouble.map_or(Ok(()), Err)
 }
 
-/// Writes an order; a process that has ended shows that by its answers.
+/// Writes a line to a process; an ended process is detected by its answers.
 fn give(orders: &Orders, order: &str) {
     if let Ok(mut orders) = orders.lock()
         && let Some(pipe) = orders.as_mut()
@@ -154,7 +154,7 @@ struct Worker {
 }
 
 impl Pool<'_> {
-    /// Gives points to a process until there are none left.
+    /// Gives points to a process until none are left.
     fn look_after(&self, orders: &Orders, sender: &Sender<Message>) {
         let mut worker: Option<Worker> = None;
         while let Some(index) = self.next() {
@@ -191,7 +191,7 @@ impl Pool<'_> {
         self.waiting.lock().ok().filter(|_| !is_over)?.pop_front()
     }
 
-    /// Puts a point back that somebody else computes, and waits where it is the only one.
+    /// Puts back a point that another process computes, and waits if it is the only one left.
     fn come_back_to(&self, index: usize) {
         let Ok(mut waiting) = self.waiting.lock() else { return };
         waiting.push_back(index);
@@ -224,10 +224,10 @@ impl Pool<'_> {
         }
     }
 
-    /// Notes what became of a point whose process has ended; whether to go on.
+    /// Records a point whose process has ended. Returns true if the thread continues with other points.
     fn bury(&self, index: usize, (status, said): (Option<ExitStatus>, String), sender: &Sender<Message>) -> bool {
         let point = &self.plan.points[index];
-        // What was given up after its time has its record.
+        // A point stopped at its time limit has a record.
         if self.study.record(point).is_some_and(|record| record.outcome != RecordOutcome::Killed) {
             self.tell(index, sender);
             return true;
@@ -238,7 +238,7 @@ impl Pool<'_> {
         }
         if code.is_some() {
             let error = Diagnostic::error(Class::Output, format!("the point {} could not be computed", point.id));
-            // Of its message, what is wrong and how to mend it.
+            // Fault and hint from the message of the process.
             let title =
                 |line: &'_ str| line.strip_prefix("error").and_then(|rest| rest.split_once(": ")).map(|(_, title)| title.to_string());
             let error = said.lines().fold(error, |error, line| match (title(line), line.trim().strip_prefix("= hint: ")) {
@@ -263,7 +263,7 @@ impl Pool<'_> {
     }
 }
 
-/// Lets a process end, and says how it did and what it said at last.
+/// Ends a process, and returns its exit status and last message.
 fn end(orders: &Orders, worker: Option<Worker>) -> (Option<ExitStatus>, String) {
     if let Ok(mut orders) = orders.lock() {
         *orders = None;
@@ -276,7 +276,7 @@ fn end(orders: &Orders, worker: Option<Worker>) -> (Option<ExitStatus>, String) 
     (worker.child.wait().ok(), said)
 }
 
-/// How a process was ended from outside.
+/// Describes how a process was ended from outside.
 #[cfg(unix)]
 fn how(status: ExitStatus) -> String {
     use std::os::unix::process::ExitStatusExt;
@@ -286,13 +286,13 @@ fn how(status: ExitStatus) -> String {
     }
 }
 
-/// How a process was ended from outside.
+/// Describes how a process was ended from outside.
 #[cfg(not(unix))]
 fn how(status: ExitStatus) -> String {
     format!("its process was ended: {status}")
 }
 
-/// Numbers of the points that are to be computed.
+/// Indices of the points that have to be computed.
 pub(crate) fn open_points(study: &StudyFolder, plan: &Plan) -> Vec<usize> {
     let is_open = |index: &usize| match study.state(&plan.points[*index]) {
         PointState::UnderWay => true,

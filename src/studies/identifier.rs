@@ -1,13 +1,13 @@
-//! Names of points: made of their parameters alone, so that a study that grows finds what is computed again.
+//! Names of points, made of their parameters alone, so that a growing study finds the points computed before.
 
 use sha2::{Digest, Sha256};
 
-/// Longest name that is written out.
+/// Longest name that is not shortened.
 const LONGEST: usize = 80;
-/// What of a longer one is.
+/// Number of characters kept of a longer name.
 const BEGINNING: usize = 60;
 
-/// A name for a folder: `dt=0.01,torque=0.2`, cut off and with a digest behind it where it is long or has other signs.
+/// Returns the name of a point's folder: `dt=0.01,torque=0.2`; if long or with special characters, shortened and followed by a digest.
 pub fn identifier(names: &[String], values: &[String]) -> String {
     let pairs: Vec<String> = names.iter().zip(values).map(|(name, value)| format!("{name}={value}")).collect();
     let whole = pairs.join(",");
@@ -22,7 +22,7 @@ pub fn identifier(names: &[String], values: &[String]) -> String {
     format!("{beginning}~{}", digest([whole.as_bytes(), pairs.len().to_string().as_bytes()]))
 }
 
-/// Sixteen digits that other texts do not share.
+/// Returns a digest of sixteen digits.
 pub fn digest<'a>(texts: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut sum = Sha256::new();
     for text in texts {

@@ -1,9 +1,8 @@
 //! Floor 8: studies: one script for many values of its parameters, in a folder that is all of their state.
 //!
-//! A [`Plan`] lists the points that a [`Design`] asks for; [`compute`] computes one of them as a plain run with `--set`, and whoever wants
-//! a point computed calls that: a pool of processes on this machine ([`here`]), a task of a cluster's scheduler ([`slurm`]), or a line of
-//! a shell. [`collect`] makes the table. Nothing but files joins the three: a point is done when its record is there, and it is under way
-//! while somebody holds the lock on its claim.
+//! A [`Plan`] lists the points of a [`Design`]; [`compute`] computes a point as a plain run with `--set`. It is called by a pool of
+//! processes on this machine ([`here`]), a task of a cluster's scheduler ([`slurm`]), or a command in a shell. [`collect`] makes the table.
+//! The three share only files: a point is done when its record exists, and under way while its claim is locked.
 
 mod collect;
 mod collected;

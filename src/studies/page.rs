@@ -1,4 +1,4 @@
-//! `study.html`: the study on a page of its own, without anything from elsewhere.
+//! `study.html`: the study as a page without external resources.
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
@@ -10,15 +10,15 @@ use super::plan::Plan;
 use super::table::StudyColumn;
 use crate::output::{escaped, svg};
 
-/// Rows of the table that the page shows; `table.csv` has all.
+/// Largest number of rows of the table on the page; `table.csv` has all.
 const ROWS: usize = 2000;
-/// Columns that the page's table leaves out: they are long, or the same in every row.
+/// Columns not shown on the page: long, or equal in every row.
 const HIDDEN: [&str; 4] = ["id", "version", "scripts", "command"];
 
 const STYLE: &str = include_str!("page/style.css");
 const PROGRAM: &str = include_str!("page/sort.js");
 
-/// The text of the page.
+/// Returns the text of the page.
 pub fn page(study: &StudyFolder, plan: &Plan, collected: &Collected, pictures: &[StudyPicture]) -> String {
     let script = plan.scenario.script.display().to_string();
     let title = format!("Study of {}", script.rsplit(['/', '\\']).next().unwrap_or(&script));
@@ -33,7 +33,7 @@ pub fn page(study: &StudyFolder, plan: &Plan, collected: &Collected, pictures: &
     if !pictures.is_empty() {
         text += "<h2>Results</h2>\n<div class=\"pictures\">\n";
         for StudyPicture { title, drawing, .. } in pictures {
-            // As pictures of their own: what they name inside, such as clips, would be mixed up on one page.
+            // Separate images, because identifiers inside the drawings, such as those of clips, would collide on one page.
             let data = BASE64_STANDARD.encode(svg(drawing));
             text += &format!("<figure><img alt=\"{}\" src=\"data:image/svg+xml;base64,{data}\"></figure>\n", escaped(title));
         }
@@ -57,7 +57,7 @@ fn summary(plan: &Plan, collected: &Collected) -> String {
     format!("<dl>{rows}</dl>\n{remarks}")
 }
 
-/// Points that are not there, each with its cause and the command that repeats it.
+/// Lists points without results, each with its cause and the command to repeat it.
 fn troubles(plan: &Plan, collected: &Collected) -> String {
     let is_well = |state: &PointState| matches!(state, PointState::Done(record) if record.outcome.is_completed());
     let rows: Vec<usize> = (0..plan.points.len()).filter(|&row| !is_well(&collected.states[row])).take(ROWS).collect();
@@ -92,7 +92,7 @@ fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
             .map(|column| {
                 let words = column.shown(row);
                 let kind = if column.numbers().is_some() { " class=\"number\"" } else { "" };
-                // The run of a point has a page of its own.
+                // The run of a point has its own report.
                 let report = study.point(&plan.points[row]).join("report.html");
                 match column.name() == "index" && report.is_file() {
                     true => format!("<td{kind}><a href=\"points/{}/report.html\">{words}</a></td>", linked(&plan.points[row].id)),
@@ -105,7 +105,7 @@ fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
     text + "</tbody></table></div>\n"
 }
 
-/// A part of an address.
+/// Escapes a part of an address.
 fn linked(text: &str) -> String {
     text.bytes()
         .map(

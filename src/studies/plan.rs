@@ -1,4 +1,4 @@
-//! The list of a study's points and what they have in common; `study.json` of its folder.
+//! Points of a study and their common data; `study.json` in the folder of the study.
 
 use std::path::{Path, PathBuf};
 
@@ -11,31 +11,31 @@ use crate::machine::files;
 use crate::output::csv_field;
 use crate::script::Diagnostic;
 
-/// Version of the file.
+/// Version of the file format.
 pub(super) const FORMAT: u32 = 1;
 
-/// The script, and everything besides the varied parameters that results depend on.
+/// Script, and all data besides the varied parameters on which results depend.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scenario {
-    /// The script as it was named.
+    /// Path of the script as given.
     pub script: PathBuf,
-    /// The folder in which it was named; paths are relative to it.
+    /// Folder to which paths are relative.
     pub folder: PathBuf,
-    /// A digest of its text.
+    /// Digest of the script's text.
     pub digest: String,
     /// Parameters that do not vary.
     pub fixed: Vec<(String, String)>,
     /// Folders that the script may read besides its own.
     pub allow_read: Vec<PathBuf>,
-    /// Operations after which it counts as endless.
+    /// Number of operations after which the script counts as endless.
     pub max_operations: u64,
 }
 
 impl Scenario {
-    /// The digest of the script as it is now.
+    /// Returns the digest of the present script.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The script cannot be read.
     pub(crate) fn digest_now(folder: &Path, script: &Path) -> Result<String, Box<Diagnostic>> {
         match files::read(&folder.join(script)) {
             Ok(text) => Ok(digest([&text[..]])),
@@ -47,14 +47,14 @@ impl Scenario {
     }
 }
 
-/// What a point may take; results do not depend on it.
+/// Limits of time, threads and memory per point; results do not depend on these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
-    /// Wall time after which a point is given up `[s]`.
+    /// Wall time after which a point is stopped `[s]`.
     pub seconds: Option<f64>,
     /// Threads of the element loop.
     pub threads: u16,
-    /// Memory that the process of a point may take `[bytes]`.
+    /// Memory limit of the process of a point `[bytes]`.
     #[serde(default)]
     pub memory: Option<u64>,
 }
@@ -62,32 +62,32 @@ pub struct Limits {
 /// A point.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
-    /// Its name, and that of its folder.
+    /// Name of the point and of its folder.
     pub id: String,
-    /// Values of the parameters that vary.
+    /// Values of the varied parameters.
     pub values: Vec<String>,
 }
 
-/// A study: what is computed, and for which values.
+/// A study: the scenario and its parameter values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Version of the file.
+    /// Version of the file format.
     pub format: u32,
-    /// What is computed.
+    /// Script and fixed parameters.
     pub scenario: Scenario,
-    /// What a point may take.
+    /// Limits of time, threads and memory per point.
     pub limits: Limits,
-    /// Names of the parameters that vary.
+    /// Names of the varied parameters.
     pub names: Vec<String>,
     /// The points.
     pub points: Vec<Point>,
 }
 
 impl Plan {
-    /// A study of some points.
+    /// Returns the plan of a study with the given points.
     ///
     /// # Errors
-    /// A point twice; a parameter that is also fixed.
+    /// A point twice; a parameter that is both varied and fixed.
     pub fn new(scenario: Scenario, limits: Limits, rows: Rows) -> Result<Self, Box<Diagnostic>> {
         if let Some((name, _)) = scenario.fixed.iter().find(|(name, _)| rows.names.contains(name)) {
             let error = refusal(format!("the parameter `{name}` both varies and is set"));
@@ -103,13 +103,13 @@ impl Plan {
         Ok(Plan { format: FORMAT, scenario, limits, names: rows.names, points })
     }
 
-    /// Parameters of a point as `--set` takes them, those first that do not vary.
+    /// Returns the parameters of a point for `--set`, fixed ones first.
     pub fn overrides(&self, point: &Point) -> Vec<(String, String)> {
         let varied = self.names.iter().cloned().zip(point.values.iter().cloned());
         self.scenario.fixed.iter().cloned().chain(varied).collect()
     }
 
-    /// The command that computes a point by itself.
+    /// Returns the command that computes a single point.
     pub fn command(&self, point: &Point) -> String {
         let mut words = vec!["conserva run".to_string(), quoted(&self.scenario.script.to_string_lossy())];
         words.extend(self.overrides(point).iter().map(|(name, value)| format!("--set {}", quoted(&format!("{name}={value}")))));
@@ -117,7 +117,7 @@ impl Plan {
         words.join(" ")
     }
 
-    /// `points.csv`: the number, the name and the parameters of each.
+    /// Returns `points.csv`: index, name and parameters of each point.
     pub fn to_csv(&self) -> Vec<u8> {
         let head = ["index", "id"].into_iter().chain(self.names.iter().map(String::as_str));
         let mut lines = vec![head.map(csv_field).collect::<Vec<_>>().join(",")];
@@ -129,7 +129,7 @@ impl Plan {
     }
 }
 
-/// A word as a shell takes it.
+/// Quotes a word for a shell.
 pub(super) fn quoted(word: &str) -> String {
     let is_plain = !word.is_empty() && word.chars().all(|sign| sign.is_ascii_alphanumeric() || "._+-=,/:@%".contains(sign));
     if is_plain { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }

@@ -16,23 +16,23 @@ use crate::output::checkpoint::{self, Checkpoint, Origin};
 use crate::output::{CountedFile, NOT_CONSERVING, OutputError, RunFiles, RunLock, SUMMARY, read_summary};
 use crate::script::{Class, Diagnostic, Ink, Mode, Report, Session, Settings, home};
 
-/// What came of the wish to compute a point.
+/// Result of a request to compute a point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PointOutcome {
-    /// It was computed now.
+    /// The point was computed now.
     Computed(Record),
-    /// It was done before.
+    /// The point was computed before.
     Kept(Record),
-    /// Somebody else computes it.
+    /// Another process computes the point.
     UnderWay,
-    /// The process was interrupted; the point is to be computed again, from its last checkpoint on.
+    /// The process was interrupted; the point has to be continued from its last checkpoint.
     Interrupted,
 }
 
-/// Computes a point unless it is done or under way. Paths of the study are relative to the current folder.
+/// Computes a point unless it is computed or under way. Paths of the study are relative to the current folder.
 ///
 /// # Errors
-/// Files that cannot be written: then the point is not done, whatever it came to.
+/// Files that cannot be written: the point then does not count as computed.
 pub fn compute(study: &StudyFolder, plan: &Plan, point: &Point, watchdog: &Watchdog) -> Result<PointOutcome, Box<Diagnostic>> {
     let Some(claim) = study.claim(point)? else { return Ok(PointOutcome::UnderWay) };
     if let Some(record) = study.record(point).filter(|record| record.outcome != RecordOutcome::Killed) {
@@ -53,7 +53,7 @@ pub fn compute(study: &StudyFolder, plan: &Plan, point: &Point, watchdog: &Watch
     Ok(PointOutcome::Computed(record))
 }
 
-/// The checkpoint of an earlier attempt, if it would lead to the same results.
+/// Returns the checkpoint of an earlier attempt, if resuming from it gives equal results.
 fn go_on_from(folder: &Path) -> Option<(Checkpoint, Vec<CountedFile>)> {
     let checkpoint = Checkpoint::read(&checkpoint::places(folder).pop()?).ok()?;
     let aside = checkpoint.belongs_to(folder).ok()?;
@@ -61,7 +61,7 @@ fn go_on_from(folder: &Path) -> Option<(Checkpoint, Vec<CountedFile>)> {
     (changed.is_empty() && digits.is_empty()).then_some((checkpoint, aside))
 }
 
-/// Removes what an earlier attempt has left.
+/// Removes the files of an earlier attempt.
 fn clean(folder: &Path) -> Result<(), Box<Diagnostic>> {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         if entry.file_name() == ".claim" {
@@ -74,7 +74,7 @@ fn clean(folder: &Path) -> Result<(), Box<Diagnostic>> {
     Ok(())
 }
 
-/// Runs the script; none if the process was interrupted.
+/// Runs the script; `None` if the process was interrupted.
 fn run(
     study: &StudyFolder,
     plan: &Plan,
@@ -89,7 +89,7 @@ fn run(
     let late = Record::of(&point.id, RecordOutcome::OutOfTime, late(plan));
     let (place, written_off) = (study.clone(), late.clone());
     let stop = watchdog.begin(plan.limits.seconds, move || {
-        // There is nobody left to tell that this cannot be written.
+        // A failed write cannot be reported here.
         let _ = place.write_record(&written_off);
     });
     let script = &plan.scenario.script;
@@ -125,9 +125,9 @@ fn run(
         Some(error) if error.class == Class::Output => Err(Box::new(error.clone())),
         Some(error) if error.class == Class::Interrupted && stop.load(Ordering::Relaxed) && !is_late => Ok(None),
         Some(error) if error.class == Class::Interrupted && is_late => {
-            // What it could go on from would only lead to the same limit.
+            // Resuming would only lead to the time limit again.
             checkpoint::remove_all(&folder).map_err(|error| unwritten(&error))?;
-            // How far it came depends on the machine, so that the table does not tell it.
+            // The steps reached depend on the machine, so that the table does not list them.
             Ok(Some(Record { scripts, results, wall_seconds: seconds, ..late }))
         }
         error => {
@@ -144,14 +144,15 @@ fn late(plan: &Plan) -> String {
     format!("not done after {} s", plan.limits.seconds.unwrap_or_default())
 }
 
-/// An error in a line: where it is, what is wrong, and why.
+/// Formats an error in one line: place, fault, cause.
 fn told(error: &Diagnostic) -> String {
     let place = error.place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
     let cause = error.causes.first().map(|cause| format!("; {cause}")).unwrap_or_default();
     format!("{place}{}{cause}", error.title)
 }
 
-/// What the run has told of itself in `summary.json`; `energy` is where its energy came from and went to.
+/// Adds steps and drifts from `summary.json` to the record. A completed run whose summary says that energy was not conserved gets that
+/// outcome, with `energy`, the energy changes by cause, as explanation.
 fn filled(mut record: Record, folder: &Path, energy: &[String]) -> Record {
     let Ok(summary) = read_summary(&folder.join(SUMMARY)) else { return record };
     if record.outcome == RecordOutcome::Completed && summary.get("outcome").and_then(Value::as_str) == Some(NOT_CONSERVING) {

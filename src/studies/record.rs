@@ -1,4 +1,4 @@
-//! What became of a point: `point.json` in its folder, written when it is over.
+//! Record of a computed point: `point.json` in the folder of the point, written at its end.
 
 use std::path::Path;
 
@@ -7,28 +7,28 @@ use serde_json::Value;
 
 use crate::machine::files;
 
-/// How a point ended.
+/// Outcome of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RecordOutcome {
-    /// It came to its end.
+    /// The script ended normally.
     #[serde(rename = "completed")]
     Completed,
-    /// It came to its end with an energy that its integrator has changed.
+    /// The script ended normally, but its integrator changed the energy.
     #[serde(rename = "not conserving")]
     NotConserving,
-    /// It ended with an error, which the next attempt would meet again.
+    /// The script ended with an error; a further attempt would fail again.
     #[serde(rename = "failed")]
     Failed,
-    /// It was given up after its time.
+    /// The point was stopped at its time limit.
     #[serde(rename = "out of time")]
     OutOfTime,
-    /// Its process was ended from outside; the next attempt may do better.
+    /// The process of the point was killed from outside; a further attempt may succeed.
     #[serde(rename = "killed")]
     Killed,
 }
 
 impl RecordOutcome {
-    /// Its word in files.
+    /// Returns the outcome as written to files.
     pub fn word(self) -> &'static str {
         match self {
             RecordOutcome::Completed => "completed",
@@ -39,7 +39,7 @@ impl RecordOutcome {
         }
     }
 
-    /// Whether it came to its end.
+    /// True if the script ended normally.
     pub(crate) fn is_completed(self) -> bool {
         matches!(self, RecordOutcome::Completed | RecordOutcome::NotConserving)
     }
@@ -48,22 +48,22 @@ impl RecordOutcome {
 /// A result of the script.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Yield {
-    /// Its name.
+    /// Name of the result.
     pub name: String,
-    /// What it is: a number, a text, `true` or `false`, or an array of these.
+    /// Number, text, `true` or `false`, or an array of these.
     pub value: Value,
 }
 
-/// What became of a point.
+/// Record of a computed point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// The point's name.
+    /// Name of the point.
     pub id: String,
-    /// How it ended.
+    /// Outcome of the point.
     pub outcome: RecordOutcome,
-    /// Why, unless it was completed.
+    /// Cause of an outcome other than completed.
     pub cause: Option<String>,
-    /// What the script yielded.
+    /// Results of the script.
     pub results: Vec<Yield>,
     /// Number of warnings.
     pub warnings: u64,
@@ -79,11 +79,11 @@ pub struct Record {
     pub wall_seconds: f64,
 }
 
-/// Numbers of `summary.json` that tell how well a run conserves, in the order of [`Record::balance`].
+/// Entries of `summary.json` that measure conservation, in the order of [`Record::balance`].
 pub const BALANCE: [&str; 5] = ["energy_drift", "energy_unexplained", "momentum_drift", "angular_momentum_drift", "worst_energy_defect"];
 
 impl Record {
-    /// A record of a point of which nothing else is known.
+    /// Returns a record with outcome and cause only.
     pub fn of(id: &str, outcome: RecordOutcome, cause: impl Into<String>) -> Self {
         Record {
             id: id.into(),
@@ -99,13 +99,13 @@ impl Record {
         }
     }
 
-    /// Reads the record of a point; none where there is none, or what a power failure has left of one.
+    /// Reads the record of a point; `None` without a file, or for a file damaged by a power failure.
     pub fn read(path: &Path, id: &str) -> Option<Record> {
         let record: Record = serde_json::from_slice(&files::read(path).ok()?).ok()?;
         Some(record).filter(|record| record.id == id && record.balance.len() == BALANCE.len())
     }
 
-    /// The text of the file.
+    /// Returns the text of the file.
     pub(crate) fn to_json(&self) -> String {
         // Strings, numbers and lists always have a JSON form.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"

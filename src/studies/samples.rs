@@ -1,11 +1,12 @@
-//! Samples of the unit cube: a scrambled Sobol sequence, which fills it evenly, or independent random numbers. Equal seeds, equal samples.
+//! Samples of the unit cube: a scrambled Sobol sequence, which fills the cube evenly, or independent random numbers. Equal seeds give equal
+//! samples.
 
 use std::str::FromStr;
 
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// How samples are drawn.
+/// Method of sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SamplingMethod {
     /// The Sobol sequence with the scrambling of Owen as of B. Burley, "Practical hash-based Owen scrambling" (2020).
@@ -14,20 +15,20 @@ pub enum SamplingMethod {
     Random,
 }
 
-/// What is sampled.
+/// Method, number and seed of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
-    /// How.
+    /// Method of sampling.
     pub method: SamplingMethod,
-    /// How many.
+    /// Number of samples.
     pub count: usize,
-    /// Another seed gives other samples.
+    /// Seed of the pseudo-random numbers.
     pub seed: u32,
 }
 
-/// Samples and parameters that the Sobol sequence has.
+/// Largest numbers of samples and of parameters of the Sobol sequence.
 const SOBOL: [usize; 2] = [1 << 16, 256];
-/// Random samples.
+/// Largest number of random samples.
 const MOST: usize = 1_000_000;
 
 impl FromStr for Sampling {
@@ -48,10 +49,10 @@ impl FromStr for Sampling {
 }
 
 impl Sampling {
-    /// The samples, each with a number from 0 to 1 for every parameter.
+    /// Returns the samples, each with a number from 0 to 1 for every parameter.
     ///
     /// # Errors
-    /// More parameters than the method has.
+    /// More samples or parameters than the method allows.
     pub fn draw(&self, parameters: usize) -> Result<Vec<Vec<f64>>, String> {
         if self.method == SamplingMethod::Sobol && parameters > SOBOL[1] {
             return Err(format!("the Sobol sequence samples {} parameters at most", SOBOL[1]));

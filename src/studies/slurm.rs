@@ -1,7 +1,7 @@
-//! The points of a study as array jobs of Slurm: a batch script, its submission, and how many tasks are left.
+//! Computes the points of a study as array jobs of Slurm: a batch script, its submission, and the number of remaining tasks.
 //!
-//! Tasks call `conserva sweep point`, and the folder of the study says what is done; Slurm is asked only whether anything is still to come.
-//! A task that is requeued goes on with the points that are not done.
+//! Tasks call `conserva sweep point`; the folder of the study records computed points. Slurm is queried only for remaining tasks. A
+//! requeued task continues with the points that are not computed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,25 +11,25 @@ use super::plan::{Plan, quoted};
 use super::values::refusal;
 use crate::script::{Class, Diagnostic};
 
-/// How points become tasks.
+/// Distribution of points over the tasks of Slurm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Job {
-    /// Points of a task.
+    /// Number of points per task.
     pub per_task: usize,
-    /// Tasks that may run at a time.
+    /// Largest number of simultaneous tasks.
     pub at_once: Option<usize>,
     /// Further options of `sbatch`, each a word such as `--partition=short`.
     pub options: Vec<String>,
-    /// The program that tasks call.
+    /// Program called by the tasks.
     pub program: PathBuf,
 }
 
-/// Where the numbers of submitted jobs are kept.
+/// File with the numbers of submitted jobs.
 const JOBS: &str = "slurm/jobs.txt";
-/// Tasks of an array where Slurm does not say.
+/// Default of the largest number of tasks of an array, if Slurm does not report it.
 const ARRAY: usize = 1001;
 
-/// A command of Slurm and what it says.
+/// Runs a command of Slurm and returns its output.
 fn ask(command: &mut Command) -> Result<String, Box<Diagnostic>> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.output().map_err(|error| {
@@ -45,17 +45,17 @@ fn ask(command: &mut Command) -> Result<String, Box<Diagnostic>> {
     Err(Box::new(error.hint("options such as `--time`, `--mem`, `--partition` and `--sbatch` are passed on as they are")))
 }
 
-/// Most tasks of an array: numbers go from 0 to `MaxArraySize - 1`.
+/// Returns the largest number of tasks of an array: indices are 0 to `MaxArraySize - 1`.
 fn array_size() -> Result<usize, Box<Diagnostic>> {
     let settings = ask(Command::new("scontrol").args(["show", "config"]))?;
     let line = settings.lines().find_map(|line| line.trim().strip_prefix("MaxArraySize")).and_then(|rest| rest.split_once('='));
     Ok(line.and_then(|(_, size)| size.trim().parse().ok()).filter(|&size| size > 0).unwrap_or(ARRAY))
 }
 
-/// Submits points; the numbers of the jobs.
+/// Submits points; returns the numbers of the jobs.
 ///
 /// # Errors
-/// Slurm refuses, or is not there; files that cannot be written.
+/// Slurm refuses or is not available; files that cannot be written.
 pub(crate) fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &Job) -> Result<Vec<String>, Box<Diagnostic>> {
     for path in [study.path(), &job.program] {
         refuse_control_characters(path)?;
@@ -83,9 +83,9 @@ pub(crate) fn submit(study: &StudyFolder, plan: &Plan, points: &[usize], job: &J
     Ok(jobs)
 }
 
-/// Refuses a path that Slurm and the shell of its nodes would take for more than one line.
+/// Refuses a path with characters that Slurm or the shell of its nodes would misread.
 fn refuse_control_characters(path: &Path) -> Result<(), Box<Diagnostic>> {
-    // Behind a backslash, Slurm leaves `%A` as it stands.
+    // Behind a backslash, Slurm does not expand `%A`.
     if !path.to_string_lossy().contains(|sign: char| sign.is_control() || sign == '\\') {
         return Ok(());
     }
@@ -94,7 +94,7 @@ fn refuse_control_characters(path: &Path) -> Result<(), Box<Diagnostic>> {
     Err(Box::new(error.hint("give the folder another name, or choose another one with `--out`")))
 }
 
-/// The batch script of an array.
+/// Returns the batch script of an array.
 fn batch(study: &StudyFolder, plan: &Plan, job: &Job, tasks: usize, list: &Path) -> String {
     let throttle = job.at_once.map(|count| format!("%{count}")).unwrap_or_default();
     let name = plan.scenario.script.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -118,7 +118,7 @@ fn batch(study: &StudyFolder, plan: &Plan, job: &Job, tasks: usize, list: &Path)
     )
 }
 
-/// Numbers as `--index` takes them: `0-3,7`.
+/// Formats indices for `--index`: `0-3,7`.
 fn ranges(points: &[usize]) -> String {
     let mut runs: Vec<[usize; 2]> = Vec::new();
     for &point in points {
@@ -139,21 +139,21 @@ fn deduplicated(mut all: Vec<String>) -> Vec<String> {
     all
 }
 
-/// Numbers of the jobs that were ever submitted for a study.
+/// Returns the numbers of all jobs that were submitted for a study.
 pub fn submitted(study: &StudyFolder) -> Vec<String> {
     let text = std::fs::read_to_string(study.path().join(JOBS)).unwrap_or_default();
     text.lines().map(|line| line.trim().to_string()).filter(|line| !line.is_empty()).collect()
 }
 
-/// Number of tasks of jobs that wait, run or are about to run again.
+/// Returns the number of tasks of jobs that wait, run or are about to run again.
 ///
 /// # Errors
-/// Slurm is not there.
+/// Slurm is not available.
 pub(crate) fn tasks_left(jobs: &[String]) -> Result<usize, Box<Diagnostic>> {
     if jobs.is_empty() {
         return Ok(0);
     }
-    // All of a user's tasks: asked for one job by its number, Slurm fails when it has forgotten it.
+    // Query all of the user's tasks: a query of a single job fails when Slurm no longer has the job.
     let mut command = Command::new("squeue");
     command.args(["--noheader", "--array", "--format=%A %F", "--states=PENDING,RUNNING,SUSPENDED,COMPLETING,CONFIGURING,REQUEUED"]);
     let answer = ask(command.arg("--me"))?;

@@ -1,4 +1,4 @@
-//! A study as a file beside its scenario (TOML), for studies that are kept.
+//! Study files (TOML), beside the scenario that they refer to.
 
 use std::path::{Path, PathBuf};
 
@@ -8,19 +8,19 @@ use super::values::{Values, Varied, refusal};
 use crate::machine::files;
 use crate::script::Diagnostic;
 
-/// What the file says; each key but the script has its option of the command.
+/// Content of a study file; each key except `script` corresponds to an option of the command.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StudyFile {
-    /// The scenario, from the folder of the file.
+    /// Path of the scenario, relative to the folder of the file.
     pub script: PathBuf,
-    /// Parameters that vary: an array of values, or a text as `--vary` takes it.
+    /// Varied parameters: arrays of values, or texts as for `--vary`.
     #[serde(default)]
     vary: toml::Table,
-    /// Parameters that do not.
+    /// Fixed parameters.
     #[serde(default)]
     set: toml::Table,
-    /// A file of points, from the folder of this one.
+    /// Path of a file of points, relative to the folder of the study file.
     pub values: Option<PathBuf>,
     /// As `--sample`.
     pub sample: Option<String>,
@@ -33,10 +33,10 @@ pub struct StudyFile {
     pub point_time: Option<String>,
 }
 
-/// Reads a file; its paths are then relative to the current folder.
+/// Reads a study file; its paths become relative to the current folder.
 ///
 /// # Errors
-/// A file that cannot be read, does not parse, or has keys that mean nothing.
+/// A file that cannot be read, does not parse, or has unknown keys.
 pub fn read_study_file(path: &Path) -> Result<StudyFile, Box<Diagnostic>> {
     let refused = |cause: String| Box::new(refusal(format!("the study file {} cannot be read", path.display())).cause(cause).hint(EXAMPLE));
     let text = files::read_text(path).map_err(|error| refused(error.to_string()))?;
@@ -54,10 +54,10 @@ const EXAMPLE: &str =
     "a study file is TOML: script = 'bearing.rhai', and below [vary] lines such as dt = [0.01, 0.005] or torque = '0.05..0.2:7'";
 
 impl StudyFile {
-    /// Parameters that vary, in the order of the file.
+    /// Returns the varied parameters, in the order of the file.
     ///
     /// # Errors
-    /// What is neither an array of plain values nor a text as `--vary` takes it.
+    /// A value is neither an array of plain values nor a text as accepted by `--vary`.
     pub fn varied(&self) -> Result<Vec<Varied>, Box<Diagnostic>> {
         let wrong =
             |name: &str, cause: String| Box::new(refusal(format!("the values of `{name}` in the study file")).cause(cause).hint(EXAMPLE));
@@ -75,10 +75,10 @@ impl StudyFile {
         self.vary.iter().map(one).collect()
     }
 
-    /// Parameters that do not vary.
+    /// Returns the fixed parameters.
     ///
     /// # Errors
-    /// What is no plain value.
+    /// A value is not plain.
     pub fn fixed(&self) -> Result<Vec<(String, String)>, Box<Diagnostic>> {
         let one = |(name, value): (&String, &toml::Value)| {
             let text = plain(value).ok_or_else(|| {
@@ -91,7 +91,7 @@ impl StudyFile {
     }
 }
 
-/// A value as `--set` takes it.
+/// Converts a value into a text for `--set`.
 fn plain(value: &toml::Value) -> Option<String> {
     match value {
         toml::Value::String(text) => Some(text.clone()),

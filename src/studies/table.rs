@@ -1,4 +1,4 @@
-//! The table of a study: a row for each point, with its parameters, its results and how it ended.
+//! The table of a study: a row for each point, with its parameters, results and outcome.
 
 use serde_json::Value;
 
@@ -7,7 +7,7 @@ use super::plan::Plan;
 use super::record::{BALANCE, Record};
 use crate::output::{Column, TableField, TextColumn, csv_field, parquet_of};
 
-/// A column.
+/// Column of numbers or words.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StudyColumn {
     /// Numbers.
@@ -17,7 +17,7 @@ pub enum StudyColumn {
 }
 
 impl StudyColumn {
-    /// Its name.
+    /// Name of the column.
     pub fn name(&self) -> &str {
         match self {
             StudyColumn::Numbers(column) => &column.name,
@@ -25,7 +25,7 @@ impl StudyColumn {
         }
     }
 
-    /// A cell as a CSV file has it.
+    /// Returns a cell as in a CSV file.
     pub fn cell(&self, row: usize) -> String {
         match self {
             StudyColumn::Numbers(column) => match column.values[row] {
@@ -37,7 +37,7 @@ impl StudyColumn {
         }
     }
 
-    /// A cell for people: in as many digits as one takes in.
+    /// Returns a cell for display, with few digits.
     pub fn shown(&self, row: usize) -> String {
         match self {
             StudyColumn::Numbers(column) => column.values[row].map_or_else(String::new, short),
@@ -45,7 +45,7 @@ impl StudyColumn {
         }
     }
 
-    /// Its numbers, if it has numbers.
+    /// Returns the values of a column of numbers; `None` for a column of texts.
     pub fn numbers(&self) -> Option<&[Option<f64>]> {
         match self {
             StudyColumn::Numbers(column) => Some(&column.values),
@@ -57,12 +57,12 @@ impl StudyColumn {
 /// The table of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StudyTable {
-    /// Its columns: `index`, `id`, parameters, results, `outcome`, `cause`, `warnings`, `steps`, the balance of energy and momenta,
-    /// `version`, `scripts`, `command`, `wall_seconds`.
+    /// Columns: `index`, `id`, parameters, results, `outcome`, `cause`, `warnings`, `steps`, drifts of energy and of linear and angular
+    /// momentum, `version`, `scripts`, `command`, `wall_seconds`.
     pub columns: Vec<StudyColumn>,
-    /// Which of them are parameters.
+    /// Range of the columns of parameters.
     pub parameters: std::ops::Range<usize>,
-    /// Which of them are results.
+    /// Range of the columns of results.
     pub results: std::ops::Range<usize>,
 }
 
@@ -70,7 +70,7 @@ pub struct StudyTable {
 const OWN: [&str; 10] = ["index", "id", "outcome", "cause", "warnings", "steps", "version", "scripts", "command", "wall_seconds"];
 
 impl StudyTable {
-    /// The table of all points as they stand.
+    /// Returns the table of all points, and their states.
     pub fn of(study: &StudyFolder, plan: &Plan) -> (Self, Vec<PointState>) {
         let states: Vec<PointState> = plan.points.iter().map(|point| study.state(point)).collect();
         (Self::from_states(plan, &states), states)
@@ -128,12 +128,12 @@ impl StudyTable {
         }
     }
 
-    /// The column of that name.
+    /// Returns the column with a name.
     pub fn column(&self, name: &str) -> Option<&StudyColumn> {
         self.columns.iter().find(|column| column.name() == name)
     }
 
-    /// `table.csv`.
+    /// Returns the text of `table.csv`.
     pub fn to_csv(&self) -> Vec<u8> {
         let mut text = self.columns.iter().map(|column| csv_field(column.name())).collect::<Vec<_>>().join(",") + "\n";
         for row in 0..self.rows() {
@@ -143,10 +143,10 @@ impl StudyTable {
         text.into_bytes()
     }
 
-    /// `table.parquet`.
+    /// Encodes the table as `table.parquet`.
     ///
     /// # Errors
-    /// What the format refuses, in words.
+    /// The format refuses the table; the text gives the reason.
     pub(crate) fn to_parquet(&self) -> Result<Vec<u8>, String> {
         let fields: Vec<TableField> = self
             .columns
@@ -160,18 +160,18 @@ impl StudyTable {
     }
 }
 
-/// A result of a point.
+/// Returns a result of a point by its name.
 fn value_of<'a>(record: Option<&'a Record>, name: &str) -> Option<&'a Value> {
     record?.results.iter().find(|result| result.name == name).map(|result| &result.value)
 }
 
-/// A number in six digits.
+/// Formats a number with six digits.
 fn short(value: f64) -> String {
     let value: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if value == 0.0 || (0.001..1e9).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// A name that no column of the program has.
+/// Returns a name for a column that differs from those of the program.
 fn own_name(name: &str, kind: &str) -> String {
     if OWN.contains(&name) || BALANCE.contains(&name) { format!("{name} ({kind})") } else { name.into() }
 }
@@ -184,7 +184,7 @@ fn texts(name: &str, values: Vec<Option<String>>) -> StudyColumn {
     StudyColumn::Texts(TextColumn { name: name.into(), values })
 }
 
-/// How a point stands, and why it is not done.
+/// Returns the outcome of a point, and the cause if the point is not completed.
 fn told(state: &PointState) -> (Option<String>, Option<String>) {
     let cause = match state {
         PointState::Done(record) => record.cause.clone(),
@@ -195,7 +195,7 @@ fn told(state: &PointState) -> (Option<String>, Option<String>) {
     (Some(state.word().into()), cause)
 }
 
-/// A parameter's column: numbers if all are.
+/// Returns the column of a parameter: numbers if all values are numbers.
 fn parameter(name: &str, values: Vec<&str>) -> StudyColumn {
     let parsed: Option<Vec<f64>> = values.iter().map(|value| value.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect();
     match parsed {
@@ -207,11 +207,11 @@ fn parameter(name: &str, values: Vec<&str>) -> StudyColumn {
     }
 }
 
-/// A result's column: numbers if all are; what else there is as text, arrays as JSON.
+/// Returns the column of a result: numbers if all values are numbers, otherwise texts, with arrays as JSON.
 fn result_column(name: &str, values: Vec<Option<&Value>>) -> StudyColumn {
     let number = |value: &Value| match value {
         Value::Number(number) => number.as_f64(),
-        // How JSON has numbers that are not finite.
+        // Numbers that are not finite are words in JSON.
         Value::String(word) if ["NaN", "inf", "-inf"].contains(&word.as_str()) => word.parse().ok(),
         _ => None,
     };

@@ -1,24 +1,24 @@
-//! What a point says, kept in `output.txt` of its folder.
+//! Output of a point, kept in `output.txt` of its folder.
 
 use std::cell::{Cell, RefCell};
 
 use crate::output::{OutputError, RunFiles, Stream};
 use crate::script::{Diagnostic, Ink, Observer, Progress};
 
-/// Most bytes that are kept.
+/// Largest number of bytes that are kept.
 const MOST: u64 = 16 << 20;
 
-/// Keeps lines, warnings and the error of a point.
+/// File of printed lines, warnings and the error of a point.
 pub struct Transcript {
     stream: RefCell<Option<Stream>>,
     warnings: Cell<u64>,
 }
 
 impl Transcript {
-    /// In the folder of a point.
+    /// Creates the file in the folder of a point.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn new(files: &RunFiles) -> Result<Self, OutputError> {
         let stream = files.stream("output.txt")?;
         Ok(Transcript { stream: RefCell::new(Some(stream)), warnings: Cell::new(0) })
@@ -32,7 +32,7 @@ impl Transcript {
     /// Adds a text.
     pub fn say(&self, text: &str) {
         let mut stream = self.stream.borrow_mut();
-        // What cannot be kept is left unsaid; files that matter fail with an error.
+        // Failed writes are ignored; important files have errors of their own.
         let kept = stream.as_mut().is_some_and(|stream| stream.length() < MOST && stream.append(text.as_bytes()).is_ok());
         if !kept {
             *stream = None;

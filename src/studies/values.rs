@@ -1,49 +1,49 @@
-//! Values of a parameter as they are written: `dt=0.01,0.005`, `torque=0.05..0.2:7`, `stiffness=1e3..1e6:4:log`, `gap=0..0.1`.
+//! Values of a parameter as written on the command line: `dt=0.01,0.005`, `torque=0.05..0.2:7`, `stiffness=1e3..1e6:4:log`, `gap=0..0.1`.
 
 use std::str::FromStr;
 
 use crate::script::{Class, Diagnostic};
 
-/// How values of an interval are spaced.
+/// Spacing of values in an interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// By equal differences.
+    /// Equal differences.
     Linear,
-    /// By equal factors.
+    /// Equal ratios.
     Logarithmic,
 }
 
 /// Values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// These, each as `--set` takes it.
+    /// Listed values, each as for `--set`.
     Listed(Vec<String>),
     /// Samples from an interval.
     Interval {
-        /// Its lower end.
+        /// Lower end of the interval.
         low: f64,
-        /// Its upper end.
+        /// Upper end of the interval.
         high: f64,
-        /// How it is filled.
+        /// Spacing of the samples.
         scale: Scale,
     },
 }
 
-/// A parameter that varies.
+/// A varied parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Varied {
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
-    /// Its values.
+    /// Values of the parameter.
     pub values: Values,
 }
 
-/// How values are written, for messages.
+/// Syntax of values, for messages.
 const FORMS: &str = "write values (dt=0.01,0.005), a number of them between two ends (torque=0.05..0.2:7, or :7:log for equal factors), or \
                      an interval to sample (gap=0..0.1 with --sample)";
-/// Most values between two ends.
+/// Largest number of values between two ends.
 const MOST: usize = 1_000_000;
-/// Digits of a computed value: what a sum of steps adds behind them is round-off.
+/// Number of digits of a computed value, without the round-off of summed differences.
 const DIGITS: usize = 12;
 
 impl FromStr for Varied {
@@ -70,7 +70,7 @@ impl FromStr for Values {
     }
 }
 
-/// Values between `low` and what follows the dots.
+/// Parses the part of an interval behind `low`.
 fn between(low: &str, rest: &str) -> Result<Values, String> {
     let mut parts = rest.split(':').map(str::trim);
     let high = parts.next().unwrap_or_default();
@@ -96,7 +96,7 @@ fn between(low: &str, rest: &str) -> Result<Values, String> {
 }
 
 impl Values {
-    /// The value at a share of the way from the lower to the upper end, as `--set` takes it.
+    /// Returns the value at a fraction of the interval from the lower to the upper end, as a text for `--set`.
     pub fn at(&self, share: f64) -> String {
         match self {
             Values::Listed(values) => values[((share * values.len() as f64) as usize).min(values.len() - 1)].clone(),
@@ -107,14 +107,14 @@ impl Values {
     }
 }
 
-/// A number in [`DIGITS`] digits at most, a whole one without a fraction.
+/// Formats a number with at most [`DIGITS`] digits, whole numbers without a fraction.
 fn number(value: f64) -> String {
     let value: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     let plain = value == 0.0 || (0.000_01..1e15).contains(&value.abs());
     if plain { format!("{}", value + 0.0) } else { format!("{value:e}") }
 }
 
-/// A refusal of what was asked for.
+/// Returns the message of a refused request.
 pub(super) fn refusal(title: impl Into<String>) -> Diagnostic {
     Diagnostic::error(Class::Script, title)
 }

@@ -1,36 +1,36 @@
-//! Ends a point when the process is interrupted or the point's time is over.
+//! Ends a point when the process is interrupted or the time limit of the point is exceeded.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// How often the watchdog looks.
+/// Period at which the watchdog checks.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// What is watched now.
+/// Flag, deadline and action of the point that is watched.
 struct Watched {
     stop: Arc<AtomicBool>,
     deadline: Option<Instant>,
-    /// Writes off a point that does not stop.
+    /// Records the point as given up if it does not stop.
     give_up: Box<dyn Fn() + Send>,
 }
 
-/// A thread that watches the points of a process, one after the other.
+/// Thread that watches the points of a process, one after the other.
 #[derive(Clone)]
 pub struct Watchdog {
     interrupt: Arc<AtomicBool>,
     watched: Arc<Mutex<Option<Watched>>>,
 }
 
-/// Time that a point has to stop by itself after it was told to.
+/// Time in which a point must stop after its deadline.
 const GRACE: Duration = Duration::from_secs(10);
 
 impl Watchdog {
-    /// A watchdog that passes an interrupt on, and calls `end` when a point does not stop after its time: its thread cannot be ended, so
-    /// the process must.
+    /// Starts a watchdog that passes an interrupt on, and calls `end` when a point does not stop after its deadline: the thread of the
+    /// point cannot be ended, so the process must be.
     ///
     /// # Errors
-    /// There is no thread to be had.
+    /// The thread cannot be started.
     pub fn new(interrupt: Arc<AtomicBool>, end: fn()) -> std::io::Result<Self> {
         let watchdog = Watchdog { interrupt, watched: Arc::default() };
         let (interrupt, watched) = (watchdog.interrupt.clone(), Arc::downgrade(&watchdog.watched));
@@ -46,12 +46,12 @@ impl Watchdog {
         Ok(watchdog)
     }
 
-    /// Whether the process was interrupted.
+    /// True if the process was interrupted.
     pub fn is_interrupted(&self) -> bool {
         self.interrupt.load(Ordering::Relaxed)
     }
 
-    /// Watches a point: gives the flag that tells it to stop. `give_up` is called when it does not do so in time.
+    /// Begins to watch a point; returns the flag that requests its stop. `give_up` is called if it does not stop in time.
     pub fn begin(&self, seconds: Option<f64>, give_up: impl Fn() + Send + 'static) -> Arc<AtomicBool> {
         let stop = Arc::new(AtomicBool::new(false));
         let deadline = seconds.and_then(|seconds| Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?));
@@ -61,7 +61,7 @@ impl Watchdog {
         stop
     }
 
-    /// Ends watching; whether the point's time was over.
+    /// Ends watching; returns true if the point was stopped at its deadline.
     pub fn end(&self) -> bool {
         let watched = self.watched.lock().ok().and_then(|mut watched| watched.take());
         let is_late =
@@ -70,7 +70,8 @@ impl Watchdog {
     }
 }
 
-/// Tells the point that is watched to stop where it must; whether it was given up because it did not.
+/// Requests the stop of the watched point on an interrupt or at its deadline. Returns true if the point was given up because it did not
+/// stop.
 fn look(interrupt: &AtomicBool, watched: &Mutex<Option<Watched>>) -> bool {
     let Ok(watched) = watched.lock() else { return false };
     let Some(watched) = watched.as_ref() else { return false };

@@ -1,4 +1,4 @@
-//! Names that documents of the project's structure give in backticks exist: paths as files or folders, types as identifiers of the source.
+//! Documents: names in backticks exist (paths as files or folders, types as identifiers of the source), and cells of tables are short.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -10,6 +10,48 @@ const DOCUMENTS: [&str; 3] = ["ARCHITECTURE.md", "src/README.md", "CONTRIBUTING.
 
 /// Folders in which paths are looked for.
 const FOLDERS: [&str; 8] = ["src", "tests", "examples", "benches", "docs", "scripts", "packages", "python"];
+
+/// Words that a cell of a table has at most; what needs more is a section.
+const CELL: usize = 40;
+
+/// Places of table cells with more words.
+fn long_cells(document: &str, text: &str) -> Vec<String> {
+    let (mut is_code, mut found) = (false, Vec::new());
+    for (index, line) in text.lines().enumerate() {
+        is_code ^= line.starts_with("```");
+        if is_code || !line.starts_with('|') {
+            continue;
+        }
+        let words = |cell: &str| cell.split_whitespace().count();
+        let cells = line.replace("\\|", " ");
+        let longest = cells.split('|').map(words).max().unwrap_or(0);
+        if longest > CELL {
+            found.push(format!("{document}:{}: {longest} words in a cell, more than {CELL}", index + 1));
+        }
+    }
+    found
+}
+
+#[test]
+fn cells_of_tables_can_be_read_at_once() {
+    let mut paths = vec![];
+    add_paths(&repository().join("docs"), &mut paths);
+    paths.extend(["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "examples/README.md"].map(String::from));
+    // The reference is made from the registry.
+    paths.retain(|path| path.ends_with(".md") && path != "docs/reference.md");
+    assert!(paths.len() > 20, "the documents were not found");
+    let read = |path: &String| std::fs::read_to_string(repository().join(path)).expect("the document is there");
+    let violations: Vec<String> = paths.iter().flat_map(|path| long_cells(path, &read(path))).collect();
+    assert!(violations.is_empty(), "\n{}\n", violations.join("\n"));
+}
+
+#[test]
+fn long_cells_are_found() {
+    let row = format!("| a | {} |", "word ".repeat(CELL + 1));
+    assert_eq!(long_cells("a.md", &row).len(), 1);
+    assert!(long_cells("a.md", &format!("```\n{row}\n```")).is_empty());
+    assert!(long_cells("a.md", &format!("| {} |", "word ".repeat(CELL))).is_empty());
+}
 
 /// Files and folders below a folder, from the repository.
 fn add_paths(folder: &Path, paths: &mut Vec<String>) {

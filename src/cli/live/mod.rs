@@ -1,6 +1,6 @@
 //! `--watch`: a page at an address of this machine that follows the run.
 //!
-//! What it shows is a matter of [`LiveReport`]; here are the address, the connections and what the run tells besides its rows.
+//! [`LiveReport`] determines the content of the page; this module has the address, the connections, and data of the run besides its rows.
 
 mod request;
 mod server;
@@ -16,23 +16,23 @@ use crate::output::{Doing, LiveOutcome, LiveReport, NOT_CONSERVING};
 use crate::script::{Class, Diagnostic, Event, Ink, Observer, Progress, Report};
 use site::Site;
 
-/// Bytes of the secret in the address.
+/// Number of random bytes of the secret in the address.
 const SECRET: usize = 16;
-/// How long the end of the process waits for readers to hear of it, and how often it looks.
+/// Longest time for which the end of the process is delayed until readers have received it, and the period of checks.
 const GRACE: [Duration; 2] = [Duration::from_millis(950), Duration::from_millis(5)];
 
-/// The page of a run that goes on.
+/// The page of a running simulation.
 pub struct LivePage {
-    /// What it shows.
+    /// Report shown by the page.
     pub report: Arc<LiveReport>,
     site: Arc<Site>,
 }
 
 impl LivePage {
-    /// Serves it at a port, 0 for any that is free; `folder` is that of the results.
+    /// Serves the page at a port (0 for any free one); `folder` is that of the results.
     ///
     /// # Errors
-    /// The port cannot be had, or there are no random numbers.
+    /// The port is not available, or there are no random numbers.
     pub fn open(port: u16, folder: String) -> Result<Self, Box<Diagnostic>> {
         let refused = |cause: String| {
             let error = Diagnostic::error(Class::Script, "the run cannot be shown while it goes on").cause(cause);
@@ -49,12 +49,12 @@ impl LivePage {
         Ok(LivePage { report, site })
     }
 
-    /// Its address.
+    /// Address of the page.
     pub fn address(&self) -> String {
         self.site.address()
     }
 
-    /// Shows how the run ended, and waits for a moment until those who follow it know.
+    /// Shows the outcome of the run, and waits briefly until readers have received it.
     pub fn end(&self, report: &Report) {
         let (words, is_well) = match &report.error {
             None if report.is_conserving => ("completed".into(), true),
@@ -70,7 +70,7 @@ impl LivePage {
     }
 }
 
-/// An observer that tells a page what the run does, in front of another one.
+/// Observer that updates a page, and passes all calls on to another observer.
 pub struct LiveObserver {
     report: Arc<LiveReport>,
     next: Rc<dyn Observer>,
@@ -78,7 +78,7 @@ pub struct LiveObserver {
 }
 
 impl LiveObserver {
-    /// In front of `next`.
+    /// Returns an observer in front of `next`.
     pub fn new(report: Arc<LiveReport>, next: Rc<dyn Observer>) -> Self {
         LiveObserver { report, next, doing: RefCell::default() }
     }
@@ -102,7 +102,7 @@ impl Observer for LiveObserver {
 
     fn warn(&self, warning: &Diagnostic) {
         let mut shown = warning.clone();
-        // As in the report: the script by its name.
+        // Scripts by file name, as in the report.
         if let Some(place) = &mut shown.place {
             place.source = place.source.rsplit(['/', '\\']).next().unwrap_or_default().into();
         }

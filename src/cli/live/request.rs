@@ -1,42 +1,42 @@
-//! The head of a request, read within a bounded time and size. What follows it is never looked at.
+//! The head of a request, read within limits of time and size. The body is not read.
 
 use std::io::{ErrorKind, Read};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Longest head of a request, in bytes.
+/// Longest head of a request `[bytes]`.
 pub const LONGEST: usize = 8 << 10;
-/// Lines of a head at most.
+/// Largest number of lines of a head.
 const LINES: usize = 64;
 
-/// What was asked for.
+/// Head of a request.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Request {
-    /// `GET` and the like.
+    /// Method, such as `GET`.
     pub method: String,
-    /// Path and query as they came.
+    /// Path and query as received.
     pub target: String,
-    /// Values of all lines `Host`.
+    /// Values of all `Host` headers.
     pub hosts: Vec<String>,
 }
 
-/// Why there is no request.
+/// Reason why there is no request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// The other side has gone.
+    /// The client has closed the connection.
     Gone,
-    /// It took too long.
+    /// The request took too long.
     Slow,
     /// The head is too long.
     Long,
-    /// It is no request.
+    /// The bytes are not a request.
     Malformed,
 }
 
-/// The request in the bytes so far; `None` while its head is not complete.
+/// Parses the bytes received so far; `None` while the head is incomplete.
 ///
 /// # Errors
-/// It is no request, or too long.
+/// The bytes are not a request, or the head is too long.
 pub fn parse(bytes: &[u8]) -> Result<Option<Request>, Refusal> {
     let mut lines = [httparse::EMPTY_HEADER; LINES];
     let mut head = httparse::Request::new(&mut lines);
@@ -52,10 +52,10 @@ pub fn parse(bytes: &[u8]) -> Result<Option<Request>, Refusal> {
     Ok(Some(Request { method: method.into(), target: target.into(), hosts }))
 }
 
-/// Reads a request until a moment.
+/// Reads a request until a deadline.
 ///
 /// # Errors
-/// There is none, or not in time.
+/// No valid request, or not in time.
 pub fn read(stream: &mut TcpStream, until: Instant) -> Result<Request, Refusal> {
     let mut bytes = Vec::new();
     loop {

@@ -1,6 +1,6 @@
-//! Connections: so many at once, each with a thread and with bounded times for its request and its answer.
+//! Connections: a limited number, each with a thread and limited times for request and answer.
 //!
-//! Nobody who connects can hold up the run: its thread takes no part in this.
+//! Clients cannot delay the run, whose thread is not involved.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
@@ -13,30 +13,30 @@ use std::time::{Duration, Instant};
 use super::request;
 use super::site::{Answer, Site};
 
-/// Connections that are served at once.
+/// Largest number of simultaneous connections.
 const MOST: usize = 128;
-/// Connections that wait to be refused.
+/// Largest number of connections that wait to be refused.
 const REFUSED: usize = 64;
 /// Longest time for a request.
 const ASKING: Duration = Duration::from_secs(5);
-/// Longest time for an answer, and for a piece of it.
+/// Longest time for an answer, and for a piece of an answer.
 const ANSWERING: [Duration; 2] = [Duration::from_secs(20), Duration::from_secs(5)];
-/// Time for one that is refused.
+/// Time for a connection that is refused.
 const REFUSING: Duration = Duration::from_millis(50);
-/// Bytes of an answer that are written at once.
+/// Number of bytes of an answer that are written at once.
 const PIECE: usize = 64 << 10;
-/// Stack of a connection's thread.
+/// Stack size of a connection's thread `[bytes]`.
 const STACK: usize = 1 << 20;
 
-/// Opens a port of this machine alone; 0 takes any that is free.
+/// Opens a port of the local host; 0 for any free one.
 ///
 /// # Errors
-/// The port is taken, or may not be used.
+/// The port is taken, or not permitted.
 pub fn open(port: u16) -> io::Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port))
 }
 
-/// Serves from threads of their own until the process ends.
+/// Serves in separate threads until the process ends.
 ///
 /// # Errors
 /// No thread can be started.
@@ -47,13 +47,13 @@ pub fn serve(listener: TcpListener, site: Arc<Site>) -> io::Result<()> {
         let open = Arc::new(AtomicUsize::new(0));
         for stream in listener.incoming() {
             let Ok(stream) = stream else {
-                // Such as too many open files: it may pass.
+                // Errors such as too many open files may be temporary.
                 thread::sleep(REFUSING);
                 continue;
             };
             let place = Place::take(&open);
             if place.0.load(Ordering::Relaxed) > MOST {
-                // Where too many wait to be refused, they are told nothing.
+                // Beyond the limit, connections are closed without an answer.
                 let _ = refuse.try_send(stream);
                 continue;
             }
@@ -71,7 +71,7 @@ fn thread(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
     Builder::new().name(name.into()).stack_size(STACK).spawn(work).map(drop)
 }
 
-/// One of the connections that are open.
+/// Slot of an open connection.
 struct Place(Arc<AtomicUsize>);
 
 impl Place {
@@ -96,7 +96,7 @@ fn refuse_all(refused: Receiver<TcpStream>) {
     }
 }
 
-/// A request and its answer.
+/// Reads a request and sends its answer.
 fn converse(mut stream: TcpStream, site: &Site) {
     let answer = match request::read(&mut stream, Instant::now() + ASKING) {
         Ok(request) => Some(site.answer(&request)),
@@ -109,7 +109,7 @@ fn converse(mut stream: TcpStream, site: &Site) {
     }
 }
 
-/// Writes an answer until a moment, with so much time for a piece of it.
+/// Sends an answer until a deadline, with `patience` as the time limit of each piece.
 fn send(stream: &mut TcpStream, answer: &Answer, until: Instant, patience: Duration) -> io::Result<()> {
     let mut write = |bytes: &[u8]| {
         let mut rest = bytes;
@@ -132,7 +132,7 @@ fn send(stream: &mut TcpStream, answer: &Answer, until: Instant, patience: Durat
     if answer.is_head { Ok(()) } else { write(&answer.body) }
 }
 
-/// Closes a connection after what the other side still sends, so that it reads the answer before it hears of the end.
+/// Closes a connection after reading the client's remaining data, so that the client receives the answer before the end of the connection.
 fn close(mut stream: TcpStream, patience: Duration) {
     let until = Instant::now() + patience;
     let mut rest = [0; 4096];

@@ -1,7 +1,7 @@
-//! What is answered to a request: the page and its news, to those who know the address, and to nobody else.
+//! Answers to requests: the page and its updates, only for readers who know the address.
 //!
-//! The address has a secret that other users of the machine and pages from elsewhere do not know. A page from elsewhere that has its own
-//! name pointed at this machine is refused by the line `Host`.
+//! The address contains a secret, unknown to other users of the machine and to other pages. A page under another name that resolves to this
+//! machine is refused by the header `Host`.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,26 +10,26 @@ use std::time::{Duration, Instant};
 use super::request::{Refusal, Request};
 use crate::output::{LiveReport, News};
 
-/// Time for which a page is given to further readers; what came since they ask for.
+/// Time for which a page is reused for further readers, who request later changes.
 const FRESH: Duration = Duration::from_secs(2);
-/// Time for which news are given to further readers who know as much.
+/// Time for which an update is reused for further readers in the same state.
 const NEW: Duration = Duration::from_millis(250);
-/// A reader who has not asked for so long is not waited for at the end.
+/// Time after its last request from which a reader counts as gone at the end of the run.
 const AWAY: Duration = Duration::from_secs(2);
-/// Readers that are remembered at most, and answers that are kept for them.
+/// Largest number of readers, and of updates kept for readers.
 const READERS: usize = 1024;
-/// Pages that are kept at most.
+/// Largest number of pages kept.
 const PAGES: usize = 8;
 
 /// An answer.
 pub struct Answer {
-    /// Status with its words.
+    /// Status code and text.
     pub status: &'static str,
-    /// Kind of the content.
+    /// Content type.
     pub kind: &'static str,
     /// The content.
     pub body: Arc<Vec<u8>>,
-    /// Whether only the head is sent.
+    /// True if only the head is sent.
     pub is_head: bool,
 }
 
@@ -42,12 +42,12 @@ impl Answer {
         Answer::new(status, "text/plain; charset=utf-8", format!("{text}\n").into_bytes())
     }
 
-    /// That of a connection too many.
+    /// Returns the answer to a connection beyond the limit.
     pub fn busy() -> Self {
         Answer::text("503 Service Unavailable", "too many connections at once")
     }
 
-    /// That where there is no request; none where nobody is there to read it.
+    /// Returns the answer to an invalid request; `None` if the client has gone.
     pub fn refusal(refusal: Refusal) -> Option<Self> {
         match refusal {
             Refusal::Gone => None,
@@ -57,7 +57,7 @@ impl Answer {
         }
     }
 
-    /// Its bytes up to the content.
+    /// Returns the bytes of the answer up to its content.
     pub fn head(&self) -> Vec<u8> {
         let policy = if self.kind.starts_with("text/html") {
             "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'; \
@@ -79,22 +79,22 @@ impl Answer {
     }
 }
 
-/// When a reader was last there, and whether it knows how the run ended.
+/// Moment of a reader's last request, and true if the reader has received the outcome of the run.
 type Reader = (Instant, bool);
 
-/// What was made of late, with the moment: a page by its simulation, news by what their reader knows. Many readers ask for the same.
+/// Recent answers with their time: pages by simulation, updates by the last change that the reader has. Many readers request equal data.
 #[derive(Default)]
 struct Made {
     pages: HashMap<Option<usize>, (Instant, Arc<Vec<u8>>)>,
     news: HashMap<(Option<usize>, u64), (Instant, Arc<News>)>,
 }
 
-/// What is served.
+/// Content that is served.
 pub struct Site {
     live: Arc<LiveReport>,
     port: u16,
     secret: String,
-    /// One thread encodes at a time, so that readers never take more than one processor from the run.
+    /// Lock for encoding, held by one thread at a time, so that readers never take more than one processor from the run.
     encoding: Mutex<Made>,
     readers: Mutex<HashMap<u64, Reader>>,
 }
@@ -103,23 +103,23 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether two texts are equal, in a time that does not tell where they differ.
+/// True if two texts are equal; for texts of equal length the time does not depend on where they differ.
 fn are_equal(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |differences, (a, b)| differences | (a ^ b)) == 0
 }
 
 impl Site {
-    /// What is served at a port to those who know the secret.
+    /// Returns a site that is served at `port` and requires `secret` in the address.
     pub fn new(live: Arc<LiveReport>, port: u16, secret: String) -> Self {
         Site { live, port, secret, encoding: Mutex::default(), readers: Mutex::default() }
     }
 
-    /// Its address.
+    /// Address of the page.
     pub fn address(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.port, self.secret)
     }
 
-    /// The answer to a request.
+    /// Returns the answer to a request.
     pub fn answer(&self, request: &Request) -> Answer {
         let names = [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)];
         let [host] = &request.hosts[..] else { return Answer::text("400 Bad Request", "a request names one host") };
@@ -141,7 +141,7 @@ impl Site {
         }
         let value =
             |key: &str| query.split('&').filter_map(|pair| pair.split_once('=')).find(|(name, _)| *name == key).map(|(_, value)| value);
-        // What is no number is as if it was not there.
+        // A value that is no number is ignored.
         let simulation = value("simulation").and_then(|text| text.parse().ok());
         match name {
             "" => Some(Answer::new("200 OK", "text/html; charset=utf-8", self.page(simulation))),
@@ -188,7 +188,7 @@ impl Site {
         }
     }
 
-    /// Whether somebody follows the run who does not know yet how it ended.
+    /// True if a reader who is present has not received the end of the run yet.
     pub fn has_readers(&self) -> bool {
         locked(&self.readers).values().any(|(at, knows_end)| !knows_end && at.elapsed() < AWAY)
     }

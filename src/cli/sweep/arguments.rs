@@ -183,10 +183,10 @@ pub struct CollectArguments {
     pub quiet: bool,
 }
 
-/// A time in seconds.
+/// Parses a time in seconds.
 ///
 /// # Errors
-/// How it is written.
+/// The text is not of the expected form; the message describes the form.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic()).trim_end();

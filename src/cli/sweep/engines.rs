@@ -1,4 +1,4 @@
-//! Who computes the points of a study: processes on this machine, or Slurm.
+//! Engines that compute the points of a study: processes on this machine, or Slurm.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -11,15 +11,15 @@ use crate::cli::process::program;
 use crate::script::{Class, Diagnostic};
 use crate::studies::{PointState, here, slurm};
 
-/// How often Slurm is asked, and the folder looked at.
+/// Period at which Slurm and the folder of the study are queried.
 const PERIOD: Duration = Duration::from_secs(1);
-/// How often an interrupt is looked for meanwhile.
+/// Period at which interrupts are checked.
 const BLINK: Duration = Duration::from_millis(100);
 
-/// Computes what is not done; numbers of the points of which was told that they did not come to their end.
+/// Computes the points that are not done; returns the indices of failed points that were reported.
 ///
 /// # Errors
-/// An engine that cannot be had; files that cannot be written.
+/// An engine that is not available; files that cannot be written.
 pub fn compute(
     planned: &Planned,
     arguments: &ComputeArguments,
@@ -57,7 +57,7 @@ pub fn compute(
     computed.map(|()| progress.told())
 }
 
-/// Follows the tasks that are with Slurm, then submits what is not done, and follows that until no task is left.
+/// Follows queued tasks of Slurm, then submits the remaining points and follows these until no task is left.
 fn by_slurm(
     planned: &Planned,
     open: Vec<usize>,
@@ -90,7 +90,7 @@ fn by_slurm(
     Ok(progress.told())
 }
 
-/// Follows jobs, and takes the points that are done from those that are left; whether no task is left, or the interrupt key was pressed.
+/// Follows jobs, and removes computed points from `left`. Returns true when no task or point is left, false on an interrupt.
 fn follow(
     planned: &Planned,
     left: &mut Vec<usize>,

@@ -19,12 +19,12 @@ pub use arguments::Arguments;
 use arguments::{CollectArguments, Part, PlanArguments, WholeArguments};
 use opening::{enter, interrupted, opened};
 
-/// Rows of a table that the terminal shows.
+/// Largest number of rows of a table on the terminal.
 const SHOWN: usize = 40;
-/// Points of which is told at the end why they did not come to it.
+/// Largest number of points whose failure is explained at the end.
 const TOLD: usize = 10;
 
-/// Does what the arguments say; the exit code.
+/// Executes `conserva sweep`; returns the exit code.
 pub fn sweep(arguments: Arguments) -> u8 {
     let done = match arguments.part {
         Some(Part::Plan(arguments)) => plan(&arguments),
@@ -71,7 +71,7 @@ fn whole(arguments: WholeArguments) -> Result<u8, Box<Diagnostic>> {
     Ok(code)
 }
 
-/// Tells how a study stands, without points of which was told before; the exit code.
+/// Reports the state of a study, without points reported before; returns the exit code.
 fn tell(plan: &Plan, collected: &Collected, shown: &Path, console: &Console, told: &[usize]) -> u8 {
     if !console.is_quiet() {
         small_table(plan, collected).iter().for_each(|line| console.say(line));
@@ -112,7 +112,7 @@ fn tell(plan: &Plan, collected: &Collected, shown: &Path, console: &Console, tol
     u8::from(completed < plan.points.len())
 }
 
-/// Parameters, results and outcomes of a study with few points.
+/// Returns parameters, results and outcomes of a study with few points.
 fn small_table(plan: &Plan, collected: &Collected) -> Vec<String> {
     let table = &collected.table;
     if plan.points.len() > SHOWN {

@@ -1,4 +1,4 @@
-//! What every part of `conserva sweep` begins with: the interrupt key, the study, the folder that its paths are relative to.
+//! Common start of the parts of `conserva sweep`: the interrupt key, the study, the folder to which its paths are relative.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ pub fn interrupted() -> Result<Arc<AtomicBool>, Box<Diagnostic>> {
     })
 }
 
-/// Goes to the folder in which a study was planned: its paths are relative to that.
+/// Changes to the folder in which a study was planned, to which its paths are relative.
 pub fn enter(plan: &Plan) -> Result<(), Box<Diagnostic>> {
     let folder = &plan.scenario.folder;
     std::env::set_current_dir(folder).map_err(|error| {
@@ -26,7 +26,7 @@ pub fn enter(plan: &Plan) -> Result<(), Box<Diagnostic>> {
     })
 }
 
-/// A study's folder, whatever the current folder will be, and its plan.
+/// Returns a study's folder (by its absolute path) and its plan.
 pub fn opened(path: &Path) -> Result<(StudyFolder, Plan), Box<Diagnostic>> {
     let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let study = StudyFolder::open(&path)?;

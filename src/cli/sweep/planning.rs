@@ -1,4 +1,4 @@
-//! From the arguments to the plan of a study in its folder.
+//! Plans a study in its folder from the arguments.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -11,11 +11,11 @@ use crate::studies::{Design, Limits, Pairing, Plan, PointState, Rows, Scenario, 
 
 /// A study that is planned.
 pub struct Planned {
-    /// Its folder, by its whole path.
+    /// Folder of the study, by its absolute path.
     pub study: StudyFolder,
-    /// Its plan.
+    /// Plan of the study.
     pub plan: Plan,
-    /// The folder as messages name it.
+    /// Path of the folder in messages.
     pub shown: PathBuf,
 }
 
@@ -23,10 +23,10 @@ fn refusal(title: impl Into<String>) -> Diagnostic {
     Diagnostic::error(Class::Script, title)
 }
 
-/// Plans what the arguments say, or takes up a study that is planned.
+/// Plans a study from the arguments, or continues a planned study.
 ///
 /// # Errors
-/// What cannot be planned; a folder that holds another study.
+/// The arguments do not define a study, or the folder holds another study.
 pub fn planned(arguments: &DesignArguments) -> Result<Planned, Box<Diagnostic>> {
     let Some(what) = &arguments.what else {
         let error = refusal("a study needs a script, a study file or the folder of a study");
@@ -56,7 +56,7 @@ pub fn planned(arguments: &DesignArguments) -> Result<Planned, Box<Diagnostic>> 
     Ok(Planned { study, plan, shown })
 }
 
-/// A study that was planned before.
+/// Continues a study that was planned before.
 fn taken_up(arguments: &DesignArguments, what: &Path) -> Result<Planned, Box<Diagnostic>> {
     let is_new = !arguments.vary.is_empty() || !arguments.fixed.is_empty() || arguments.values.is_some() || arguments.sample.is_some();
     if is_new || arguments.out.is_some() {
@@ -119,7 +119,7 @@ fn planned_anew(arguments: &DesignArguments, file: Option<&StudyFile>, script: &
     Plan::new(scenario, Limits { seconds: limit, threads: arguments.threads, memory: arguments.memory.memory }, rows)
 }
 
-/// Refuses a script that does not parse, and names that it has no parameter for, before a thousand points do.
+/// Checks that the script parses and has the named parameters, before the points are computed.
 fn look_at(script: &Path, names: &[&String], arguments: &DesignArguments) -> Result<(), Box<Diagnostic>> {
     let text: Arc<str> = read_script(script)?.into();
     let settings = Settings { allow_read: arguments.allow_read.clone(), ..Settings::default() };
@@ -162,7 +162,7 @@ fn compare(then: &Plan, now: &Plan, retry: Option<Retry>, shown: &Path) -> Resul
     Err(Box::new(error.hint("choose another folder with `--out`, or compute all of them anew with `--retry all`")))
 }
 
-/// Forgets points that are to be computed again.
+/// Removes the records of points that are to be computed again.
 ///
 /// # Errors
 /// A record that cannot be removed.
@@ -173,7 +173,7 @@ pub fn retry(planned: &Planned, retry: Option<Retry>) -> Result<(), Box<Diagnost
             PointState::Done(record) => retry == Retry::All || !record.outcome.is_completed(),
             _ => false,
         };
-        // What somebody computes just now is new anyway.
+        // A point that another process computes at present is new anyway.
         if is_meant && let Some(_claim) = planned.study.claim(point)? {
             planned.study.forget(point)?;
         }

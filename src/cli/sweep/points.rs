@@ -8,10 +8,10 @@ use crate::machine::memory;
 use crate::script::{Class, Diagnostic};
 use crate::studies::{Plan, PointOutcome, Watchdog, compute as compute_point, here};
 
-/// Computes them; the exit code: 0 all came to their end, 1 one did not, 130 interrupted.
+/// Computes points; returns the exit code: 0 all completed, 1 one failed, 130 interrupted.
 ///
 /// # Errors
-/// A folder without a study, numbers that it does not have, files that cannot be written.
+/// A folder without a study, unknown indices, files that cannot be written.
 pub fn compute(arguments: &PointArguments) -> Result<u8, Box<Diagnostic>> {
     let interrupt = interrupted()?;
     let (study, plan) = opened(&arguments.folder)?;
@@ -48,7 +48,7 @@ pub fn compute(arguments: &PointArguments) -> Result<u8, Box<Diagnostic>> {
     Ok(u8::from(!is_well))
 }
 
-/// Numbers of points as they are written.
+/// Parses the indices of points in the arguments.
 fn numbers(arguments: &PointArguments, plan: &Plan) -> Result<Vec<usize>, Box<Diagnostic>> {
     let mut numbers = parsed(&arguments.index).ok_or_else(|| {
         let error = Diagnostic::error(Class::Script, format!("`--index {}` names no points", arguments.index));
@@ -69,7 +69,7 @@ fn numbers(arguments: &PointArguments, plan: &Plan) -> Result<Vec<usize>, Box<Di
     }
 }
 
-/// `3`, `0-9`, `0-9,12`.
+/// Parses indices such as `3`, `0-9`, `0-9,12`.
 fn parsed(text: &str) -> Option<Vec<usize>> {
     let mut all = Vec::new();
     for part in text.split(',') {

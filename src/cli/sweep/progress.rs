@@ -1,4 +1,4 @@
-//! How far a study is: a bar on a terminal, a line now and then elsewhere, and a line for each point that did not come to its end.
+//! Progress of a study: a bar on a terminal, occasional lines elsewhere, and a line for each point that is not completed.
 
 use std::cell::{Cell, RefCell};
 use std::io::IsTerminal;
@@ -12,10 +12,10 @@ use crate::studies::{Plan, Record};
 /// Least time between two plain lines.
 const BETWEEN_LINES: Duration = Duration::from_secs(5);
 
-/// Letters of a cause that are told at once; the table has all of it.
+/// Largest number of characters of a cause in a line; the table has the complete text.
 pub const LONGEST: usize = 160;
 
-/// Tells how far a study is.
+/// Progress of a study.
 pub struct StudyProgress {
     bar: Option<ProgressBar>,
     quiet: bool,
@@ -27,7 +27,7 @@ pub struct StudyProgress {
 }
 
 impl StudyProgress {
-    /// Of so many points.
+    /// Returns the progress of a study of `count` points.
     pub fn new(count: usize, quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr_with_hz(10));
@@ -41,7 +41,7 @@ impl StudyProgress {
         StudyProgress { bar, quiet, count, done: Cell::new(0), told: RefCell::default(), begun: now, last: Cell::new(now) }
     }
 
-    /// A point is done.
+    /// Reports a computed point.
     pub fn done(&self, plan: &Plan, index: usize, record: &Record) {
         self.done.set(self.done.get() + 1);
         if !record.outcome.is_completed() {
@@ -66,12 +66,12 @@ impl StudyProgress {
         }
     }
 
-    /// Numbers of the points of which it was told that they did not come to their end.
+    /// Returns the indices of failed points that were reported.
     pub fn told(&self) -> Vec<usize> {
         self.told.borrow().clone()
     }
 
-    /// There is nothing more to tell.
+    /// Ends the progress display.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();

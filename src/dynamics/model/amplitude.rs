@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::math::tolerances::{SMALL_TIME, TIME_DIFFERENCE};
 
-/// What a time function fails with.
+/// Error of a time function.
 pub type TimeFunctionError = Box<dyn std::error::Error + Send + Sync>;
 
 /// A scalar function of time, such as a load's amplitude. Script closures implement it too, so a value may fail.
@@ -13,10 +13,10 @@ pub trait TimeFunction: Send + Sync {
     /// Value at `time`.
     ///
     /// # Errors
-    /// Whatever a user's function fails with; the step that asked is not taken.
+    /// Error of a user's function; the step is not taken.
     fn value(&self, time: f64) -> Result<f64, TimeFunctionError>;
 
-    /// Rate of change at `time`; a central difference unless the function knows better. At a kink it is the mean of both sides.
+    /// Rate of change at `time`, by default a central difference; at a kink the mean of both sides.
     ///
     /// # Errors
     /// As [`value`](Self::value).
@@ -26,19 +26,19 @@ pub trait TimeFunction: Send + Sync {
         Ok((self.value(time + h)? - self.value(time - h)?) / (2.0 * h))
     }
 
-    /// Times at which it has a kink, as far as they are known: steps land on them, so that what begins or ends there does so with a step.
+    /// Times of kinks, as far as known: steps end at them.
     fn corners(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// How it prints, such as `hat(0, 0.5, 0.1)`.
+    /// Text form, such as `hat(0, 0.5, 0.1)`.
     fn describe(&self) -> String;
 }
 
 /// A shared time function.
 pub type Amplitude = Arc<dyn TimeFunction>;
 
-/// The same value at all times.
+/// Constant time function.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant(pub f64);
 

@@ -1,4 +1,4 @@
-//! Rigid obstacles as bounds of whole bodies: sides of a body that contact does not know pass through an obstacle unhindered.
+//! Rigid obstacles as bounds of whole bodies: parts of a body outside the contact definition would pass through an obstacle unhindered.
 //!
 //! Before the first step the secondary surface must look at its obstacle. During a run every point of the hull counts that is on no
 //! secondary surface of the obstacle. An obstacle into which the hull reaches at the start bounds its secondary surface alone, as a plane
@@ -47,7 +47,7 @@ pub struct Passed {
     pub contact: String,
     /// Name of the body.
     pub body: String,
-    /// Depth over the length of the shortest edge there.
+    /// Penetration relative to the length of the shortest edge at that place.
     pub facets: f64,
     /// Place, with as many coordinates as there are dimensions.
     pub at: Vec<f64>,

@@ -1,4 +1,4 @@
-//! A model put together line by line, as a program writes it. What these methods do not say is set in the fields of [`Model`].
+//! Construction of a model line by line, as a program writes it. Further properties are set in the fields of [`Model`].
 
 use std::sync::Arc;
 

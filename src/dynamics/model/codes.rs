@@ -1,10 +1,10 @@
-//! Stable codes of what can go wrong in a model or in a step.
+//! Stable codes of the errors of models and steps.
 
 use super::error::ModelError;
 use super::step_error::StepError;
 
 impl ModelError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the error, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         match self {
             ModelError::NoBodies { .. } => "C0101",
@@ -45,7 +45,7 @@ impl ModelError {
 }
 
 impl StepError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the error, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         match self {
             StepError::Amplitude { .. } => "C0501",

@@ -1,4 +1,4 @@
-//! Which nodes couplings couple, and what is checked of them.
+//! Nodes of couplings, and the checks of couplings.
 
 use nalgebra::Vector3;
 
@@ -67,7 +67,7 @@ impl Model {
         own.iter().zip(nodes(from)).map(opposite).collect()
     }
 
-    /// What is wrong with couplings.
+    /// Checks the names and definitions of all couplings.
     pub(super) fn check_couplings(&self) -> Result<(), ModelError> {
         for (index, coupling) in self.couplings.iter().enumerate() {
             let mut others = self.couplings[..index].iter().map(|other| other.name.as_str());
@@ -127,7 +127,7 @@ impl Model {
                 }
                 for offset in offset.iter().flatten() {
                     let start = offset.value(0.0).unwrap_or(f64::NAN);
-                    // What is no number is told when a step asks for it.
+                    // Values that are not finite are reported when a step evaluates them.
                     if start.abs() > tolerances::DRIVE_AT_REST * self.extent() {
                         return Err(format!("the second boundary moves from {start} on, and in the bodies at rest it has not moved"));
                     }

@@ -10,11 +10,11 @@ use super::interactions::BodyBoundary;
 pub struct Coupling {
     /// Name, unique among couplings.
     pub name: String,
-    /// What it couples.
+    /// Kind of the coupling.
     pub kind: CouplingKind,
 }
 
-/// What a coupling holds.
+/// Kind of a coupling: its linear equations.
 #[derive(Clone)]
 pub enum CouplingKind {
     /// Nodes stay in the planes in which they are at rest, as in a plane of symmetry or on rollers: `n . (x - X) = 0`.
@@ -30,22 +30,23 @@ pub enum CouplingKind {
         from: BodyBoundary,
         /// Boundary of the nodes `b`.
         to: BodyBoundary,
-        /// The turn that carries the first onto the second; `None`: it is moved.
+        /// Rotation that maps the first boundary onto the second; `None`: a translation.
         turn: Option<Sector>,
-        /// How the second moves against the first, along each axis over time, from zero on `[length]`: a mean strain. `None`: not at all.
+        /// Relative displacement of the second boundary along each axis over time, zero at the start `[length]`: a mean strain. `None`:
+        /// zero.
         offset: [Option<Amplitude>; 3],
-        /// A rigid body as whose center `h` the second moves against the first: its place is the mean strain, forces on it the mean
-        /// stress. `None`: there is none.
+        /// Index of a rigid body whose center `h` gives the relative displacement of the second boundary: its displacement is the mean
+        /// strain, the force on it the mean stress. `None` without such a body.
         follows: Option<usize>,
     },
 }
 
-/// A turn about an axis.
+/// Rotation about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sector {
     /// A point of the axis `[length]`.
     pub center: [f64; 3],
-    /// Its direction, of length 1.
+    /// Unit vector of the axis.
     pub axis: [f64; 3],
     /// The angle `[rad]`.
     pub angle: f64,
@@ -57,7 +58,7 @@ impl Sector {
         Rotation3::from_axis_angle(&Unit::new_unchecked(Vector3::from(self.axis)), self.angle)
     }
 
-    /// Where it carries a point.
+    /// Image of a point under the rotation.
     pub fn carried(&self, point: [f64; 3]) -> [f64; 3] {
         let center = Vector3::from(self.center);
         (center + self.rotation() * (Vector3::from(point) - center)).into()
@@ -82,7 +83,7 @@ impl CouplingKind {
         self.boundaries().into_iter().map(|on| on.body).chain(follows).collect()
     }
 
-    /// What it prescribes over time.
+    /// Time functions of the coupling.
     pub fn functions(&self) -> impl Iterator<Item = &Amplitude> {
         let offset = match self {
             CouplingKind::Plane { .. } => None,
@@ -91,7 +92,7 @@ impl CouplingKind {
         offset.into_iter().flatten()
     }
 
-    /// What it is.
+    /// Name of the kind in messages.
     pub fn name(&self) -> &'static str {
         match self {
             CouplingKind::Plane { .. } => "symmetry",

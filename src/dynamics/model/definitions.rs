@@ -1,4 +1,4 @@
-//! What a problem consists of, before any number is computed: bodies, supports, loads, contact pairs.
+//! Definition of a problem, before any number is computed: bodies, supports, loads, contact pairs.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -21,11 +21,11 @@ use crate::mesh::Mesh;
 pub struct BodyDefinition {
     /// Name, unique in the model.
     pub name: String,
-    /// Its mesh in the undeformed configuration.
+    /// Mesh in the undeformed configuration.
     pub mesh: Arc<Mesh>,
-    /// Its material.
+    /// Material of the body.
     pub material: Material,
-    /// Plane strain, plane stress or axisymmetric, and how it takes the change of volume.
+    /// Plane strain, plane stress or axisymmetric, and the treatment of volume changes.
     pub formulation: Formulation,
     /// Mass and inertia of a rigid body, of whose material only the density is used; `None`: it deforms.
     pub rigid: Option<Inertia>,
@@ -41,13 +41,13 @@ impl BodyDefinition {
 /// Nodes that do not move in some directions.
 #[derive(Clone, Debug)]
 pub struct Support {
-    /// The nodes of this boundary are held.
+    /// Boundary whose nodes are supported.
     pub on: BodyBoundary,
-    /// Which components (x, y, z) are held.
+    /// Fixed displacement components (x, y, z).
     pub components: [bool; 3],
 }
 
-/// What a load does; its size follows a time function.
+/// Kind of a load, scaled by a time function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadKind {
     /// Dead traction vector per undeformed facet area `[stress]`, times the amplitude.
@@ -63,11 +63,11 @@ pub enum LoadKind {
 /// A load on a boundary.
 #[derive(Clone)]
 pub struct Load {
-    /// What it does.
+    /// Kind of the load.
     pub kind: LoadKind,
-    /// Where it acts.
+    /// Boundary on which the load acts.
     pub on: BodyBoundary,
-    /// Its size over time.
+    /// Amplitude over time.
     pub amplitude: Amplitude,
 }
 
@@ -82,7 +82,7 @@ pub struct InitialVelocity {
     pub angular: [f64; 3],
 }
 
-/// Where the nodes of a body are at the start: strained against its mesh.
+/// Initial displacements of a body's nodes, by which the body is strained relative to its mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialDisplacement {
     /// Index of the body in the model.
@@ -91,7 +91,7 @@ pub struct InitialDisplacement {
     pub displacement: Vec<[f64; 3]>,
 }
 
-/// How much larger the parts of a body are without stress than in its mesh.
+/// Stress-free stretch of a body relative to its mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Growth {
     /// Index of the body in the model.
@@ -100,7 +100,7 @@ pub struct Growth {
     pub factors: Vec<f64>,
 }
 
-/// A problem: what there is, how it is held and loaded, what touches what.
+/// A problem: bodies, supports, loads and interactions.
 #[derive(Clone, Default)]
 pub struct Model {
     /// Name of the model.
@@ -113,21 +113,21 @@ pub struct Model {
     pub prescriptions: Vec<Prescription>,
     /// Acceleration of gravity `[length/time^2]`.
     pub gravity: [f64; 3],
-    /// Its size over time, as a factor; `None`: constant. What varies has no potential, and its work is that of a load.
+    /// Factor of gravity over time; `None`: constant. A varying gravity has no potential, and its work is that of a load.
     pub gravity_amplitude: Option<Amplitude>,
     /// Loads.
     pub loads: Vec<Load>,
-    /// What touches or is tied to what, in the order in which a simulation counts contacts.
+    /// Interactions: contacts, obstacles and ties, in the order in which a simulation counts contacts.
     pub interactions: Vec<Interaction>,
-    /// What pushes on nodes besides, such as springs.
+    /// Other force elements, such as springs.
     pub parts: Vec<Arc<dyn PartDefinition>>,
     /// Exact joints between bodies, and to the ground.
     pub joints: Vec<JointDefinition>,
     /// Nodes of boundaries that linear equations couple.
     pub couplings: Vec<Coupling>,
-    /// Displacements of the nodes of bodies at the start `[length]`; a later one of the same body replaces an earlier one.
+    /// Initial displacements of the nodes of bodies `[length]`; a later one of the same body replaces an earlier one.
     pub initial_displacements: Vec<InitialDisplacement>,
-    /// Bodies that are not without stress in their meshes; a later one of the same body replaces an earlier one.
+    /// Stress-free stretches of bodies; a later one of the same body replaces an earlier one.
     pub growths: Vec<Growth>,
     /// Initial velocities; a later one of the same body replaces an earlier one.
     pub initial_velocities: Vec<InitialVelocity>,
@@ -144,7 +144,7 @@ impl Model {
         self.bodies.iter().filter(|body| body.flows())
     }
 
-    /// Restitution is that of impacts between rigid sides which multipliers hold.
+    /// Checks that restitution is defined for impacts between rigid sides with multipliers only.
     fn check_restitution(&self, interaction: &Interaction) -> Result<(), ModelError> {
         let Some(restitution) = interaction.restitution else { return Ok(()) };
         let refused =
@@ -171,7 +171,7 @@ impl Model {
         !interaction.is_tie() && is_rigid(&interaction.secondary) && interaction.primary().iter().all(is_rigid)
     }
 
-    /// What contacts of bodies in space do not have.
+    /// Refuses properties of an interaction that contacts in space do not support.
     fn check_in_space(&self, interaction: &Interaction) -> Result<(), ModelError> {
         let kind = self.bodies.get(interaction.secondary.body).map(|body| body.mesh.kind);
         let lacking = match &interaction.partner {
@@ -204,7 +204,7 @@ impl Model {
         corners
     }
 
-    /// Space dimension of the bodies; 2 while there is none.
+    /// Space dimension of the bodies; 2 without bodies.
     pub fn dimension(&self) -> usize {
         self.bodies.first().map_or(2, |body| body.mesh.dimension())
     }
@@ -226,7 +226,7 @@ impl Model {
         &mut self.interactions[place]
     }
 
-    /// Boundaries that supports hold or move, each once, in the order in which a simulation tells their reactions.
+    /// Names of the boundaries with supports or prescribed motions, each once, in the order of their reactions.
     pub fn support_names(&self) -> Vec<String> {
         let boundaries = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|given| &given.on));
         let mut names: Vec<String> = Vec::new();
@@ -238,14 +238,14 @@ impl Model {
         names
     }
 
-    /// What tells reactions, in their order: [`Model::support_names`], then the couplings.
+    /// Names of the reactions, in their order: [`Model::support_names`], then the couplings.
     pub fn reaction_names(&self) -> Vec<String> {
         let couplings = self.couplings.iter().map(|coupling| coupling.name.clone());
         self.support_names().into_iter().chain(couplings).collect()
     }
 
-    /// Bodies that gravity moves for ever: no support holds them, and neither interactions nor other parts join them to anything that is
-    /// held or to an obstacle.
+    /// Bodies that fall under gravity without limit: without a support, and connected by neither interactions nor parts to a supported body
+    /// or an obstacle.
     pub fn falling(&self) -> Vec<&BodyDefinition> {
         if self.gravity == [0.0; 3] {
             return Vec::new();
@@ -294,12 +294,12 @@ impl Model {
         given.map_or_else(|| vec![[0.0; 3]; self.bodies[body].mesh.points.len()], |initial| initial.displacement.clone())
     }
 
-    /// Whether its bodies are bodies of revolution.
+    /// True if the bodies are axisymmetric.
     pub fn is_axisymmetric(&self) -> bool {
         self.bodies.iter().any(|body| body.formulation.plane == Plane::Axisymmetric)
     }
 
-    /// What does not go with bodies of revolution, if there are any.
+    /// Refuses entities of an axisymmetric model that break its symmetry.
     fn check_symmetry(&self) -> Result<(), ModelError> {
         if !self.is_axisymmetric() {
             return Ok(());
@@ -326,7 +326,7 @@ impl Model {
         }
     }
 
-    /// No boundary is held and moved in one direction. Nodes that two boundaries share may be: there the motion holds.
+    /// Checks that no boundary is supported and moved in one direction. Nodes that two boundaries share may be: there the motion applies.
     fn check_held_and_moved(&self) -> Result<(), ModelError> {
         let contradiction = |support: &Support, moved: &Prescription| {
             let (held, on) = (&support.on, &moved.on);

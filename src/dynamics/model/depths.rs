@@ -1,9 +1,9 @@
-//! How deep the sides of contacts are inside the bodies, or the obstacles inside the sides, at any positions. In the plane only.
+//! Penetration of the sides of contacts into bodies, and of obstacles into sides, at any positions. In the plane only.
 //!
-//! A node of one side counts that is inside the body of the other side, by its distance from the nearest facet of that side that looks at
-//! it; so do corners of a rigid polyline inside a body. Beside the hull of another body, whatever way that looks there, nothing is deep.
-//! Unlike a contact's own gaps this looks however far, and through no body: a node in the free has no depth, wherever facets behind it may
-//! be.
+//! A node of one side counts if it is inside the body of the other side, with its distance from the nearest facet of that side that faces
+//! it; so do corners of a rigid polyline inside a body. Behind the hull of another body, in any orientation, there is no penetration.
+//! Unlike the gaps of a contact the search is unlimited, but does not pass through bodies: a node in the open has no penetration, wherever
+//! facets behind it may be.
 
 use super::amplitude::Amplitude;
 use super::boundaries::{boundary_facets, facets_of_all};
@@ -44,19 +44,19 @@ enum Other {
 pub struct Depth {
     /// Index of the contact among the interactions of the model.
     pub contact: usize,
-    /// How deep `[length]`.
+    /// Penetration `[length]`.
     pub depth: f64,
-    /// Length of the longest facet there `[length]`.
+    /// Length of the longest facet at that place `[length]`.
     pub size: f64,
-    /// Where.
+    /// Place of the deepest penetration `[length]`.
     pub at: [f64; 2],
-    /// Nodes of both sides there, in the numbers of the model.
+    /// Nodes of both sides at that place, in the numbers of the model.
     pub nodes: Vec<u32>,
-    /// Whether a corner of an obstacle is inside a body.
+    /// True if a corner of an obstacle is inside a body.
     pub is_corner: bool,
 }
 
-/// A point of one side: where, which way its side looks there, how long its facets are, its node.
+/// A point of one side: its position, the normal of its side, the length of its facets, its node.
 struct Point {
     at: [f64; 2],
     normal: Option<[f64; 2]>,
@@ -107,7 +107,7 @@ impl Depths {
         Depths { meetings, hulls }
     }
 
-    /// The deepest place of each contact that has one, with all nodes at `q` and obstacles as at a time, of those that count.
+    /// Deepest penetration of each contact that has any, with all nodes at `q` and obstacles at a time, among those that `counts` accepts.
     pub fn at(&self, q: &[f64], time: f64, counts: &dyn Fn(&Depth) -> bool) -> Vec<Depth> {
         let mut found: Vec<Depth> = Vec::new();
         for meeting in &self.meetings {
@@ -140,7 +140,7 @@ impl Depths {
         found
     }
 
-    /// The deepest of some points inside the body of a side, of those that count; where room is asked for, clearly inside.
+    /// Deepest of several points inside the body of a side, among those that count; with clearance, only points clearly inside.
     fn deepest(
         &self,
         points: Vec<Point>,
@@ -196,7 +196,7 @@ fn points(surface: &Surface, q: &[f64]) -> Vec<Point> {
     surface.nodes().iter().enumerate().map(point).collect()
 }
 
-/// The nearest facet of a surface that looks at a point from in front of it, and how far it is.
+/// Nearest facet of a surface that has a point in front of it, and the distance.
 fn nearest(point: &Point, surface: &Surface, q: &[f64]) -> Option<(f64, usize)> {
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
     let to_facet = |(index, &facet): (usize, &[u32; 2])| {

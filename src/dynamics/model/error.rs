@@ -1,4 +1,4 @@
-//! What can go wrong in a model: one sentence with the numbers that show it, and a hint.
+//! Errors of a model: one sentence with the numbers that show the cause, and a hint.
 
 use thiserror::Error;
 
@@ -31,7 +31,7 @@ pub enum ModelError {
     NotRigid {
         /// Name of the body.
         body: String,
-        /// What is wrong.
+        /// Cause of the error.
         reason: String,
     },
     /// A joint that joins nothing, or has no direction where it needs one.
@@ -39,22 +39,22 @@ pub enum ModelError {
     UnsoundJoint {
         /// Name of the joint.
         joint: String,
-        /// What is wrong.
+        /// Cause of the error.
         reason: String,
     },
     /// A drive, limits, a gear or a bushing that cannot be.
     #[error("{what} \"{name}\" cannot be made: {reason}")]
     Unsound {
-        /// What it is.
+        /// Kind of the entity.
         what: &'static str,
-        /// Its name.
+        /// Name of the entity.
         name: String,
-        /// What is wrong.
+        /// Cause of the error.
         reason: String,
         /// Suggested remedy.
         remedy: &'static str,
     },
-    /// A joint that holds one way, with a time integrator that remembers forces.
+    /// A joint with unilateral constraints, with a time integrator that remembers forces.
     #[error("joint \"{joint}\" holds one way, and with the integrator \"{integrator}\" forces act on after their step")]
     OneSidedJoint {
         /// Name of the joint.
@@ -62,12 +62,12 @@ pub enum ModelError {
         /// Name of the integrator.
         integrator: &'static str,
     },
-    /// A joint whose points are not in the same place.
+    /// A joint whose points do not coincide.
     #[error("joint \"{joint}\" at {place:?} is open: what it joins is {distance:.3e} apart")]
     JointApart {
         /// Name of the joint.
         joint: String,
-        /// Where its first point is at rest `[length]`.
+        /// Position of the first point at rest `[length]`.
         place: [f64; 3],
         /// Distance `[length]`.
         distance: f64,
@@ -77,11 +77,11 @@ pub enum ModelError {
     MixedDimensions {
         /// Name of the first body.
         first: String,
-        /// Its dimension.
+        /// Dimension of the first body.
         first_dimension: usize,
         /// Name of the other body.
         second: String,
-        /// Its dimension.
+        /// Dimension of the second body.
         second_dimension: usize,
     },
     /// A boundary that a body does not have.
@@ -97,27 +97,27 @@ pub enum ModelError {
     /// A time integrator that is none.
     #[error("the integrator \"{integrator}\" is not sound: {reason}")]
     UnsoundIntegrator {
-        /// Its name.
+        /// Name of the integrator.
         integrator: &'static str,
-        /// What is wrong.
+        /// Violated condition.
         reason: &'static str,
     },
     /// Cells whose mass, at their nodes, is not positive.
     #[error("the row sums of the mass of the cells of body \"{body}\" are not positive at all nodes")]
     NoLumpedMass {
-        /// Its name.
+        /// Name of the body.
         body: String,
     },
-    /// What the steps of a time integrator do not do.
+    /// Entity of the model that the steps of a time integrator do not support.
     #[error("{steps} do not take {what}: {reason}")]
     NotTaken {
-        /// Which steps.
+        /// Kind of the steps.
         steps: &'static str,
-        /// What the model has.
+        /// Unsupported entity of the model.
         what: String,
-        /// Why.
+        /// Reason.
         reason: &'static str,
-        /// What to do instead.
+        /// Suggested remedy.
         instead: &'static str,
     },
     /// A boundary without facets.
@@ -144,12 +144,12 @@ pub enum ModelError {
         /// Smallest determinant of the deformation gradient.
         determinant: f64,
     },
-    /// A contact of bodies in space with something that is there in the plane only.
+    /// A contact of bodies in space with a property that is available in the plane only.
     #[error("contact \"{contact}\" is in space, and {what} is for plane bodies")]
     NotInSpace {
         /// Name of the contact.
         contact: String,
-        /// What it has.
+        /// Unsupported property of the contact.
         what: String,
     },
     /// An obstacle of the plane for bodies in space, or the reverse.
@@ -189,7 +189,7 @@ pub enum ModelError {
     ChamberOfNoVolume {
         /// Name of the chamber.
         chamber: String,
-        /// Its volume.
+        /// Enclosed volume.
         volume: f64,
     },
     /// A mass that is negative or no number.
@@ -197,13 +197,13 @@ pub enum ModelError {
     NoMass {
         /// The part.
         part: String,
-        /// Its mass.
+        /// Mass of the part.
         mass: f64,
     },
     /// The equations do not fit into memory.
     #[error("the model is too large: {reason}")]
     TooLarge {
-        /// What did not fit.
+        /// Number of unknowns or contact elements, and the shortage of memory.
         reason: String,
     },
     /// A boundary that is held and moved in one direction.
@@ -239,7 +239,7 @@ pub enum ModelError {
     Formulation {
         /// Name of the body.
         body: String,
-        /// Why.
+        /// Cause of the error.
         source: FormulationError,
     },
     /// Bodies of revolution beside others.
@@ -250,10 +250,10 @@ pub enum ModelError {
         /// The other.
         second: String,
     },
-    /// What turns or moves bodies of revolution out of their symmetry.
+    /// Load, support or other entity that breaks the symmetry of an axisymmetric model.
     #[error("{what} does not keep the symmetry of the axisymmetric model")]
     BreaksSymmetry {
-        /// What does.
+        /// Entity that breaks the symmetry.
         what: String,
     },
     /// A coefficient of restitution of a contact that does not solve impacts as those of rigid bodies.
@@ -261,12 +261,12 @@ pub enum ModelError {
     NoRestitution {
         /// Name of the contact.
         contact: String,
-        /// Why.
+        /// Cause of the error.
         reason: String,
         /// Suggested remedy.
         remedy: &'static str,
     },
-    /// A contact that also pulls, with sides that are apart at the start.
+    /// A bilateral contact whose sides are apart at the start.
     #[error(
         "contact \"{contact}\" also pulls, and its sides are {} apart at the start, {} facets",
         three_digits(*gap),
@@ -299,7 +299,7 @@ fn listed(names: &[String]) -> String {
 }
 
 impl ModelError {
-    /// How to mend it, one sentence.
+    /// Suggested remedy in one sentence.
     pub fn hint(&self) -> String {
         match self {
             ModelError::NoBodies { .. } => "add a body with a mesh and a material".into(),

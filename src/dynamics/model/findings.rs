@@ -1,4 +1,4 @@
-//! What is suspicious about a model's contacts in the undeformed bodies, before anything is computed.
+//! Suspicious properties of a model's contacts in the undeformed bodies, before anything is computed.
 //!
 //! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
 
@@ -80,7 +80,7 @@ impl Model {
         unique
     }
 
-    /// Whether joints guide a side, which then may turn towards the other one later.
+    /// True if joints guide a side of a contact, which may then rotate towards the other side later.
     pub(super) fn is_guided(&self, secondary: &BodyBoundary, primary: &[BodyBoundary]) -> bool {
         let is_joined = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
         std::iter::once(secondary).chain(primary).any(is_joined)
@@ -125,7 +125,7 @@ impl Model {
     }
 }
 
-/// What a tie leaves out, if anything.
+/// Finding for the nodes of a tie without a partner, if there are any.
 fn untied(name: &str, tied: &Tie, reach: f64) -> Vec<Finding> {
     let (nodes, of) = (tied.untied().len(), tied.sides().secondary.nodes().len());
     if nodes == 0 { Vec::new() } else { vec![Finding::Untied { tie: name.into(), nodes, of, reach }] }

@@ -1,7 +1,7 @@
-//! Bodies whose parts are larger or smaller without stress than where they are: warmed unevenly, swollen.
+//! Bodies with a stress-free stretch (`grow`): swelling, uneven thermal expansion.
 //!
-//! A factor `g` at every point stretches what is without stress: with the deformation gradient `F` against the mesh, the law sees `F/g`,
-//! and its energy counts per grown volume. The mass is kept. Cells interpolate the factor between nodes as they do displacements.
+//! A factor `g` at every point is the stress-free stretch: with the deformation gradient `F` relative to the mesh, the law is evaluated at
+//! `F/g`, and its energy is per grown volume. The mass is conserved. Cells interpolate the factor between nodes like displacements.
 
 use super::definitions::Model;
 use super::error::ModelError;
@@ -12,7 +12,7 @@ impl Model {
         self.growths.iter().rfind(|growth| growth.body == body).map(|growth| &growth.factors[..])
     }
 
-    /// What cannot grow, or not so.
+    /// Checks that bodies with growth deform, are not viscous, and have positive factors.
     pub(super) fn check_growths(&self) -> Result<(), ModelError> {
         for growth in &self.growths {
             let body = &self.bodies[growth.body];

@@ -1,4 +1,4 @@
-//! Velocities, loads and supports on nodes that something else holds or moves: they have no effect there.
+//! Velocities, loads and supports without effect, on nodes that are already supported or moved.
 
 use nalgebra::Vector3;
 

@@ -12,10 +12,10 @@ use crate::mesh::{Mesh, cross, is_inside};
 /// Part of a facet that may overlap besides the rise of curved sides.
 pub const ALLOWED: f64 = 0.01;
 
-/// Turn between neighboring facets, in degrees, beyond which a hull has a corner there and is not a curve.
+/// Angle between neighboring facets, in degrees, beyond which a hull has a corner and is not a curve.
 const CORNER: f64 = 45.0;
 
-/// Distance of a point behind the middle of a facet, over its length, that tells whether hulls overlap whose nodes lie on each other.
+/// Distance of a probe point behind the middle of a facet, relative to its length, to detect the overlap of hulls whose nodes coincide.
 const BEHIND: f64 = 0.25;
 
 /// The hull of a body in the plane, the body on the left of its facets.
@@ -24,7 +24,7 @@ pub struct Hull {
     pub body: usize,
     /// Ends of its facets.
     pub facets: Vec<[[f64; 2]; 2]>,
-    /// How far the curve that each facet stands for may rise above it, and besides a part of the facet.
+    /// Admitted penetration per facet: the sagitta of the curve that the facet approximates, and a fraction of the facet length.
     allowed: Vec<f64>,
     low: [f64; 2],
     high: [f64; 2],
@@ -40,11 +40,11 @@ pub enum BodyHull {
 
 /// Two hulls that are inside each other.
 pub struct Inside {
-    /// How deep `[length]`.
+    /// Penetration `[length]`.
     pub depth: f64,
-    /// Length of the facet there `[length]`.
+    /// Length of the penetrated facet `[length]`.
     pub size: f64,
-    /// Where, with as many coordinates as there are dimensions.
+    /// Place of the penetration, with as many coordinates as there are dimensions `[length]`.
     pub at: Vec<f64>,
 }
 
@@ -109,7 +109,7 @@ impl Hull {
         Some(Inside { depth, size, at: at.into() })
     }
 
-    /// Whether the boxes around two hulls overlap.
+    /// True if the bounding boxes of two hulls overlap.
     fn meets(&self, other: &Hull) -> bool {
         (0..2).all(|i| self.low[i] < other.high[i] && other.low[i] < self.high[i])
     }

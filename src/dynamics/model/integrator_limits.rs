@@ -1,4 +1,4 @@
-//! What a time integrator does not take, before the first step.
+//! Entities of a model that a time integrator does not support, checked before the first step.
 
 use super::definitions::Model;
 use super::error::ModelError;
@@ -8,7 +8,7 @@ use crate::integrators::Scheme;
 /// Refuses what steps of an integrator cannot do; `chooses_size`: whether they are to choose their size.
 ///
 /// # Errors
-/// The first such thing of the model.
+/// First unsupported entity of the model.
 pub fn check_integrator(model: &Model, integrator: &Scheme, chooses_size: bool) -> Result<(), ModelError> {
     if let Some(interaction) = model.interactions.iter().find(|one| one.restitution.is_some() && !integrator.solves_impacts()) {
         return Err(ModelError::NotTaken {
@@ -30,7 +30,7 @@ pub fn check_integrator(model: &Model, integrator: &Scheme, chooses_size: bool) 
     Ok(())
 }
 
-/// What has no meaning where nothing moves.
+/// Refuses entities without a meaning in statics: chosen step sizes and initial velocities.
 fn check_static(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "steps without inertia", what, reason, instead });
     if chooses_size {
@@ -44,7 +44,7 @@ fn check_static(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     Ok(())
 }
 
-/// What turns energy into heat would turn heat into energy.
+/// Refuses dissipation for integrators with a stage backward in time, where it would supply energy.
 fn check_backward(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     let refused = |what: String, reason| {
         Err(ModelError::NotTaken { steps: "steps with a stage back in time", what, reason, instead: "take `energy_momentum`" })
@@ -68,7 +68,7 @@ fn check_backward(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     Ok(())
 }
 
-/// What is held by equations.
+/// Refuses entities that explicit steps do not support, such as constraints by equations.
 fn check_explicit(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     let refused = |what: String, reason, instead| Err(ModelError::NotTaken { steps: "explicit steps", what, reason, instead });
     if chooses_size {

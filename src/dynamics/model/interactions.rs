@@ -1,4 +1,4 @@
-//! What touches what, as it is defined: one list for contacts, obstacles, surfaces that touch themselves, and ties.
+//! Interactions as they are defined: one list for contacts, obstacles, self contact and ties.
 
 use std::slice;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub struct BodyBoundary {
     pub boundary: Boundary,
 }
 
-/// What keeps a contact node from penetrating.
+/// Enforcement of the contact constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Enforcement {
     /// Lagrange multipliers: the update rule holds exactly.
@@ -41,20 +41,20 @@ pub enum Enforcement {
 /// Friction of an interaction.
 #[derive(Clone)]
 pub struct Friction {
-    /// How large the shear stress is.
+    /// Friction law: shear stress as a function of pressure and slip rate.
     pub law: Arc<dyn FrictionLaw>,
-    /// Coefficient that the law is given.
+    /// Friction coefficient.
     pub coefficient: Coefficient,
 }
 
 /// A coefficient of friction, never negative.
 #[derive(Clone)]
 pub enum Coefficient {
-    /// The same everywhere.
+    /// Constant coefficient.
     Constant(f64),
-    /// By time, that of the middle of a step.
+    /// Coefficient over time, taken at the middle of a step.
     OverTime(Amplitude),
-    /// By place, that of a contact's point at the start of a step.
+    /// Coefficient over place, taken at a contact point at the start of a step.
     OverPlace(Arc<dyn PlaceFunction>),
 }
 
@@ -63,14 +63,14 @@ pub trait PlaceFunction: Send + Sync {
     /// Value at a point.
     ///
     /// # Errors
-    /// Whatever a user's function fails with; the step that asked is not taken.
+    /// Error of a user's function; the step is not taken.
     fn value(&self, point: [f64; 3]) -> Result<f64, TimeFunctionError>;
 
-    /// How it prints.
+    /// Text form of the function.
     fn describe(&self) -> String;
 }
 
-/// A boundary with what it may touch, or is tied to.
+/// A boundary with its contact partner, or with the boundary to which it is tied.
 #[derive(Clone)]
 pub struct Interaction {
     /// Name, unique among interactions.
@@ -85,9 +85,9 @@ pub struct Interaction {
     pub facets: Option<FacetShape>,
     /// Condition over a step; `None`: that of the time integrator ([`default_rule`](super::update_rules::default_rule)).
     pub update: Option<&'static UpdateRule>,
-    /// What keeps nodes from penetrating.
+    /// Enforcement of the constraints.
     pub enforcement: Enforcement,
-    /// The paper's bilateral constraints: every covered node is closed, tension is allowed.
+    /// Bilateral constraints: every covered node is active, tension is allowed.
     pub equality: bool,
     /// Friction; `None`: surfaces slide freely.
     pub friction: Option<Friction>,
@@ -96,7 +96,7 @@ pub struct Interaction {
     pub restitution: Option<f64>,
 }
 
-/// What the secondary side of an interaction meets.
+/// Partner of the secondary side of an interaction.
 #[derive(Clone)]
 pub enum Partner {
     /// Boundaries of bodies (master, mortar): one or several, of one body or several.
@@ -105,12 +105,12 @@ pub enum Partner {
     Itself,
     /// A rigid obstacle.
     Obstacle {
-        /// Its shape and place.
+        /// Shape and place of the obstacle.
         shape: Obstacle,
         /// Translation in x, y and z over time `[length]`; `None`: at rest.
         motion: [Option<Amplitude>; 3],
-        /// Angle by which a disk or a ring has turned about its center, or what is revolved about its axis `[rad]`, counter-clockwise; only
-        /// friction feels it. `None`: at rest.
+        /// Angle of rotation of a disk or ring about its center, or of a body of revolution about its axis `[rad]`, counter-clockwise; used
+        /// for friction alone. `None`: at rest.
         turn: Option<Amplitude>,
     },
     /// A boundary to which the secondary side is tied, although their meshes do not match. Better the coarser one.
@@ -171,7 +171,7 @@ impl Interaction {
         self.facets.unwrap_or(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
     }
 
-    /// Whether it is a tie, and no contact.
+    /// True if the interaction is a tie.
     pub fn is_tie(&self) -> bool {
         matches!(self.partner, Partner::Tied { .. })
     }

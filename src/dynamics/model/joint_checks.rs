@@ -1,4 +1,4 @@
-//! What is checked of joints and of rigid bodies, and what a model with them is measured by.
+//! Checks of joints and rigid bodies, and scales of models with them.
 
 use super::definitions::{BodyDefinition, Model};
 use super::error::ModelError;
@@ -42,7 +42,7 @@ impl Model {
         mass * if acceleration > 0.0 { acceleration } else { 1.0 } / extent.powi(self.dimension() as i32 - 1)
     }
 
-    /// Whether a joint joins two bodies: where it is they may lie in each other.
+    /// True if a joint connects two bodies, which may then overlap at the joint.
     pub(crate) fn are_joined(&self, first: usize, second: usize) -> bool {
         let joins = |joint: &JointDefinition, body: usize| self.joints_of(joint).any(|joint| joint.bodies().any(|other| other == body));
         self.joints.iter().any(|joint| joins(joint, first) && joins(joint, second))
@@ -62,7 +62,7 @@ impl Model {
         largest_extent(self.bodies.iter().flat_map(|body| &body.mesh.points))
     }
 
-    /// What is wrong with rigid bodies and joints.
+    /// Checks rigid bodies and joints.
     pub(super) fn check_joints(&self) -> Result<(), ModelError> {
         for (index, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_some()) {
             body.check_rigid()?;
@@ -83,7 +83,7 @@ impl Model {
         Ok(())
     }
 
-    /// What is wrong with the gear of that index.
+    /// Checks the gear with the index `index` among the joints.
     fn check_gear(&self, index: usize, gear: &Gear) -> Result<(), ModelError> {
         let unsound =
             |reason: String| Err(ModelError::Unsound { what: "gear", name: self.joints[index].name.clone(), reason, remedy: GEAR_REMEDY });
@@ -107,7 +107,7 @@ impl Model {
         }
     }
 
-    /// Whether both ends of a joint with an angle have directions.
+    /// Checks that both ends of a joint with an angle have directions.
     fn check_directions(&self, joint: &JointDefinition) -> Result<(), String> {
         let deforms = |end: &&Anchor| end.body.is_some_and(|body| self.bodies[body].rigid.is_none());
         match (joint.kind.coordinate(self.dimension()), joint.ends.iter().find(deforms)) {
@@ -160,7 +160,7 @@ impl Model {
         Ok(())
     }
 
-    /// What is wrong with a drive or with limits.
+    /// Checks the drive or the limits of a joint.
     fn check_coordinate(&self, joint: &JointDefinition) -> Result<(), ModelError> {
         let unsound = |reason: String| Err(ModelError::Unsound { what: "joint", name: joint.name.clone(), reason, remedy: DRIVE_REMEDY });
         let what = match (&joint.drive, &joint.limits) {
@@ -179,7 +179,7 @@ impl Model {
         if let Some(drive) = &joint.drive {
             let start = drive.value(0.0).unwrap_or(f64::NAN);
             let scale = if coordinate == Coordinate::Angle { 1.0 } else { self.extent() };
-            // What is no number is told when a step asks for it.
+            // Values that are not finite are reported when a step evaluates them.
             if (start - rest).abs() > tolerances::DRIVE_AT_REST * scale {
                 return unsound(format!("its drive begins with the {name} {start}, and in the bodies at rest it is {rest}"));
             }
@@ -207,7 +207,8 @@ impl Model {
         }
     }
 
-    /// Whether stops and cables go with a time integrator: pressures that act on after their step drive apart what has parted.
+    /// Checks that stops and cables are compatible with a time integrator: with one that remembers forces, pressures act beyond their step
+    /// and drive open constraints apart.
     pub(crate) fn check_stops(&self, scheme: &Scheme) -> Result<(), ModelError> {
         match self.joints.iter().find(|joint| joint.holds_one_way()) {
             Some(joint) if !scheme.remembers.is_empty() => {
@@ -239,12 +240,12 @@ impl Model {
 }
 
 impl BodyDefinition {
-    /// Its mass, per thickness in the plane `[mass]`.
+    /// Mass of the body, per thickness in the plane `[mass]`.
     pub fn mass(&self) -> f64 {
         self.rigid.map_or_else(|| self.material.density() * self.mesh.measure(), |inertia| inertia.mass)
     }
 
-    /// Whether mass and inertia are those of a body that exists.
+    /// Checks that mass and moments of inertia of a rigid body are those of a possible body.
     fn check_rigid(&self) -> Result<(), ModelError> {
         let Some(inertia) = &self.rigid else { return Ok(()) };
         let wrong = |reason: String| Err(ModelError::NotRigid { body: self.name.clone(), reason });

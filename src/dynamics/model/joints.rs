@@ -13,50 +13,49 @@ pub struct Anchor {
     pub point: [f64; 3],
 }
 
-/// What a joint leaves free.
+/// Kind of a joint: its free relative motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointKind {
-    /// One point in common: a hinge in the plane, a ball joint in space.
+    /// Common point: a hinge in the plane, a ball joint in space.
     Point,
-    /// Turning about an axis in space, given at rest.
+    /// Rotation about an axis in space, given at rest.
     Hinge([f64; 3]),
-    /// Moving along a line of the first end, without turning; the direction at rest.
+    /// Translation along a line of the first end, without rotation; the direction at rest.
     Slider([f64; 3]),
     /// A point of the second end on a line of the first; the direction at rest.
     Slot([f64; 3]),
-    /// Nothing.
+    /// No free motion.
     Weld,
-    /// All but the distance of both points.
+    /// Constant distance of both points; all other motions are free.
     Link,
-    /// All, up to this distance of both points `[length]`: a cable that is slack or taut.
+    /// Distance of both points up to this value `[length]`: a cable, slack or taut.
     Cable(f64),
-    /// All but a sum of the coordinates of two joints before it, angles or travels: `s_1 + ratio s_2` stays. Its ends are those of the
-    /// first.
+    /// Constant sum of the coordinates of two earlier joints, angles or travels: `s_1 + ratio s_2`. The ends are those of the first joint.
     Gear(Gear),
 }
 
 /// Two joints whose coordinates change in a fixed ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gear {
-    /// Their indices in the model.
+    /// Indices of the joints in the model.
     pub joints: [usize; 2],
-    /// Factor of the second coordinate: positive where wheels turn against each other.
+    /// Factor of the second coordinate: positive for wheels that rotate in opposite directions.
     pub ratio: f64,
 }
 
-/// What a joint leaves free, as one number.
+/// Free coordinate of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
-    /// By how much the second end has turned against the first, from rest on, about the axis `[rad]`.
+    /// Rotation of the second end relative to the first about the axis, zero at rest `[rad]`.
     Angle,
-    /// How far the second point has moved along the direction of the first end, from rest on `[length]`.
+    /// Displacement of the second point along the direction of the first end, zero at rest `[length]`.
     Travel,
     /// Distance of both points `[length]`.
     Distance,
 }
 
 impl Coordinate {
-    /// Its name.
+    /// Name of the coordinate.
     pub fn name(self) -> &'static str {
         match self {
             Coordinate::Angle => "angle",
@@ -72,7 +71,7 @@ impl Coordinate {
 }
 
 impl JointKind {
-    /// The coordinate that it leaves free and that may be prescribed or limited, if there is one.
+    /// Free coordinate that can be prescribed or limited, if there is one.
     pub fn coordinate(self, dimension: usize) -> Option<Coordinate> {
         match self {
             JointKind::Point if dimension == 2 => Some(Coordinate::Angle),
@@ -83,7 +82,7 @@ impl JointKind {
         }
     }
 
-    /// Its name.
+    /// Name of the kind of joint.
     pub fn name(self) -> &'static str {
         match self {
             JointKind::Point => "point",
@@ -97,7 +96,7 @@ impl JointKind {
         }
     }
 
-    /// Its axis or direction.
+    /// Axis or direction of the joint, if it has one.
     pub fn direction(self) -> Option<[f64; 3]> {
         match self {
             JointKind::Hinge(direction) | JointKind::Slider(direction) | JointKind::Slot(direction) => Some(direction),
@@ -105,7 +104,7 @@ impl JointKind {
         }
     }
 
-    /// The same with another direction, if it has one.
+    /// Returns the kind of joint with its direction, if it has one, replaced by `turned(direction)`.
     pub fn along(self, turned: impl Fn([f64; 3]) -> [f64; 3]) -> JointKind {
         match self {
             JointKind::Hinge(direction) => JointKind::Hinge(turned(direction)),
@@ -115,7 +114,7 @@ impl JointKind {
         }
     }
 
-    /// Whether an end must have directions, which a node of a deformable body has not.
+    /// True if end `end` needs directions; a node of a deformable body has none.
     pub(super) fn turns(self, end: usize) -> bool {
         match self {
             JointKind::Point | JointKind::Link | JointKind::Cable(_) | JointKind::Gear(_) => false,
@@ -130,13 +129,13 @@ impl JointKind {
 pub struct JointDefinition {
     /// Name, unique among joints.
     pub name: String,
-    /// What it leaves free.
+    /// Kind of the joint.
     pub kind: JointKind,
-    /// What it joins.
+    /// Connected points.
     pub ends: [Anchor; 2],
-    /// What its coordinate is over time, if a motor prescribes it; of a cable its length.
+    /// Prescribed coordinate over time, or length of a cable; `None` without a drive.
     pub drive: Option<Amplitude>,
-    /// The least and the largest value of its coordinate, if stops limit it.
+    /// Minimum and maximum of the coordinate; `None` without stops.
     pub limits: Option<[f64; 2]>,
 }
 
@@ -146,7 +145,7 @@ impl JointDefinition {
         self.ends.iter().filter_map(|end| end.body)
     }
 
-    /// The first time after the start at which the rate of its drive jumps, as far as that tells its corners.
+    /// First time after the start at which the rate of the drive jumps, among the corners that the drive's time function lists.
     pub fn jump(&self) -> Option<f64> {
         let drive = self.drive.as_ref()?;
         // Beyond the differences by which a rate is found at a corner.
@@ -158,7 +157,7 @@ impl JointDefinition {
         drive.corners().into_iter().filter(|time| *time > 0.0).find(jumps)
     }
 
-    /// Its coordinate where the bodies are at rest.
+    /// Value of the coordinate at rest.
     pub fn at_rest(&self) -> f64 {
         match self.kind {
             JointKind::Cable(longest) => longest,
@@ -167,12 +166,12 @@ impl JointDefinition {
         }
     }
 
-    /// Whether it has rows that press and do not pull.
+    /// True if the joint has unilateral constraints: stops or a cable.
     pub(crate) fn holds_one_way(&self) -> bool {
         self.limits.is_some() || matches!(self.kind, JointKind::Cable(_))
     }
 
-    /// Whether the ground is one end.
+    /// True if one end is fixed to the ground.
     pub fn is_grounded(&self) -> bool {
         self.ends.iter().any(|end| end.body.is_none())
     }

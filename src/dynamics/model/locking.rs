@@ -1,4 +1,4 @@
-//! Bodies whose cells cannot follow what their law asks for.
+//! Detection of volumetric locking: bodies whose cells cannot follow a nearly incompressible law.
 //!
 //! A law that hardly changes its volume leaves no freedom to cells that keep the volume at every quadrature point: they lock (Nagtegaal,
 //! Parks and Rice, CMAME 4, 1974). One mean dilatation for each cell mends that, but not in triangles and tetrahedra of first order, which
@@ -14,15 +14,15 @@ use crate::materials::Kinematics;
 pub struct Locking {
     /// The body.
     pub body: String,
-    /// Its law.
+    /// Material law.
     pub law: &'static str,
-    /// Its cells.
+    /// Element type.
     pub cells: CellKind,
     /// Bulk modulus over shear modulus at rest.
     pub ratio: f64,
-    /// Whether a mean dilatation would prevent it.
+    /// True if a mean dilatation prevents locking.
     pub is_curable: bool,
-    /// Whether the law has a form that takes one.
+    /// True if the law has a form with a mean dilatation.
     pub has_mean: bool,
     /// True where plastic flow keeps the volume, not the elastic law.
     pub flows: bool,
@@ -46,12 +46,12 @@ impl std::fmt::Display for Locking {
 }
 
 impl Locking {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the finding, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         "C0321"
     }
 
-    /// How to mend it.
+    /// Suggested remedy.
     pub fn hint(&self) -> String {
         if !self.has_mean {
             return "take `neo_hookean`, whose small strains are the same, so that cells can have a mean dilatation".into();

@@ -1,4 +1,4 @@
-//! What a problem consists of, before any number is computed.
+//! Definition of a problem, before any number is computed.
 
 pub mod amplitude;
 pub mod boundaries;

@@ -1,6 +1,6 @@
-//! Bodies and obstacles that are inside each other before anything is computed, from the undeformed meshes alone.
+//! Overlaps of bodies and obstacles before anything is computed, from the undeformed meshes alone.
 //!
-//! Hulls that are inside each other are an overlap whatever contact is defined between the two.
+//! Hulls that penetrate each other are an overlap for every contact definition between them.
 
 use std::fmt;
 
@@ -15,28 +15,28 @@ use crate::mesh::Facet;
 /// An overlap in the undeformed bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlap {
-    /// What is in the way of what.
+    /// Overlapping entities.
     pub kind: OverlapKind,
-    /// Name of the interaction between the two, if there is one.
+    /// Name of the interaction between them; `None` without one.
     pub contact: Option<String>,
-    /// How deep a node is inside, or how far from all nodes hulls cross `[length]`.
+    /// Penetration of a node, or distance of crossing hulls from all their nodes `[length]`.
     pub depth: f64,
-    /// The same over the facet there.
+    /// Penetration relative to the facet length.
     pub facets: f64,
-    /// Where.
+    /// Place of the deepest penetration `[length]`.
     pub at: Vec<f64>,
 }
 
-/// What overlaps.
+/// Entities that overlap.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OverlapKind {
     /// Two bodies, by their names.
     Bodies([String; 2]),
-    /// A boundary and a rigid obstacle; whether all that can touch the obstacle is behind it.
+    /// Boundary and rigid obstacle.
     Obstacle {
         /// `body.boundary`.
         boundary: String,
-        /// Whether all of its body is behind the obstacle, and looks away from it: the obstacle looks the wrong way.
+        /// True if the whole body lies behind the obstacle and faces away from it: the obstacle has the wrong orientation.
         whole: bool,
     },
 }
@@ -52,7 +52,7 @@ impl fmt::Display for Overlap {
 }
 
 impl Overlap {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the overlap, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         match self.kind {
             OverlapKind::Bodies(_) => "C0411",
@@ -61,7 +61,7 @@ impl Overlap {
         }
     }
 
-    /// How to mend it, one sentence.
+    /// Suggested remedy in one sentence.
     pub fn hint(&self) -> &'static str {
         match (&self.kind, &self.contact) {
             (OverlapKind::Bodies(_), None) => "move one of them; no contact is defined between the two, so nothing would keep them apart",
@@ -116,7 +116,7 @@ impl Model {
         joins(first, second).or_else(|| joins(second, first))
     }
 
-    /// How far a boundary is inside its rigid obstacle at the start.
+    /// Penetration of a boundary into its rigid obstacle at the start.
     fn obstacle_overlap(&self, interaction: &Interaction) -> Option<Overlap> {
         let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
         let (body, dimension) = (interaction.secondary.body, self.dimension());
@@ -177,8 +177,9 @@ impl Model {
     }
 }
 
-/// Whether a surface behind an obstacle has its body between itself and where the obstacle ends, as one pushed in too far has not. The skin
-/// of a whole body looks both ways: there it is so from a depth of a facet on.
+/// True if the body of a surface behind an obstacle lies between that surface and the obstacle's boundary, so that the surface faces away;
+/// that of a surface pressed in too far does not. The closed surface of a whole body faces both ways: it counts from a penetration of one
+/// facet on.
 fn looks_away(kernel: &dyn ContactKernel, q: &[f64], depth: f64) -> bool {
     let surface = kernel.secondary();
     if surface.is_closed() {

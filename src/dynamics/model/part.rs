@@ -1,9 +1,9 @@
-//! What every part of a model owes the equations, whatever it is.
+//! Interface of force elements (parts of a model).
 //!
-//! A part pushes on nodes. It tells which of them it couples, finds its places in the matrix, adds its forces and their derivative at an
-//! iterate, and says what it stores and remembers. Bodies and loads are parts. A new kind of part (a dashpot, an added mass) is one file
-//! with a [`PartDefinition`], which goes into [`Model::parts`](super::definitions::Model::parts), and its [`Part`]; nobody else asks what
-//! it is.
+//! A part exerts forces on nodes. It lists the nodes that it couples, determines its places in the matrix, adds its forces and their
+//! derivative at an iterate, and returns its stored energy and history variables. Bodies and loads are parts. A new kind of part (a
+//! dashpot, an added mass) is one file with a [`PartDefinition`], which goes into [`Model::parts`](super::definitions::Model::parts), and
+//! its [`Part`]; the solver does not distinguish kinds of parts.
 
 use std::sync::Arc;
 
@@ -15,41 +15,41 @@ use crate::integrators::Derivative;
 use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
 
-/// Where the nodes are. Both are flat, node after node, of the whole model.
+/// Positions and displacements of all nodes of the model, as flat vectors, node after node.
 #[derive(Clone, Copy)]
 pub struct Pose<'a> {
     /// Positions `[length]`.
     pub q: &'a [f64],
-    /// Displacements, with the accuracy of their own size: strains follow from them `[length]`.
+    /// Displacements, accurate relative to their own size, from which strains are computed `[length]`.
     pub u: &'a [f64],
 }
 
-/// Where a step stands when its parts are asked for their forces. Positions are flat, node after node, of the whole model.
+/// State of a step at which parts evaluate their forces. Positions are flat, node after node, of the whole model.
 pub struct Iterate<'a> {
-    /// How potentials are differentiated.
+    /// Algorithmic gradient of potentials.
     pub derivative: Derivative,
     /// Share of the forces in the equations of the step.
     pub weight: f64,
     /// Time at which loads act `[time]`.
     pub time: f64,
-    /// Size of the step `[time]`, 0 at rest.
+    /// Time step size `[time]`, 0 at rest.
     pub dt: f64,
     /// Positions at the start of the step `[length]`.
     pub q_0: &'a [f64],
-    /// Positions at its end `[length]`.
+    /// Positions at the end of the step `[length]`.
     pub q_1: &'a [f64],
-    /// Displacements at the start, with the accuracy of their own size: strains follow from them `[length]`.
+    /// Displacements at the start, accurate relative to their own size, from which strains are computed `[length]`.
     pub u_0: &'a [f64],
     /// Displacements at the end `[length]`.
     pub u_1: &'a [f64],
     /// Positions at which loads act `[length]`.
     pub q_test: &'a [f64],
-    /// Velocities at which forces act: with the time integrator's derivative the mean of both ends of the step, or those of its end. At
-    /// rest they are zero, or those of the start, where the forces there are asked for `[length/time]`.
+    /// Velocities at which forces act `[length/time]`: by the algorithmic gradient the mean of both ends of the step, or those at its end.
+    /// At rest zero, or those of the start where the forces there are evaluated.
     pub velocity: &'a [f64],
-    /// Derivative of each of them with respect to its component of `q_1`: 0 where they do not change with it `[1/time]`.
+    /// Derivative of each velocity component with respect to its component of `q_1` `[1/time]`; 0 for constant velocities.
     pub velocity_slope: f64,
-    /// Whether an equilibrium is asked for, in which nothing moves.
+    /// True if an equilibrium is computed, without motion.
     pub is_still: bool,
     /// Factor of the mass in the tangent, body by body `[1/time^2]`.
     pub inertia: &'a [f64],
@@ -79,7 +79,7 @@ impl<'a> Iterate<'a> {
 
 /// Sums that parts add to, unknown by unknown of the whole model.
 pub struct Sums<'a> {
-    /// Weighted forces of potentials, as the residual has them: against the motion that they drive `[force]`.
+    /// Weighted forces of potentials, as in the residual: against the motion that they drive `[force]`.
     pub internal: &'a mut [f64],
     /// Forces from outside, not weighted `[force]`.
     pub load: &'a mut [f64],
@@ -89,11 +89,11 @@ pub struct Sums<'a> {
     pub workers: &'a Workers,
 }
 
-/// Why forces could not be computed.
+/// Cause why forces could not be computed.
 pub enum Refusal {
     /// A cell turned inside out.
     Inverted {
-        /// Its body.
+        /// Name of the body.
         body: String,
         /// The cell.
         inverted: Inverted,
@@ -102,48 +102,49 @@ pub enum Refusal {
     Load(StepError),
 }
 
-/// A part of a model that pushes on nodes.
+/// Force element of a model: contributes forces, their derivative, energy and history variables.
 pub trait Part: Send {
-    /// Tells groups of nodes that it couples: every two of a group have a block in the matrix.
+    /// Visits groups of coupled nodes: every two nodes of a group have a block in the matrix.
     fn for_each_coupling(&self, visit: &mut dyn FnMut(&[u32]));
 
-    /// Learns what all nodes weigh, before it finds its places.
+    /// Receives the mass matrix of all nodes, before [`Self::place`].
     fn weigh(&mut self, _mass: &NodeMatrix) {}
 
-    /// Finds its places in a new pattern.
+    /// Determines the places of the part's blocks in a new sparsity pattern.
     fn place(&mut self, pattern: &Pattern);
 
-    /// Adds its forces at an iterate and their derivative with respect to `q_1`; `memory` is what it remembered of the steps before.
+    /// Adds the forces of the part at an iterate and their derivative with respect to `q_1`; `memory` has the history variables at the
+    /// start.
     ///
     /// # Errors
     /// The iterate is no configuration of this part, or a time function failed.
     fn linearize(&self, at: &Iterate, memory: &[f64], sums: &mut Sums) -> Result<(), Refusal>;
 
-    /// What it stores where the nodes are, remembering `memory` `[energy]`; 0 for what pushes from outside.
+    /// Stored energy at a configuration with the history variables `memory` `[energy]`; 0 for external forces.
     fn energy(&self, at: Pose, memory: &[f64]) -> f64;
 
-    /// Whether its forces come from outside the model, such as from the ground: then they change the momenta.
+    /// True if the forces are exerted from outside the model, such as by the ground, and change the momenta.
     fn is_outside(&self) -> bool {
         false
     }
 
-    /// What the history tells of it where the nodes are and move so, by the names of [`PartDefinition::readings`].
+    /// Values for the history at a configuration with the given velocities, in the order of [`PartDefinition::readings`].
     fn readings(&self, _at: Pose, _velocity: &[f64], _memory: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Masses of its own at nodes, which move and weigh as those of bodies do: node and mass `[mass]`, per thickness in the plane and of
-    /// the whole circumference around an axis.
+    /// Additional masses of the part at nodes, with inertia and weight: node and mass `[mass]`, per thickness in the plane and of the whole
+    /// circumference in axisymmetric models.
     fn point_masses(&self) -> Vec<(u32, f64)> {
         Vec::new()
     }
 
-    /// What it remembers at the start: a block of numbers that every state keeps.
+    /// History variables at the start, stored in every state.
     fn memory(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// What it remembers after a step that has converged.
+    /// History variables after a converged step.
     ///
     /// # Errors
     /// A time function failed, or was interrupted: the step is not taken.
@@ -155,14 +156,14 @@ pub trait Part: Send {
 /// History variables of every part.
 pub type PartHistories = Arc<Vec<Vec<f64>>>;
 
-/// What a step leaves in a part.
+/// Result of a step for a part: history variables and dissipation.
 #[derive(Default)]
 pub struct Remembered {
-    /// What it remembers at the end.
+    /// History variables at the end of the step.
     pub memory: Vec<f64>,
-    /// What it has turned into heat in the step `[energy]`.
+    /// Dissipation in the step `[energy]`.
     pub dissipated: f64,
-    /// The share of plastic flow in it `[energy]`.
+    /// Plastic part of the dissipation `[energy]`.
     pub plastic: f64,
 }
 
@@ -183,7 +184,7 @@ impl Heats {
     }
 }
 
-/// The numbers of a model's nodes, for parts that are made.
+/// Numbering of a model's nodes, from which parts are made.
 pub struct Numbering<'a> {
     /// Space dimension.
     pub dimension: usize,
@@ -193,15 +194,15 @@ pub struct Numbering<'a> {
     pub reference: &'a [f64],
 }
 
-/// How a whole model is moved and written in other units: [`PartDefinition::changed`].
+/// Transformation of a whole model to another place and other units: [`PartDefinition::changed`].
 pub struct Change<'a> {
-    /// Where a point goes.
+    /// Map of points.
     pub point: &'a dyn Fn([f64; 3]) -> [f64; 3],
-    /// What a vector becomes, units left out.
+    /// Map of directions, without change of units.
     pub direction: &'a dyn Fn([f64; 3]) -> [f64; 3],
     /// Factors of mass, length and time.
     pub units: [f64; 3],
-    /// Whether the model is plane, its forces then per thickness.
+    /// True if the model is plane, with forces per thickness.
     pub is_plane: bool,
 }
 
@@ -229,30 +230,30 @@ impl Change<'_> {
     }
 }
 
-/// A part of a model as it is defined.
+/// Definition of a force element.
 pub trait PartDefinition: Send + Sync {
-    /// Its name, unique among the parts.
+    /// Name of the part, unique among the parts.
     fn name(&self) -> &str;
 
-    /// The bodies that it joins.
+    /// Indices of the bodies that the part connects.
     fn bodies(&self) -> Vec<usize>;
 
-    /// Names of what the history tells of it: columns `name.reading`.
+    /// Names of the values for the history: columns `name.reading`.
     fn readings(&self) -> &'static [&'static str] {
         &[]
     }
 
-    /// Whether it turns energy into heat, which the history then tells as a column `name.dissipation`.
+    /// True if the part dissipates energy; the history then has a column `name.dissipation`.
     fn dissipates(&self) -> bool {
         false
     }
 
-    /// Whether it has forces across velocities, which do no work.
+    /// True if the part has gyroscopic forces, normal to velocities, which do no work.
     fn is_gyroscopic(&self) -> bool {
         false
     }
 
-    /// Whether it joins its bodies to something that stays where it is.
+    /// True if the part connects its bodies to the ground.
     fn is_grounded(&self) -> bool {
         false
     }
@@ -262,10 +263,10 @@ pub trait PartDefinition: Send + Sync {
         Vec::new()
     }
 
-    /// Checks what can be said without computing, nothing by itself; the argument is where a node of a body is at rest.
+    /// Checks the definition before anything is computed; `_point` gives the position of a body's node at rest.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Cause why the definition is refused.
     fn check(&self, _point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
         Ok(())
     }
@@ -273,7 +274,7 @@ pub trait PartDefinition: Send + Sync {
     /// The part with its numbers.
     fn part(&self, numbering: &Numbering) -> Box<dyn Part>;
 
-    /// The same in a model that is moved or written in other units.
+    /// Returns the definition in a model that is moved or written in other units.
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition>;
 
     /// One line for the list of a model.

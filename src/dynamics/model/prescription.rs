@@ -1,4 +1,4 @@
-//! Nodes that move as time functions say.
+//! Nodes that move as time functions prescribe.
 
 use nalgebra::Vector3;
 
@@ -18,16 +18,16 @@ pub struct Prescription {
     pub on: BodyBoundary,
     /// Displacement `d` in every direction over time `[length]`.
     pub displacement: [Option<Amplitude>; 3],
-    /// How they turn besides.
+    /// Prescribed rotation, in addition to the displacements.
     pub turn: Option<Turn>,
 }
 
-/// A turn about an axis.
+/// Rotation about an axis.
 #[derive(Clone)]
 pub struct Turn {
     /// A point of the axis in the reference configuration `[length]`.
     pub center: [f64; 3],
-    /// Its direction, of length 1.
+    /// Unit vector of the axis.
     pub axis: [f64; 3],
     /// The angle over time `[rad]`.
     pub angle: Amplitude,
@@ -38,11 +38,11 @@ impl Turn {
     pub const UPRIGHT: [f64; 3] = [0.0, 0.0, 1.0];
 }
 
-/// What a prescription does at a time.
+/// Prescribed motion at a given time.
 pub struct PrescribedMotion<'a> {
     /// Displacement and velocity.
     shift: [[f64; 2]; 3],
-    /// The turn with its angle and that one's rate.
+    /// Rotation with its angle and the rate of the angle.
     turn: Option<(&'a Turn, [f64; 2])>,
 }
 
@@ -54,7 +54,7 @@ impl Prescription {
         Prescription { on, displacement: all, turn: None }
     }
 
-    /// Whether it says how the nodes move in a direction.
+    /// True if the prescription includes the displacement component `component`.
     pub fn moves(&self, component: usize) -> bool {
         self.turn.is_some() || self.displacement[component].is_some()
     }

@@ -1,8 +1,8 @@
-//! What mends a step that failed: data, so that a language on top of the kernels can say it in its own words.
+//! Remedies for a failed step, as data, so that a language on top of the kernels can word them.
 
 use std::fmt;
 
-/// What mends a step that failed; `Display` says it in one sentence.
+/// Remedy for a failed step; `Display` writes it as one sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Remedy {
     /// Guide a body that contact alone does not hold.
@@ -13,22 +13,22 @@ pub enum Remedy {
     HoldAgainstLoads,
     /// Hold every body against rigid motion, and define nothing twice.
     HoldOnce,
-    /// Ask for less at a time, and what to do besides or instead, as it follows in the sentence.
+    /// Suggests smaller increments; the text is appended and names additions or alternatives.
     Ease(Ease, &'static str),
-    /// Look at what was defined again, or go on by the length of the path, which passes a limit point of the load.
+    /// Suggests to check the definitions, or to follow the path by arc length, which passes a limit point of the load.
     FollowPath,
-    /// Apply a load more slowly, or ask for less at a time.
+    /// Suggests a slower load, or smaller increments.
     LoadSlowly(Ease),
 }
 
-/// How less is asked for at a time.
+/// Kind of smaller increments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ease {
-    /// By steps below this size `[time]`, or by more halvings of them.
+    /// Time steps below this size `[time]`, or more halvings.
     SmallerStep(f64),
-    /// By other means than steps below this size `[time]`, as the residuals grew from halving to halving.
+    /// Other means than time steps below this size `[time]`, since the residuals grew from halving to halving.
     LargerStep(f64),
-    /// Rest has no steps in time; what was defined is looked at again.
+    /// Review of supports and loads: a computation at rest has no time steps.
     SupportsAndLoads,
 }
 

@@ -1,4 +1,4 @@
-//! What can go wrong in a step.
+//! Errors of a step.
 
 use thiserror::Error;
 
@@ -15,24 +15,24 @@ pub enum StepError {
     Amplitude {
         /// `body.boundary` on which the load acts.
         boundary: String,
-        /// Time at which it was asked.
+        /// Time of the evaluation.
         time: f64,
-        /// What it failed with.
+        /// Error of the function.
         source: super::amplitude::TimeFunctionError,
     },
-    /// A prescribed motion turns a boundary too far in a step.
+    /// A prescribed rotation of a boundary is too large for one step.
     #[error("\"{boundary}\" turns by {} rad in a step of {} at t = {time}", three_digits(*angle), three_digits(*dt))]
     TurnsFar {
-        /// `body.boundary` that turns.
+        /// `body.boundary` that rotates.
         boundary: String,
         /// Time at the beginning of the step.
         time: f64,
-        /// Its size.
+        /// Time step size.
         dt: f64,
         /// The angle `[rad]`.
         angle: f64,
     },
-    /// A coupling or a joint demands what others and supports do not allow.
+    /// The equations of a coupling or a joint contradict those of others or supports.
     #[error(
         "\"{coupling}\" asks for what supports and other couplings or joints forbid at t = {time}: it is off by {}",
         three_digits(*gap)
@@ -42,7 +42,7 @@ pub enum StepError {
         coupling: String,
         /// Time at the end of the step.
         time: f64,
-        /// By how much its equations do not hold `[length]`.
+        /// Residual of the violated equation `[length]`.
         gap: f64,
     },
     /// A coefficient of friction failed.
@@ -50,9 +50,9 @@ pub enum StepError {
     Friction {
         /// Name of the contact.
         contact: String,
-        /// Time at which it was asked.
+        /// Time of the evaluation.
         time: f64,
-        /// What it failed with.
+        /// Error of the function.
         source: super::amplitude::TimeFunctionError,
     },
     /// Newton's method failed in spite of all halvings.
@@ -66,9 +66,9 @@ pub enum StepError {
         dt: f64,
         /// Number of halvings.
         halvings: usize,
-        /// What was seen in the last iterations.
+        /// Cause as found in the last iterations.
         cause: String,
-        /// How to mend it.
+        /// Suggested remedy.
         remedy: Remedy,
     },
     /// Explicit steps are longer than the fastest vibration admits.
@@ -83,13 +83,13 @@ pub enum StepError {
         time: f64,
         /// Size of the steps.
         dt: f64,
-        /// The largest that is stable.
+        /// Stable time step size.
         stable: f64,
         /// Angular frequency of the fastest vibration.
         frequency: f64,
         /// The body with the fastest cell.
         body: String,
-        /// That cell in its mesh.
+        /// Number of that cell in the body's mesh.
         cell: usize,
         /// Share of penalties of contacts in the square of the frequency.
         penalty_share: f64,
@@ -101,23 +101,23 @@ pub enum StepError {
         time: f64,
         /// Size of the steps.
         dt: f64,
-        /// What was seen.
+        /// Observed cause.
         cause: String,
         /// The stable step of the last accepted state, where it could be found.
         stable: Option<f64>,
     },
-    /// Sides of a contact are inside each other, and nothing holds them apart.
+    /// Sides of a contact penetrate each other without contact forces.
     #[error("the sides of contact \"{contact}\" overlap at t = {time}, and nothing holds them apart")]
     StillOverlaps {
         /// Name of the contact.
         contact: String,
         /// Time of the state.
         time: f64,
-        /// How deep `[length]`.
+        /// Penetration `[length]`.
         depth: f64,
-        /// The same over the longest facet there.
+        /// Penetration relative to the longest facet length at that place.
         facets: f64,
-        /// Where.
+        /// Place of the deepest penetration `[length]`.
         at: Vec<f64>,
     },
     /// The user interrupted the run.
@@ -126,7 +126,7 @@ pub enum StepError {
         /// Time of the last accepted step.
         time: f64,
     },
-    /// There is not enough memory; a smaller step needs no less.
+    /// Shortage of memory, which a smaller step does not cure.
     #[error("the memory is used up at t = {time}: the factorization of {unknowns} unknowns takes at least {}", written(*needed))]
     OutOfMemory {
         /// Time of the last accepted step.
@@ -139,12 +139,12 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// Whether the user ended the run.
+    /// True if the user interrupted the run.
     pub(in crate::dynamics) fn is_interrupt(&self) -> bool {
         matches!(self, StepError::Interrupted { .. })
     }
 
-    /// The same of equilibria that were followed up to a time.
+    /// Returns the error with the time up to which equilibria were followed appended to the cause.
     pub(in crate::dynamics) fn after_equilibria_until(mut self, reached: f64) -> Self {
         if let StepError::NotConverged { cause, remedy, .. } = &mut self {
             if *remedy == Remedy::Ease(Ease::SupportsAndLoads, "") {
@@ -155,7 +155,7 @@ impl StepError {
         self
     }
 
-    /// How to mend it, one sentence.
+    /// Suggested remedy in one sentence.
     pub fn hint(&self) -> String {
         match self {
             StepError::Amplitude { .. } => "let the time function return a finite number for every time".into(),

@@ -1,5 +1,5 @@
-//! Bodies that nothing keeps apart: no interaction is defined between them, so they pass through each other. Where they are inside each
-//! other is known in the plane and in space, that they will meet in the plane only.
+//! Unpaired bodies: without an interaction between them they pass through each other. Penetration is detected in the plane and in space, a
+//! future collision in the plane only.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub struct UnpairedBodies {
 }
 
 impl UnpairedBodies {
-    /// Those of a model.
+    /// All pairs of bodies of a model that have neither an interaction nor a joint.
     pub fn of(model: &Model) -> UnpairedBodies {
         let mut pairs = Vec::new();
         for first in 0..model.bodies.len() {
@@ -35,7 +35,7 @@ impl UnpairedBodies {
         UnpairedBodies { bodies, pairs }
     }
 
-    /// Those that are inside each other with the nodes of all bodies at `q`, with the deepest place of each two.
+    /// Unpaired bodies that penetrate each other with the nodes of all bodies at `q`, and the deepest place of each pair.
     pub fn inside(&self, q: &[f64]) -> Vec<(Names, Inside)> {
         let hull = |index: usize| {
             let (_, first, mesh) = &self.bodies[index];
@@ -53,9 +53,8 @@ impl UnpairedBodies {
 }
 
 impl Model {
-    /// Pairs of bodies without an interaction between them of which the first one moves straight towards the second one: by its velocity
-    /// at the start, or by gravity where it has none and only the second one is held; none in space. Whether they meet depends on how far
-    /// the run goes.
+    /// Unpaired bodies of which the first moves straight towards the second: by its initial velocity, or by gravity if it has none and only
+    /// the second is supported; empty in space. The bodies meet only if the run is long enough.
     pub fn meetings(&self) -> Vec<Names> {
         let unpaired = UnpairedBodies::of(self);
         let mut met: Vec<[usize; 2]> = Vec::new();

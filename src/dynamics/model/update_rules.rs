@@ -10,11 +10,11 @@ pub struct UpdateRule {
     pub name: &'static str,
     /// One sentence for the reference.
     pub summary: &'static str,
-    /// Which nodes a step holds, and where.
+    /// Constraints that are active in a step, and their gaps at its end.
     pub holds: Holds,
-    /// Whether closings are plastic impacts whose energy is kept in reserve and given back at the opening.
+    /// True if closings are plastic impacts whose energy is stored and returned at the opening.
     pub gives_back: bool,
-    /// Whether the energy stays the same through impact and release, for every step size; it never grows.
+    /// True if the energy is conserved through impact and release for every time step size; it never increases.
     pub keeps_energy: bool,
 }
 
@@ -25,16 +25,16 @@ impl UpdateRule {
     }
 }
 
-/// Which nodes a step holds, and where.
+/// Constraints that are active in a step, and their gaps at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holds {
-    /// Those that would overlap: their gap is zero at the end, or what it was at the start where that was an overlap.
+    /// Constraints that would overlap are active: the gap at the end is zero, or the gap at the start if that is an overlap.
     Closed,
-    /// Those that are closed at the start: their gap stays what it is. Others may come through the other side within a step.
+    /// Constraints that are closed at the start are active: their gap stays constant. Others may penetrate the other side within a step.
     AsItIs,
 }
 
-/// The gap is zero at the end of the step, or what it was at the start where that was an overlap.
+/// Zero gap at the end of the step, or the gap at the start if that is an overlap.
 pub static GAP: UpdateRule = UpdateRule {
     name: "gap",
     summary: "closed at the end of a step; each closing loses energy, 3 to 12 % of an impact and more where parts rattle, which the ledger \
@@ -44,7 +44,7 @@ pub static GAP: UpdateRule = UpdateRule {
     keeps_energy: false,
 };
 
-/// A node that is closed at the start of the step does not approach further (Laursen and Chawla, IJNME 40, 1997).
+/// No further approach of a node that is closed at the start of the step (Laursen and Chawla, IJNME 40, 1997).
 pub static PERSISTENCY: UpdateRule = UpdateRule {
     name: "persistency",
     summary: "a gap that is closed stays as it is: energy exact through impact and release, penetrates by at most a tenth of a facet",

@@ -13,7 +13,7 @@ use crate::linear::Pattern;
 /// An actuator between two ends.
 pub type ActuatorDefinition = LineDefinition<ActuatorElement>;
 
-/// What an actuator is: the force that pushes its ends apart, over time `[force]` (per thickness in the plane).
+/// Force law of an actuator: the force that pushes its ends apart, over time `[force]` (per thickness in the plane).
 #[derive(Clone)]
 pub struct ActuatorElement(pub Amplitude);
 

@@ -11,19 +11,19 @@ use crate::linear::Pattern;
 
 /// A body. Bodies come first among the parts: they set the sums of their nodes, the others add.
 pub struct Body<const D: usize> {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
-    /// Its number.
+    /// Index of the body in the model.
     pub number: usize,
     /// Range of its nodes.
     pub nodes: Range<usize>,
-    /// Whether its mass is at its nodes alone, and no concern of its cells.
+    /// True if the mass is lumped at the nodes, so that the element loop adds none.
     pub is_lumped: bool,
     /// The loop over its cells.
     pub elements: Box<dyn ElementLoop<D>>,
-    /// How values of its cells become such of its nodes, once it is known.
+    /// Recovery of nodal values from values in the cells, computed on first use.
     pub recovery: OnceLock<Recovery>,
-    /// Which of its nodes its masters carry, if it is rigid.
+    /// Masters and carried nodes of a rigid body; `None` for a deformable one.
     pub rigid: Option<Carried>,
 }
 

@@ -1,7 +1,7 @@
 //! A force per mass on a body that a field of position, velocity and time gives: `f = M b`, with the field at the nodes where forces act in
 //! the step, and the body's consistent mass.
 //!
-//! Nothing is asked of the field, so its work is that of a load. What it depends on is differentiated by differences.
+//! The field needs no potential, so its work is that of a load. Its derivatives are computed by differences.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -66,7 +66,7 @@ pub struct BodyForceDefinition {
     pub name: String,
     /// Number of the body.
     pub body: usize,
-    /// The body, which knows its mass.
+    /// Definition of the body, for its mass.
     pub definition: BodyDefinition,
     /// The field.
     pub field: Arc<dyn BodyField>,

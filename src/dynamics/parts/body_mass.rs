@@ -6,7 +6,7 @@ use crate::dynamics::model::part::{Change, Numbering};
 use crate::linear::{Block, NodeMatrix, Pattern};
 use std::sync::Arc;
 
-/// The cells of a body, which know its mass.
+/// Element loop of a body, for its mass.
 enum Cells {
     Plane(Box<dyn ElementLoop<2>>),
     Space(Box<dyn ElementLoop<3>>),
@@ -16,14 +16,14 @@ enum Cells {
 pub struct BodyMass {
     /// Number of the model's nodes.
     nodes: usize,
-    /// Nothing of a body that is not sound, which the model refuses.
+    /// Element loop of the body; `None` for an unsound body, which the model refuses.
     cells: Option<Cells>,
     /// Entries between nodes, with their blocks in the matrix.
     pub entries: Vec<(u32, u32, f64, Block)>,
 }
 
 impl BodyMass {
-    /// That of the body of that number.
+    /// Mass of the body with the index `number`.
     pub fn new(body: &BodyDefinition, number: usize, numbering: &Numbering) -> Self {
         let (BodyDefinition { mesh, material, formulation, .. }, first) = (body, numbering.first[number]);
         let cells = BodyCells { first_node: first, ..BodyCells::new(mesh, material, *formulation) };

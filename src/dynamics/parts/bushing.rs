@@ -33,15 +33,15 @@ const REMEDY: &str = "a stiffness and a damping are symmetric, without negative 
 pub struct BushingDefinition {
     /// Name, unique among the parts.
     pub name: String,
-    /// The bodies, each with its masters; `None`: the ground. The axes turn with the second.
+    /// Bodies, each with its masters; `None`: the ground. The axes rotate with the second body.
     pub bodies: [Option<(usize, Vec<u32>)>; 2],
     /// The point at rest `[length]`.
     pub point: [f64; 3],
-    /// Its axes at rest; the first two in the plane.
+    /// Axes of the bushing at rest; the first two in the plane.
     pub axes: [[f64; 3]; 3],
-    /// Forces, then moments, by displacements, then rotations, row by row: 3 x 3 in the plane, 6 x 6 in space.
+    /// Stiffness matrix: forces, then moments, by displacements, then rotations, row by row: 3 x 3 in the plane, 6 x 6 in space.
     pub stiffness: Vec<f64>,
-    /// The same by their rates.
+    /// Damping matrix: forces, then moments, by rates of displacements, then of rotations; of the size of the stiffness matrix.
     pub damping: Vec<f64>,
 }
 
@@ -162,7 +162,7 @@ impl Side {
         Side { masters, origin, inverse: edges.try_inverse().unwrap_or_else(Matrix3::identity) }
     }
 
-    /// A vector that turns with the body.
+    /// Vector that rotates with the body.
     fn direction(&self, vector: [f64; 3]) -> PointVector {
         let Some((&first, others)) = self.masters.split_first() else { return PointVector { parts: Vec::new(), offset: vector } };
         let shares = self.inverse * Vector3::from(vector);
@@ -193,12 +193,12 @@ struct Bushing {
     places: Vec<Block>,
 }
 
-/// What a bushing does at an iterate.
+/// Response of a bushing at an iterate.
 struct Response {
-    /// Forces on its unknowns, and their derivative, if that is wanted.
+    /// Forces on the unknowns and, on request, their derivative.
     force: DVector<f64>,
     slope: Option<DMatrix<f64>>,
-    /// Power that its dampers take.
+    /// Power dissipated by the damping.
     power: f64,
 }
 
@@ -213,7 +213,7 @@ impl Bushing {
         DVector::from_fn(z.len() - 1, |k, _| if k < self.dimension { z[k] } else { (4.0 - cosine) / 3.0 * z[k] })
     }
 
-    /// How they change with the invariants, about these.
+    /// Derivative of the generalized displacements `s` with respect to the invariants `z`.
     fn shares(&self, z: &[f64]) -> DMatrix<f64> {
         let last = z.len() - 1;
         DMatrix::from_fn(last, z.len(), |k, j| match (k < self.dimension, k == j, j == last) {

@@ -5,17 +5,17 @@ use crate::math::norms::largest_extent;
 
 /// A rigid body among the bodies of a model.
 pub struct Carried {
-    /// How its points follow from its masters.
+    /// Frame of the masters, in which all points of the body are fixed.
     pub frame: Frame,
     /// All of its nodes, in the numbering of the model: they move together.
     pub nodes: Vec<u32>,
-    /// Nodes that are no masters, with the shares of these.
+    /// Nodes other than masters, with the weights of the masters.
     pub carried: Vec<(u32, Vec<f64>)>,
-    /// Those of them that are no unknowns, by their index in `carried`.
+    /// Followers: carried nodes that are no unknowns, by their index in `carried`.
     pub followers: Vec<usize>,
-    /// Its masters, in the numbering of the model.
+    /// Masters in the numbering of the model.
     pub masters: Vec<u32>,
-    /// Its size `[length]`.
+    /// Size of the body `[length]`.
     pub size: f64,
 }
 
@@ -40,7 +40,7 @@ impl Carried {
         self.followers.iter().map(|&index| self.carried[index].0 as usize)
     }
 
-    /// Hands the forces on its followers to the masters: forces that do the same work in every motion of the body.
+    /// Transfers the forces on followers to the masters: forces with the same work in every motion of the body.
     pub fn hand_over<const D: usize>(&self, forces: &mut [f64]) {
         for &index in &self.followers {
             let (node, shares) = &self.carried[index];
@@ -51,7 +51,7 @@ impl Carried {
         }
     }
 
-    /// Puts what its followers have of a vector (displacements, velocities) where the masters say.
+    /// Computes the followers' components of a vector (displacements, velocities) from those of the masters.
     pub fn lead<const D: usize>(&self, values: &mut [f64]) {
         for &index in &self.followers {
             let (node, shares) = &self.carried[index];

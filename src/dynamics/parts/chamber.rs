@@ -30,7 +30,7 @@ use crate::math::tolerances::{PROJECTED_INCREMENT, VOLUME_CHANGE};
 /// A gas: `p (V/V_r)^n = p_r`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gas {
-    /// Its pressure `p_r` at the volume `V_r` `[stress]`.
+    /// Pressure `p_r` at the volume `V_r` `[stress]`.
     pub pressure: f64,
     /// The volume `V_r` `[volume]` (in the plane an area).
     pub volume: f64,
@@ -46,7 +46,7 @@ impl Gas {
         self.pressure * (-self.exponent * (volume / self.volume).ln()).exp()
     }
 
-    /// What it stores at a volume that is larger than `V_r` by `change`, with the work against the pressure outside `[energy]`.
+    /// Stored energy at the volume `V_r + change`, including the work against the ambient pressure `[energy]`.
     pub fn energy(&self, change: f64) -> f64 {
         let (growth, a) = ((change / self.volume).ln_1p(), 1.0 - self.exponent);
         let expanded = if a == 0.0 { growth } else { (a * growth).exp_m1() / a };
@@ -89,9 +89,9 @@ pub struct ChamberDefinition {
     pub facets: Vec<(usize, Vec<u32>)>,
     /// Space dimension of the bodies.
     pub dimension: usize,
-    /// Whether they are bodies of revolution.
+    /// True if the bodies are axisymmetric.
     pub is_round: bool,
-    /// Its gas; a volume of 0 stands for that in the undeformed bodies.
+    /// Gas law; a volume of 0 stands for the volume in the undeformed bodies.
     pub gas: Gas,
     /// Where the surface is open: a point in the planes (in the plane: lines) of all rims, which must stay in them.
     pub rim_point: Option<[f64; 3]>,
@@ -224,7 +224,7 @@ struct Chamber {
     facets: Vec<Vec<usize>>,
     gas: Gas,
     rim_point: Option<[f64; 3]>,
-    /// Positions of its nodes in the undeformed bodies, and the volume there.
+    /// Positions of the chamber's nodes in the undeformed bodies, and the volume.
     rest: Vec<f64>,
     rest_volume: f64,
     /// Blocks of the nodes, row by row.
@@ -306,12 +306,12 @@ impl Chamber {
         }
     }
 
-    /// Enclosed volume with its nodes there, with the accuracy of its change from rest.
+    /// Enclosed volume at given positions of the chamber's nodes, with the accuracy of its change from rest.
     fn volume(&self, x: &[f64]) -> f64 {
         self.rest_volume + self.change(&self.rest, x)
     }
 
-    /// How much larger the volume is at one configuration than at another, with the accuracy of its own size.
+    /// Change of the volume between two configurations, accurate relative to its own size.
     fn change(&self, x_0: &[f64], x_1: &[f64]) -> f64 {
         let middle: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| 0.5 * (a + b)).collect();
         let moved: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| b - a).collect();

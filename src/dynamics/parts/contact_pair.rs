@@ -1,8 +1,7 @@
-//! A contact pair in the numbering of the model: its constraint rows, its places in the matrix, how it is held.
+//! A contact pair in the numbering of the model: its constraints, its places in the matrix, its enforcement.
 //!
-//! Pairs are surfaces with surfaces, surfaces with rigid obstacles, ties, and the corners that the weighted gaps of another pair do not
-//! see.
-//! What a pair is at an iterate stands in an [`Evaluation`], which belongs to the iterate and not to the pair.
+//! Pairs are two surfaces, a surface and a rigid obstacle, ties, and the corners that the weighted gaps of another pair do not resolve. The
+//! values of a pair at an iterate are in an [`Evaluation`], which belongs to the iterate and not to the pair.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,36 +19,36 @@ use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
 
-/// What a pair consists of.
+/// Kind of a contact pair: the entities that its constraints connect.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PairKind {
-    /// Two surfaces, or one with itself.
+    /// Two surfaces, or a surface in self contact.
     Surfaces,
-    /// A surface and a rigid obstacle.
+    /// Surface and rigid obstacle.
     Obstacle,
-    /// Two surfaces that stay together: no contact at all.
+    /// Two tied surfaces, without contact.
     Tie,
-    /// The masters and the carried nodes of a rigid body.
+    /// Masters and carried nodes of a rigid body.
     Rigidity,
-    /// What a joint holds.
+    /// Constraints of a joint.
     Joint,
-    /// A coupling of nodes by equations, one for each node.
+    /// Linear equations between nodes, one per node.
     Coupling(Arc<CoupledNodes>),
 }
 
 impl PairKind {
-    /// Whether it holds what it joins in both directions, and is no contact.
+    /// True if the constraints hold in both directions: ties, rigid bodies, joints and couplings.
     pub fn is_bilateral(&self) -> bool {
         matches!(self, PairKind::Tie) || self.is_of_points()
     }
 
-    /// Whether it is what a rigid body, a joint or a coupling is made of, and none of the model's interactions.
+    /// True if the constraints connect points: rigid bodies, joints and couplings, which are no interactions of the model.
     pub fn is_of_points(&self) -> bool {
         matches!(self, PairKind::Rigidity | PairKind::Joint | PairKind::Coupling(_))
     }
 }
 
-/// The nodes on which the equations of a coupling push, row by row, those of the plane or of the second boundary.
+/// Nodes on which the constraint forces of a coupling act, constraint by constraint: those of the plane or of the second boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledNodes {
     /// Index of the coupling in the model.
@@ -60,53 +59,52 @@ pub struct CoupledNodes {
     pub nodes: Vec<u32>,
 }
 
-/// What a pair adds to the contact of a pair before it: constraints of the corners that its weighted gaps do not see.
+/// Additional constraints of sharp corners between the nodes of an earlier contact pair, which its weighted gaps do not resolve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornersOf {
-    /// Index of the pair whose contact it is.
+    /// Index of the contact pair.
     pub pair: usize,
-    /// Overlap that it leaves alone `[length]`: where surfaces lie flat on each other, the other constraints hold them, and these would
-    /// depend on them.
+    /// Overlap that is admitted `[length]`: where surfaces lie flat on each other, corner constraints would depend on those of the pair.
     pub slack: f64,
 }
 
 /// A contact pair.
 pub struct ContactPair {
-    /// Name of its contact.
+    /// Name of the contact.
     pub name: String,
-    /// What it consists of.
+    /// Kind of the pair.
     pub kind: PairKind,
-    /// The contact whose corners it holds, if it does.
+    /// Contact pair whose corners the constraints hold; `None` for a contact of its own.
     pub corners: Option<CornersOf>,
     /// Translation of the obstacle over time.
     pub motion: [Option<Amplitude>; 3],
-    /// Angle by which it has turned over time.
+    /// Angle of rotation of the obstacle over time.
     pub turn: Option<Amplitude>,
-    /// What is prescribed of a joint over time.
+    /// Prescribed coordinate of a joint over time.
     pub drive: Option<(Coordinate, Amplitude)>,
-    /// The joints of the model whose coordinates it couples.
+    /// Indices of the two joints that a gear couples.
     pub geared: Option<[usize; 2]>,
     /// Mean velocity of the obstacle in this step.
     pub obstacle_velocity: [f64; 3],
-    /// Its constraint functions.
+    /// Constraint functions.
     pub kernel: Box<dyn ContactKernel>,
-    /// The law of its rows.
+    /// Law of the normal constraints.
     pub law: &'static dyn RowLaw,
-    /// Its condition over a step.
+    /// Update rule over a step.
     pub update: &'static UpdateRule,
-    /// Coefficient of restitution where impacts are solved as those of rigid bodies; `None`: a side deforms, or a potential holds it.
+    /// Coefficient of restitution of impacts between rigid sides; `None` for a deformable side or a penalty potential.
     pub restitution: Option<f64>,
-    /// Augmentation of its multipliers over the stiffness of a node, if they have a proximal term.
+    /// Augmentation factor relative to the stiffness of a node; `None` without a proximal term.
     pub augmentation: Option<f64>,
-    /// Whether its bodies are bodies of revolution, and multipliers pressures times circumferences.
+    /// True if the bodies are axisymmetric: multipliers are then pressures times circumferences.
     pub is_axisymmetric: bool,
-    /// Range of its rows that press among all rows.
+    /// Range of the normal constraints among all constraints.
     pub rows: Range<usize>,
-    /// Its tangential rows, if it has friction.
+    /// Tangential constraints; `None` without friction.
     pub friction: Option<FrictionRows>,
     /// Pressure per weighted gap, `youngs_modulus / h^2`: compares multipliers with gaps.
     pub c: f64,
-    /// Stiffness of the penalty potential of each of its rows, if it has them.
+    /// Stiffness of the penalty potential of each constraint; empty without penalties.
     pub penalties: Vec<f64>,
     /// Weighted gap that counts as closed for Newton's method.
     pub gap_tolerance: f64,
@@ -115,41 +113,41 @@ pub struct ContactPair {
     places: Places,
 }
 
-/// Blocks of the patches in the matrix: of node pairs (row by row), then per constraint row and node those in the multiplier's row and
-/// column.
+/// Blocks of the contact elements in the matrix: of node pairs (row by row), then per constraint and node those in the row and column of
+/// the multiplier.
 #[derive(Default)]
 struct Places {
     tangent: Vec<Block>,
     rows: Vec<Block>,
     columns: Vec<Block>,
-    /// The same of tangential rows.
+    /// Blocks of tangential constraints: those in the rows and in the columns of their multipliers.
     slip_rows: Vec<Block>,
     slip_columns: Vec<Block>,
 }
 
-/// The rows of a pair that press, or its tangential ones, at an iterate.
+/// Normal or tangential constraints of a pair at an iterate.
 pub struct RowBlock<'a> {
     /// The pair.
     pub pair: &'a ContactPair,
-    /// Range of the rows among all rows.
+    /// Range of the block's constraints among all constraints.
     pub rows: Range<usize>,
-    /// Which of them each patch has.
+    /// Constraints of each contact element.
     pub patches: &'a Patches,
-    /// What they are there.
+    /// Evaluation of the constraints.
     pub evaluation: &'a Evaluation,
     /// Blocks of rows and columns in the matrix.
     places: [&'a [Block]; 2],
 }
 
-/// A constraint row of a patch with its nodes.
+/// Constraint of a contact element with its nodes.
 pub struct PatchRow<'a> {
-    /// The patch.
+    /// Index of the contact element.
     pub patch: usize,
-    /// The row among all rows.
+    /// Index among all constraints.
     pub row: usize,
-    /// Nodes of the patch.
+    /// Nodes of the contact element.
     pub nodes: &'a [u32],
-    /// Where its gradient stands in [`Evaluation::gradient_end`] and [`Evaluation::gradient_bar`].
+    /// Range of the gradient in [`Evaluation::gradient_end`] and [`Evaluation::gradient_bar`].
     pub gradient: Range<usize>,
 }
 
@@ -162,8 +160,8 @@ impl PatchRow<'_> {
 }
 
 impl ContactPair {
-    /// A pair of a contact with that name, held by multipliers under the `gap` rule; `modulus` is that of its
-    /// secondary body and `reach` the largest coordinate of the model.
+    /// Makes a pair of the contact `name` with multipliers under the `gap` rule; `modulus` is that of the secondary body and `reach` the
+    /// largest coordinate of the model.
     pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
         let (size, dimension) = (kernel.facet_size(), kernel.patches().dimension() as i32);
         let gap_tolerance = (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1));
@@ -192,21 +190,21 @@ impl ContactPair {
         }
     }
 
-    /// Gives its rows the friction of its contact, if that has any.
+    /// Adds the tangential constraints of the contact's friction, if the contact has any.
     pub fn add_friction(&mut self, interaction: &Interaction) {
         let tangents = self.kernel.patches().dimension() - 1;
         let of = |friction| FrictionRows::new(friction, self.kernel.rows(), tangents, self.c);
         self.friction = interaction.friction.as_ref().map(of);
     }
 
-    /// What a length of the section at a node stands for: one, or the circumference there `[length]`.
+    /// Factor from a length of the section at a node to an area: 1 in the plane, the circumference in an axisymmetric model `[length]`.
     pub fn circumference(&self, node: u32, q: &[f64]) -> f64 {
         if self.is_axisymmetric { std::f64::consts::TAU * q[2 * node as usize] } else { 1.0 }
     }
 
-    /// Holds it by penalty potentials: the pressure at a node is `factor * youngs_modulus / h` times its depth, whatever length of the
-    /// surface it stands for, and of which circumference. `q`: positions at rest;
-    /// `has_middles`: whether the edges of the surface are of second order, whose ends on the axis stand for nothing.
+    /// Replaces the multipliers by penalty potentials: the pressure at a node is `factor * youngs_modulus / h` times its penetration,
+    /// independent of the node's length of the surface and its circumference. `q`: positions at rest; `has_middles`: whether the edges of
+    /// the surface are of second order, whose ends on the axis have no weight.
     pub fn penalize(&mut self, factor: f64, q: &[f64], has_middles: bool) {
         let of_depth = factor * self.c * self.kernel.facet_size().powi(self.kernel.patches().dimension() as i32 - 1);
         // Half a facet that ends on the axis stands for what a third of the facet away from it does.
@@ -218,7 +216,7 @@ impl ContactPair {
         (self.law, self.augmentation) = (&Penalty, None);
     }
 
-    /// Stiffness of the penalty potential of a row, if it has one.
+    /// Stiffness of the penalty potential of a constraint; `None` without one.
     pub fn penalty(&self, row: usize) -> Option<f64> {
         self.penalties.get(row - self.rows.start).copied()
     }
@@ -228,24 +226,24 @@ impl ContactPair {
         self.obstacle_velocity[component]
     }
 
-    /// True for contacts with friction, whose forces act in their own step alone with every time integrator. A shear stress does
-    /// its work on the slip of its own step; on that of a later one it could drive it. What presses acts with it: divided among steps it
-    /// alternates from step to step, and friction that follows it excites vibrations.
+    /// True for contacts with friction, whose forces act in their own step alone with every time integrator. A shear stress does work on
+    /// the slip of its own step; on the slip of a later step it could supply energy. The contact pressure acts in the same step: divided
+    /// among steps it would alternate from step to step, and friction would excite vibrations.
     pub fn acts_alone(&self) -> bool {
         self.friction.is_some()
     }
 
-    /// Whether multipliers hold it.
+    /// True if multipliers enforce the constraints.
     pub fn has_multipliers(&self) -> bool {
         self.law.has_multiplier()
     }
 
-    /// Whether multipliers hold it that may press and not pull.
+    /// True if multipliers enforce the constraints and can press but not pull.
     pub fn is_unilateral(&self) -> bool {
         self.law.has_multiplier() && !self.law.is_bilateral()
     }
 
-    /// Whether open nodes may come through the other side within a step.
+    /// True if inactive nodes may penetrate the other side within a step.
     pub fn may_penetrate(&self) -> bool {
         self.update.holds == Holds::AsItIs && self.is_unilateral()
     }
@@ -274,7 +272,7 @@ impl ContactPair {
         self.carry(time, time + dt)
     }
 
-    /// Lets a rigid obstacle carry along what sticks to it as far as it moves from one time to another.
+    /// Moves the points of a rigid obstacle to which nodes stick, by the obstacle's motion between two times.
     ///
     /// # Errors
     /// A time function of its motion failed.
@@ -288,7 +286,7 @@ impl ContactPair {
         Ok(())
     }
 
-    /// Whether what sticks to it is carried along by a rigid obstacle that moves.
+    /// True if a moving rigid obstacle carries sticking nodes along.
     pub fn carries(&self) -> bool {
         self.friction.is_some() && (self.motion.iter().any(Option::is_some) || self.turn.is_some())
     }
@@ -298,19 +296,19 @@ impl ContactPair {
         function.as_ref().map_or(Ok(0.0), |function| value_of(&self.name, function, time))
     }
 
-    /// Where its rows begin, those that press and the tangential ones, each with the rows of the patches.
+    /// First index and contact elements of the normal constraints, and of the tangential ones.
     fn row_kinds(&self) -> impl Iterator<Item = (usize, &Patches)> {
         let tangential = self.friction.iter().map(|friction| (friction.rows.start, self.kernel.slip_patches()));
         std::iter::once((self.rows.start, self.kernel.patches())).chain(tangential)
     }
 
-    /// Its tangential rows, each with the row that presses.
+    /// Index of each tangential constraint, with that of its normal constraint.
     pub fn tangential(&self) -> impl Iterator<Item = (usize, usize)> {
         let of = |friction: &FrictionRows, row: usize| (row, self.rows.start + friction.pressing(row));
         self.friction.iter().flat_map(move |friction| friction.rows.clone().map(move |row| of(friction, row)))
     }
 
-    /// Its rows at an iterate, those that press and the tangential ones.
+    /// Normal constraints and tangential constraints of the pair at an iterate, as two blocks.
     pub fn blocks<'a>(&'a self, [pressing, slip]: [&'a Evaluation; 2]) -> impl Iterator<Item = RowBlock<'a>> {
         let places = &self.places;
         let own = RowBlock {
@@ -330,7 +328,7 @@ impl ContactPair {
         std::iter::once(own).chain(tangential)
     }
 
-    /// Tells groups of vertices that it couples; its rows follow `nodes` nodes.
+    /// Visits groups of coupled vertices; vertices of constraints follow `nodes` nodes.
     pub fn for_each_coupling(&self, nodes: usize, visit: &mut dyn FnMut(&[u32])) {
         let (patches, mut clique) = (self.kernel.patches(), Vec::new());
         for p in 0..patches.len() {
@@ -379,17 +377,17 @@ impl ContactPair {
         }
     }
 
-    /// The rows of the patches that hold anything, those that press.
+    /// Normal constraints of the contact elements that contribute.
     pub fn live_rows<'a>(&'a self, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
         live_rows(self.rows.start, self.kernel.patches(), evaluation)
     }
 
-    /// Whether a node owns a row of a patch.
+    /// True if `node` owns a constraint of the contact element `patch`.
     pub fn owns_row(&self, patch: usize, node: u32) -> bool {
         self.kernel.owns(patch, node)
     }
 
-    /// The node that owns a row of the model, if a node does.
+    /// Node that owns a constraint of the model, if a node does.
     pub fn node_of(&self, row: usize) -> Option<u32> {
         let tangential = self.friction.as_ref().filter(|friction| row >= friction.rows.start && !self.rows.contains(&row));
         let local = tangential.map_or_else(|| row - self.rows.start, |friction| friction.pressing(row));
@@ -397,7 +395,7 @@ impl ContactPair {
     }
 }
 
-/// The rows of patches that hold anything, numbered from `first_row`.
+/// Constraints of the contact elements that contribute, numbered from `first_row`.
 fn live_rows<'a>(first_row: usize, patches: &'a Patches, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
     (0..patches.len()).filter(|&p| evaluation.live[p]).flat_map(move |p| {
         let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
@@ -409,7 +407,7 @@ fn live_rows<'a>(first_row: usize, patches: &'a Patches, evaluation: &'a Evaluat
 }
 
 impl<'a> RowBlock<'a> {
-    /// Whether its rows are tangential.
+    /// True if the constraints of the block are tangential.
     pub fn is_slip(&self) -> bool {
         self.rows.start != self.pair.rows.start
     }
@@ -424,7 +422,7 @@ impl<'a> RowBlock<'a> {
         lambda[self.rows.clone()].iter().zip(&self.evaluation.gap).map(|(tau, slip)| tau * slip).sum()
     }
 
-    /// Its rows of the patches that hold anything.
+    /// Constraints of the block, contact element by contact element, where these contribute.
     pub fn live_rows(&self) -> impl Iterator<Item = PatchRow<'a>> {
         live_rows(self.rows.start, self.patches, self.evaluation)
     }
@@ -463,7 +461,7 @@ impl<'a> RowBlock<'a> {
         }
     }
 
-    /// Adds rows `factor G_1` and columns `-share columns^T` of those that press or slide.
+    /// Adds rows `factor G_1` and columns `-share columns^T` of the constraints whose multipliers may be nonzero.
     pub fn constraints_into<const D: usize>(&self, equations: &[Equation], columns: &[f64], shares: ForceShares, values: &mut [f64]) {
         let (RowBlock { patches, evaluation, .. }, weight) = (self, self.share(shares));
         let [row_places, column_places] = self.places;

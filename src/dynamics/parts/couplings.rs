@@ -23,17 +23,17 @@ use crate::math::tolerances;
 /// Nodes with the directions along which an equation sums them.
 type Terms = Vec<(u32, [f64; 3])>;
 
-/// The equations of a coupling in one direction of what it holds, all alike but for their nodes.
+/// Equations of a coupling in one direction; they differ in their nodes alone.
 struct Direction {
     /// The direction of the force that the equations exert on the nodes of the plane, or of the second boundary.
     along: [f64; 3],
     /// One equation for each node, of which that node is the first.
     equations: Vec<Terms>,
-    /// What is added to all of them over time.
+    /// Value added to the right side of all equations over time.
     offset: Option<Amplitude>,
 }
 
-/// What a coupling holds, direction by direction.
+/// Equations of a coupling, direction by direction.
 fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coupling) -> Vec<Direction> {
     let first = |body: usize| bodies[body].nodes.start as u32;
     match &coupling.kind {
@@ -71,7 +71,7 @@ fn center_of<const D: usize>(body: &Body<D>, inertia: Option<&Inertia>) -> Vec<(
     rigid.masters.iter().copied().zip(rigid.frame.shares(inertia.center)).collect()
 }
 
-/// The pairs of all couplings, one for each direction, in the order of the model; equations hold at the positions at the `start`.
+/// Pairs of all couplings, one for each direction, in the order of the model; equations hold at the positions at the `start`.
 pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: &[f64]) -> Vec<ContactPair> {
     let (reach, size) = (largest_size(start), model.extent());
     let mut pairs = Vec::new();
@@ -93,7 +93,7 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
     pairs
 }
 
-/// Equations that hold at the start, or move by a value over time from there.
+/// Equations that hold at the start and, if driven, move by a value over time.
 fn constraints(equations: Vec<Terms>, is_driven: bool, start: &[f64], size: f64, dimension: usize) -> PointConstraints {
     let mut kernel = PointConstraints::new(dimension, size);
     for terms in equations {

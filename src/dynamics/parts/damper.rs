@@ -18,7 +18,7 @@ use crate::linear::Pattern;
 /// A damper between two ends.
 pub type DamperDefinition = LineDefinition<DamperElement>;
 
-/// What a damper is: its force by speed (per thickness in the plane).
+/// Force law of a damper: force by speed (per thickness in the plane).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DamperElement(pub Viscous);
 
@@ -47,18 +47,18 @@ struct Damper {
     is_outside: bool,
 }
 
-/// What a damper does.
+/// Kinematics of a damper.
 struct Stroke {
-    /// Direction from its tail to its head, and their distance.
+    /// Unit vector from tail to head, and their distance.
     direction: [f64; 3],
     length: f64,
-    /// Relative velocity, and its component in that direction.
+    /// Relative velocity of the ends, and its component along the damper.
     velocity: [f64; 3],
     speed: f64,
 }
 
 impl Damper {
-    /// Nothing where both ends are at one place: there is no direction.
+    /// Kinematics at positions `q` and velocities `v`; `None` where both ends coincide and have no direction.
     fn stroke(&self, q: &[f64], v: &[f64]) -> Option<Stroke> {
         let ((r, length), velocity) = (self.line.vector(q), self.line.velocity(v));
         let direction = r.map(|r| r / length);

@@ -13,7 +13,7 @@ use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinit
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
-/// On what drag acts.
+/// Boundary or mass of a body on which drag acts.
 #[derive(Clone, Debug)]
 pub enum Dragged {
     /// Nodes of a body with their shares of the area of a boundary `[area]`, and force per area by speed `[stress]`.
@@ -27,7 +27,7 @@ pub enum Dragged {
 pub struct DragDefinition {
     /// Name, unique among the parts.
     pub name: String,
-    /// On what it acts.
+    /// Boundary or mass on which the drag acts.
     pub on: Dragged,
 }
 

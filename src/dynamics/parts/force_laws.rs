@@ -1,8 +1,8 @@
-//! Forces of one variable: what a spring pulls with by its elongation, a damper by its speed.
+//! Force laws of one variable: springs by elongation, dampers by speed.
 //!
-//! Over a step a spring pulls with the mean `F = (V(x_1) - V(x_0)) / (x_1 - x_0)`, so that it does exactly the work by which its potential
-//! changes. Of a straight line and of a table that is an integral in which nothing cancels; of a text it is the quotient, or, where both
-//! agree within the quotient's round-off, Gauss's integral of the slope, which has none.
+//! Over a step a spring exerts the mean force `F = (V(x_1) - V(x_0)) / (x_1 - x_0)`, whose work equals the change of the potential. For a
+//! linear law and a table it is an integral without cancellation; for a text it is the quotient, or, where both agree within the quotient's
+//! round-off, Gauss's integral of the slope, which has no cancellation.
 
 use std::sync::Arc;
 
@@ -16,18 +16,18 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
 ];
 
-/// How a force depends on an elongation.
+/// Elastic force as a function of the elongation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Elastic {
     /// `F = k x`, with the stiffness `k` `[force/length]`.
     Linear(f64),
-    /// Elongations, which increase, and forces, two points at least: linear between them, and beyond them as between the last two.
+    /// Table of increasing elongations and forces, at least two points: linear between the points, extrapolated beyond them.
     Table(Arc<Vec<(f64, f64)>>),
     /// The stored energy as text, and the factors of its variable and its value in the units of the model.
     Energy(Arc<ScalarText>, [f64; 2]),
 }
 
-/// Which elongations a spring feels.
+/// Elongations at which a spring acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
     /// All.
@@ -38,22 +38,22 @@ pub enum Sides {
     Compression,
 }
 
-/// What a spring stores.
+/// Force law of a spring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpringLaw {
-    /// How its force depends on the elongation.
+    /// Elastic force as a function of the elongation.
     pub elastic: Elastic,
-    /// Which elongations it feels.
+    /// Elongations at which the spring acts.
     pub sides: Sides,
 }
 
 impl SpringLaw {
-    /// A spring that pulls and pushes with that stiffness `[force/length]`.
+    /// Linear spring in tension and compression with the stiffness `stiffness` `[force/length]`.
     pub fn linear(stiffness: f64) -> Self {
         SpringLaw { elastic: Elastic::Linear(stiffness), sides: Sides::Both }
     }
 
-    /// The stiffness of one that pulls and pushes with one.
+    /// Stiffness of a linear spring in tension and compression; `None` for other laws.
     pub(crate) fn constant_stiffness(&self) -> Option<f64> {
         match (&self.elastic, self.sides) {
             (Elastic::Linear(stiffness), Sides::Both) => Some(*stiffness),
@@ -71,7 +71,7 @@ impl SpringLaw {
         SpringLaw { elastic, sides: self.sides }
     }
 
-    /// The elongation that is felt, and its derivative.
+    /// Effective elongation of a spring, and its derivative.
     fn felt(&self, x: f64) -> (f64, f64) {
         let is_felt = match self.sides {
             Sides::Both => true,
@@ -117,7 +117,7 @@ impl SpringLaw {
         if in_0 == in_1 {
             return (force, slope);
         }
-        // One of both is felt: the path ends, or begins, where nothing pulls.
+        // The spring acts at one of both elongations: the other end of the path is at zero force.
         let change = x_1 - x_0;
         let mean = force * (c_1 - c_0) / change;
         (mean, (self.force(x_1).0 - mean) / change)
@@ -153,7 +153,7 @@ impl SpringLaw {
         }
     }
 
-    /// In words, such as `stiffness 3`.
+    /// Text form, such as `stiffness 3`.
     pub fn describe(&self) -> String {
         let law = match &self.elastic {
             Elastic::Linear(k) => format!("stiffness {k}"),
@@ -204,7 +204,7 @@ fn integral(points: &[(f64, f64)], a: f64, b: f64) -> f64 {
     sum
 }
 
-/// How a force depends on a speed.
+/// Damping force as a function of the speed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Viscous {
     /// `F = c v`, with `c` `[force time/length]`.
@@ -271,7 +271,7 @@ impl Viscous {
         speeds.flat_map(|v| [v, -v]).find(is_wrong)
     }
 
-    /// In words, such as `coefficient 3`.
+    /// Text form, such as `coefficient 3`.
     pub fn describe(&self) -> String {
         match self {
             Viscous::Linear(c) => format!("coefficient {c}"),

@@ -3,9 +3,9 @@
 /// Shares of the multipliers of a step in its balance of momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceShares {
-    /// Share of those whose forces act in later steps, too, as the time integrator says.
+    /// Weight of multipliers whose forces also act in later steps, as the time integrator prescribes.
     pub lagging: f64,
-    /// Share of those of contacts with friction, which act in their own step alone: 1 in a motion.
+    /// Weight of the multipliers of contacts with friction, whose forces act in their own step alone: 1 in a motion.
     pub alone: f64,
 }
 

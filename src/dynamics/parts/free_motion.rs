@@ -1,4 +1,4 @@
-//! What a joint leaves free as one number, its coordinate: what it is, how a drive prescribes it, how stops limit it.
+//! The free coordinate of a joint: its value, its prescription by a drive, its limitation by stops.
 //!
 //! An angle `phi` between directions `b` of one end and `a`, `n` of the other, unit vectors across the axis and each other, stands in
 //! `b.a = cos phi`, `b.n = sin phi`, so
@@ -25,17 +25,17 @@ pub struct FreeMotion {
     coordinate: Coordinate,
     /// `b, a, n` of an angle, `r, t` of a travel, `r` of a distance.
     vectors: Vec<PointVector>,
-    /// What it is at rest besides what counts: `r.t` of a travel, `l` of a distance.
+    /// Reference value at rest: `r.t` of a travel, `l` of a distance.
     rest: f64,
-    /// A length by which an angle counts.
+    /// Length that converts an angle to a gap.
     size: f64,
-    /// Whether it may be less than its drive.
+    /// True if the coordinate may be less than the value of the drive.
     is_cable: bool,
     is_grounded: bool,
 }
 
 impl FreeMotion {
-    /// That of a joint, if it has a coordinate; angles count by `size`.
+    /// Coordinate of a joint, `None` if the joint has none; `size` converts angles to lengths.
     pub fn new<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &JointDefinition, size: f64) -> Option<Self> {
         let coordinate = joint.kind.coordinate(D)?;
         let [a, b] = End::of(model, bodies, joint);
@@ -54,7 +54,7 @@ impl FreeMotion {
         Some(FreeMotion { dimension: D, coordinate, vectors, rest, size, is_cable, is_grounded })
     }
 
-    /// Its value where the nodes are at `q`; of an angle that which is nearest to one `before`.
+    /// Value of the coordinate at the positions `q`; an angle is taken in the turn nearest to the value `before`.
     pub fn value(&self, q: &[f64], before: f64) -> f64 {
         let y: Vec<[f64; 3]> = self.vectors.iter().map(|vector| vector.at(self.dimension, q)).collect();
         let dot = |i: usize, j: usize| -> f64 { y[i].iter().zip(y[j]).map(|(a, b)| a * b).sum() };
@@ -68,7 +68,7 @@ impl FreeMotion {
         }
     }
 
-    /// Adds the row that prescribes it.
+    /// Adds the constraint that prescribes the coordinate.
     pub fn drive_into(&self, kernel: &mut PointConstraints) {
         let (size, rest) = (self.size, self.rest);
         let sign = if self.is_cable { -1.0 } else { 1.0 };
@@ -86,7 +86,7 @@ impl FreeMotion {
         kernel.add_driven(self.vectors.clone(), function, start, self.is_grounded);
     }
 
-    /// Adds the rows that keep it within limits.
+    /// Adds the constraints that limit the coordinate.
     pub fn limit_into(&self, [least, largest]: [f64; 2], kernel: &mut PointConstraints) {
         let functions = match self.coordinate {
             Coordinate::Angle => {

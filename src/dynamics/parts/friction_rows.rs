@@ -1,5 +1,5 @@
-//! The tangential rows of a contact pair: beside every row that presses those that friction holds, one in the plane, a group of two in
-//! space (`slip_vector.rs`), one for each component of a slip.
+//! Tangential constraints of a contact pair: beside every normal constraint one in the plane and a group of two in space
+//! (`slip_vector.rs`), one for each component of the slip.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,21 +11,21 @@ use crate::dynamics::model::interactions::{Coefficient, Friction};
 use crate::linear::Block;
 use crate::math::tolerances;
 
-/// The tangential rows of a pair.
+/// Tangential constraints of a pair.
 pub struct FrictionRows {
-    /// How large the shear stress is.
+    /// Friction law: shear stress as a function of pressure and slip rate.
     pub law: Arc<dyn FrictionLaw>,
-    /// Coefficient that the law is given.
+    /// Friction coefficient.
     pub coefficient: Coefficient,
-    /// The same in this step, row by row.
+    /// Friction coefficient of each normal constraint in this step.
     pub coefficients: Vec<f64>,
-    /// Range of the rows among all rows; those of a group follow each other.
+    /// Range of the tangential constraints among all constraints; those of a group are contiguous.
     pub rows: Range<usize>,
-    /// Number of rows in a group.
+    /// Number of tangential constraints in a group.
     pub tangents: usize,
     /// Multiplier per slip: compares the two.
     pub c: f64,
-    /// Blocks of the rows, each with the row that presses, and with the other row of its group, if there is one.
+    /// Blocks of each tangential constraint with its normal constraint, and with the other constraint of its group.
     pub(super) couplings: Vec<Block>,
     pub(super) partners: Vec<Block>,
 }
@@ -50,18 +50,18 @@ impl FrictionRows {
         }
     }
 
-    /// The group of rows beside the row of that index in the pair that presses.
+    /// Tangential constraints beside the normal constraint with the index `local` in the pair.
     pub fn group(&self, local: usize) -> Range<usize> {
         let first = self.rows.start + self.tangents * local;
         first..first + self.tangents
     }
 
-    /// Index in the pair of the row that presses beside one of the rows.
+    /// Index in the pair of the normal constraint beside the tangential constraint `row`.
     pub fn pressing(&self, row: usize) -> usize {
         (row - self.rows.start) / self.tangents
     }
 
-    /// Writes the factors of the multipliers that press, and of those of the other row of a group, into values of the matrix.
+    /// Writes the factors of the normal multipliers, and of the multipliers of the other constraint of a group, into values of the matrix.
     pub fn couple(&self, equations: &[Equation], values: &mut [f64]) {
         let equations = &equations[self.rows.clone()];
         for (place, equation) in self.couplings.iter().zip(equations) {
@@ -72,7 +72,7 @@ impl FrictionRows {
         }
     }
 
-    /// The coefficients of a step, for what depends on its time or on the places where it starts.
+    /// Evaluates the friction coefficients of a step that depend on time or place.
     ///
     /// # Errors
     /// A function failed, or returned no coefficient.
@@ -96,25 +96,25 @@ impl FrictionRows {
     }
 }
 
-/// What the tangential rows beside a row that presses have in common at an iterate.
+/// Data of a normal constraint at an iterate, shared by its tangential constraints.
 #[derive(Clone, Copy)]
 pub struct Pressed<'a> {
-    /// How large the shear stress is.
+    /// Friction law.
     pub law: &'a dyn FrictionLaw,
-    /// Coefficient that the law is given.
+    /// Friction coefficient.
     pub coefficient: f64,
-    /// Multiplier of the row that presses.
+    /// Multiplier of the normal constraint.
     pub normal: f64,
-    /// Speed per slip.
+    /// Slip rate per slip.
     pub speed: f64,
-    /// Multiplier per stress: one, or a circumference.
+    /// Multiplier per stress: 1, or a circumference in axisymmetric models.
     pub around: f64,
-    /// Slip per change of a multiplier within an iteration.
+    /// Tangential compliance: slip per change of the multiplier within an iteration.
     pub compliance: f64,
     /// Multiplier per slip, which compares the two.
     pub c: f64,
-    /// Multiplier per slip with which the node resists in this step, `kappa`: by its stiffness and, growing with `1/dt^2`, its inertia.
-    /// Equations of rows that slide are divided by it, so that their entries are of order one for every step size.
+    /// Stiffness `kappa` of the node in this step, multiplier per slip: its elastic stiffness and its inertia, which grows with `1/dt^2`.
+    /// The equations of slipping constraints are divided by `kappa`, so that their entries are of order one for every step size.
     pub stiffness: f64,
     /// Slip that counts as zero.
     pub tolerance: f64,
@@ -144,35 +144,34 @@ impl Pressed<'_> {
         self.law.film() * self.around * self.speed * slip <= ROUGH * self.normal.max(0.0)
     }
 
-    /// Whether a slip is more than round-off.
+    /// True if a slip exceeds round-off.
     pub fn is_clear(&self, off: f64) -> bool {
         off > tolerances::CLEARLY * self.tolerance
     }
 }
 
-/// A tangential row at an iterate, where it is the only one beside a row that presses.
+/// Tangential constraint at an iterate, in the plane, where a normal constraint has one.
 pub struct SlipRow<'a> {
-    /// How it is pressed.
+    /// Data of the normal constraint.
     pub pressed: Pressed<'a>,
     /// Tangential multiplier.
     pub lambda: f64,
     /// Slip of the step.
     pub slip: f64,
-    /// Slip with which a row that slid has no speed at the end of the step; 0 for others.
+    /// Slip for which a constraint that slipped before has zero slip rate at the end of the step; 0 for others.
     pub rest: f64,
-    /// Whether supports keep it from sliding whatever presses: then its multiplier follows from its slip, and stays as it was without one.
+    /// True if supports prevent slip: the multiplier then follows from the prescribed slip, and stays constant without slip.
     pub is_held: bool,
 }
 
-/// What slips and multipliers a step admits beside each other: with `s` the dry multiplier against the direction of `rest`, a graph that
-/// rises in steps,
+/// Admissible pairs of slip and multiplier in a step: with `s` the dry multiplier against the direction of `rest`, a monotone graph,
 ///
 /// ```text
 /// slip < 0: s = -L    slip = 0: -L <= s <= 0    0 < slip < rest: s = 0    slip = rest: 0 <= s <= L    slip > rest: s = L
 /// ```
 ///
-/// so that no state gives energy. A stick alone (`rest` = 0: `|s| <= L` where the slip is 0) would turn the speed of what comes to rest
-/// around, again and again from step to step, by forces that use up what friction holds.
+/// so that no state supplies energy. Stick alone (`rest` = 0: `|s| <= L` at zero slip) would reverse the velocity of a node that comes to
+/// rest, again in every step, by forces that exhaust the friction limit.
 impl SlipRow<'_> {
     fn limit(&self, slip: f64) -> Limit {
         self.pressed.limit(slip.abs())
@@ -193,12 +192,12 @@ impl SlipRow<'_> {
         (1f64.copysign(self.rest), if self.pressed.is_clear(size) { size } else { 0.0 })
     }
 
-    /// Dry multiplier that the row would have if it stuck from here.
+    /// Dry trial multiplier of the constraint, as if it stuck from the present iterate on.
     fn trial(&self) -> f64 {
         self.dry() - self.pressed.c * self.slip
     }
 
-    /// Where the row is on the graph with this limit, and the multiplier there: the point next to slip and multiplier, by `c`.
+    /// State and multiplier on the graph with this limit, at the point nearest to the present slip and multiplier in the metric of `c`.
     fn nearest(&self, limit: f64) -> (RowState, f64) {
         let (sense, rest) = self.stop();
         let z = -sense * self.trial();
@@ -213,7 +212,7 @@ impl SlipRow<'_> {
         (state, -sense * s)
     }
 
-    /// State of a row that supports hold.
+    /// State of a constraint whose slip supports prevent.
     fn held(&self) -> RowState {
         if self.pressed.is_clear(self.slip.abs()) { RowState::sliding(-self.slip) } else { RowState::Closed }
     }
@@ -231,7 +230,7 @@ impl SlipRow<'_> {
         }
     }
 
-    /// Natural residual: by how much the row is off, as a slip, and the energy that goes with it.
+    /// Natural residual as a slip, and its energy.
     pub fn residual(&self) -> (f64, f64) {
         let limit = self.limit(self.slip).shear;
         let off = match self.is_held {
@@ -242,7 +241,7 @@ impl SlipRow<'_> {
         (off / self.pressed.c, off * self.slip)
     }
 
-    /// The equation of the row in a state.
+    /// Equation of the constraint in a state.
     pub fn equation(&self, state: RowState) -> Equation {
         let Some(sense) = state.sense() else {
             return match state {
@@ -268,7 +267,8 @@ impl SlipRow<'_> {
         let by = 1.0 / self.pressed.stiffness;
         Equation {
             acts: true,
-            // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
+            // A friction force that decreases faster than the bodies' compliance has no solution beside this one, but one at a larger
+            // speed: iterations go there.
             gradient: by * (self.film() + by_speed.max(-self.pressed.c)),
             diagonal: by,
             normal: -by * sense * by_pressure,
@@ -284,14 +284,14 @@ impl SlipRow<'_> {
         Equation { compliance, ..Equation::held(compliance, compliance * self.lambda - self.slip + at) }
     }
 
-    /// The multiplier as it was, as far as the pressure bears it.
+    /// Equation of an unchanged multiplier, limited by the pressure.
     fn kept(&self) -> Equation {
         let limit = self.limit(0.0).shear;
         let by = 1.0 / self.pressed.stiffness;
         Equation { acts: true, diagonal: by, right: by * self.lambda.clamp(-limit, limit), ..Equation::OPEN }
     }
 
-    /// The state that the row asks for, and how strongly, if it is another one; `self` is what the frozen linearization makes of it.
+    /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization.
     pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
         if self.is_held {
             return (state != self.held()).then(|| (self.held(), self.slip.abs()));
@@ -328,8 +328,7 @@ mod tests {
         SlipRow { pressed, lambda, slip, rest: 0.0, is_held: false }
     }
 
-    /// Where a row solves the equation of its state, nothing is left of its residual unless it asks for another state; and what slides
-    /// loses energy.
+    /// A constraint that solves the equation of its state has no residual unless its state must change; slip dissipates energy.
     #[test]
     fn the_solution_of_the_equation_has_no_residual() {
         let laws = [
@@ -356,7 +355,7 @@ mod tests {
         }
     }
 
-    /// Whatever slip and multiplier a row has: once it asks for no other state, it is on the graph, and there it is in one state.
+    /// For every slip and multiplier: a constraint whose state need not change lies on the graph, and has one state there.
     #[test]
     fn a_row_that_stops_changes_its_state_along_the_graph() {
         let law = Coulomb::default();

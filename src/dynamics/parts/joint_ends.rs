@@ -6,7 +6,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::joints::{Anchor, JointDefinition};
 use crate::math::norms::length;
 
-/// Where a node is.
+/// Position of a node as a combination of nodes.
 pub fn node_vector(node: u32) -> PointVector {
     PointVector { parts: vec![(node, 1.0)], offset: [0.0; 3] }
 }
@@ -24,7 +24,7 @@ impl<'a, const D: usize> End<'a, D> {
         joint.ends.map(|anchor| End { model, body: anchor.body.map(|body| &bodies[body]), anchor })
     }
 
-    /// Its point.
+    /// Attachment point of the end.
     pub fn point(&self) -> PointVector {
         let point = self.anchor.point;
         match self.body.map(|body| (body, &body.rigid)) {

@@ -1,4 +1,4 @@
-//! The line between two ends, along which springs and dampers pull.
+//! Line between two ends, along which springs, dampers and actuators act.
 //!
 //! An end is a node, the weighted mean of the nodes of a boundary, or a point of the ground. The vector from one to the other is linear in
 //! the positions, `r = sum s_i q_i + ground`, and a force `f` on its head acts on node `i` as `s_i f`.
@@ -42,7 +42,7 @@ impl End {
         }
     }
 
-    /// Where it is while the bodies are undeformed, by where their nodes are.
+    /// Position of the end in the undeformed bodies; `point` gives the positions of their nodes.
     pub fn place(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> [f64; 3] {
         match self {
             End::Node(body, node) => point(*body, *node),
@@ -58,7 +58,7 @@ impl End {
         }
     }
 
-    /// The same in a model that is moved.
+    /// Returns the end in a transformed model.
     pub fn changed(&self, change: &Change) -> Self {
         match self {
             End::Ground(place) => End::Ground((change.point)(*place)),
@@ -67,25 +67,25 @@ impl End {
     }
 }
 
-/// What acts along the line between two ends: a spring, a damper, an actuator.
+/// Force element along the line between two ends: spring, damper or actuator.
 pub trait LineElement: Clone + Send + Sync + 'static {
-    /// Names of what the history tells of it.
+    /// Names of the element's columns in the history.
     const READINGS: &'static [&'static str];
-    /// Whether it turns energy into heat.
+    /// True if the element dissipates energy.
     const DISSIPATES: bool = false;
 
-    /// Its functions of time.
+    /// Time functions of the element.
     fn functions(&self) -> Vec<Amplitude> {
         Vec::new()
     }
 
-    /// The part of that name on a line of that length at rest; `is_grounded`: whether one end is the ground.
+    /// Makes the part `name` on a line of the length `at_rest` at rest; `is_grounded` if one end is fixed to the ground.
     fn part(&self, name: &str, line: Line, at_rest: f64, is_grounded: bool) -> Box<dyn Part>;
 
-    /// The same in a model that is moved.
+    /// Returns the element in a transformed model.
     fn changed(&self, change: &Change) -> Self;
 
-    /// The part of that name in words.
+    /// Describes the part `name` in words.
     fn describe(&self, name: &str) -> String;
 }
 
@@ -94,9 +94,9 @@ pub trait LineElement: Clone + Send + Sync + 'static {
 pub struct LineDefinition<E> {
     /// Name, unique among the parts.
     pub name: String,
-    /// Its ends.
+    /// Ends of the line.
     pub ends: [End; 2],
-    /// What acts between them.
+    /// Force element between the ends.
     pub element: E,
 }
 
@@ -174,7 +174,7 @@ impl Line {
         line
     }
 
-    /// Its nodes.
+    /// Nodes of both ends.
     pub fn nodes(&self) -> Vec<u32> {
         self.nodes.iter().map(|(node, _)| *node).collect()
     }

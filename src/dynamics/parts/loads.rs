@@ -10,27 +10,27 @@ use crate::linear::{Block, Pattern};
 
 /// A load with its nodal weights.
 pub struct NodalLoad<const D: usize> {
-    /// What it does.
+    /// Kind of the load.
     pub kind: LoadKind,
     /// Nodes and their shares of the boundary.
     pub weights: Vec<(u32, f64)>,
     /// Facets of a pressure, each by its nodes, with the places of their blocks, row by row.
     pub facets: Vec<(Vec<u32>, Vec<Block>)>,
-    /// Whether nodes of a facet are coupled by a cell, as those of a body that deforms are.
+    /// True if a cell couples the nodes of each facet, as in deformable bodies.
     pub is_on_cells: bool,
-    /// Whether the body is in plane strain, plane stress or axisymmetric.
+    /// Plane strain, plane stress or axisymmetric.
     pub plane: Plane,
-    /// Its size over time.
+    /// Amplitude over time.
     pub amplitude: Amplitude,
     /// `body.boundary` on which it acts.
     pub name: String,
 }
 
 impl<const D: usize> NodalLoad<D> {
-    /// What its time function gives.
+    /// Value of the amplitude at a time.
     ///
     /// # Errors
-    /// The function failed or gave no finite number.
+    /// The time function failed or returned a value that is not finite.
     pub fn amplitude(&self, time: f64) -> Result<f64, StepError> {
         value_of(&self.name, &self.amplitude, time)
     }
@@ -86,7 +86,8 @@ impl<const D: usize> NodalLoad<D> {
         }
     }
 
-    /// Subtracts the derivative of a pressure's forces, which turn with their facets; `share` is that of `q_1` in the configuration.
+    /// Subtracts the derivative of the forces of a pressure, which rotate with the facets; `share` is the derivative of the configuration
+    /// with respect to `q_1`.
     fn tangent_into(&self, amplitude: f64, share: f64, q: &[f64], values: &mut [f64]) {
         let LoadKind::Pressure(pressure) = self.kind else { return };
         let size = share * pressure * amplitude;
@@ -124,7 +125,7 @@ impl<const D: usize> NodalLoad<D> {
     }
 }
 
-/// Where nodes are.
+/// Positions of nodes.
 fn places<const D: usize>(nodes: &[u32], q: &[f64]) -> Vec<[f64; D]> {
     nodes.iter().map(|&node| std::array::from_fn(|i| q[D * node as usize + i])).collect()
 }
@@ -156,7 +157,7 @@ impl<const D: usize> Part for NodalLoad<D> {
     }
 }
 
-/// Adds the forces of all loads at a configuration and time; tells whether any acted.
+/// Adds the forces of all loads at a configuration and time; returns true if a load acts.
 ///
 /// # Errors
 /// A time function failed.

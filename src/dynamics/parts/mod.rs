@@ -1,4 +1,4 @@
-//! What a model consists of once it has numbers: nodes, supports, bodies, loads, contact pairs, each with its places in the matrix.
+//! The model in numbers: nodes, supports, bodies, loads, contact pairs, each with its places in the matrix.
 //!
 //! A [`Part`](super::model::part::Part) pushes on nodes; a [`ContactPair`](contact_pair::ContactPair) constrains them.
 

@@ -1,10 +1,10 @@
 //! A motor between two rigid bodies, or a rigid body and the ground: a torque about an axis that a time function gives, on one forward and
 //! on the other back.
 //!
-//! Of a body turn the edges `d_k` from its first master to the others. The forces `f_k = w x d_k` on them, and `-sum f_k` on the first,
-//! have no resultant and the moment `J w` with `J = sum |d_k|^2 I - d_k d_k^T`; the one with `J w = M n` has the torque exactly, wherever
-//! the step asks for it, so that the momenta between two bodies are kept. The axis `n` turns with the second body. The work is that of a
-//! load.
+//! The edges `d_k` of a body go from its first master to the others. The forces `f_k = w x d_k` on the other masters, and `-sum f_k` on the
+//! first, have no resultant and the moment `J w` with `J = sum |d_k|^2 I - d_k d_k^T`. With `J w = M n` the torque is exact at any
+//! configuration of the step, so that the momenta between two bodies are conserved. The axis `n` turns with the second body. The work is
+//! that of a load.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ use crate::linear::{Block, Pattern};
 pub struct MotorDefinition {
     /// Name, unique among the parts.
     pub name: String,
-    /// The body that it turns forward and that against which it turns it, each with its masters; `None`: the ground.
+    /// Body with the forward torque and body with the reaction, each with its masters; `None`: the ground.
     pub bodies: [Option<(usize, Vec<u32>)>; 2],
     /// The axis at rest; in the plane the third one.
     pub axis: [f64; 3],
@@ -130,7 +130,7 @@ impl Motor {
         forces
     }
 
-    /// How they change with a component of a node.
+    /// Derivative of the nodal forces of a unit torque with respect to component `component` of node `column`.
     fn slope(&self, q: &[f64], column: usize, component: usize) -> Vec<Vector3<f64>> {
         let edges = [self.edges(0, q), self.edges(1, q)];
         let mut changes = [vec![Vector3::zeros(); edges[0].len()], vec![Vector3::zeros(); edges[1].len()]];

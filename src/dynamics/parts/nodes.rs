@@ -1,4 +1,4 @@
-//! The nodes of all bodies: where they are at rest, what they weigh, which of them hang together, and the sizes that errors are judged by.
+//! The nodes of all bodies: reference positions, masses, connected components, and scales for error measures.
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -15,9 +15,9 @@ pub struct Nodes<const D: usize> {
     pub reference: Vec<f64>,
     /// The mass: consistent, or at the nodes alone.
     pub mass: NodeMatrix,
-    /// Mass of every node (row sums); of a cell of second order nothing or less at its corners.
+    /// Mass of every node (row sums); zero or negative at the corners of cells of second order.
     pub nodal_mass: Vec<f64>,
-    /// The same for estimates of one node's motion, positive: at least the diagonal of the mass.
+    /// Lumped mass for estimates of the motion of single nodes: positive, at least the diagonal of the mass matrix.
     pub lumped_mass: Vec<f64>,
     /// The largest nodal mass.
     pub largest_nodal_mass: f64,
@@ -31,9 +31,9 @@ pub struct Nodes<const D: usize> {
     pub extent: f64,
     /// Number of the connected component that each node belongs to.
     pub component_of: Vec<u32>,
-    /// Whether the bodies are bodies of revolution.
+    /// True if the bodies are axisymmetric.
     pub is_axisymmetric: bool,
-    /// Whether a connected component holds no support.
+    /// True for each connected component without supports.
     pub component_is_free: Vec<bool>,
 }
 
@@ -83,8 +83,8 @@ impl<const D: usize> Nodes<D> {
         }
     }
 
-    /// Force per displacement of all there is, and that times a length squared an energy, for the floors of round-off: around an axis that
-    /// of the whole circumference `[force/length]`.
+    /// Force per displacement of the whole model, for round-off limits; in axisymmetric models that of the whole circumference
+    /// `[force/length]`. Times a length squared it is an energy.
     pub fn stiffness(&self) -> f64 {
         let around = if self.is_axisymmetric { TAU * self.reference.iter().step_by(D).copied().fold(0.0, f64::max) } else { 1.0 };
         self.modulus * self.extent.powi(D as i32 - 2) * around
@@ -97,7 +97,7 @@ impl<const D: usize> Nodes<D> {
         q
     }
 
-    /// The same in storage that is there.
+    /// Writes the positions for the displacements `u` to `q`.
     pub fn positions_into(&self, u: &[f64], q: &mut Vec<f64>) {
         q.clear();
         q.extend(self.reference.iter().zip(u).map(|(x, u)| x + u));
@@ -143,7 +143,7 @@ impl<const D: usize> Nodes<D> {
     }
 }
 
-/// Connected components of nodes: a number for each node, and how many there are.
+/// Connected components of nodes: the component of each node, and the number of components.
 fn connected_components<'a>(nodes: usize, cliques: impl Iterator<Item = &'a Vec<u32>>) -> (Vec<u32>, usize) {
     let mut parent: Vec<u32> = (0..nodes as u32).collect();
     fn root(parent: &mut [u32], mut node: u32) -> u32 {

@@ -60,14 +60,14 @@ pub fn contact_pairs(
 /// on each other from a thousandth of a facet on.
 const SLACK_IN_SPACE: f64 = 0.05;
 
-/// What pairs are made from.
+/// Data from which contact pairs are made.
 struct Pairing<'a> {
     model: &'a Model,
     /// First node of each body.
     first: &'a dyn Fn(usize) -> usize,
     /// Facets of a boundary in the numbering of the model.
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
-    /// The same in space.
+    /// Faces of a boundary in space, in the numbering of the model.
     faces: &'a dyn Fn(&BodyBoundary) -> Vec<Vec<u32>>,
     /// Middle nodes of edges of second order.
     middles: &'a ProxyNodes,
@@ -92,7 +92,7 @@ impl Pairing<'_> {
         pair
     }
 
-    /// The same with an obstacle in space, as accurate as coordinates of its size are.
+    /// Makes a pair with an obstacle in space, whose tolerances account for the size of the obstacle's coordinates.
     fn obstacle_pair(&self, name: &str, shape: &ObstacleInSpace, body: usize, kernel: Box<dyn ContactKernel>) -> ContactPair {
         let far = Pairing { reach: self.reach.max(shape.reach()), ..*self };
         far.pair(name, PairKind::Obstacle, body, kernel)
@@ -118,7 +118,7 @@ impl Pairing<'_> {
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
             if matches!(shape, ObstacleInSpace::Facets(_)) && pair.has_multipliers() {
-                // Sides that meet at a flat angle ask nearly the same of a node.
+                // Sides that meet at a flat angle would constrain a node nearly alike.
                 pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
             }
             return pair;
@@ -169,7 +169,7 @@ impl Pairing<'_> {
         self.held(pair, interaction, has_middles)
     }
 
-    /// A pair held as its interaction says; `has_middles`: whether the edges of its surface are of second order.
+    /// Returns a pair with the enforcement of its interaction; `has_middles`: whether the edges of its surface are of second order.
     fn held(&self, mut pair: ContactPair, interaction: &Interaction, has_middles: bool) -> ContactPair {
         pair.update = interaction.update.unwrap_or(self.default_rule);
         if interaction.equality {
@@ -220,7 +220,8 @@ impl Pairing<'_> {
         round_parts(&self.surface(&interaction.secondary), self.reference)
     }
 
-    /// Nodes of a boundary that the arcs and spheres of a rigid body stand for, ascending. Those of a rim hold a cylinder that stands.
+    /// Nodes of a boundary that arcs and spheres of a rigid body replace, in ascending order. The nodes of a rim stay, since they support
+    /// an upright cylinder.
     fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
         let mut nodes: Vec<u32> =
             self.round_parts(interaction).into_iter().filter(|part| part.axis.is_none()).flat_map(|part| part.inside).collect();
@@ -305,8 +306,8 @@ impl Pairing<'_> {
     }
 }
 
-/// Sides of a contact between deformable bodies whose corners may enter the other side: all but those whose nodes have constraints of their
-/// own.
+/// Sides of a contact between deformable bodies whose corners may penetrate the other side: all except those whose nodes have constraints
+/// of their own.
 fn cornered(interaction: &Interaction) -> Vec<(&[BodyBoundary], &[BodyBoundary])> {
     let (secondary, primary) = (std::slice::from_ref(&interaction.secondary), interaction.primary());
     let mut sides = Vec::new();

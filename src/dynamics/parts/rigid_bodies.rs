@@ -87,7 +87,7 @@ pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference:
     pairs
 }
 
-/// What is taut, or at a stop, gives back what it took.
+/// Converts a pair to a one-sided one (taut cables, stops) under the persistency rule.
 fn one_sided(mut pair: ContactPair) -> ContactPair {
     (pair.law, pair.update) = (&Unilateral, &PERSISTENCY);
     pair
@@ -113,7 +113,7 @@ fn rigidity<const D: usize>(rigid: &Carried, reference: &[f64]) -> PointConstrai
     kernel
 }
 
-/// Nodes on which something acts are where the masters carry them.
+/// Constraints that tie the loaded nodes of a rigid body to its masters.
 fn ties<const D: usize>(rigid: &Carried) -> PointConstraints {
     let mut kernel = PointConstraints::new(D, rigid.size);
     for (index, (node, shares)) in rigid.carried.iter().enumerate() {

@@ -1,16 +1,17 @@
-//! A frame that turns: what pushes on all that has mass where positions are those in it.
+//! Rotating frame: inertia forces on all masses where positions are relative to the frame.
 //!
-//! With the unit vector `n` of an axis through `c`, the angular velocity `w`, `r = x - c` and `P r = r - n (n.r)`, every mass feels
+//! With the unit vector `n` of an axis through `c`, the angular velocity `w`, `r = x - c` and `P r = r - n (n.r)`, the force on every mass
+//! is
 //!
 //! ```text
 //! f = M (w^2 P r  -  2 w n x v  -  dw/dt n x r)         centrifugal, Coriolis, Euler force
 //! ```
 //!
-//! with the mass matrix of the model, so that the same motion in a frame at rest has the same equations, turned. Where `w` is constant, the
-//! centrifugal force has the potential `-w^2 r.M P r / 2`, quadratic, so that its gradient in the middle of a step is a discrete gradient;
-//! where it varies, its work is that of a load, and so is Euler's. The Coriolis force is normal to the velocity at which forces act, and
-//! does no work where that is the mean velocity of the step. An equilibrium is one of `w` as it is: it feels the centrifugal force alone.
-//! Around an axis of revolution, which must be that of the frame, the other two act along the hoop, where nothing moves.
+//! with the mass matrix of the model, so that the motion has the equations of that in a frame at rest, rotated. For constant `w` the
+//! centrifugal force has the quadratic potential `-w^2 r.M P r / 2`, so that its gradient in the middle of a step is a discrete gradient;
+//! for varying `w` its work is that of a load, and so is that of the Euler force. The Coriolis force is normal to the velocity at which
+//! forces act, and does no work where that is the mean velocity of the step. An equilibrium at given `w` includes the centrifugal force
+//! alone. In axisymmetric models, whose axis must be that of the frame, the other two forces act in the hoop direction, without motion.
 
 use std::sync::Arc;
 
@@ -21,23 +22,23 @@ use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinit
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, NodeMatrix, Pattern};
 
-/// How fast a frame turns.
+/// Angular velocity of a rotating frame.
 #[derive(Clone)]
 pub enum Spin {
-    /// Always as fast `[1/time]`.
+    /// Constant angular velocity `[1/time]`.
     Constant(f64),
-    /// By a function of time `[1/time]`.
+    /// Angular velocity as a function of time `[1/time]`.
     Varying(Amplitude),
 }
 
-/// A frame that turns.
+/// Rotating frame.
 #[derive(Clone)]
 pub struct RotatingFrameDefinition {
-    /// Its axis, of any length: the third one of plane models, that of symmetry of bodies of revolution.
+    /// Axis of rotation, of any length: the third axis in plane models, the axis of symmetry in axisymmetric ones.
     pub axis: [f64; 3],
     /// A point of the axis `[length]`.
     pub center: [f64; 3],
-    /// Its angular velocity about the axis.
+    /// Angular velocity about the axis.
     pub velocity: Spin,
 }
 
@@ -103,7 +104,7 @@ impl PartDefinition for RotatingFrameDefinition {
 /// A matrix between vectors.
 type Matrix = [[f64; 3]; 3];
 
-/// A frame that turns in the numbering of the model.
+/// Rotating frame in the numbering of the model.
 struct RotatingFrame {
     dimension: usize,
     center: [f64; 3],
@@ -129,7 +130,7 @@ impl RotatingFrame {
         }
     }
 
-    /// Where a node is from the center.
+    /// Vector from the center to a node.
     fn arm(&self, q: &[f64], node: u32) -> [f64; 3] {
         let mut arm = vector(self.dimension, q, node);
         (0..self.dimension).for_each(|i| arm[i] -= self.center[i]);

@@ -1,10 +1,10 @@
-//! The tangential rows beside a row that presses, whatever their number: one in the plane, two in space.
+//! Tangential constraints beside a normal constraint, in any number: one in the plane, two in space.
 
 use super::friction_rows::SlipRow;
 use super::laws::{Equation, RowState};
 use super::slip_vector::SlipVector;
 
-/// The tangential rows of a group at an iterate.
+/// Tangential constraints of a group at an iterate.
 pub enum SlipGroup<'a> {
     /// In the plane.
     Row(SlipRow<'a>),
@@ -21,7 +21,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Natural residual: by how much the rows are off, as a slip, and the energy that goes with it.
+    /// Natural residual as a slip, and its energy.
     pub fn residual(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => row.residual(),
@@ -29,7 +29,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// The same of rows that have nothing opposite: all that they have is too much.
+    /// Residual and energy of tangential constraints whose node faces nothing: their whole multipliers are residual.
     pub fn excess(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => (row.lambda / row.pressed.c, row.lambda * row.slip),
@@ -56,7 +56,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Sets the slip per change of a multiplier of rows that stick.
+    /// Sets the tangential compliance of sticking constraints.
     pub fn set_compliance(&mut self, compliance: f64) {
         match self {
             SlipGroup::Row(row) => row.pressed.compliance = compliance,
@@ -64,7 +64,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Lets rows that stick give way by at least so much per change of a multiplier.
+    /// Raises the tangential compliance of sticking constraints to at least `compliance`.
     pub fn yield_by(&mut self, compliance: f64) {
         let pressed = match self {
             SlipGroup::Row(row) => &mut row.pressed,
@@ -73,7 +73,7 @@ impl SlipGroup<'_> {
         pressed.compliance = pressed.compliance.max(compliance);
     }
 
-    /// The equations of the rows in a state; one row has the first.
+    /// Equations of the constraints in a state; a single constraint has the first.
     pub fn equations(&self, state: RowState) -> [Equation; 2] {
         match self {
             SlipGroup::Row(row) => [row.equation(state), Equation::OPEN],
@@ -81,7 +81,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// The state that the rows ask for, and how strongly, if it is another one; `self` is what the frozen linearization makes of them.
+    /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization.
     pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
         match self {
             SlipGroup::Row(row) => row.change(state),

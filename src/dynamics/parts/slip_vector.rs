@@ -1,7 +1,7 @@
-//! The two tangential rows beside a row that presses in space: a slip and a multiplier with two components.
+//! The two tangential constraints beside a normal constraint in space: a slip and a multiplier with two components.
 //!
-//! With the dry multiplier `s = lambda + F u` (`F` that of the film), its limit `L`, and `r` the size of the slip with which a row that
-//! slid would have no speed at the end of the step (0 for others), slips and multipliers that a step admits are
+//! With the dry multiplier `s = lambda + F u` (`F` that of the film), its limit `L`, and `r` the size of the slip for which a constraint
+//! that slipped before has zero slip rate at the end of the step (0 for others), the admissible slips and multipliers are
 //!
 //! ```text
 //! |u| < r: s = 0 (turns)    |u| = r: s = -a u/r, 0 <= a <= L (stops)    |u| > r: s = -L u/|u| (slides)
@@ -15,10 +15,11 @@
 //! (1 - N') (ds)/c + N' du = (N - s)/c,    N' = n z z/|z|^2 + m (1 - z z/|z|^2)
 //! ```
 //!
-//! (Alart and Curnier, CMAME 92, 1991, for `r = 0`). With `kappa` the stiffness of the node in the step, a multiplier of `kappa` goes with
-//! a slip of one. So along `z` and across it the equation is divided by `n + (1 - n) kappa/c`, `n` the derivative in that direction: rows
-//! that slide then have entries of order one for every step size. The residual is measured with a constant `c`; iterations take
-//! `max(c, 0.1 kappa)`, because with a `c` that is small against `kappa` the trial depends on multipliers alone.
+//! (Alart and Curnier, CMAME 92, 1991, for `r = 0`). With `kappa` the stiffness of the node in the step, a multiplier of `kappa`
+//! corresponds to a unit slip. So along `z` and across it the equation is divided by `n + (1 - n) kappa/c`, `n` the derivative in that
+//! direction: the equations of slipping constraints then have entries of order one for every step size. The residual is measured with a
+//! constant `c`; iterations use `max(c, 0.1 kappa)`, because with a `c` that is small relative to `kappa` the trial depends on multipliers
+//! alone.
 
 use super::friction_rows::Pressed;
 use super::laws::{Equation, RowState};
@@ -28,15 +29,15 @@ use crate::math::tolerances;
 /// Two components along the tangents of a row.
 type Pair = [f64; 2];
 
-/// The tangential rows of a group at an iterate.
+/// Two tangential constraints of a group at an iterate.
 pub struct SlipVector<'a> {
-    /// How they are pressed.
+    /// Data of the normal constraint.
     pub pressed: Pressed<'a>,
     /// Tangential multipliers.
     pub lambda: Pair,
     /// Slip of the step.
     pub slip: Pair,
-    /// Slip with which a row that slid has no speed at the end of the step; 0 for others.
+    /// Slip for which a constraint that slipped before has zero slip rate at the end of the step; 0 for others.
     pub rest: Pair,
 }
 
@@ -140,7 +141,7 @@ impl SlipVector<'_> {
         trial > 0.0 && trial >= tolerances::UNDIRECTED * self.limit(self.slip).shear
     }
 
-    /// Natural residual: by how much the rows are off, as a slip, and the energy that goes with it.
+    /// Natural residual as a slip, and its energy.
     pub fn residual(&self) -> (f64, f64) {
         let (c, limit) = (self.pressed.c, self.limit(self.slip).shear);
         let off = plus(self.dry(), -1.0, self.map(c, self.nearest(c, limit), limit).value);
@@ -149,7 +150,7 @@ impl SlipVector<'_> {
         ((size(off) - noise).max(0.0) / c, dot(off, self.slip))
     }
 
-    /// The equations of the rows in a state.
+    /// Equations of the constraints in a state.
     pub fn equations(&self, state: RowState) -> [Equation; 2] {
         if state == RowState::Open {
             return [Equation::OPEN; 2];
@@ -168,7 +169,8 @@ impl SlipVector<'_> {
             let (along, across) = (scale_along * along, scale_across * across);
             std::array::from_fn(|i| std::array::from_fn(|j| (along - across) * e[i] * e[j] + if i == j { across } else { 0.0 }))
         };
-        // What weakens faster than bodies give way has no solution beside this one, but one at a larger speed: iterations go there.
+        // A friction force that decreases faster than the bodies' compliance has no solution beside this one, but one at a larger speed:
+        // iterations go there.
         let weakening = if slides { by_speed.max(-c) } else { 0.0 };
         let gradient = matrix(along + by * ((1.0 - along) * film + weakening), across + by * (1.0 - across) * film);
         let diagonal = matrix(by * (1.0 - along) + compliance * along, by * (1.0 - across) + compliance * across);
@@ -190,7 +192,7 @@ impl SlipVector<'_> {
         })
     }
 
-    /// The state that the rows ask for, and how strongly, if it is another one; `self` is what the frozen linearization makes of them.
+    /// New state and magnitude of the violation that requires it, or `None`; `self` has the values of the frozen linearization.
     pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
         let (dry, stop, c) = (self.dry(), self.stop(), self.pressed.c);
         let most = self.limit([0.0; 2]).shear / c;

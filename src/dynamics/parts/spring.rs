@@ -20,12 +20,12 @@ use crate::linear::Pattern;
 /// A spring between two ends.
 pub type SpringDefinition = LineDefinition<SpringElement>;
 
-/// What a spring is.
+/// Force law of a spring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpringElement {
-    /// What it stores (per thickness in the plane).
+    /// Elastic force law (per thickness in the plane).
     pub law: SpringLaw,
-    /// Length `L` at which it does not pull `[length]`; `None`: its length in the undeformed bodies.
+    /// Rest length `L` `[length]`; `None`: the length in the undeformed bodies.
     pub rest_length: Option<f64>,
 }
 
@@ -74,7 +74,7 @@ impl Spring {
         if length > 0.0 { 1.0 - self.rest_length / length } else { 1.0 }
     }
 
-    /// Of a spring with that stiffness.
+    /// Force of a linear spring with the stiffness `k`, and its derivative.
     fn linear(&self, k: f64, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
         match derivative {
@@ -93,7 +93,7 @@ impl Spring {
         }
     }
 
-    /// Of any spring: where its ends have come together it has no direction.
+    /// Force of a spring with any law, and its derivative; zero direction where the ends coincide.
     fn general(&self, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
         let (share, test, trial, length, (force, slope)) = match derivative {

@@ -1,9 +1,9 @@
-//! What a time integrator takes from the vibrations of a body: a stress on the change of the strain in a step, and the stiffness by which
-//! velocities are filtered ([`Dissipation`](crate::integrators::Dissipation)).
+//! Algorithmic dissipation of a body: a stress proportional to the change of the strain in a step, and the stiffness of the velocity filter
+//! ([`Dissipation`](crate::integrators::Dissipation)).
 //!
-//! The stress is that of a viscosity whose unit of time is the step. Its moduli are the isotropic ones of the law at rest, which are never
-//! negative, wherever the law itself softens; in plane stress those of a plane that is free across. Where cells have a dilatation of their
-//! own, the change of volume at a point is nothing that they resist, and only shear is taken.
+//! The stress is that of a viscosity whose unit of time is the step. Its moduli are the isotropic ones of the law at rest, limited to
+//! nonnegative values for laws that soften; in plane stress those with a stress-free thickness direction. In cells with a mean dilatation
+//! it acts on shear alone, since these do not resist a volume change at a point.
 
 use super::body::step_of;
 use crate::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
@@ -23,7 +23,7 @@ impl<const D: usize> StepDamping<D>
 where
     Space<D>: Elements<D>,
 {
-    /// That of a body whose nodes are numbered from `first`; none of a mesh that is unsound, which the body itself refuses.
+    /// Algorithmic dissipation of a body whose nodes are numbered from `first`; `None` for an unsound mesh, which the body itself refuses.
     pub fn new(body: &BodyDefinition, first: usize) -> Option<Self> {
         let [bulk, shear] = body.material.moduli_at_rest().map(|modulus| modulus.max(0.0));
         let lame = bulk - 2.0 / 3.0 * shear;
@@ -52,7 +52,7 @@ impl<const D: usize> StepDamping<D> {
         self.elements.add_step(&step, sums.internal, sums.tangent.as_deref_mut());
     }
 
-    /// What that stress has dissipated at the end of a step `[energy]`.
+    /// Energy dissipated by the viscous stress with the factor `chi` over a step `[energy]`.
     pub fn dissipated(&self, at: &Iterate, chi: f64) -> f64 {
         0.5 * chi * self.elements.advance(&Step { dt: 1.0, ..step_of(at, &[]) }).viscous
     }

@@ -9,9 +9,9 @@ use crate::dynamics::model::step_error::StepError;
 
 /// A displacement component that follows a time function.
 pub struct PrescribedUnknown {
-    /// Its number.
+    /// Index of the unknown.
     pub unknown: usize,
-    /// Index of what moves it among the motions of the supports.
+    /// Index of the prescribed motion among the motions of the supports.
     motion: usize,
     /// Place of its node at the start `[length]`, and the direction.
     place: [f64; 3],
@@ -22,20 +22,20 @@ pub struct PrescribedUnknown {
 
 /// All supports of a model.
 pub struct Supports {
-    /// Which displacement components are held or prescribed.
+    /// True for each displacement component that is fixed or prescribed.
     pub fixed: Vec<bool>,
-    /// Those that follow a time function.
+    /// Components that follow a time function.
     pub prescribed: Vec<PrescribedUnknown>,
     /// The motions with the names of their boundaries.
     motions: Vec<(Prescription, String)>,
-    /// For each boundary of `held` the motion that turns it.
+    /// Index of the prescribed rotation of each boundary of `held`, if it has one.
     turning: Vec<Option<usize>>,
-    /// The components that each boundary of [`Model::support_names`] holds; each component belongs to one of them.
+    /// Components supported by each boundary of [`Model::support_names`]; each component belongs to one of them.
     pub held: Vec<Vec<usize>>,
 }
 
 impl Supports {
-    /// How many components of a node may move.
+    /// Number of free displacement components of a node.
     pub fn free_components<const D: usize>(&self, node: u32) -> usize {
         self.fixed[node as usize * D..][..D].iter().filter(|fixed| !**fixed).count()
     }
@@ -110,14 +110,14 @@ impl Supports {
         Ok(motions)
     }
 
-    /// Angle by which a boundary of `held` has been turned since the start `[rad]`; 0 if none is prescribed.
+    /// Angle of the prescribed rotation of a boundary of `held` since the start `[rad]`; 0 without one.
     pub fn turned_by(&self, boundary: usize, time: f64) -> f64 {
         let turn = self.turning[boundary].and_then(|motion| self.motions[motion].0.turn.as_ref());
         let angle = |time: f64| turn.and_then(|turn| turn.angle.value(time).ok()).unwrap_or(0.0);
         (angle(time) - angle(0.0)).abs()
     }
 
-    /// The largest angle by which a boundary turns from one time to another `[rad]`, and that boundary's name.
+    /// Largest prescribed rotation of a boundary between two times `[rad]`, and that boundary's name.
     ///
     /// # Errors
     /// A time function failed.
@@ -134,7 +134,7 @@ impl Supports {
         Ok(largest)
     }
 
-    /// Whether a boundary turns.
+    /// True if a boundary has a prescribed rotation.
     pub fn turn(&self) -> bool {
         self.motions.iter().any(|(motion, _)| motion.turn.is_some())
     }

@@ -1,12 +1,12 @@
-//! What time functions give.
+//! Values of time functions.
 
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::step_error::StepError;
 
-/// What the time function of something of that name gives.
+/// Value of the time function of the entity `name` at a time.
 ///
 /// # Errors
-/// It failed, or gave no finite number.
+/// The function failed, or returned a value that is not finite.
 pub fn value_of(name: &str, function: &Amplitude, time: f64) -> Result<f64, StepError> {
     let failed = |source| StepError::Amplitude { boundary: name.into(), time, source };
     let value = function.value(time).map_err(failed)?;

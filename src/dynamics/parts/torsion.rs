@@ -1,10 +1,10 @@
 //! A torsional spring in the plane: between the directions of two bodies, or of a body and the ground.
 //!
 //! The direction of a body is that from one of its nodes to another, at the angle `phi`; the spring stores `V(x)` of the angle
-//! `x = phi_b - phi_a` less that in the undeformed bodies, which is counted over whole turns: what it remembers is the angle at the end of
+//! `x = phi_b - phi_a` relative to that in the undeformed bodies, counted over whole turns: the history variable is the angle at the end of
 //! the step before. Rigid motions leave `x` unchanged, so its forces are the projected discrete gradient of
-//! [`Projection`](crate::integrators::Projection), which keeps both momenta. Towards the ground nothing but the energy is kept, and the
-//! correction is along the increment itself (Gonzalez 1996).
+//! [`Projection`](crate::integrators::Projection), which conserves linear and angular momentum. With the ground as one end energy alone is
+//! conserved, and the correction is along the increment itself (Gonzalez 1996).
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -113,7 +113,7 @@ impl Torsion {
         angle + TAU * ((before - angle) / TAU).round()
     }
 
-    /// How far the angle turns from one configuration to another, with the accuracy of its size: each direction by less than half a turn.
+    /// Change of the angle between two configurations, accurate relative to its own size; each direction turns by less than half a turn.
     fn turned(&self, x_0: &[f64], x_1: &[f64]) -> f64 {
         let turn = |(k, sign): (usize, f64)| {
             let ([ax, ay], [bx, by]) = ([0, 1].map(|i| x_0[k + 2 + i] - x_0[k + i]), [0, 1].map(|i| x_1[k + 2 + i] - x_1[k + i]));

@@ -1,4 +1,4 @@
-//! The end of a converged step: velocities, what an impact gives back, the row of the ledger.
+//! The end of a converged step: velocities, returned impact energy, the row of the ledger.
 
 use std::sync::Arc;
 
@@ -22,19 +22,19 @@ use crate::dynamics::step::scheme_memory::SchemeMemory;
 use crate::dynamics::step::start::{Motion, StepStart};
 use crate::integrators::History;
 
-/// What pushed from outside in a step.
+/// External forces and their work in a step.
 struct Outside {
     /// Loads.
     load: Vec<f64>,
-    /// Rigid obstacles and the ground, and the work that they do where they move.
+    /// Forces of rigid obstacles and of the ground, and the work of moving obstacles.
     obstacles: Vec<f64>,
     obstacle_work: f64,
-    /// The share of that of each drive of a joint.
+    /// Part of the obstacle work that the drive of each joint does.
     drive_works: Vec<f64>,
-    /// Work of supports that move, and the angular momentum that they give besides that of their reactions.
+    /// Work of moving supports, and their angular momentum in addition to that of the reactions.
     prescribed_work: f64,
     slip_moment: [f64; 3],
-    /// Share of loads and obstacles that is the step's own, of a scheme that remembers forces.
+    /// Part of loads and obstacle forces that belongs to this step, for a scheme that remembers forces.
     own: [Vec<f64>; 2],
 }
 
@@ -53,13 +53,13 @@ impl Outside {
         }
     }
 
-    /// Whether loads or obstacles pushed at all.
+    /// True if loads or obstacles do work or exert forces.
     fn pushes(&self) -> bool {
         self.obstacle_work != 0.0 || self.load.iter().any(|f| *f != 0.0)
     }
 }
 
-/// Weighted gaps as penalty potentials feel them, of every row.
+/// Weighted gaps in the penalty potentials, of every constraint.
 fn penalty_gaps(at: &Linearization, conditions: &Conditions) -> Vec<f64> {
     let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
     let mut felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
@@ -67,7 +67,7 @@ fn penalty_gaps(at: &Linearization, conditions: &Conditions) -> Vec<f64> {
     felt
 }
 
-/// States of the rows in a step: what has pressed in its impact has touched.
+/// States of the constraints in a step; constraints that were active in its impact count as closed.
 fn touched(active: &[RowState], jump: Option<&VelocityCorrection>) -> Vec<RowState> {
     let mut touched = active.to_vec();
     jump.iter().flat_map(|jump| &jump.closed).for_each(|&row| touched[row] = RowState::Closed);
@@ -162,7 +162,7 @@ where
         Ok(state)
     }
 
-    /// Potential energy at the end of a step, without what closed contacts keep.
+    /// Potential energy at the end of a step, without the stored impact energy of active contacts.
     pub(super) fn potential(&self, at: &Linearization, penalty_gap: &[f64], memory: &[Vec<f64>]) -> f64 {
         let system = &self.system;
         system.nodes.potential_energy(&at.q_1) + system.penalty_energy(penalty_gap) + system.stored_energy(at.pose(), memory)
@@ -185,13 +185,13 @@ where
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);
     }
 
-    /// History variables of the parts after a step, and the heat of each of them in it.
+    /// History variables of the parts after a step, and the dissipation of each part in the step.
     pub(super) fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Heats), StepError> {
         let remembers = self.state.memory.iter().any(|memory| !memory.is_empty()) || !self.system.others.is_empty();
         if remembers { self.system.memory_after(start, at) } else { Ok((self.state.memory.clone(), Heats::default())) }
     }
 
-    /// What the time integrator remembers of this step; nothing changes where it remembers nothing.
+    /// History variables of the time integrator after this step; unchanged for a scheme without any.
     fn remembered(
         &self,
         start: &StepStart,
@@ -218,8 +218,7 @@ where
         Arc::new(remembered)
     }
 
-    /// Share of the static forces that is this step's own, contact among them: the residual is inertia, this share and what was
-    /// remembered.
+    /// Part of the static forces of this step, including contact: the residual is the sum of inertia, this part and the force history.
     fn own_forces(&self, motion: &Motion, forces: &Forces, v_1: &[f64]) -> Vec<f64> {
         let Motion { dt, v_0, .. } = *motion;
         let rate: Vec<f64> = v_1.iter().zip(v_0).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect();
@@ -228,7 +227,7 @@ where
         own.map(|(k, remembered)| forces.without_contact[k] - forces.contact[k] - inertia[k] - remembered).collect()
     }
 
-    /// What pushed from outside in a step, by the shares that its time integrator gives to start and end.
+    /// External forces in a step, with the weights that the time integrator gives to start and end.
     fn outside(&self, start: &StepStart, motion: &Motion, at: &Linearization, lambda: &[f64], v_1: &[f64]) -> Result<Outside, StepError> {
         let (system, scheme, unknowns) = (&self.system, motion.scheme, at.q_1.len());
         let (is_long, remembers) = (self.options.integrator.is_long(), scheme.remembers(History::Force));
@@ -309,7 +308,7 @@ where
             true => lagging * closing(&|_| true),
             false => lagging * closing(&|pair| !pair.acts_alone()) + alone * closing(&ContactPair::acts_alone),
         };
-        // A potential that is felt through other pairs than at the end of the step before is another one.
+        // A potential of other pairs than at the end of the step before is a different potential.
         let found = if system.pairs.iter().any(|pair| !pair.has_multipliers()) && !conditions.end_point {
             system.nodes.potential_energy(start.q_0)
                 + system.penalty_energy(&conditions.gap_n)

@@ -1,8 +1,8 @@
 //! The balance of forces at rest, judged for every component of connected nodes by its own forces.
 //!
-//! One idea: a component that is loose as a rigid body is judged by the resultant and the torque of the forces on it, in the rigid
-//! motions that its supports leave it, by the sum of the loads, reactions or contact forces on that component alone; then every one of
-//! its nodes, by the largest of them. So a stiff or heavy body elsewhere hides nothing. Damping does not count as a force.
+//! A component that is free as a rigid body is judged by the resultant and the torque of the forces on it, along the rigid motions that its
+//! supports leave, relative to the sum of the loads, reactions or contact forces on that component alone; then each of its nodes, relative
+//! to the largest of these forces. So a stiff or heavy body elsewhere conceals no imbalance. Damping does not count as a force.
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the component's mass center `c` and radius `r`: all its components are lengths.
 
@@ -19,15 +19,16 @@ use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Forces;
 use crate::math::tolerances;
 
-/// How far a component is moved to see whether what yields resists, in extents of the model: not to where a spring has its length again.
+/// Displacement of a component, relative to the extent of the model, by which the resistance of force elements is tested; small, so that no
+/// spring reaches its rest length.
 const GLANCE: f64 = 0.01;
 
 /// Load that a rigid body counts with at least, over the largest one: links without loads of their own made the equations of a slider-crank
 /// singular.
 const MOVED_ALONG: f64 = 0.01;
 
-/// Motion of a rigid body that joints hold in a step, over its extent: half a radian. With a whole one a chain of six links is not found at
-/// rest.
+/// Admissible displacement of a rigid body with joints in a step, relative to its extent: half a radian. With a whole one a chain of six
+/// links is not found at rest.
 const SWING: f64 = 0.5;
 
 /// Rigid motions in space; the plane has three of them.
@@ -42,7 +43,7 @@ pub struct Balance {
 pub struct Component {
     pub body: usize,
     nodes: Vec<usize>,
-    /// Square of the frequency of its slowest elastic motion: wave speed over its extent.
+    /// Square of the frequency of the slowest elastic motion: wave speed over the extent of the component.
     pub frequency_squared: f64,
     /// Mass of a rigid body.
     rigid_mass: Option<f64>,
@@ -51,34 +52,34 @@ pub struct Component {
     /// force acts on the longest.
     stiffness: f64,
     extent: f64,
-    /// Motion of a rigid body that joints hold in a step; infinite for others.
+    /// Admissible displacement of a rigid body with joints in a step; infinite for others.
     pub swing: f64,
     /// Largest distance from the axis of a body of revolution.
     radius: f64,
 }
 
-/// What a state lacks to balance.
+/// Unbalanced forces of a state.
 pub struct Imbalance {
-    /// The largest resultant or torque, and the largest nodal force, over what is tolerated.
+    /// Largest resultant or torque, and largest nodal force, relative to their tolerances.
     pub of_sums: f64,
     pub of_nodes: f64,
-    /// Whether round-off can explain all of it.
+    /// True if round-off can explain the whole imbalance.
     pub is_round_off: bool,
     pub components: Vec<Pull>,
 }
 
-/// What the unbalanced forces on a component amount to.
+/// Unbalanced forces on a component.
 pub struct Pull {
-    /// Resultant, torque over radius and nodal forces: the largest, over the sum of the forces on the component.
+    /// Largest of resultant, torque over radius and nodal forces, relative to the sum of the forces on the component.
     pub relative: f64,
-    /// Displacement of its center by a step of unit damping, where supports leave it free.
+    /// Displacement of the component's center by a step of unit damping, where supports leave it free.
     pub shift: [f64; 3],
-    /// Largest displacement that the turn about its center gives a node in such a step.
+    /// Largest displacement of a node by the rotation about the center in such a step.
     pub turn: f64,
 }
 
 impl Imbalance {
-    /// The largest unbalanced force over what is tolerated.
+    /// Largest unbalanced force relative to its tolerance.
     pub fn excess(&self) -> f64 {
         self.of_sums.max(self.of_nodes)
     }
@@ -90,7 +91,7 @@ impl Pull {
         self.shift.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Whether another component is pulled away just so.
+    /// True if another component has the same displacement.
     fn is_as(&self, other: &Pull) -> bool {
         let apart: f64 = self.shift.iter().zip(&other.shift).map(|(a, b)| (a - b).powi(2)).sum();
         self.shift_size() > 0.0 && apart.sqrt() <= tolerances::ALIKE * self.shift_size()
@@ -98,7 +99,7 @@ impl Pull {
 }
 
 impl Component {
-    /// Its nodes, those among them that a rigid body carries along.
+    /// Nodes of the component, including those that a rigid body carries.
     fn whole<const D: usize>(&self, equations: &Equations<D>) -> Box<dyn Iterator<Item = usize> + '_> {
         if self.rigid_mass.is_some() { Box::new(equations.bodies[self.body].nodes.clone()) } else { Box::new(self.nodes.iter().copied()) }
     }
@@ -241,8 +242,9 @@ impl Balance {
         }
     }
 
-    /// Whether something that stores energy resists or helps a component that moves as it is pulled, such as a spring: it follows its
-    /// forces, because a long way at once goes past where they balance, and a compressed spring turns over.
+    /// True if a force element that stores energy, such as a spring, resists or drives a component that moves along its unbalanced forces.
+    /// Such a component follows its forces in small steps, because a large step goes past the balance, and a compressed spring would
+    /// reverse.
     pub fn is_resisted<const D: usize>(
         &self,
         equations: &Equations<D>,
@@ -270,8 +272,8 @@ impl Balance {
         })
     }
 
-    /// How far each component may fall, as its share of the least distance from what it can touch `[length]`; infinite where there is
-    /// nothing. Components that are pulled alike do not come nearer to each other: they fall together.
+    /// Admissible displacement of each component: its share of the least distance from possible contact partners `[length]`, infinite
+    /// without partners. Components with the same unbalanced displacement do not approach each other: they fall together.
     pub fn clearances<const D: usize>(&self, equations: &Equations<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
         let mut component_of = vec![0; equations.nodes.nodal_mass.len()];
         for (number, component) in self.components.iter().enumerate() {
@@ -384,7 +386,7 @@ impl<const D: usize> RigidMotions<D> {
         rigid
     }
 
-    /// What each motion moves component `i` of a node.
+    /// Displacements of component `i` of a node by each rigid motion.
     fn row(&self, q: &[f64], node: usize, i: usize) -> SVector<f64, MOTIONS> {
         let arm: [f64; D] = std::array::from_fn(|j| (q[node * D + j] - self.center[j]) / self.radius);
         let mut row = SVector::zeros();
@@ -399,7 +401,7 @@ impl<const D: usize> RigidMotions<D> {
         row
     }
 
-    /// Size of forces along the free motions, and the motion that they give in a step of unit damping.
+    /// Norm of forces along the free motions, and the displacement by these forces in a step of unit damping.
     fn respond(&self, along: &SVector<f64, MOTIONS>) -> (f64, DVector<f64>) {
         let forces = self.free.transpose() * along.rows(0, self.free.nrows());
         let motion = self.mass.clone().cholesky().map_or_else(|| forces.clone(), |mass| mass.solve(&forces));

@@ -4,51 +4,51 @@ use thiserror::Error;
 
 use super::modes::ModesError;
 
-/// How a model buckles under the load of a state.
+/// Linear buckling under the load of a state.
 #[derive(Clone, Debug)]
 pub struct Buckling {
     /// Time of the state `[time]`.
     pub time: f64,
-    /// Factors of the load, the smallest first, all positive.
+    /// Load factors in ascending order, all positive.
     pub factors: Vec<f64>,
-    /// For each of them the displacements of the nodes of every body, the largest of length 1.
+    /// Buckling shapes: for each factor the displacements of the nodes of every body, the largest of length 1.
     pub shapes: Vec<Vec<Vec<[f64; 3]>>>,
-    /// Whether there are no others below the last, counted by the inertia of the stiffness under a little more than that load.
+    /// True if no factors are missed below the last one, by the inertia of the stiffness slightly above that load.
     pub is_complete: bool,
-    /// By how much the strain energy of the state differs from that of the linear model with the same displacements, relative.
+    /// Relative difference of the state's strain energy from that of the linear model with the same displacements.
     pub nonlinearity: f64,
 }
 
-/// Why there are no factors.
+/// Error of a buckling analysis.
 #[derive(Debug, Error)]
 pub enum BucklingError {
     /// The matrix could not be made or solved with.
     #[error(transparent)]
     Matrix(#[from] ModesError),
-    /// A load that turns with the surface.
+    /// A follower load, which rotates with the surface.
     #[error("the load on \"{boundary}\" turns with its boundary")]
     Follows {
         /// `body.boundary`.
         boundary: String,
     },
-    /// Nothing is loaded.
+    /// No load acts.
     #[error("the state is not loaded: it has no displacements")]
     Unloaded,
-    /// Supports do not hold the model.
+    /// The supports do not prevent rigid motions.
     #[error("the model is not held against rigid motions")]
     Loose,
     /// The load makes nothing softer.
     #[error("{found} of {count} load factors were found: in other shapes the load makes nothing softer")]
     NotFound {
-        /// How many were asked for.
+        /// Requested number of factors.
         count: usize,
-        /// How many there are.
+        /// Number of factors found.
         found: usize,
     },
 }
 
 impl BucklingError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the error, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         match self {
             BucklingError::Matrix(error) => error.code(),

@@ -1,8 +1,8 @@
-//! Overlaps that `settle` presses apart: how deep they are, a part of them at a time, and none left.
+//! Separation of initial overlaps in `settle`: measured depths, a limited displacement per step, and a check that no overlap remains.
 //!
-//! Pairs that overlap take part however deep they are ([`Outlook::depth`](crate::contact::Outlook)). What a damped step asks of their gaps
-//! is not all at once: Newton's method moves nodes by a part of a facet in an iteration, and with large strains it must not be sent too far
-//! astray. So a target is no farther above the gap at the start of the step than a share of a facet, which shrinks when a step fails.
+//! Pairs that overlap take part at any depth ([`Outlook::depth`](crate::contact::Outlook)). A damped step closes only a part of the
+//! overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay in its range of convergence. So
+//! a target is no farther above the gap at the start of the step than a fraction of a facet, which is reduced when a step fails.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
@@ -28,12 +28,12 @@ const GROW: f64 = 2.0;
 /// Overlap in shortest secondary facets up to which nothing has to be done: half a facet takes part always.
 const SHALLOW: f64 = 0.25;
 
-/// What pairs are admitted to beyond the depth that was measured: gaps are measured along other lines than depths are, and elsewhere on the
-/// facets. A share of the depth, and a part of a facet.
+/// Reach of a pair beyond the measured depth, since gaps and depths are measured along different lines and at different places of the
+/// facets: a factor of the depth, and a fraction of the facet length.
 const DEEPER: f64 = 1.1;
 const ELSEWHERE: f64 = 0.5;
 
-/// Overlaps and how they are closed.
+/// Overlaps of contacts and the state of their closing.
 pub struct Closing {
     depths: Depths,
     /// In shortest secondary facets in a step.
@@ -46,7 +46,7 @@ impl Closing {
         Closing { depths: Depths::of(model), facets: FIRST }
     }
 
-    /// How deep the pairs of the model take part at rest with the nodes at `q`, in their order `[length]`.
+    /// Depth up to which each pair of the model takes part at rest with the nodes at `q` `[length]`.
     pub fn reaches<const D: usize>(&self, equations: &Equations<D>, q: &[f64], time: f64) -> Vec<f64> {
         let mut reaches = vec![0.0; equations.pairs.len()];
         for found in self.depths.at(q, time, &|_| true) {
@@ -58,7 +58,7 @@ impl Closing {
         reaches
     }
 
-    /// How far the next step moves sides apart that are so deep inside each other `[length]`.
+    /// Displacement by which the next step separates overlapping sides `[length]`.
     pub fn motion<const D: usize>(&self, equations: &Equations<D>, reaches: &[f64]) -> f64 {
         let sizes = equations.pairs.iter().zip(reaches).filter(|(_, reach)| **reach > 0.0).map(|(pair, _)| pair.kernel.facet_size());
         self.facets * sizes.fold(0.0, f64::max)
@@ -92,7 +92,7 @@ impl Closing {
     }
 }
 
-/// The pair whose constraints hold an overlap apart.
+/// Index of the pair whose constraints separate an overlap.
 fn pair_of<const D: usize>(equations: &Equations<D>, found: &Depth) -> Option<usize> {
     let is_corner = |pair: &ContactPair| pair.kind == PairKind::Obstacle && pair.corners.is_some_and(|of| of.pair == found.contact);
     if found.is_corner { equations.pairs.iter().position(is_corner) } else { Some(found.contact) }
@@ -105,7 +105,7 @@ where
     /// Sides of a contact that are so deep inside each other at the present state that it cannot be meant.
     ///
     /// # Errors
-    /// There are such sides: the deepest of them.
+    /// Sides overlap: the deepest place.
     pub fn check_overlaps(&self, closing: &Closing) -> Result<(), StepError> {
         let is_left = |found: &Depth| {
             let Some(pair) = pair_of(&self.system, found).map(|index| &self.system.pairs[index]) else { return false };
@@ -136,7 +136,10 @@ where
         })
     }
 
-    /// The same for bodies that have passed each other so far that no side sees the other any more, and so nothing presses.
+    /// Checks that no bodies have passed into each other so far that contact search finds no partners and no forces act.
+    ///
+    /// # Errors
+    /// Bodies are inside each other.
     fn check_passed(&self) -> Result<(), StepError> {
         if self.options.accepts_overlap {
             return Ok(());

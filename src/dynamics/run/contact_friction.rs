@@ -1,9 +1,9 @@
 //! Friction at the nodes of a contact: nodal forces, shear stress, states, slips.
 //!
-//! The shear stress at a node is `tau L(pressure)/L(lambda)` with the tangential multiplier `tau`, the multiplier `lambda` that presses,
-//! the node's pressure in the output and the limit `L` of the law. So it lies within the cone at that pressure, however the pressure
-//! follows from multipliers, and where all of a contact slides the one is the coefficient times the other. In space stress and slip have
-//! two components, and their sizes are given.
+//! The shear stress at a node is `tau L(pressure)/L(lambda)` with the tangential multiplier `tau`, the normal multiplier `lambda`, the
+//! node's pressure in the output and the limit `L` of the law. So it lies within the cone at that pressure, however the pressure follows
+//! from multipliers, and where a whole contact slips shear stress is coefficient times pressure. In space stress and slip have two
+//! components, and their norms are given.
 
 use super::fields::NodeState;
 use super::loaded::{ContactForces, Loaded};
@@ -114,7 +114,7 @@ fn is_held(contact: Loaded) -> bool {
     contact.tangential.is_some() || contact.pair.kind == PairKind::Tie
 }
 
-/// For each row of corners true if it slides: its shear stress is at its limit, to round-off.
+/// True for each corner constraint that slips: its shear stress is at the limit, to round-off.
 fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
     let Some(friction) = &corners.pair.friction else { return Vec::new() };
     let groups = tangential.active.iter().step_by(tangential.count).zip(tangential.lambda.chunks_exact(tangential.count));

@@ -1,15 +1,14 @@
-//! What a contact pair does at a configuration: nodal forces, their resultant, pressure, gap, area.
+//! Quantities of a contact pair at a configuration: nodal forces, their resultant, pressure, gap, area.
 //!
 //! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Each patch of a kernel has an own side (the nodes of its
 //! constraint rows) and another one on which the opposite forces act. So a surface in contact with itself is covered, too: each pair of
 //! its facets is taken once, and its force is that on the side that was taken as secondary.
 //!
-//! Pressures are forces over the present area, around an axis that of the circumference. A mortar method's multipliers are the nodal
-//! values of a linear field that presses where the surface is covered: at a node that is covered in part the field is continued to where
-//! nothing is, and its value there can be many times what presses. So the share that is not covered takes the mean of the field over the
-//! node's part of the contact instead, which is the nodal force over that of a unit pressure. That mean of every node is a field of its own
-//! beside the pressure. On the axis of bodies of revolution no node
-//! has a force: its pressure is continued from its neighbours'.
+//! Pressures are forces over the present area, which includes the circumference in axisymmetric models. The multipliers of a mortar method
+//! are the nodal values of a linear field that acts where the surface is covered. At a partly covered node the field is extrapolated beyond
+//! the contact, and its value there can be many times the pressure. So the uncovered part takes the mean of the field over the node's part
+//! of the contact instead, which is the nodal force over that of a unit pressure. That mean of every node is a field of its own beside the
+//! pressure. A node on the axis of revolution has no force: its pressure is extrapolated from its neighbours.
 //!
 //! Quantities of friction are in `contact_friction.rs`.
 
@@ -59,8 +58,8 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     forces
 }
 
-/// Nodal forces of a contact with these multipliers over those of unit ones, along these; `for_each` tells of the forces. Corners of faces
-/// of six nodes have hardly any, and their multipliers in place of a mean.
+/// Ratio of the nodal contact forces to those of unit multipliers, along the latter; `for_each` visits the forces. Corners of faces of six
+/// nodes have nearly no force, and their multipliers take the place of the mean.
 fn means<const D: usize>(
     contact: Loaded,
     lambda: &[f64],
@@ -120,20 +119,19 @@ fn areas(pair: &ContactPair, q: &[f64]) -> Vec<f64> {
     areas
 }
 
-/// What a node has of its edges over what it has of its facets: one, but for edges of second order whose nodes have rows of their own.
+/// Ratio of the weight of a node to its length of facets: 1, except for edges of second order whose nodes have constraints of their own.
 fn share(pair: &ContactPair, index: usize) -> f64 {
     let sides = pair.kernel.sides();
     sides.weights[index * pair.kernel.rows_per_node()] / sides.lengths[index]
 }
 
-/// Whether a node of bodies of revolution lies on the axis, where the circumference is nothing, and with it force and multiplier, whatever
-/// presses.
+/// True if a node lies on the axis of an axisymmetric body, where circumference, force and multiplier vanish for every pressure.
 fn is_on_axis(pair: &ContactPair, index: usize, q: &[f64]) -> bool {
     let secondary = pair.kernel.secondary();
     pair.is_axisymmetric && pair.circumference(secondary.nodes()[index], q) <= tolerances::CLOSED * secondary.node_measure(index, q)
 }
 
-/// Whether such a node touches the other side.
+/// True if a node on the axis touches the other side.
 fn touches_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
     let Loaded { pair, evaluation, .. } = contact;
     let row = index * pair.kernel.rows_per_node();
@@ -206,8 +204,8 @@ fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     pressures
 }
 
-/// The same as means over what is covered of each node: the multipliers of a consistent mortar method waver beside the edge of a contact,
-/// and the forces that they make do not.
+/// Nodal pressures as means over the covered area of each node. The multipliers of a consistent mortar method oscillate beside the edge of
+/// a contact, the forces do not.
 fn smoothed(contact: Loaded, forces: &ContactForces, pressures: &[f64], q: &[f64]) -> Vec<f64> {
     let kernel = &contact.pair.kernel;
     if kernel.is_nodal() || kernel.rows_per_node() > 1 {
@@ -221,8 +219,8 @@ fn smoothed(contact: Loaded, forces: &ContactForces, pressures: &[f64], q: &[f64
     means
 }
 
-/// Which nodes are pulled by what presses on their surface: the corners of faces of second order in space, whose consistent forces point
-/// outward under a uniform pressure.
+/// True for each node on which a pressure exerts a tensile force: the corners of faces of second order in space, whose consistent forces
+/// point outward under a uniform pressure.
 fn pulling(pair: &ContactPair, forces: &[[f64; 3]], q: &[f64]) -> Vec<bool> {
     let secondary = pair.kernel.secondary();
     if secondary.dimension() == 2 || pair.law.is_bilateral() {
@@ -239,7 +237,7 @@ fn pulling(pair: &ContactPair, forces: &[[f64; 3]], q: &[f64]) -> Vec<bool> {
     forces.iter().zip(&outward).map(|(force, normal)| dot(force, normal) > 0.5 * size(force) * size(normal)).collect()
 }
 
-/// Which secondary nodes are in contact, and how many corners of the other side are.
+/// True for each secondary node in contact, and the number of active corners of the other side.
 fn active_nodes(contact: Loaded, corners: &[Loaded], q: &[f64]) -> (Vec<bool>, usize) {
     let nodes = contact.active.chunks_exact(contact.pair.kernel.rows_per_node());
     let mut active: Vec<bool> = nodes.map(|rows| rows.contains(&RowState::Closed)).collect();

@@ -1,4 +1,4 @@
-//! Forces of couplings of nodes, and whether equations that were left out hold.
+//! Forces of couplings of nodes, and the check of redundant equations that were left out.
 
 use super::engine::Engine;
 use super::ledger::Reaction;
@@ -12,7 +12,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// What couplings exert on the nodes of their planes and second boundaries at `q`, with these multipliers.
+    /// Forces of couplings on the nodes of their planes and second boundaries at `q`, with the multipliers `lambda`.
     ///
     /// # Errors
     /// [`StepError::Contradiction`]: equations that were left out, because at rest they follow from others and from supports, do not hold.
@@ -37,10 +37,10 @@ where
         Ok(sums)
     }
 
-    /// Equations of couplings and joints that follow from others and from supports at rest take part in no step, and hold by themselves.
+    /// Checks that the equations of couplings and joints that are redundant at rest, and take part in no step, hold.
     ///
     /// # Errors
-    /// [`StepError::Contradiction`]: they do not.
+    /// [`StepError::Contradiction`]: an equation does not hold.
     fn check_left_out(&self, at: &Linearization, time: f64) -> Result<(), StepError> {
         for (pair, evaluation) in self.system.pairs.iter().zip(&at.pairs) {
             if !matches!(pair.kind, PairKind::Coupling(_) | PairKind::Joint) {

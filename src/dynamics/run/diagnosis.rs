@@ -1,4 +1,4 @@
-//! Why a step failed: reads the course of Newton's method, the loads and the factors of the tangent after a step was given up.
+//! Diagnosis of a failed step from the Newton iterations, the loads and the factors of the tangent.
 //!
 //! One idea: a cause is only named where numbers show it. Nothing here changes a step; a cause that is not recognised is called slow
 //! convergence.
@@ -22,16 +22,16 @@ const CYCLE: usize = 6;
 const FAST_LOAD: f64 = 0.5;
 /// Growth of the residual, from the least to the last, that counts as divergence.
 const GROWTH: f64 = 1e3;
-/// What is left of a step that failed.
+/// Data of a failed step.
 pub struct Evidence<'a, const D: usize> {
     pub model: &'a Model,
     pub system: &'a System<D>,
     pub state: &'a State,
-    /// The course of the last try.
+    /// Newton iterations of the last try.
     pub trace: &'a Trace,
     /// All tries, the last one included.
     pub tries: &'a [TryReport],
-    /// Size of the last try; 0 in `settle`.
+    /// Time step size of the last try; 0 in `settle`.
     pub dt: f64,
     pub halvings: usize,
 }
@@ -214,7 +214,7 @@ where
         fastest
     }
 
-    /// A body of a piece without support whose loads do not balance, if there is one.
+    /// Body of a connected piece without support whose loads do not balance, if there is one.
     fn unheld(&self) -> Option<String> {
         let (system, positions) = (self.system, &self.state.positions);
         let mut force = system.nodes.weight.clone();
@@ -250,14 +250,18 @@ where
 }
 
 impl<const D: usize> Evidence<'_, D> {
-    /// What a failure of the linear solver means for the model: which body can move how, or which constraint is not independent.
+    /// Meaning of a failure of the linear solver for the model: the rigid motion that a body can perform, or the dependent constraints.
     fn explain(&self, error: &LinearError) -> String {
         let (system, positions) = (self.system, &self.state.positions);
         let LinearError::Singular { vertex: Some(vertex) } = error else { return error.to_string() };
         let vertex = *vertex as usize;
         if vertex >= system.nodes.count() {
             let row = vertex - system.nodes.count();
-            let node = system.pair_of(row).and_then(|pair| pair.node_of(row));
+            let own = system.pair_of(row);
+            let node = own.and_then(|pair| pair.node_of(row));
+            if let (Some(own), None) = (own, node) {
+                return format!("the constraints of \"{}\" and others depend on one another: singular matrix", own.name);
+            }
             // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
             let pairs = system.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
             let mut names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();
@@ -291,8 +295,8 @@ fn direction(vector: &[f64]) -> String {
     format!("({})", components.join(", "))
 }
 
-/// What a motion of some nodes is, where all but a part `within` is rigid: `move along (1.00, 0.00)` or, in the plane,
-/// `turn about (0.50, 0.25)`.
+/// Description of a motion that is rigid except for a relative remainder `within`: `move along (1.00, 0.00)` or, in the plane,
+/// `turn about (0.50, 0.25)`; `None` for other motions.
 pub fn rigid_motion_of<const D: usize>(positions: &[f64], motion: &[f64], within: f64) -> Option<String> {
     let count = (motion.len() / D) as f64;
     let mut mean = ([0.0; D], [0.0; D]);

@@ -1,4 +1,4 @@
-//! Where the energy of a run came from and went to: the ledger's rows summed by cause.
+//! Energy account of a run: the ledger's rows summed by cause.
 
 use std::fmt;
 
@@ -16,30 +16,30 @@ pub struct EnergyAccount {
     pub end: f64,
     /// Work of loads and of supports that move.
     pub loads: f64,
-    /// Work of contact, which update rules take on purpose and never give.
+    /// Work of contact, never positive: the loss by update rules.
     pub contact: f64,
-    /// Work of friction, negative: what it turned into heat.
+    /// Work of friction, negative: heat.
     pub friction: f64,
-    /// What viscous materials turned into heat, negative.
+    /// Dissipation of viscous materials, negative.
     pub viscosity: f64,
-    /// Heat of plastic flow, negative.
+    /// Dissipation of plastic flow, negative.
     pub plastic: f64,
-    /// What dampers and drag turned into heat, negative.
+    /// Dissipation of dampers and drag, negative.
     pub damping: f64,
-    /// What the time integrator took from vibrations on purpose, negative.
+    /// Algorithmic dissipation of the time integrator, negative.
     pub numerical: f64,
-    /// Negative energy loss of impacts of rigid bodies by restitution.
+    /// Energy loss of impacts of rigid bodies by restitution, negative.
     pub impacts: f64,
-    /// What the time integrator added: the sum of the energy defects.
+    /// Sum of the energy defects of the time integrator.
     pub integrator: f64,
-    /// What came otherwise: by `settle`, or by going back to another state.
+    /// Other changes of the energy: by `settle`, or by return to another state.
     pub otherwise: f64,
-    /// The largest `kinetic + strain + |potential|` of the run.
+    /// Largest `kinetic + strain + |potential|` of the run.
     pub scale: f64,
 }
 
 impl EnergyAccount {
-    /// That of a run with these rows.
+    /// Energy account of a run with the rows `rows`.
     pub fn of<R: Rows + ?Sized>(rows: &R) -> Self {
         let of_row: [fn(&LedgerRow) -> f64; 9] = [
             |row| row.load_work,
@@ -83,7 +83,7 @@ impl EnergyAccount {
         }
     }
 
-    /// What changed the energy beyond round-off, each with its amount.
+    /// Changes of the energy beyond round-off, by cause.
     pub fn changes(&self) -> Vec<(&'static str, f64)> {
         let all = [
             ("loads", self.loads),

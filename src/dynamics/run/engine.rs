@@ -1,7 +1,7 @@
-//! A simulation in `D` dimensions at its present state: the equations, the state, and what is kept of the course so far.
+//! A simulation in `D` dimensions at its present state: the equations, the state, and records of the run so far.
 //!
-//! What it can do stands in files of its own: pieces of steps (`piece.rs`), their acceptance (`accept.rs`, `impact.rs`), rest
-//! (`settle.rs`), quantities (`quantities.rs`), failures (`failed.rs`). `time_loop.rs` joins them.
+//! Functions are grouped in files: substeps (`substep.rs`), their acceptance (`accept.rs`, `impact.rs`), rest (`settle.rs`), quantities
+//! (`quantities.rs`), failures (`failed.rs`). `time_loop.rs` joins them.
 
 use std::sync::Arc;
 
@@ -30,31 +30,31 @@ use crate::math::tolerances;
 
 /// A simulation in `D` dimensions.
 pub struct Engine<const D: usize> {
-    /// What is simulated.
+    /// Simulated model.
     pub model: Model,
-    /// Its equations.
+    /// Equations of the model.
     pub system: System<D>,
-    /// How it is integrated.
+    /// Options of the integration.
     pub options: Options,
-    /// Shared with whoever keeps it: a step makes a new one.
+    /// Present state, shared with other owners; a step makes a new one.
     pub state: Arc<State>,
     /// Work done so far.
     pub statistics: Statistics,
-    /// Nodes whose motion every row of the ledger tells.
+    /// Nodes whose motion is recorded in every row of the ledger.
     pub probes: Vec<usize>,
-    /// The course of the last step's Newton method.
+    /// Newton iterations of the last step.
     pub trace: Trace,
-    /// What the tries of the current step came to.
+    /// Tries of the current step.
     pub tries: Vec<TryReport>,
     /// The last step that failed for good, and the iterate at which it was given up.
     pub failure: Option<(FailureReport, Vec<f64>)>,
-    /// Why steps were halved.
+    /// Halvings by cause.
     pub halvings: Halvings,
-    /// Times at which what acts has kinks, in their order.
+    /// Times of kinks in loads and prescribed motions, in ascending order.
     pub corners: Vec<f64>,
-    /// Whether friction acts in equilibria.
+    /// True if friction acts in equilibria.
     pub rest_friction: bool,
-    /// Time that sound takes across a cell, 0 where all bodies are rigid `[time]`.
+    /// Time in which an elastic wave crosses a cell, 0 if all bodies are rigid `[time]`.
     pub sound: f64,
 }
 
@@ -151,14 +151,13 @@ where
         })
     }
 
-    /// Puts what the search has found by the present state back in place.
+    /// Restores the search results of the present state.
     pub fn restore_search(&mut self) {
         self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
     }
 }
 
-/// Refuses contacts that also pull whose sides are apart: such a constraint would hold a gap open, or close it without a force that a
-/// contact has.
+/// Refuses bilateral contacts whose sides are apart: such a constraint would keep a gap open, or close it without a contact force.
 fn open_equality<const D: usize>(system: &Equations<D>, q: &[f64]) -> Result<(), ModelError> {
     for pair in system.pairs.iter().filter(|pair| pair.law.is_bilateral() && matches!(pair.kind, PairKind::Surfaces | PairKind::Obstacle)) {
         let kernel = &pair.kernel;

@@ -1,8 +1,8 @@
 //! A step of statics: to the equilibrium at its end, with its row of the ledger.
 //!
-//! Works are those of the trapezoidal rule: the mean of the forces at both ends times the way between them. Where a load and its way are in
-//! proportion that is exact; what it is off by, the `energy_defect` of the row, falls with the square of the step. Where the model leaps to
-//! an equilibrium far away, it is the energy that the leap sets free.
+//! Works are those of the trapezoidal rule: the mean of the forces at both ends times the displacement between them. They are exact where
+//! load and displacement are proportional; the error, the `energy_defect` of the row, decreases with the square of the step. For a jump to
+//! a distant equilibrium it is the energy that the jump releases.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ struct Balanced {
     outside: Vec<f64>,
     /// Contacts of all kinds, ties and joints.
     contact: Vec<f64>,
-    /// Those that press between bodies.
+    /// Contact forces between bodies.
     between: Vec<f64>,
     /// Energy that penalties keep `[energy]`.
     kept: f64,

@@ -1,12 +1,12 @@
-//! A step without equations: positions by the forces at its start, contact by multipliers at its start that hold gaps at its end, forces at
-//! its end, velocities by both.
+//! Explicit step: positions by the forces at its start, contact by multipliers at its start that satisfy the gap conditions at its end,
+//! forces at its end, velocities by both.
 //!
 //! ```text
 //! v_h = v_0 - dt/2 m^-1 f_0 + dt m^-1 G_0^T (lambda - lambda_0),    q_1 = q_0 + dt v_h,    v_1 = v_h - dt/2 m^-1 f_1
 //! ```
 //!
-//! Static forces `f` contain those of contact, `f_1` with the multipliers of this step: so velocities and forces belong to the positions,
-//! and the next step corrects what its own multipliers differ.
+//! Static forces `f` include contact forces, `f_1` with the multipliers of this step: so velocities and forces belong to the positions, and
+//! the next step corrects the difference to its own multipliers.
 
 use std::sync::Arc;
 
@@ -26,20 +26,20 @@ use crate::integrators::Derivative;
 use crate::math::digits::three_digits;
 use crate::math::tolerances;
 
-/// Corrections of a motion until gaps are what they should be: they are all but linear within a step.
+/// Number of corrections of a motion until the gaps meet their targets: gaps are nearly linear within a step.
 const PASSES: usize = 4;
 
 /// A step on its way.
 pub(super) struct Leap {
     /// Size of the step.
     pub dt: f64,
-    /// Static forces at the start, weights and contact among them.
+    /// Static forces at the start, including weights and contact.
     pub f_0: Vec<f64>,
     /// Multipliers at the end of the step before, and of this step.
     pub lambda: [Vec<f64>; 2],
     /// Motion without the change of multipliers.
     pub unpushed: Vec<f64>,
-    /// Force at the start by which multipliers change, and that of the multipliers before; empty where there are none.
+    /// Change of the force at the start by new multipliers, and the force of the earlier multipliers; empty without multipliers.
     pub kick: Vec<f64>,
     pub pressed_0: Vec<f64>,
 }
@@ -90,7 +90,7 @@ where
         Ok(landed)
     }
 
-    /// Finds the multipliers of a step, and what they do to its motion.
+    /// Computes the multipliers of a step and their effect on its motion.
     fn push_by_multipliers(&mut self, start: &StepStart, leap: &mut Leap, at: &mut Linearization) -> Result<(), Failure> {
         let (system, dt) = (&mut self.system, leap.dt);
         system.equations.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
@@ -134,7 +134,7 @@ where
         Ok(())
     }
 
-    /// What the scheme remembers at a state that no step of its own led to: the forces there.
+    /// Initializes the history variables of the explicit scheme with the forces at the present state.
     pub(super) fn remember_explicit(&mut self) -> Result<(), StepError> {
         let (state, scheme) = (self.state.clone(), self.options.integrator);
         let undamped = vec![0.0; self.system.bodies.len()];

@@ -1,7 +1,7 @@
-//! The end of a step without equations: velocities, and its row of the ledger.
+//! The end of an explicit step: velocities, and its row of the ledger.
 //!
-//! Forces act at both ends of the step, half each: their moments are taken where they act, and their work is that of the trapezoidal rule.
-//! So both momenta close to round-off; what energy they leave is that of the scheme.
+//! Forces act at both ends of the step, half each: their moments are taken at their places, and their work is that of the trapezoidal rule.
+//! So linear and angular momentum close to round-off; the energy defect is that of the scheme.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::dynamics::step::scheme_memory::SchemeMemory;
 use crate::dynamics::step::start::{Motion, StepStart};
 use crate::integrators::Derivative;
 
-/// What pushed from outside in a step, at its start and at its end `[force]`, means over the step.
+/// External forces in a step, at its start and at its end, as means over the step `[force]`.
 struct Ends {
     /// Obstacles; at the start the change by the multipliers of the step alone.
     obstacles: [Vec<f64>; 2],
@@ -112,7 +112,7 @@ where
         Ok(state)
     }
 
-    /// What pushed from outside at both ends of a step, whose static forces and velocities at the end are these.
+    /// External forces at both ends of a step with the static forces `f_1` and the velocities `v_1` at its end.
     fn ends(&self, motion: &Motion, leap: &Leap, at: &Linearization, forces: &PartForces, [f_1, v_1]: [&[f64]; 2]) -> Ends {
         let (system, unknowns, dt) = (&self.system, f_1.len(), leap.dt);
         let nothing = || [vec![0.0; unknowns], vec![0.0; unknowns]];

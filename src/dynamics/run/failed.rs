@@ -1,4 +1,4 @@
-//! From a step that failed to what a user is told: the error, and the report that is kept of it.
+//! Conversion of a failed step to an error and a report.
 
 use super::diagnosis::{Evidence, rigid_motion_of};
 use super::engine::Engine;
@@ -30,7 +30,7 @@ where
         }
     }
 
-    /// What is left of the step.
+    /// Data of the failed step, for the diagnosis.
     pub fn evidence(&self, dt: f64, halvings: usize) -> Evidence<'_, D> {
         let Engine { model, system, state, trace, tries, .. } = self;
         Evidence { model, system, state, trace, tries, dt, halvings }
@@ -63,7 +63,7 @@ where
     }
 }
 
-/// What a try of a step came to.
+/// Report of one try of a step.
 pub fn tried(failure: &Failure, dt: f64, trace: &Trace) -> TryReport {
     let last = trace.iterations.last();
     TryReport {

@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 pub struct BodyFields {
     /// Name of the body.
     pub name: String,
-    /// Its undeformed mesh.
+    /// Undeformed mesh of the body.
     pub mesh: Arc<Mesh>,
     /// Displacement `[length]`.
     pub displacement: Vec<[f64; 3]>,
@@ -19,7 +19,7 @@ pub struct BodyFields {
     pub velocity: Vec<[f64; 3]>,
     /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, as [`Stresses::at_nodes`](crate::bodies::Stresses::at_nodes) gives it.
     pub stress: Vec<[f64; 6]>,
-    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, likewise.
+    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, recovered at nodes as the stress.
     pub strain: Vec<[f64; 6]>,
     /// Estimated error of the stresses around a node `[stress]`: how far those of its cells are from the continuous stress of the nodes, a
     /// root mean square of the tensor's size (Zienkiewicz and Zhu 1987).
@@ -36,11 +36,11 @@ pub struct BodyFields {
     pub contact_gap: Vec<f64>,
     /// Contact force `[force]` on the nodes of both sides of all contacts, that of friction included, ties not included.
     pub contact_force: Vec<[f64; 3]>,
-    /// The same without friction.
+    /// Contact force `[force]` on the nodes of both sides of all contacts, without friction and ties.
     pub contact_pressing: Vec<[f64; 3]>,
     /// 1 at a secondary node in contact, 0 elsewhere.
     pub contact_active: Vec<f64>,
-    /// 1 at a secondary node that friction holds, 2 at one that slides against it, 0 elsewhere.
+    /// 1 at a sticking secondary node, 2 at a slipping one, 0 elsewhere.
     pub contact_slip: Vec<f64>,
 }
 
@@ -73,7 +73,7 @@ pub fn von_mises([xx, yy, zz, xy, yz, xz]: &[f64; 6]) -> f64 {
     (0.5 * normal + 3.0 * (xy * xy + yz * yz + xz * xz)).sqrt()
 }
 
-/// Where stresses and strains inside of cells are taken.
+/// Evaluation places of stresses and strains inside of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellPlaces {
     /// One mean for each cell, by volume, at its centroid.
@@ -118,32 +118,31 @@ pub struct BodyTotals {
     pub center: [f64; 3],
 }
 
-/// A rigid obstacle where it is at one time.
+/// Rigid obstacle at its place at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedObstacle {
     /// Name of its contact; of several contacts with the same obstacle, those of all.
     pub name: String,
-    /// Its shape at its undisplaced place.
+    /// Shape of the obstacle at its initial place.
     pub shape: Obstacle,
-    /// Its translation `[length]`.
+    /// Translation of the obstacle `[length]`.
     pub translation: [f64; 3],
 }
 
-/// What a joint exerts on the body that it holds.
+/// Force and moment of a joint on its second body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLoad {
     /// The force `[force]`.
     pub force: [f64; 3],
     /// The moment about the joint's point on that body `[force * length]`; in the plane the third component.
     pub moment: [f64; 3],
-    /// Time to which force and moment belong, means over the last step: its middle with schemes whose forces act there, else its end
-    /// `[time]`.
+    /// Time of force and moment, which are means over the last step: its middle for schemes whose forces act there, else its end `[time]`.
     pub time: f64,
-    /// Where that point is `[length]`.
+    /// Position of the joint's point on the second body `[length]`.
     pub place: [f64; 3],
-    /// What it leaves free, if that is one number, with its value.
+    /// Free coordinate of the joint with its value; `None` if there is not exactly one.
     pub coordinate: Option<(Coordinate, f64)>,
-    /// Work of its drive in the last step, if it has one `[energy]`.
+    /// Work of the drive in the last step; `None` without a drive `[energy]`.
     pub work: Option<f64>,
 }
 
@@ -152,32 +151,32 @@ pub struct JointLoad {
 pub struct RedundantConstraints {
     /// Name of the tie or joint.
     pub name: String,
-    /// Whether it is a joint.
+    /// True for a joint, false for a tie.
     pub is_joint: bool,
-    /// Whether a drive is one of them.
+    /// True if the constraint of a drive is redundant.
     pub is_driven: bool,
-    /// How many of its constraints.
+    /// Number of redundant constraints.
     pub count: usize,
-    /// How many it has.
+    /// Total number of constraints.
     pub of: usize,
-    /// Body of the first node that has one, its number there, and where it is at rest `[length]`; of joints none.
+    /// Body, number and position at rest `[length]` of the first node with a redundant constraint; `None` for joints.
     pub node: Option<(String, usize, [f64; 3])>,
 }
 
-/// What friction makes of a node.
+/// Contact and friction state of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NodeState {
-    /// Nothing presses.
+    /// Inactive.
     #[default]
     Open,
-    /// Pressed, and friction holds it.
+    /// Active, sticking.
     Stick,
-    /// Pressed, and it slides, or nothing keeps it from that.
+    /// Active, slipping or without friction.
     Slip,
 }
 
 impl NodeState {
-    /// Its name.
+    /// Name of the state.
     pub fn name(self) -> &'static str {
         match self {
             NodeState::Open => "open",
@@ -194,13 +193,13 @@ pub struct ContactFields {
     pub positions: Vec<[f64; 3]>,
     /// Contact pressure `[stress]`.
     pub pressure: Vec<f64>,
-    /// Contact force of the node over that of a unit pressure on what is covered of it `[stress]`.
+    /// Ratio of the contact force of the node to that of a unit pressure on its covered part `[stress]`.
     pub mean_pressure: Vec<f64>,
-    /// Gap `[length]`, NaN where nothing lies opposite.
+    /// Gap `[length]`, NaN where the node faces no other side.
     pub gap: Vec<f64>,
-    /// Whether the node is in contact.
+    /// True if the node is in contact.
     pub active: Vec<bool>,
-    /// Whether friction holds it.
+    /// Inactive, sticking or slipping.
     pub state: Vec<NodeState>,
     /// Shear stress of friction on the secondary side, along its tangent with the body on the left; in space its size `[stress]`.
     pub shear: Vec<f64>,
@@ -230,17 +229,17 @@ pub struct ContactSurface {
     pub name: String,
     /// For each node, in the order of [`ContactFields`], the index of its body in the model and its number in that body's mesh.
     pub nodes: Vec<(usize, usize)>,
-    /// Its facets as contact sees them, in indices into `nodes`: in the plane straight with the body on the left, an edge of second order
-    /// as two; in space of three or four nodes, counter-clockwise as seen from outside.
+    /// Facets of the contact discretization, as indices into `nodes`. In the plane they are straight, with the body on the left; an edge of
+    /// second order gives two. In space they have three or four nodes, counter-clockwise as seen from outside.
     pub facets: Vec<Vec<u32>>,
     /// Undeformed positions of the nodes `[length]`.
     pub points: Vec<[f64; 3]>,
-    /// What contact does there.
+    /// Contact quantities at the nodes.
     pub fields: ContactFields,
 }
 
 impl ContactFields {
-    /// The same with the nodes in another order.
+    /// Returns the fields with the nodes in the order `order`.
     pub(super) fn in_order(self, order: &[usize]) -> Self {
         fn sorted<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
             order.iter().map(|&index| values[index]).collect()

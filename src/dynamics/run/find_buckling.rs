@@ -1,12 +1,12 @@
-//! Linear buckling of a settled state: the factors of its load at which a small motion meets no resistance,
+//! Linear buckling of a settled state: the load factors at which a small motion meets no resistance,
 //!
 //! ```text
 //! (K_0 + lambda (K_1 - K_0)) x = 0
 //! ```
 //!
-//! with the stiffness `K_0` of the unloaded model and `K_1` of the state (Brendel and Ramm, Computers & Structures 12, 1980): what stresses
-//! and displacements change of it grows with the load as far as the way to the state is linear. Lanczos' method on `K_0^-1 (K_0 - K_1)`,
-//! symmetric in the product of `K_0`, finds the largest `1/lambda`.
+//! with the stiffness `K_0` of the unloaded model and `K_1` of the state (Brendel and Ramm, Computers & Structures 12, 1980): its change by
+//! stresses and displacements is proportional to the load as far as the path to the state is linear. Lanczos' method on
+//! `K_0^-1 (K_0 - K_1)`, symmetric in the product of `K_0`, finds the largest `1/lambda`.
 
 use super::buckling::{Buckling, BucklingError};
 use super::engine::Engine;
@@ -23,7 +23,7 @@ const VECTORS: usize = 20;
 const BESIDES: usize = 300;
 const LOOK_AFTER: usize = 4;
 
-/// How often factors that are missing are looked for again.
+/// Largest number of repeated searches for missing factors.
 const MOST_RECOUNTS: usize = 8;
 
 /// `K_0^-1 (K_0 - K_1)`.

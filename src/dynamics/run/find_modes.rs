@@ -1,8 +1,7 @@
-//! Natural vibrations about the present state: `K x = omega^2 M x` with `G x = 0` for what is tied or closed.
+//! Natural vibrations about the present state: `K x = omega^2 M x` with `G x = 0` for ties and active constraints.
 //!
-//! The shift lies below all eigenvalues, so that the first ones are those that Lanczos' method finds first. How many there are below a
-//! place is counted by the inertia of the matrix shifted there (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980), so that none
-//! is missed.
+//! The shift lies below all eigenvalues, so that Lanczos' method finds the lowest ones first. The number of eigenvalues below a value is
+//! the inertia of the matrix shifted to it (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980), so that none is missed.
 
 use super::balance::Balance;
 use super::engine::Engine;
@@ -29,7 +28,7 @@ const BESIDES: usize = 200;
 const LOOK_AFTER: usize = 3;
 const LOOK_SHARE: usize = 24;
 
-/// What was found, with the vectors in a basis.
+/// Result of a search: eigenvalues, and vectors in the Lanczos basis.
 struct Found {
     ritz: Vec<Ritz>,
     lanczos: Lanczos,
@@ -64,8 +63,8 @@ where
         })
     }
 
-    /// What a search finds with the matrices about the present state, where it may ask whether it is interrupted; state, counts and the
-    /// solver's memory stay as they are.
+    /// Runs a search with the matrices about the present state; `search` receives a function that returns true on an interrupt. State,
+    /// counters and solver data remain unchanged.
     pub(super) fn about_rest<T>(
         &mut self,
         search: impl FnOnce(&mut Vibrations<D>, &State, &dyn Fn() -> bool) -> T,
@@ -94,7 +93,7 @@ where
         if self.system.nodes.is_axisymmetric { vec![1] } else { (0..D).collect() }
     }
 
-    /// A vibration as it is told.
+    /// Result of a search as a mode.
     fn mode(&self, ritz: &Ritz, lanczos: &Lanczos, shift: f64, floor: f64) -> Mode {
         let x = self.shape_of(lanczos.vector(&ritz.coefficients));
         let momenta = self.system.nodes.momenta_of(&x);
@@ -145,7 +144,7 @@ fn scaled_to_one<const D: usize>(mut x: Vec<f64>) -> Vec<f64> {
     x
 }
 
-/// Why a search ended without modes.
+/// Cause of a search without result.
 pub(super) enum SearchError {
     Failed(Failure),
     Refused(ModesError),

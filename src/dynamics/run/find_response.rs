@@ -1,4 +1,4 @@
-//! Steady vibrations about the present state under a force, or on a base, that swings with one frequency.
+//! Steady vibrations about the present state under a harmonic force or base motion of one frequency.
 //!
 //! ```text
 //! (K (1 + i eta + i omega beta) - omega^2 M + i omega alpha M) x = f
@@ -24,7 +24,7 @@ use crate::dynamics::step::vibrations::Vibrations;
 use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
 use crate::math::tolerances;
 
-/// Vectors at most, and between two looks at what is missed.
+/// Largest number of vectors, and of vectors between two evaluations of the residual.
 const VECTORS: usize = 600;
 const LOOK_AFTER: usize = 6;
 
@@ -71,7 +71,7 @@ where
     }
 }
 
-/// Vectors, their combination for each frequency, and what the worst one misses.
+/// Vectors, their combination for each frequency, and the largest residual.
 type Found = (Vec<Vec<f64>>, Vec<Vec<Complex<f64>>>, f64);
 
 fn search<const D: usize>(
@@ -119,7 +119,7 @@ where
     }
 }
 
-/// The vibration at a frequency in the basis, and what it misses relative to its size; nothing at an undamped resonance.
+/// Response at a frequency in the basis, and its relative residual; `None` at an undamped resonance.
 fn combined(
     ritz: &[Ritz],
     coupling: &[f64],

@@ -1,9 +1,9 @@
 //! Equilibria along a load, by their load or by the length of the path.
 //!
-//! The load is the time of all time functions: forces, pressures and prescribed motions go with it. A point is predicted along the tangent
-//! and corrected by Newton's method in displacements and load, on a sphere around the point before (Crisfield, Computers & Structures 13,
-//! 1981: displacements alone measure the length). A step that fails is shortened; one that converges soon lets the next be longer. How many
-//! directions are unstable is the inertia of the symmetric stiffness.
+//! The load parameter is the time of all time functions: forces, pressures and prescribed motions depend on it. A point is predicted along
+//! the tangent and corrected by Newton's method in displacements and load, on a sphere around the point before (Crisfield, Computers &
+//! Structures 13, 1981: displacements alone measure the length). A step that fails is shortened; after fast convergence the next step is
+//! longer. The number of unstable directions is the inertia of the symmetric stiffness.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ const SHORTER: f64 = 0.5;
 const LONGER: f64 = 1.5;
 const LONGEST: f64 = 4.0;
 
-/// How often a step is shortened in a row.
+/// Largest number of successive reductions of a step.
 const MOST_SHORTER: usize = 12;
 
 /// Halvings of the stretch of a path in which stability changes: a thousandth of an increment is left.
@@ -46,15 +46,15 @@ struct Guess {
     lambda: Vec<f64>,
 }
 
-/// What goes with the load: forces, as they stand on the right side, and prescribed motions, of all unknowns.
+/// Derivatives with respect to the load parameter, of all unknowns: of the forces on the right side, and of prescribed motions.
 struct Rates {
     force: Vec<f64>,
     motion: Vec<f64>,
-    /// Rates of the gaps of all constraint rows where the nodes stay: driven joints.
+    /// Derivatives of the gaps of all constraints at fixed nodes: driven joints.
     gap: Vec<f64>,
 }
 
-/// Newton's system there, solved for what is left and for a unit of load.
+/// Solutions of Newton's system at a point for the residual and for a unit load.
 struct Response {
     /// Largest residual over the largest force.
     residual: f64,
@@ -194,7 +194,7 @@ where
         PathPoint { state, unstable, length }
     }
 
-    /// Takes a point that was found for the state, with all that a row tells of it.
+    /// Adopts a point of the path as the present state, with its row of the ledger.
     fn stand_at(&mut self, guess: &Guess) -> Result<(), StepError> {
         let (from, before) = (self.state.row.time, self.state.row.clone());
         let positions = self.system.nodes.positions(&guess.u);
@@ -268,7 +268,7 @@ where
         Ok(q)
     }
 
-    /// What goes with the load, by differences.
+    /// Derivatives with respect to the load parameter, by central differences.
     fn rates(&mut self, guess: &Guess, increment: f64) -> Result<Rates, Failure> {
         let q = self.begin_at(guess)?;
         let Guess { load, u, lambda } = guess;
@@ -337,8 +337,8 @@ where
     }
 }
 
-/// The change of load that brings a corrected point onto the sphere around the last one; of two the one that goes on as the step does. None
-/// where nothing moves with the load.
+/// Change of the load that moves a corrected point onto the sphere around the last one; of two solutions the one in the direction of the
+/// step. `None` where no node moves with the load.
 fn on_sphere(from: &Guess, guess: &Guess, response: &Response, arc: f64) -> Option<f64> {
     let step: Vec<f64> = guess.u.iter().zip(&from.u).map(|(now, before)| now - before).collect();
     let corrected: Vec<f64> = step.iter().zip(&response.correction).map(|(step, own)| step + own).collect();
@@ -358,7 +358,7 @@ fn norm(x: &[f64]) -> f64 {
     product(x, x).sqrt()
 }
 
-/// Where the load turns round, and where stability changes besides.
+/// Critical points: extrema of the load, and other changes of stability.
 fn critical_points(points: &[PathPoint]) -> Vec<CriticalPoint> {
     let load = |k: usize| points[k].state.row.time;
     let turns: Vec<usize> =

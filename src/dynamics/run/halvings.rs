@@ -1,4 +1,4 @@
-//! Why steps were halved, and how often, and where they ought to have been: what the time loop counts.
+//! Counters of halved steps, and of steps that would have had to be halved, by cause.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -16,15 +16,15 @@ pub struct Halving {
     /// The cause: the name of a motion that is too large, or of the way in which Newton's method failed.
     #[serde(deserialize_with = "known_cause")]
     pub cause: Cause,
-    /// The first motion that was too large, where that is the cause.
+    /// First motion that was too large; `None` for other causes.
     pub motion: Option<LargeMotion>,
-    /// How many.
+    /// Number of halvings.
     pub count: usize,
-    /// Number of the last accepted step before the first of them.
+    /// Number of the last accepted step before the first halving.
     pub step: usize,
-    /// The time then `[time]`.
+    /// Time of the first halving `[time]`.
     pub time: f64,
-    /// Size of the first step that was halved `[time]`.
+    /// Size of the first halved step `[time]`.
     pub dt: f64,
 }
 
@@ -57,7 +57,7 @@ impl Halvings {
         &self.done
     }
 
-    /// Steps that were tried as they are although their motion is too large, in the same order.
+    /// Steps that were tried without halving although their motion is too large, by cause and contact.
     pub fn refused(&self) -> &[Halving] {
         &self.refused
     }

@@ -1,4 +1,4 @@
-//! Steady vibrations as values: what is asked for, and complex amplitudes of nodes at several frequencies.
+//! Steady vibrations as values: options, and complex amplitudes of nodes at several frequencies.
 
 use nalgebra::Complex;
 use thiserror::Error;
@@ -6,26 +6,26 @@ use thiserror::Error;
 use super::modes::ModesError;
 use crate::dynamics::model::interactions::BodyBoundary;
 
-/// What swings.
+/// Harmonic excitation.
 #[derive(Clone, Debug)]
 pub enum Excitation {
     /// A force on a boundary, spread evenly `[force]`.
     Force {
         /// The boundary.
         on: BodyBoundary,
-        /// Its amplitude.
+        /// Amplitude of the force `[force]`.
         vector: [f64; 3],
     },
     /// All supports, and the surroundings, by this amplitude `[length]`.
     Base([f64; 3]),
 }
 
-/// What is asked for.
+/// Options of a harmonic analysis.
 #[derive(Clone, Debug)]
 pub struct HarmonicOptions {
     /// Angular frequencies `[1/time]`.
     pub frequencies: Vec<f64>,
-    /// What swings.
+    /// Excitation.
     pub excitation: Excitation,
     /// Damping by the mass, `alpha` `[1/time]`.
     pub mass_damping: f64,
@@ -44,14 +44,14 @@ pub struct HarmonicResponse {
     pub frequencies: Vec<f64>,
     /// Vectors whose combinations the vibrations are, component by component of all nodes.
     pub(super) basis: Vec<Vec<f64>>,
-    /// The combination of each frequency.
+    /// Coefficients of the basis vectors for each frequency.
     pub(super) combinations: Vec<Vec<Complex<f64>>>,
     /// Motion of the base.
     pub(super) base: [f64; 3],
     pub(super) dimension: usize,
-    /// What the worst vibration misses, relative.
+    /// Largest relative residual of all frequencies.
     pub residual: f64,
-    /// Largest difference of the stiffness from a symmetric one, as of modes.
+    /// Relative asymmetry of the stiffness, as in modes.
     pub asymmetry: f64,
 }
 
@@ -71,7 +71,7 @@ impl HarmonicResponse {
     }
 }
 
-/// Why there is no response.
+/// Error of a harmonic analysis.
 #[derive(Debug, Error)]
 pub enum HarmonicError {
     /// The matrix could not be made or solved with.
@@ -91,13 +91,13 @@ pub enum HarmonicError {
         /// Vectors that were used.
         vectors: usize,
     },
-    /// Nothing swings.
+    /// The excitation is zero, or acts on supported unknowns alone.
     #[error("nothing is excited: the force acts on what is held, or is zero")]
     Nothing,
 }
 
 impl HarmonicError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the error, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         match self {
             HarmonicError::Matrix(error) => error.code(),
@@ -115,7 +115,7 @@ impl HarmonicOptions {
         [self.mass_factor(frequency) / stiffness, stiffness.inv()]
     }
 
-    /// What the mass is multiplied with against the stiffness.
+    /// Complex factor of the mass in the dynamic stiffness.
     pub(super) fn mass_factor(&self, frequency: f64) -> Complex<f64> {
         Complex::new(frequency * frequency, -frequency * self.mass_damping)
     }

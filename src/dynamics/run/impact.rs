@@ -1,5 +1,5 @@
-//! What the `velocity` rule does with the velocities at the end of a step: closed constraints stay closed, and give back what their closing
-//! took when they open (`reserve.rs`).
+//! Velocity correction of the `velocity` rule at the end of a step: the rates of active constraints vanish, and the impact energy stored at
+//! their closing is returned at their opening (`reserve.rs`).
 //!
 //! *At closing* a plastic impact makes the rates of all closed constraints zero: `v_1 + w` with `M w = G_1^T mu`, `G_1 (v_1 + w) = 0`, the
 //! smallest change of the velocities that does so. What it takes, and the work `lambda (Phi_n - target)` of the closing itself, goes into a
@@ -14,8 +14,8 @@
 //! `K_m` have neither resultant nor moment there, so both momenta are exact. Given back at once, as in Laursen and Love (IJNME 53, 2002),
 //! the energy throws the node off again, and a plane contact opens and closes in every second step.
 //!
-//! Friction goes along with both: tangential impulses are to those that press as in the step, so that they stay within the cone together
-//! with it, and all that an impact takes along the surface is `mu` times what it takes across it.
+//! Friction acts in both: the ratios of tangential to normal impulses are those of the step, so that the sum stays within the cone, and the
+//! tangential momentum that an impact transfers is `mu` times the normal one.
 
 use super::engine::Engine;
 use super::velocity_correction::{Ending, VelocityCorrection};
@@ -27,13 +27,13 @@ use crate::dynamics::step::start::Motion;
 
 /// The constraints of the rule in a converged step.
 struct Rows {
-    /// Whether a row is under the rule.
+    /// True for each constraint under the `velocity` rule.
     ours: Vec<bool>,
-    /// Whether a row is closed at the end of the step, penalties left out.
+    /// True for each constraint that is active at the end of the step, without penalties.
     hold: Vec<bool>,
-    /// The reserves, with the work of this step's closings.
+    /// Stored impact energy of each constraint, including the work of closing in this step `[energy]`.
     reserve: Vec<f64>,
-    /// Whether some row has closed.
+    /// True if a constraint has closed in this step.
     is_closing: bool,
 }
 
@@ -41,7 +41,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The velocity jump of a converged step; nothing where no constraint of the rule has closed or holds a reserve.
+    /// Velocity jump of a converged step; `None` where no constraint of the rule has closed or has stored impact energy.
     ///
     /// # Errors
     /// Closed constraints depend on one another, or the run was interrupted.
@@ -71,8 +71,8 @@ where
         }
     }
 
-    /// What friction gives in a jump for a unit of what presses: as in the step, or where a row has opened as in the step before. An
-    /// obstacle that turns has none.
+    /// Ratios of tangential to normal impulses in a velocity jump: as in this step or, for a constraint that has opened, as in the previous
+    /// step. Rotating obstacles have none.
     fn ratios(&self, solution: &Solution) -> Vec<f64> {
         let mut ratios = vec![0.0; self.system.multipliers];
         for pair in self.system.pairs.iter().filter(|pair| pair.turn.is_none()) {
@@ -86,7 +86,8 @@ where
         ratios
     }
 
-    /// Takes the friction of a jump away from contacts in which it would give energy, step and jump together; whether there were any.
+    /// Removes the friction of a jump from contacts in which it would supply energy, step and jump together; returns true if there were
+    /// any.
     fn drop_gaining(&self, solution: &Solution, jump: &VelocityCorrection, ratios: &mut [f64]) -> bool {
         let work = self.friction_work(&solution.at, &solution.multipliers(), Some(jump));
         let mut is_any = false;
@@ -125,7 +126,7 @@ where
         rows
     }
 
-    /// A plastic impact of the closed constraints; what it takes goes into their reserves, shared by the work of the impulses.
+    /// Plastic impact of the active constraints; its energy loss is stored, divided among the constraints by the work of the impulses.
     ///
     /// # Errors
     /// Closed constraints depend on one another, or the run was interrupted.

@@ -1,10 +1,10 @@
-//! `settle` at a later time: at once or, where that leads astray, in increments of the time, each from equilibrium to equilibrium.
+//! `settle` at a later time: at once or, where that fails, in increments of the time, each from equilibrium to equilibrium.
 //!
-//! Loads, prescribed motions and obstacles take the way that their functions of time describe. An increment that fails is cut back, one
-//! that does not lets the next one be longer; equilibria on the way are found less exactly than the last one. Where even a small
-//! increment fails, a limit point may have been reached: then damped steps may find what lies beyond (a snap-through). Obstacles go by no
-//! more than a facet in an increment: what they jumped over would not be felt. Boundaries turn by no more than an eighth of a turn: to its
-//! end a motion at once goes the shorter way round.
+//! Loads, prescribed motions and obstacles follow their functions of time. An increment that fails is reduced, after an accepted one the
+//! next is longer; intermediate equilibria are found less exactly than the last one. Where even a small increment fails, a limit point may
+//! have been reached: then damped steps may find an equilibrium beyond it (a snap-through). Obstacles move by at most a facet per
+//! increment, since contact with a body that is jumped over would be missed. Boundaries rotate by at most an eighth of a turn, since a
+//! motion to the end at once takes the shorter direction.
 
 use std::sync::Arc;
 
@@ -30,14 +30,14 @@ const LEAST: f64 = 1.0 / 512.0;
 /// The increment over which damped steps may look for an equilibrium, where the way there has none.
 const JUMP: f64 = 1.0 / 64.0;
 
-/// What is left that belongs to the increment before it, over that one.
+/// Relative size of a remaining interval below which it is merged with the increment before it.
 const REST: f64 = 0.01;
 
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Equilibrium at a time: that of the state, or a later one, to which the model goes without inertia.
+    /// Settles at a time: that of the state, or a later one, which the model reaches without inertia.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let (from, iterations, factorizations) =
             (self.state.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
@@ -74,7 +74,7 @@ where
         Ok(report)
     }
 
-    /// All at once if obstacles and turns let it, or in increments, or at once with all remedies.
+    /// Settles in one increment if obstacles and rotations permit, or in several, or in one with all remedies.
     fn settle_later(&mut self, from: f64, time: f64) -> Result<SettleReport, StepError> {
         let begun = self.state.clone();
         let may_be_at_once = !self.goes_far(from, time)?;
@@ -93,7 +93,7 @@ where
         }
     }
 
-    /// Whether anything goes farther from one time to another than in an increment.
+    /// True if an obstacle or a prescribed rotation moves farther between two times than one increment allows.
     fn goes_far(&mut self, from: f64, to: f64) -> Result<bool, StepError> {
         Ok(self.system.equations.obstacle_motion(from, to)? > PASSING || self.system.supports.turned(from, to)?.0 > EIGHTH_TURN)
     }
@@ -154,7 +154,7 @@ where
         }
     }
 
-    /// Shortest facet of all contacts, or size of what is rigid or joined; infinite without one.
+    /// Length of the shortest facet of all contacts, or size of rigid or joined bodies; infinite without any.
     pub(super) fn shortest_facet(&self) -> f64 {
         self.system.pairs.iter().map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }

@@ -1,4 +1,4 @@
-//! What joints exert.
+//! Forces and moments of joints.
 
 use super::engine::Engine;
 use super::fields::JointLoad;
@@ -19,8 +19,8 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// What the joint of that name exerts on the body that it holds, with the multipliers of the last step in the present positions, and
-    /// its coordinate; `None` when there is none.
+    /// Force, moment and coordinate of the joint `name`: those on its second body, with the multipliers of the last step at the present
+    /// positions. Returns `None` without such a joint.
     pub fn joint_load(&self, name: &str) -> Option<JointLoad> {
         let index = self.model.joints.iter().position(|joint| joint.name == name)?;
         let joint = &self.model.joints[index];
@@ -62,7 +62,7 @@ where
         FreeMotion::new(&self.model, &self.system.bodies, joint, 1.0).map_or(f64::NAN, |free| free.value(q, before))
     }
 
-    /// Force and moment of a joint in a step: with the gradients of the step they are those that the momenta of its bodies change by.
+    /// Force and moment of a joint in a step: with the gradients of the step they equal the change of its bodies' momenta.
     fn joint_total(&self, joint: &JointDefinition, (q, pairs): (&[f64], &[Evaluation]), lambda: &[f64]) -> JointTotals {
         let held = joint.ends[1].body.map_or(0..0, |body| self.system.bodies[body].nodes.clone());
         let place = self.anchor_place(&joint.ends[1], q).unwrap_or_default();
@@ -83,7 +83,7 @@ where
         total
     }
 
-    /// Lets gears count the turns of their joints from those in the present state on.
+    /// Updates the number of turns that gears count of their joints, from the present state.
     pub(super) fn count_turns(&mut self) {
         let known = &self.state.row.joints;
         let value = |joint: usize| known.get(joint).map_or(0.0, |known| known.value);
@@ -94,7 +94,7 @@ where
         }
     }
 
-    /// Joints that the velocities at the start do not fit, with the rate at which what they hold would part `[length/time]`.
+    /// Joints that the initial velocities violate, with the rate at which the joint would open `[length/time]`.
     pub fn loose_joints(&self) -> Vec<(String, f64)> {
         let (q, v) = (&self.state.positions, &self.state.velocities);
         let rate = |pair: &ContactPair| {
@@ -116,7 +116,7 @@ where
         rates.filter(|(_, rate)| *rate > tolerances::LOOSE_JOINT * largest_size(v)).collect()
     }
 
-    /// Where an end of a joint is.
+    /// Position of an end of a joint.
     fn anchor_place(&self, anchor: &Anchor, q: &[f64]) -> Option<[f64; 3]> {
         let body = &self.system.bodies[anchor.body?];
         let at = |node: usize, i: usize| if i < D { q[node * D + i] } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Whether a step that has converged is accurate enough, where steps choose their size.
+//! Acceptance of a converged step by its accuracy, with step size control.
 
 use super::engine::Engine;
 use super::ledger::ContactTotals;
@@ -14,15 +14,16 @@ use crate::dynamics::step::system::System;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// Times that sound takes across a cell for which a contact must have been open for a touch to be a first one: nodes of a surface that
-/// presses bounce with the mesh.
+/// Open time after which a touch counts as a first one, in times in which an elastic wave crosses a cell: nodes of a surface in contact
+/// bounce with the mesh.
 const BOUNCE: f64 = 10.0;
 
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// A state at the end of a step of size `dt` with what it knows of the next one; `before`: what had been done before the step.
+    /// Returns the state after an accepted step of size `dt` with the updated step size controller; `before` are the counters before the
+    /// step.
     ///
     /// # Errors
     /// The error of the step is too large.
@@ -94,7 +95,7 @@ where
     }
 }
 
-/// The first touch of a contact within a step, the deepest of those that have been open.
+/// First touch of a contact within a step: the deepest among the contacts that have been open.
 fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl Fn(usize) -> bool) -> Option<Touch> {
     let none = ContactTotals::default();
     let (mut depth, mut is_kept) = (0.0f64, false);

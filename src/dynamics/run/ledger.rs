@@ -1,4 +1,4 @@
-//! The ledger: what a step did to energy and momenta, and why.
+//! The ledger: changes of energy and momenta in a step, by cause.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,24 +24,25 @@ pub struct LedgerRow {
     pub strain: f64,
     /// Potential energy of gravity, of springs, viscous materials and penalty potentials, and the reserve of closed contacts `[energy]`.
     pub potential: f64,
-    /// What closed contacts of the `velocity` rule took at their closing and give back at their opening, part of the potential `[energy]`.
+    /// Stored impact energy of active contacts under the `velocity` rule, taken at closing and returned at opening, part of the potential
+    /// `[energy]`.
     pub reserve: f64,
     /// Work of loads in this step `[energy]`.
     pub load_work: f64,
     /// Work of contact in this step that the update rule loses or gains on purpose `[energy]`.
     pub contact_work: f64,
-    /// Work of friction in this step `[energy]`, never positive: what it turns into heat.
+    /// Work of friction in this step `[energy]`, never positive: heat.
     pub friction_work: f64,
-    /// Energy dissipated by viscous materials, dampers and drag in this step, what a time integrator that dissipates took from
-    /// vibrations, and what impacts of rigid bodies lost to restitution `[energy]`, never negative.
+    /// Energy dissipated in this step by viscous materials, dampers and drag, by plastic flow, by the time integrator's algorithmic
+    /// dissipation, and in impacts of rigid bodies by restitution `[energy]`, never negative.
     pub dissipation: f64,
-    /// The part of it that is of dampers and drag `[energy]`.
+    /// Part of the dissipation in dampers and drag `[energy]`.
     pub damping: f64,
-    /// The part of it that the time integrator took `[energy]`.
+    /// Part of the dissipation by the time integrator `[energy]`.
     pub numerical: f64,
-    /// The part of it that impacts of rigid bodies lost to restitution `[energy]`, never negative.
+    /// Part of the dissipation in impacts of rigid bodies by restitution `[energy]`, never negative.
     pub impact: f64,
-    /// The part of it that became heat by plastic flow `[energy]`, never negative.
+    /// Part of the dissipation by plastic flow `[energy]`, never negative.
     pub plastic: f64,
     /// `change of total - load_work - contact_work - friction_work + dissipation` of this step `[energy]`: round-off when the scheme
     /// conserves.
@@ -59,25 +60,24 @@ pub struct LedgerRow {
     pub newton_iterations: usize,
     /// Numeric factorisations of the step, counted in the same way.
     pub factorizations: usize,
-    /// How often the step was halved before it was accepted.
+    /// Number of halvings before the step was accepted.
     pub halvings: usize,
     /// Number of active contact nodes.
     pub active: usize,
     /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
     pub max_penetration: f64,
-    /// One for each contact pair, in the order of the model; none before the first step.
+    /// Totals of each contact pair, in the order of the model; empty before the first step.
     pub contacts: Vec<ContactTotals>,
-    /// One for each boundary that supports hold or move, then for each coupling, in the order of
-    /// [`Model::reaction_names`](crate::dynamics::Model::reaction_names); none before the first step.
+    /// Reactions of each boundary with supports, then of each coupling, in the order of
+    /// [`Model::reaction_names`](crate::dynamics::Model::reaction_names); empty before the first step.
     pub reactions: Vec<Reaction>,
     /// Heat of plastic flow since the start of each body whose material flows, in the order of the model `[energy]`.
     pub plastic_work: Vec<f64>,
-    /// One for each part of [`Model::parts`](crate::dynamics::Model::parts), in their order.
+    /// Totals of each part of [`Model::parts`](crate::dynamics::Model::parts), in their order.
     pub parts: Vec<PartTotals>,
-    /// One for each joint of the model, in their order; none before the first step.
+    /// Totals of each joint of the model, in their order; empty before the first step.
     pub joints: Vec<JointTotals>,
-    /// One for each node that is watched ([`Simulation::watch`](crate::dynamics::Simulation::watch)), in the order in which they were
-    /// asked for.
+    /// Values of each watched node ([`Simulation::watch`](crate::dynamics::Simulation::watch)), in the order of the requests.
     pub probes: Vec<ProbeValues>,
 }
 
@@ -103,7 +103,7 @@ pub struct ContactTotals {
 }
 
 impl ContactTotals {
-    /// Names of its columns in a history for a space dimension.
+    /// Names of the columns in a history, for a space dimension.
     pub fn columns(dimension: usize) -> Vec<&'static str> {
         let force = &["force_x", "force_y", "force_z"][..dimension];
         force
@@ -113,7 +113,7 @@ impl ContactTotals {
             .collect()
     }
 
-    /// Its columns' values, in their order.
+    /// Values of the columns, in the order of [`Self::columns`].
     pub fn values(&self, dimension: usize) -> Vec<f64> {
         let counts = [self.active, self.sliding].map(|count| count as f64);
         let further = [self.normal_force, self.area, self.pressure, counts[0], self.penetration, self.friction_work, counts[1]];
@@ -121,12 +121,12 @@ impl ContactTotals {
     }
 }
 
-/// What the history tells of a part.
+/// Quantities of a part in the history.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartTotals {
-    /// By the names of [`PartDefinition::readings`](crate::dynamics::PartDefinition::readings), at the end of the step.
+    /// Values by the names of [`PartDefinition::readings`](crate::dynamics::PartDefinition::readings), at the end of the step.
     pub readings: Vec<f64>,
-    /// What it turned into heat in the step `[energy]`.
+    /// Dissipation of the part in the step `[energy]`.
     pub dissipated: f64,
 }
 
@@ -136,13 +136,13 @@ impl PartTotals {
         part.readings().iter().copied().chain(part.dissipates().then_some("dissipation"))
     }
 
-    /// Its columns' values, in their order.
+    /// Values of the part's columns: readings, then dissipation.
     pub fn values(&self, part: &dyn PartDefinition) -> impl Iterator<Item = f64> {
         self.readings.iter().copied().chain(part.dissipates().then_some(self.dissipated))
     }
 }
 
-/// What the supports of a boundary exert on it, a mean over the step.
+/// Forces of the supports of a boundary, as means over the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reaction {
     /// Resultant `[force]`.
@@ -161,23 +161,23 @@ impl Reaction {
         }
     }
 
-    /// Its columns' values, in their order.
+    /// Values of the columns: force, then moment.
     pub fn values(&self, dimension: usize) -> Vec<f64> {
         let moment = if dimension == 2 { &self.moment[2..] } else { &self.moment[..] };
         self.force[..dimension].iter().chain(moment).copied().collect()
     }
 }
 
-/// Force and moment of a joint on the body that it holds, means over the step, and its coordinate at the end of the step.
+/// Force and moment of a joint on its second body, means over the step, and its coordinate at the end of the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointTotals {
     /// The force `[force]`.
     pub force: [f64; 3],
     /// The moment about the joint's point on that body `[force * length]`; in the plane the third component.
     pub moment: [f64; 3],
-    /// Its coordinate, an angle over whole turns `[rad]` or a length; no number where it has none.
+    /// Coordinate of the joint, an angle over whole turns `[rad]` or a length; NaN without one.
     pub value: f64,
-    /// Work of its drive in the step `[energy]`.
+    /// Work of the drive in the step `[energy]`.
     pub work: f64,
 }
 
@@ -190,7 +190,7 @@ impl JointTotals {
         names
     }
 
-    /// Its columns' values, in their order.
+    /// Values of the joint's columns: force, moment, coordinate, work of the drive.
     pub fn values(&self, joint: &JointDefinition, dimension: usize) -> Vec<f64> {
         let mut values = Reaction { force: self.force, moment: self.moment }.values(dimension);
         values.extend(joint.kind.coordinate(dimension).map(|_| self.value));
@@ -215,14 +215,14 @@ impl ProbeValues {
         names.iter().flat_map(|names| names[..dimension].iter().copied()).collect()
     }
 
-    /// Its columns' values, in their order.
+    /// Values of the columns: displacement, then velocity.
     pub fn values(&self, dimension: usize) -> Vec<f64> {
         self.displacement[..dimension].iter().chain(&self.velocity[..dimension]).copied().collect()
     }
 }
 
-/// What all parts turned into heat and the time integrator took, the share of the model's own parts, and that of the integrator `[energy]`;
-/// no zero with a sign.
+/// Total dissipation of parts and time integrator, the contribution of the model's own parts, and that of the integrator `[energy]`; no
+/// negative zeros.
 pub(super) fn heat(dissipated: &[f64], own: &[PartTotals], numerical: f64) -> [f64; 3] {
     let [all, own] = [dissipated.iter().sum(), own.iter().map(|part| part.dissipated).sum()].map(|sum: f64| sum + 0.0);
     [all + numerical, own, numerical]
@@ -251,7 +251,7 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// What the history tells of the model's own parts, `dissipated` by every part in the step before; none after a rest.
+    /// History values of the model's own parts; `dissipated` is the dissipation of every part in the last step, empty after a rest.
     pub(super) fn part_totals(&self, at: Pose, velocity: &[f64], memory: &[Vec<f64>], dissipated: &[f64]) -> Vec<PartTotals> {
         let before = self.bodies.len() + self.loads.len();
         let heat = |index: usize| dissipated.get(before + index).copied().unwrap_or(0.0);
@@ -263,7 +263,7 @@ where
     }
 }
 
-/// The largest component of a momentum's change, new less old, that what has changed it does not explain.
+/// Largest component of the change of a momentum from `old` to `new` beyond the sum of its causes.
 pub(super) fn unexplained([new, old]: [[f64; 3]; 2], [first, second]: [[f64; 3]; 2]) -> f64 {
     (0..3).map(|i| (new[i] - old[i] - first[i] - second[i]).abs()).fold(0.0, f64::max)
 }
@@ -317,7 +317,7 @@ impl LedgerRow {
         self.kinetic + self.strain + self.potential
     }
 
-    /// What defects are related to: `kinetic + strain + |potential|`, which does not vanish where the potential cancels the others
+    /// Reference energy of defects: `kinetic + strain + |potential|`, which does not vanish where the potential cancels the other terms
     /// `[energy]`.
     pub fn energy_scale(&self) -> f64 {
         self.kinetic + self.strain + self.potential.abs()

@@ -14,11 +14,11 @@ pub struct ContactForces {
     pub(super) friction: Vec<[f64; 3]>,
     /// Tangential force of corners at each secondary node `[force]`; empty without friction.
     pub(super) pulled: Vec<f64>,
-    /// Mean pressure of the rows on the part of each secondary node that is covered `[stress]`.
+    /// Mean pressure of the constraints on the covered part of each secondary node `[stress]`.
     pub(super) mean: Vec<f64>,
-    /// Sizes of what corners press on each secondary node `[force]`.
+    /// Sum of the magnitudes of corner forces on each secondary node `[force]`.
     pub(super) pressed: Vec<f64>,
-    /// On the nodes of both sides, by their numbers in the model, with repetitions `[force]`: what presses, then friction.
+    /// Forces on the nodes of both sides, by node number in the model, with repetitions `[force]`: normal forces, then friction.
     pub all: Vec<(u32, [f64; 3])>,
     /// Number of the forces in `all` that are normal forces.
     pub pressing: usize,
@@ -36,13 +36,13 @@ pub struct Loaded<'a> {
 }
 
 impl Loaded<'_> {
-    /// Tells the force of every row that presses with its multiplier on every node of its patches: the node, whether it owns a row of the
-    /// patch, the multiplier, the force.
+    /// Visits the force of every normal constraint with its multiplier on every node of its contact elements: the node, true if the node
+    /// owns a constraint of the element, the multiplier, the force.
     pub(super) fn for_each_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, false, visit);
     }
 
-    /// As `for_each_force`; where rows act between nodes, with their whole force at the node where output shows them.
+    /// Visits forces like [`Self::for_each_force`], but those of constraints between nodes as a whole at the node where output shows them.
     pub(super) fn for_each_shown_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, true, visit);
     }
@@ -52,7 +52,7 @@ impl Loaded<'_> {
         self.pulls::<D>(lambda, false, visit);
     }
 
-    /// As `for_each_pull`; where rows act between nodes, with their whole force at the node where output shows them.
+    /// Visits forces like `for_each_pull`, but those of constraints between nodes as a whole at the node where output shows them.
     pub(super) fn for_each_shown_pull<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         self.pulls::<D>(lambda, true, visit);
     }
@@ -66,13 +66,13 @@ impl Loaded<'_> {
         }
     }
 
-    /// The rows that press, with their numbers among those of the pair.
+    /// Normal constraints, with their indices in the pair.
     fn pressing(&self) -> impl Iterator<Item = (usize, usize, PatchRow<'_>)> {
         let first = self.pair.rows.start;
         self.pair.live_rows(self.evaluation).map(move |row| (row.row - first, row.row - first, row))
     }
 
-    /// Forces of rows, each with the number of its multiplier and that of the row that presses beside it.
+    /// Visits forces of constraints, each with the index of its multiplier and that of its normal constraint.
     fn visit<'a, const D: usize>(
         &self,
         lambda: &[f64],

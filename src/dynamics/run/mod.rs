@@ -1,4 +1,4 @@
-//! The course of a simulation: states, pieces of steps and their acceptance, the ledger, rest, what a run tells of itself.
+//! Simulation runs: states, substeps and their acceptance, the ledger, rest, findings.
 
 pub mod accept;
 pub mod balance;

@@ -1,4 +1,4 @@
-//! Natural vibrations as values: frequencies, shapes, what takes part in them.
+//! Natural vibrations as values: frequencies, shapes, participating masses.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ pub struct Modes {
     pub mass: f64,
     /// Directions in which effective masses are given, as indices of coordinates.
     pub directions: Vec<usize>,
-    /// Whether it was counted that none of them is missed.
+    /// True if the inertia count confirms that no vibration is missed.
     pub is_complete: bool,
     /// Difference of the stiffness from a symmetric one, over its largest entry: loads that follow the surface. Their symmetric part is
     /// what the modes are of.
@@ -40,7 +40,7 @@ pub struct Mode {
     pub participation: Vec<f64>,
     /// Mass that vibrates along each direction, `(x^T M e)^2 / x^T M x` `[mass]`.
     pub effective_mass: Vec<f64>,
-    /// What the shape misses of an eigenvector, relative.
+    /// Relative residual of the eigenvector.
     pub residual: f64,
 }
 
@@ -61,29 +61,29 @@ impl Mode {
     }
 }
 
-/// Why there are no modes.
+/// Error of a modal analysis.
 #[derive(Debug, Error)]
 pub enum ModesError {
     /// The stiffness cannot be computed, or the run was interrupted.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// The matrix is singular, whatever the shift.
+    /// The matrix is singular for every shift.
     #[error("the constraints of the state depend on one another")]
     Dependent,
-    /// There are not so many.
+    /// More modes are requested than the model has motions.
     #[error("the model has {motions} motions that supports and constraints leave, fewer than {count}")]
     TooMany {
-        /// How many were asked for.
+        /// Requested number of modes.
         count: usize,
-        /// How many there are.
+        /// Number of motions that supports and constraints leave.
         motions: usize,
     },
-    /// Lanczos' method did not find them.
+    /// Lanczos' method did not find all requested modes.
     #[error("{found} of {count} modes were found with {vectors} vectors")]
     NotFound {
-        /// How many were asked for.
+        /// Requested number of modes.
         count: usize,
-        /// How many have converged.
+        /// Number of converged modes.
         found: usize,
         /// Vectors that were used.
         vectors: usize,
@@ -91,7 +91,7 @@ pub enum ModesError {
 }
 
 impl ModesError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the error, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         match self {
             ModesError::Step(error) => error.code(),

@@ -1,4 +1,4 @@
-//! How a model is integrated, and what that has taken so far.
+//! Options of the integration, and counters of the work.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -11,28 +11,28 @@ use crate::dynamics::step::counters::PhaseTimes;
 use crate::integrators::Scheme;
 use crate::linear::Work;
 
-/// How a model is integrated.
+/// Options of the integration of a model.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Time integrator.
     pub integrator: Scheme,
     /// Nominal step size, that of the first step where steps choose theirs, 0 for one that follows from the cells `[time]`.
     pub dt: f64,
-    /// How steps choose their size; `None`: all have the nominal one.
+    /// Step size control; `None`: constant nominal size.
     pub control: Option<StepControl>,
     /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
     pub tolerance: f64,
-    /// Whether bodies that overlap are meant to: then `settle` does not ask whether they are apart where no contact presses.
+    /// Accept overlapping bodies: `settle` then does not check that bodies without contact forces are apart.
     pub accepts_overlap: bool,
-    /// How often a step may be halved.
+    /// Largest number of halvings of a step.
     pub max_halvings: usize,
-    /// Multiple of the usual reach of the search for contact. Results do not depend on it: what takes part in a step is decided afterwards.
+    /// Factor of the usual search horizon of contact. Results do not depend on it: pairs that take part in a step are selected afterwards.
     pub reach: f64,
     /// Threads of the element loop and of the factorisation; results do not depend on it.
     pub threads: usize,
     /// A flag that ends the run at the last accepted step when it becomes true.
     pub interrupt: Option<Arc<AtomicBool>>,
-    /// A number that tells how far a long factorisation is, in thousandths; 0 while none runs.
+    /// Progress of a long factorization in thousandths; 0 while none runs.
     pub progress: Option<Arc<AtomicU32>>,
 }
 
@@ -54,7 +54,7 @@ impl Options {
         }
     }
 
-    /// Whether the user wants the run to end.
+    /// True if the user has interrupted the run.
     pub(super) fn interrupted(&self) -> bool {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
@@ -85,11 +85,11 @@ pub struct Statistics {
     pub halvings: usize,
     /// Numeric factorisations.
     pub factorizations: usize,
-    /// Those of attempts that failed and of steps that were taken back.
+    /// Factorizations of failed attempts and of steps that were taken back.
     pub discarded: usize,
-    /// What the linear solver has done, factorisations of refused steps included.
+    /// Work of the linear solver, including factorizations of refused steps.
     pub linear: Work,
-    /// Times that residual and tangent of all cells were computed.
+    /// Evaluations of residual and tangent of all cells.
     pub assemblies: usize,
     /// Cells of all bodies.
     pub cells: usize,
@@ -99,7 +99,7 @@ pub struct Statistics {
     pub times: PhaseTimes,
 }
 
-/// What `settle` did.
+/// Result of `settle`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SettleReport {
     /// Damped steps taken.

@@ -1,20 +1,19 @@
-//! Steps that choose their size: how wrong a step is, how wrong it may be, and how long the next one is.
+//! Automatic step size control: the error of a step, the admissible error, and the size of the next step.
 //!
-//! *How wrong.* A scheme lets the error of a motion `q` grow by `first dt |q''| + second dt^2 |q'''|` in time, with the numbers of its row
-//! ([`LeadingError`]). The derivatives are divided differences of the positions of the last four states: of what vibrates faster than the
-//! steps they see the amplitude, not the accelerations.
+//! *Error of a step.* The error of a motion `q` grows by `first dt |q''| + second dt^2 |q'''|` in time, with the coefficients of the scheme
+//! ([`LeadingError`]). The derivatives are divided differences of the positions of the last four states: for vibrations faster than the
+//! steps they give the amplitude, not the accelerations.
 //!
-//! *How wrong it may be.* The error grows by no more than the tolerance times the way that the motion goes: `tolerance` times the largest
-//! mean speed of a body so far. Both are root mean squares over the mass of a body, of the body where it is largest. Where velocities
-//! jump, as in impacts, no step is short enough for a rate: such a step may be as wrong as one of the size that steps usually have. The
-//! An error that is round-off of the positions counts as none: a body that friction holds has no other motion. The
-//! first touch of a contact is a matter of time: by how far it is missed, or, where a rule closes the gap within the step, by half of the
-//! step's way.
+//! *Admissible error.* The error grows by at most `tolerance` times the largest mean speed of a body so far. Both are root mean squares
+//! over the mass of a body, of the body where they are largest. Where velocities jump, as in impacts, no step is short enough for a rate:
+//! the admissible error of such a step is that of a step of the usual size. An error at the round-off of the positions counts as zero: a
+//! body at rest by friction has no other motion. The error of the first touch of a contact is the penetration at the end of the step or,
+//! where a rule closes the gap within the step, half of the displacement in the step.
 //!
-//! *Plastic strain.* Where a bound is given, a step in which a point yields by more is taken back.
+//! *Plastic strain.* Where a bound is given, a step in which a point yields by more is repeated with a smaller size.
 //!
-//! *How long.* A proportional-integral controller (Gustafsson, ACM TOMS 17, 1991; in the form of Soederlind, ACM TOMS 29, 2003),
-//! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of both and the order `p`.
+//! *Step size.* A proportional-integral controller (Gustafsson, ACM TOMS 17, 1991; in the form of Soederlind, ACM TOMS 29, 2003),
+//! `dt (aim/r)^(2/3p) (r_before/aim)^(1/3p)` with the ratio `r` of error and admissible error, and the order `p`.
 
 use std::sync::Arc;
 
@@ -24,25 +23,25 @@ use crate::dynamics::model::definitions::{BodyDefinition, Model};
 use crate::integrators::{LeadingError, Scheme};
 use crate::math::tolerances;
 
-/// Part of the tolerance that is aimed at: errors of velocities turn into errors of positions, and double them.
+/// Fraction of the tolerance that the controller aims at: errors of velocities become errors of positions and double them.
 const AIM: f64 = 0.5;
-/// How much longer or shorter a step may be than the one before: `bdf2` grows unstable beyond 2.4.
+/// Largest growth and reduction of the step size from one step to the next; `bdf2` is unstable for a growth beyond 2.4.
 const LONGER: f64 = 2.0;
 const SHORTER: f64 = 0.2;
-/// The most that a step which is tried again has of its size before.
+/// Largest size of a repeated step relative to the refused one.
 const LESS: f64 = 0.9;
 /// Weight of a shorter step in the size that steps usually have, for a step of that size.
 const FORGETTING: f64 = 0.3;
-/// Growth of the largest speed in a step, over the root of the tolerance, from which on a motion has only begun: it is slow so far, and
-/// accuracy relative to the way that it has gone is not what counts.
+/// Growth of the largest speed in a step, over the root of the tolerance, from which a motion counts as just begun: it is still slow, and
+/// accuracy relative to its distance is not significant.
 const BEGUN: f64 = 5.0;
 
-/// How accurate steps are, and how long they may be.
+/// Accuracy and bounds of the step size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepControl {
-    /// Growth of the error of the positions over the way that they go.
+    /// Admissible growth of the position error relative to the distance that the positions move.
     pub tolerance: f64,
-    /// Smallest size, by default a millionth of the first one; what is too wrong then is accepted `[time]`.
+    /// Smallest size, by default a millionth of the first one; a step of this size is accepted with any error `[time]`.
     pub smallest: Option<f64>,
     /// Largest size `[time]`.
     pub largest: Option<f64>,
@@ -62,45 +61,45 @@ impl StepControl {
     }
 }
 
-/// What the choice of the next step size depends on.
+/// State of the step size controller.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pace {
     /// Size of the next step, 0 where none has been chosen `[time]`.
     dt: f64,
-    /// What steps have had on the whole: impacts do not count much `[time]`.
+    /// Usual size of steps, in which short steps at impacts have little weight `[time]`.
     usual: f64,
-    /// Error over what it may be of the step before, 0 where it is not known.
+    /// Error of the previous step relative to the admissible error, 0 if unknown.
     ratio: f64,
     /// Largest mean speed of a body so far `[length/time]`.
     speed: f64,
-    /// How long each contact has been open, in the order of the model; none before the first step `[time]`.
+    /// Time for which each contact has been open, in the order of the model; empty before the first step `[time]`.
     open: Vec<f64>,
     /// The last two steps, the later one first.
     steps: Vec<PastStep>,
 }
 
-/// A step that was.
+/// Earlier step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct PastStep {
-    /// Its size `[time]`.
+    /// Time step size `[time]`.
     dt: f64,
-    /// Mean velocities in it `[length/time]`.
+    /// Mean velocities in the step `[length/time]`.
     velocity: Arc<Vec<f64>>,
 }
 
 /// A step that has converged.
 pub struct Stepped<'a> {
-    /// Its scheme.
+    /// Time integrator of the step.
     pub scheme: &'a Scheme,
-    /// Its size `[time]`.
+    /// Time step size `[time]`.
     pub dt: f64,
-    /// Displacements at its start and its end `[length]`.
+    /// Displacements at the start and the end of the step `[length]`.
     pub u: [&'a [f64]; 2],
-    /// Velocities at its start `[length/time]`.
+    /// Velocities at the start of the step `[length/time]`.
     pub v_0: &'a [f64],
-    /// Whether it is shorter than was chosen, because something comes first.
+    /// True if the step is shorter than chosen, to end at an event.
     pub is_cut: bool,
-    /// The first touch of a contact that it has missed.
+    /// First touch of a contact that the step has missed.
     pub touch: Option<Touch>,
     /// Round-off of the positions, where contacts or rigid bodies depend on them; else 0 `[length]`.
     pub round_off: f64,
@@ -111,52 +110,52 @@ pub struct Stepped<'a> {
 /// A first touch that does not fall on the end of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Touch {
-    /// Sides are that deep inside each other now `[length]`.
+    /// Penetration of the sides at the end of the step `[length]`.
     Passed(f64),
-    /// Sides were kept from that within the step.
+    /// The update rule prevented penetration within the step.
     Kept,
 }
 
 /// Root mean squares over the mass of bodies, the largest of all.
 pub trait Measure {
-    /// Of a vector with a component for each unknown, all or those that are free.
+    /// Root mean square of a vector with a component for each unknown, of all unknowns or of the free ones.
     fn size(&self, vector: &[f64], free: bool) -> f64;
 }
 
 impl Pace {
-    /// Size of the next step, `first` where nothing is known `[time]`.
+    /// Size of the next step; `first` if none has been chosen `[time]`.
     pub fn size(&self, control: &StepControl, first: f64) -> f64 {
         let size = if self.dt > 0.0 { self.dt } else { first };
         size.max(control.smallest(first)).min(control.largest.unwrap_or(f64::INFINITY))
     }
 
-    /// Whether a contact has been open for some time, or has never been closed.
+    /// True if a contact has been open for the time `time`, or has never been closed.
     pub fn is_open(&self, contact: usize, time: f64) -> bool {
         self.open.get(contact).is_none_or(|open| *open >= time)
     }
 
-    /// The same with what contacts do at the end of a step: whether each is closed.
+    /// Returns the controller with the open times of contacts advanced by a step of size `dt`; `closed` are the contact states at its end.
     pub fn with_contacts(self, dt: f64, closed: impl Iterator<Item = bool>) -> Pace {
         let so_far = |contact: usize| self.open.get(contact).copied().unwrap_or(f64::MAX);
         let open = closed.enumerate().map(|(contact, is_closed)| if is_closed { 0.0 } else { so_far(contact) + dt }).collect();
         Pace { open, ..self }
     }
 
-    /// Forgets how the motion went, where it goes on in another way.
+    /// Discards the history of the motion, which continues in another way.
     pub fn restart(&mut self) {
         self.steps.clear();
         self.ratio = 0.0;
     }
 
-    /// The same where Newton's method has failed: the next step is no longer than this one.
+    /// Returns the controller after a failure of Newton's method: the next step is no longer than `dt`.
     pub fn held(&self, dt: f64) -> Pace {
         Pace { dt: self.dt.min(dt), ..self.clone() }
     }
 
-    /// What the next step depends on after one that is accurate enough.
+    /// Returns the controller after a step that is accurate enough.
     ///
     /// # Errors
-    /// It is not: the size to try instead.
+    /// The step is not accurate enough: the size of the next try.
     pub fn after(&self, step: &Stepped, control: &StepControl, first: f64, measure: &impl Measure) -> Result<Pace, f64> {
         let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, touch, round_off, .. } = step;
         let velocity: Vec<f64> = u_1.iter().zip(u_0).map(|(u_1, u_0)| (u_1 - u_0) / dt).collect();
@@ -188,7 +187,7 @@ impl Pace {
         if missed > allowed && may_shrink {
             return Err((dt - (missed - AIM * allowed) / speed).clamp(SHORTER * dt, LESS * dt).max(smallest));
         }
-        // What has only begun asks for no shorter steps.
+        // A motion that has just begun requires no shorter steps.
         let ratio = if has_begun { ratio } else { ratio.min(AIM) };
         let mut next = Pace { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
         next.steps.extend(self.steps.first().cloned());
@@ -236,7 +235,7 @@ fn differences(error: &LeadingError, dt: f64, [last, middle, first]: [(f64, &[f6
     growth
 }
 
-/// The time that sound takes across a cell, where it is shortest `[time]`; `None` where all bodies are rigid.
+/// Shortest time in which an elastic wave crosses a cell `[time]`; `None` if all bodies are rigid.
 pub fn time_of_sound(model: &Model) -> Option<f64> {
     let of_body = |body: &BodyDefinition| {
         let points = &body.mesh.points;
@@ -256,7 +255,8 @@ pub fn time_of_sound(model: &Model) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Of a cubic motion the third derivative, whatever the steps, and at the start where a velocity stands for a step.
+    /// Differences are third derivatives of a cubic motion, for all step sizes, and at the start, where a velocity takes the place of a
+    /// step.
     #[test]
     fn differences_are_derivatives_of_a_cubic() {
         let error = LeadingError { first: 0.0, second: 1.0 };

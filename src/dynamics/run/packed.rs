@@ -59,7 +59,7 @@ impl<T: Packed + Clone + Default> Packed for Vec<T> {
     fn take(&mut self, from: &mut &[u8]) -> Option<()> {
         let mut length = 0;
         length.take(from)?;
-        // A damaged length must not ask for more memory than there are bytes.
+        // A damaged length must not require more memory than there are bytes.
         if length > from.len() / NUMBER {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Paths of equilibria as values: states along a load, where they lose their stability, how the path ended.
+//! Paths of equilibria as values: states along a load, critical points, termination.
 
 use std::sync::Arc;
 
@@ -7,16 +7,16 @@ use thiserror::Error;
 use super::state::State;
 use crate::dynamics::model::step_error::StepError;
 
-/// How a path is followed.
+/// Options of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathOptions {
     /// Time of the loads at which the path ends `[time]`.
     pub until: f64,
-    /// First increment of it `[time]`.
+    /// First increment of the load `[time]`.
     pub increment: f64,
-    /// Points at most.
+    /// Largest number of points.
     pub points: usize,
-    /// Whether the load may fall on the way: the length of the path is given, not its load.
+    /// Arc-length control: the load may decrease along the path.
     pub by_arc: bool,
 }
 
@@ -25,9 +25,9 @@ pub struct PathOptions {
 pub struct Path {
     /// The equilibria, from that at which the path begins.
     pub points: Vec<PathPoint>,
-    /// Where stability is lost or gained.
+    /// Critical points, where stability is lost or gained.
     pub critical: Vec<CriticalPoint>,
-    /// How it ended.
+    /// Reason of the termination.
     pub end: PathEnd,
 }
 
@@ -36,21 +36,21 @@ pub struct Path {
 pub struct PathPoint {
     /// The state.
     pub state: Arc<State>,
-    /// In how many directions it is unstable; none where the factors do not tell.
+    /// Number of unstable directions; `None` if the inertia is not available.
     pub unstable: Option<usize>,
-    /// Length of the path up to it, in displacements of all nodes `[length]`.
+    /// Length of the path up to this point, in displacements of all nodes `[length]`.
     pub length: f64,
 }
 
-/// Where the stiffness is singular.
+/// Critical point, where the stiffness is singular.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalPoint {
-    /// Which kind it is.
+    /// Kind of the critical point.
     pub kind: CriticalKind,
-    /// The load there, as a time `[time]`: of a limit point the extremum of the parabola through the points beside it, of others
-    /// where the eigenvalue that changes its sign between two points vanishes.
+    /// Load at the critical point, as a time `[time]`: for a limit point the extremum of the parabola through the adjacent points, for
+    /// others the zero of the eigenvalue that changes its sign between two points.
     pub load: f64,
-    /// The point before it.
+    /// Index of the path point before it.
     pub after: usize,
 }
 
@@ -63,18 +63,18 @@ pub enum CriticalKind {
     Bifurcation,
 }
 
-/// How a path ended.
+/// Reason of a path's termination.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PathEnd {
-    /// At the load that was asked for.
+    /// The requested load was reached.
     Reached,
-    /// With as many points as were allowed.
+    /// The largest number of points was reached.
     Points,
-    /// No further equilibrium was found, and why.
+    /// No further equilibrium was found; the reason.
     Lost(String),
 }
 
-/// Why there is no path.
+/// Error of a path.
 #[derive(Debug, Error)]
 pub enum PathError {
     /// The first equilibrium was not found, or the run was interrupted.
@@ -83,13 +83,13 @@ pub enum PathError {
     /// Sides may touch and part.
     #[error("contact \"{contact}\" may close and open, which the search for equilibria along a path does not follow")]
     Contact {
-        /// Its name.
+        /// Name of the contact.
         contact: String,
     },
 }
 
 impl PathError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the error, explained by `conserva doc`.
     pub fn code(&self) -> &'static str {
         match self {
             PathError::Step(error) => error.code(),

@@ -16,17 +16,17 @@ use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::equations::Equations;
 
-/// What all pairs are at a configuration, and their rows.
+/// Evaluated contact pairs with multipliers and states at a configuration.
 pub struct Touching<'a> {
-    /// The pairs.
+    /// Normal constraints of the pairs.
     pub evaluations: &'a [Evaluation],
-    /// Their tangential rows.
+    /// Tangential constraints of the pairs.
     pub slips: &'a [Evaluation],
-    /// Multipliers of all rows.
+    /// Multipliers of all constraints.
     pub lambda: &'a [f64],
-    /// What every row is.
+    /// Contact state of every constraint.
     pub active: &'a [RowState],
-    /// What the tangential rows have done so far.
+    /// Accumulated slip of the tangential constraints.
     pub slipped: &'a [SlipMemory],
 }
 
@@ -249,7 +249,7 @@ where
         self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie).map(of).collect()
     }
 
-    /// What all pairs and their tangential rows are at `q` with the present multipliers.
+    /// Evaluates normal and tangential constraints of all pairs at `q`, with the present multipliers.
     fn evaluated_at(&self, q: &[f64]) -> [Vec<Evaluation>; 2] {
         let evaluations = self.system.evaluations_at(q);
         let slips = self.system.slips_at_rest(q, &evaluations);
@@ -271,7 +271,8 @@ where
         self.system.contacts().map(of).collect()
     }
 
-    /// What the supports of each boundary exert, `reaction` the force on a component that is held and `q` where moments are taken.
+    /// Resultant and moment of the support forces of each boundary; `reaction` gives the force on a supported component, `q` the positions
+    /// for moments.
     pub fn reactions(&self, q: impl Fn(usize) -> f64, reaction: impl Fn(usize) -> f64) -> Vec<Reaction> {
         let of = |held: &Vec<usize>| {
             let mut sum = Reaction::default();

@@ -1,4 +1,4 @@
-//! What a time integrator remembers at a state that no step of its own led to: at the start, after `settle`, of another integrator.
+//! History variables of a time integrator at a state that none of its steps led to: at the start, after `settle`, after another integrator.
 
 use std::sync::Arc;
 
@@ -19,7 +19,8 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Computes what the time integrator remembers from the forces at the current state; velocities count where forces depend on them.
+    /// Computes the history variables of the time integrator from the forces at the present state, including forces that depend on
+    /// velocities.
     pub(super) fn remember(&mut self) -> Result<(), StepError> {
         let state = self.state.clone();
         if self.options.integrator.remembers.is_empty() {
@@ -44,7 +45,7 @@ where
         Ok(())
     }
 
-    /// What the time integrator remembers of the forces at an iterate at rest.
+    /// History variables of the time integrator for the forces at an iterate at rest.
     fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeMemory, Failure> {
         let scheme = self.options.integrator;
         let (forces, mut remembered) = (&at.forces, SchemeMemory { of: scheme.describe(), ..SchemeMemory::default() });

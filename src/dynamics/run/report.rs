@@ -1,33 +1,33 @@
-//! Why a step failed: what a user can look at after the error.
+//! Report of a failed step for the user.
 
 use crate::dynamics::model::remedy::{Ease, Remedy};
 use crate::math::digits::three_digits;
 
-/// What made a step fail.
+/// Cause of a failed step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FailureCause {
     /// The contact state of some nodes changed at least every second time in the last iterations.
     CyclingContact {
         /// Name of the contact pair.
         contact: String,
-        /// The nodes that changed.
+        /// Nodes that changed.
         cycling: Vec<CyclingNode>,
         /// Secondary nodes of the pair.
         nodes: usize,
-        /// Whether they kept touching, and changed between stick and slip only.
+        /// True if the nodes stayed in contact and changed between stick and slip only.
         is_slip: bool,
     },
     /// A load or a prescribed motion moves nodes too far in one step.
     LoadTooFast {
-        /// What it is, such as `the load on "block.top"`.
+        /// Name of the load or prescribed motion, such as `the load on "block.top"`.
         load: String,
         /// Body of the node that it moves farthest.
         body: String,
-        /// That node in the body's mesh.
+        /// Number of that node in the body's mesh.
         node: usize,
-        /// By how many cells the load alone moves it in the last try.
+        /// Displacement of the node by the load alone in the last try, in cells.
         cells: f64,
-        /// What that led to.
+        /// Resulting failure.
         outcome: Box<FailureCause>,
     },
     /// Newton's method came nearer from halving to halving, or was still converging when its iterations were over.
@@ -41,11 +41,11 @@ pub enum FailureCause {
         steps: usize,
         /// Unbalanced force on the body over the forces on it.
         unbalanced: f64,
-        /// The body that moves most.
+        /// Body that moves most.
         body: String,
-        /// How it moves, such as `move along (1.00, 0.00)`.
+        /// Motion of the body, such as `move along (1.00, 0.00)`.
         how: String,
-        /// What it lacks, where that is known.
+        /// Missing support of the body, if known.
         missing: Option<Missing>,
     },
     /// The residual fell too slowly or not at all.
@@ -67,7 +67,7 @@ pub enum FailureCause {
     },
     /// The linear system could not be solved.
     SingularSystem {
-        /// Which body can still move how, or which constraints depend on one another.
+        /// Rigid motion that a body can perform, or the dependent constraints.
         reason: String,
     },
     /// Bodies moved farther in the step than the search for contact reaches.
@@ -77,26 +77,26 @@ pub enum FailureCause {
     },
 }
 
-/// What a body lacks to be at rest.
+/// Support that a body lacks to be at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Missing {
-    /// It touches nothing.
+    /// The body touches nothing.
     Support,
-    /// It touches something that does not hold it: contact has no friction.
+    /// The body is in contact without friction, which does not hold it.
     Guidance,
-    /// The same although contacts have friction.
+    /// The body is in contact with friction, which does not hold it.
     Friction,
 }
 
 /// A node whose contact state kept changing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CyclingNode {
-    /// Its body.
+    /// Name of the body.
     pub body: String,
-    /// Its number in the body's mesh.
+    /// Number of the node in the body's mesh.
     pub node: usize,
-    /// Its number among the secondary nodes of the contact; `None` for a corner of the primary side.
+    /// Index among the secondary nodes of the contact; `None` for a corner of the primary side.
     pub index: Option<usize>,
 }
 
@@ -105,13 +105,13 @@ pub struct CyclingNode {
 pub struct TryReport {
     /// Size of the step `[time]`.
     pub dt: f64,
-    /// Iterations looked at.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Residual of the last one `[force]`.
+    /// Residual of the last iteration `[force]`.
     pub residual: f64,
-    /// Force below which it would have been small enough.
+    /// Force tolerance of the residual `[force]`.
     pub target: f64,
-    /// How it ended, in two words.
+    /// Outcome in two words.
     pub outcome: &'static str,
 }
 
@@ -120,11 +120,11 @@ pub struct TryReport {
 pub struct IterationReport {
     /// Largest component of the residual `[force]`.
     pub residual: f64,
-    /// Force below which it would have been small enough.
+    /// Force tolerance of the residual `[force]`.
     pub target: f64,
-    /// Energy that the residual can still move, over what the tolerance allows.
+    /// Energy that the residual can still move, relative to the tolerance.
     pub energy: f64,
-    /// Largest violation of the contact conditions over what is tolerated.
+    /// Largest violation of the contact conditions, relative to the tolerance.
     pub gap_violation: f64,
     /// Contact nodes that changed their state.
     pub changes: usize,
@@ -132,30 +132,30 @@ pub struct IterationReport {
     pub active: usize,
     /// Body with the largest residual.
     pub body: String,
-    /// Node of that body's mesh.
+    /// Node in that body's mesh.
     pub node: usize,
     /// Contact pair with the largest violation.
     pub contact: Option<String>,
-    /// Whether what is violated there is the law of friction.
+    /// True if the largest violation is that of the friction law.
     pub is_slip: bool,
 }
 
-/// The report on a step that failed for good.
+/// Report of a step that failed after all tries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailureReport {
-    /// Time at its beginning `[time]`.
+    /// Time at the beginning of the step `[time]`.
     pub time: f64,
-    /// Its number.
+    /// Number of the step.
     pub step: usize,
     /// Size of the last try `[time]`; 0 in `settle`.
     pub dt: f64,
-    /// How often it had been halved.
+    /// Number of halvings.
     pub halvings: usize,
-    /// What made it fail.
+    /// Cause of the failure.
     pub cause: FailureCause,
-    /// The iterations of the last try.
+    /// Iterations of the last try.
     pub iterations: Vec<IterationReport>,
-    /// In `settle`: a body without support on which the loads do not balance, so that only contact can hold it.
+    /// Body without support whose loads do not balance, so that contact alone can hold it; set in `settle`.
     pub unheld: Option<String>,
     /// All tries, from the nominal step to the last halving; empty in `settle`.
     pub tries: Vec<TryReport>,
@@ -225,7 +225,7 @@ impl FailureReport {
         }
     }
 
-    /// How to mend it; `ease` says how less is asked for at a time.
+    /// Suggested remedy; `ease` is the kind of smaller increments.
     pub(super) fn remedy(&self, ease: Ease) -> Remedy {
         match &self.cause {
             FailureCause::NoEquilibrium { missing: Some(Missing::Guidance | Missing::Friction), .. } => Remedy::Guide,
@@ -254,16 +254,16 @@ const HALVINGS_TO_JUDGE: usize = 3;
 /// Growth of the residual over its target, from the nominal step to the last halving, from which on smaller steps are no remedy.
 const WORSE: f64 = 10.0;
 
-/// What helps friction besides.
+/// Additional remedy for friction.
 const FRICTION: &str = ", or, where the coefficient falls with the speed, a larger transition speed";
 
 impl IterationReport {
-    /// Whether the forces balance and the law of friction is what is missing.
+    /// True if forces balance and the friction law alone is violated.
     fn fails_by_slip(&self) -> bool {
         self.is_slip && self.residual <= self.target && self.gap_violation > 1.0
     }
 
-    /// What is still wrong after `count` iterations, to follow another clause.
+    /// Remaining error after `count` iterations, as a clause to append.
     fn shortfall(&self, count: usize) -> String {
         let what = if self.residual > self.target {
             format!(

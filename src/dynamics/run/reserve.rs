@@ -1,9 +1,10 @@
-//! Gives back the reserves of constraints that have opened, in the step in which they open: never across an open gap.
+//! Return of the stored impact energy of constraints that have opened, in the step in which they open: never across an open gap.
 //!
-//! They push, each in proportion to the impact that its reserve stands for. Not all of them can: one that is opposite nothing any more has
-//! no gradient, and one that opened for another's sake still approaches. Then the closed constraints of the same contact take the reserve
-//! over, and give it when they open; without any, the nearest open one takes that of one opposite nothing, and pushes although it
-//! approaches: the energy is exact all the same. What cannot be given even so is lost at once, in the work of contact.
+//! The constraints exert impulses in proportion to the impact that their stored energy represents. Two kinds cannot: a constraint whose
+//! node faces no other side has no gradient, and a constraint that was opened by another one still approaches. Their energy is transferred
+//! to the active constraints of the contact, which return it when they open. Without active constraints the nearest inactive one takes over
+//! the energy of a constraint without gradient, and exerts an impulse although it approaches: the energy remains exact. Energy that cannot
+//! be returned in these ways is lost at once, in the work of contact.
 
 use super::engine::Engine;
 use super::velocity_correction::{Ending, VelocityCorrection};
@@ -12,15 +13,16 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::impulse_response::ImpulseResponse;
 use crate::math::tolerances;
 
-/// Gap in secondary facets up to which an open constraint takes over the reserve of one that has slid off.
+/// Gap, relative to the secondary facet length, up to which an inactive constraint takes over the stored impact energy of one that has
+/// slipped off.
 const NEAR: f64 = 0.5;
 
-/// How constraints push that have opened.
+/// Condition on constraints that have opened and push.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
-    /// Only if they part.
+    /// Only constraints whose sides part.
     Parting,
-    /// In any case.
+    /// All constraints.
     Anyhow,
 }
 
@@ -28,7 +30,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Gives back what constraints keep that have opened.
+    /// Returns the stored impact energy of constraints that have opened.
     ///
     /// # Errors
     /// The run was interrupted.
@@ -53,19 +55,19 @@ where
         (0..end.ours.len()).filter(|&row| end.has_opened(row, &jump.reserve)).collect()
     }
 
-    /// Index of the pair of a row, and its place there.
+    /// Index of the pair of a constraint, and index in the pair.
     fn place(&self, row: usize) -> (usize, usize) {
         let pair = self.system.pairs.iter().position(|pair| pair.rows.contains(&row)).expect("every row belongs to a pair");
         (pair, row - self.system.pairs[pair].rows.start)
     }
 
-    /// Whether a row is opposite something at the end of the step.
+    /// True if the node of a constraint faces the other side at the end of the step.
     fn is_opposite(&self, end: &Ending, row: usize) -> bool {
         let (pair, local) = self.place(row);
         end.solution.at.pairs[pair].coverage[local] > tolerances::SLIVER
     }
 
-    /// Rows under the rule of the contact of a row, those of its corners included.
+    /// Constraints under the rule that belong to the contact of a constraint, including those of its corners.
     fn of_same_contact(&self, end: &Ending, row: usize) -> Vec<usize> {
         let pairs = &self.system.pairs;
         let contact = |index: usize| self.system.contact_of(index);
@@ -74,7 +76,7 @@ where
         rows.filter(|&row| end.ours[row]).collect()
     }
 
-    /// Hands the reserve of a row to the closed ones of its contact in equal parts, if there are any.
+    /// Transfers the stored impact energy of a constraint to the active ones of its contact in equal parts, if there are any.
     fn hand_to_closed(&self, end: &Ending, jump: &mut VelocityCorrection, row: usize) {
         let closed: Vec<usize> = self.of_same_contact(end, row).into_iter().filter(|&other| end.hold[other]).collect();
         if !closed.is_empty() {
@@ -83,7 +85,8 @@ where
         }
     }
 
-    /// Hands the reserve of a row to the nearest open one of its contact that is opposite something, if one is near.
+    /// Transfers the stored impact energy of a constraint to the nearest inactive one of its contact that faces the other side, if one is
+    /// near.
     fn hand_to_nearest(&self, end: &Ending, jump: &mut VelocityCorrection, row: usize) {
         let facets = |row: usize| {
             let (pair, local) = self.place(row);
@@ -98,8 +101,8 @@ where
         }
     }
 
-    /// Open constraints push in proportion to the impact that their reserve stands for, and give it back: `v + s w` with the positive root
-    /// of `a s^2 + b s = reserve`. Whether nothing is left to give.
+    /// Applies impulses of constraints that have opened, in proportion to the impact that their stored energy represents, and returns the
+    /// energy: `v + s w` with the positive root of `a s^2 + b s = reserve`. Returns true if no stored energy remains.
     fn push_apart(&mut self, end: &mut Ending, jump: &mut VelocityCorrection, way: Way) -> Result<bool, Failure> {
         let opened = self.opened(end, jump);
         if opened.is_empty() {
@@ -129,7 +132,7 @@ where
         Ok(true)
     }
 
-    /// A push smoothed by the stiffness, or by the mass alone where the stiffness's round-off would be felt as momentum.
+    /// Impulse response smoothed by the stiffness, or by the mass alone if the round-off of the stiffness would appear as momentum.
     fn smoothed_push(&mut self, end: &Ending, pushes: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
         let still = vec![0.0; pushes.len()];
         match self.balanced_push(end, 0.25 * end.motion.dt * end.motion.dt, pushes, &still)? {

@@ -23,20 +23,20 @@ use crate::math::tolerances;
 /// of a gap in its velocities.
 const NOISE: f64 = 4.0;
 
-/// Attempts to meet the energy that restitution gives back.
+/// Largest number of attempts to reach the energy that restitution returns.
 const ATTEMPTS: usize = 20;
 
-/// A row that presses of a contact between rigid sides which are closed at the end of the step.
+/// Normal constraint of a contact between rigid sides that is active at the end of the step.
 struct Touch {
     /// Index of its pair.
     pair: usize,
-    /// The row among all rows.
+    /// Index among all constraints.
     row: usize,
     /// True if the contact was closed at the start of the step and did not open.
     was_closed: bool,
 }
 
-/// Impulses of the rows in the impacts of a step, and what these took.
+/// Impulses of the constraints in the impacts of a step, and their work.
 struct Outcome {
     /// Impulses beyond those of the step, in the order of the rows.
     impulses: Vec<f64>,
@@ -125,7 +125,7 @@ where
         is_impact.then_some(touches)
     }
 
-    /// The row that presses and its tangential rows.
+    /// Normal constraint of a touch and its tangential constraints.
     fn rows_of(&self, touch: &Touch) -> Vec<usize> {
         let pair = &self.system.pairs[touch.pair];
         let slips = self.slips_of(pair, touch.row);

@@ -1,4 +1,4 @@
-//! Rows of a ledger in their order, wherever they are kept.
+//! Rows of a ledger in their order, in memory or on disk.
 
 use super::ledger::LedgerRow;
 

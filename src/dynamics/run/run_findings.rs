@@ -1,8 +1,8 @@
-//! What a run did that its rules promise not to do, or that bears on what its results are worth: read from the rows of its ledger and from
-//! the steps that were halved.
+//! Violations of what the rules of a run ensure, and limits of the reliability of its results: read from the rows of the ledger and the
+//! halved steps.
 //!
-//! A finding is no error: the run went on. Shares of energy are relative to the largest `kinetic + strain + |potential|` of the run, and
-//! never below what round-off of the positions does to it. What is suspicious before anything is computed is told by `findings.rs`.
+//! A finding is no error: the run continued. Energies are relative to the largest `kinetic + strain + |potential|` of the run, but not
+//! below the effect of the positions' round-off. Findings before the first step are in `findings.rs`.
 
 use super::halvings::Halving;
 use super::ledger::LedgerRow;
@@ -12,11 +12,11 @@ use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LEAP, LOST, PASSING, SLIDING};
 
-/// Share of the factorizations that may be for nothing before it is told, of more than a few.
+/// Fraction of discarded factorizations from which a finding is reported, for more than a few.
 const DISCARDED: f64 = 1.0 / 3.0;
 const FEW: usize = 100;
 
-/// What was found.
+/// Kind of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RunFindingKind {
     /// The work of contact in a step was positive; the value is its share of the energy.
@@ -29,7 +29,7 @@ pub enum RunFindingKind {
     Leap,
     /// Bodies between which nothing is defined are inside each other; the value is the depth in facets.
     PassedThrough,
-    /// A body was inside a rigid obstacle with a part that its contact does not know; the value is the depth in facets.
+    /// A body was inside a rigid obstacle with a part outside its contact definition; the value is the depth in facets.
     PassedObstacle,
     /// The sides of a contact overlap by more than a tenth of a facet; the value is the largest depth in facets.
     Depth,
@@ -56,7 +56,7 @@ pub enum RunFindingKind {
 }
 
 impl RunFindingKind {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable code of the finding, explained by `conserva doc`.
     pub fn code(self) -> &'static str {
         match self {
             RunFindingKind::PositiveContactWork => "C0601",
@@ -109,7 +109,7 @@ impl RunFindingKind {
         ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
     ];
 
-    /// Its stable name.
+    /// Stable name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             RunFindingKind::PositiveContactWork => "positive_contact_work",
@@ -136,19 +136,19 @@ impl RunFindingKind {
 /// Something found about a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunFinding {
-    /// What.
+    /// Kind of the finding.
     pub kind: RunFindingKind,
-    /// The contact that it is about, where that is known.
+    /// Name of the contact concerned, if known.
     pub contact: Option<String>,
-    /// How much, in the unit of the kind.
+    /// Magnitude, in the unit of the kind.
     pub value: f64,
-    /// From how much on it is told.
+    /// Magnitude from which a finding is reported.
     pub limit: f64,
-    /// The accepted step where it was largest; of halvings, the one before the first.
+    /// Number of the accepted step with the largest magnitude; for halvings that of the step before the first one.
     pub step: usize,
-    /// The end of that step `[time]`.
+    /// End of that step `[time]`.
     pub time: f64,
-    /// The numbers that show it; begins with the name of the integrator where energy is not conserved.
+    /// Numbers that show the finding; begins with the name of the integrator where energy is not conserved.
     pub explanation: String,
 }
 
@@ -184,7 +184,7 @@ impl RunFinding {
         self.kind.code()
     }
 
-    /// How to mend it, or what to make of it, one sentence.
+    /// Suggested remedy or interpretation in one sentence.
     pub fn hint(&self) -> &'static str {
         match self.kind {
             RunFindingKind::PositiveContactWork => "no update rule should do so: do not trust the run from there on, and try a smaller dt",
@@ -222,7 +222,7 @@ impl RunFinding {
         }
     }
 
-    /// That steps of a size have such a motion, first after the step of that number and time.
+    /// Finding on a motion too large for steps of size `dt`, first after the step `step` at `time`.
     pub fn of_motion(kind_of: fn(MotionKind) -> RunFindingKind, motion: &LargeMotion, dt: f64, step: usize, time: f64) -> Self {
         let (LargeMotion { contact, kind, facets }, dt) = (motion, rounded(dt));
         let (limit, explanation) = match kind {
@@ -251,27 +251,28 @@ impl RunFinding {
     }
 }
 
-/// What findings are measured by.
+/// Scales and properties of a simulation by which findings are judged.
 pub struct Measures<'a> {
     /// Names of the contacts in the order of the rows' totals, with the lengths of their shortest secondary facets `[length]`.
     pub contacts: Vec<(&'a str, f64)>,
-    /// Young's modulus times the size of the model: its strain energy at strains of order one `[energy]`.
+    /// Young's modulus times the size of the model: the strain energy at strains of order one `[energy]`.
     pub stiffness: f64,
-    /// Share of the energy that a step may be off by; `None` where the integrator does not keep it.
+    /// Admissible relative energy defect of a step; `None` for an integrator that does not conserve energy.
     pub defect: Option<f64>,
     /// Name of the time integrator.
     pub integrator: &'static str,
-    /// Whether its contact gives in one step what it takes in the next, as forward increments of multipliers do: then sums count.
+    /// True for forward increments of multipliers (explicit steps), whose contact returns in one step what it takes in the next: sums are
+    /// judged.
     pub is_explicit: bool,
-    /// Whether its steps go from equilibrium to equilibrium: their works are those of the trapezoidal rule.
+    /// True for statics, whose works are those of the trapezoidal rule.
     pub is_static: bool,
-    /// Why steps were halved.
+    /// Halvings by cause.
     pub halvings: &'a [Halving],
-    /// Why they would have to be, but could not.
+    /// Halvings by cause that were required but not possible, since the largest number was reached.
     pub refused: &'a [Halving],
-    /// Whether steps choose their size.
+    /// True if the step size is controlled.
     pub chooses_steps: bool,
-    /// Factorisations so far, and those among them of attempts that failed and of steps that were taken back.
+    /// Number of factorizations, and the part of failed attempts and of steps that were taken back.
     pub factorizations: usize,
     pub discarded: usize,
 }
@@ -440,7 +441,7 @@ pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunF
     found
 }
 
-/// Why steps were halved, or should have been.
+/// Findings on steps that were halved, or should have been.
 fn halved(measures: &Measures, last: &LedgerRow) -> Vec<RunFinding> {
     let mut found = Vec::new();
     for Halving { motion, step, time, dt, .. } in measures.refused {

@@ -1,15 +1,15 @@
 //! `settle`: equilibrium under the loads of the present time, by damped steps without inertia.
 //!
 //! A step solves `f(q_1) + mu M (q_1 - q_0) = 0`, the forces at its end and a damping, with the contact conditions. Each body has its own
-//! `mu`: as much as its unbalanced resultant and torque ask for, so that nothing loose moves by more than half a facet, and never less
-//! than a trifle of its own stiffness, so that rigid motions stay regular. As the forces come to balance the damping goes with them, and
-//! with it the error that it leaves (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). `balance.rs` judges
-//! when the end is reached; damping does not count as a force there.
+//! `mu`: proportional to its unbalanced resultant and torque, so that loose bodies move by at most half a facet, and never less than a
+//! small fraction of its own stiffness, so that rigid motions stay regular. The damping decreases with the imbalance, and with it the error
+//! of the result (pseudo-transient continuation; Kelley and Keyes, SIAM J. Numer. Anal. 35, 1998). `balance.rs` decides when equilibrium is
+//! reached; damping does not count as a force there.
 //!
-//! Overlaps are pressed apart a part of a facet in a step (`closing.rs`), and prescribed motions go as far in a step as Newton's method
-//! follows.
+//! Overlaps are separated by a fraction of a facet per step (`closing.rs`), and prescribed motions advance as far per step as Newton's
+//! method converges.
 //!
-//! Does not promise which of several equilibria is found, nor that it is stable; but a step never goes against the unbalanced forces.
+//! Of several equilibria any may be found, stable or not; but no step moves against the unbalanced forces.
 
 use std::sync::Arc;
 
@@ -40,13 +40,14 @@ use crate::dynamics::step::start::{StepKind, StepStart};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// Damped steps at most: stacks of twenty take seven, a fall from a distance one for each halving of it.
+/// Largest number of damped steps: stacks of twenty take seven, a fall from a distance one for each halving of it.
 const MAX_STEPS: usize = 100;
 
-/// What a loose body may move in a step, in facets: more, and Newton's method does not follow contacts that close on the way.
+/// Displacement limit of a loose body in a step, in facets; with larger ones Newton's method does not follow closing contacts.
 const FALL: f64 = 0.5;
 
-/// What a body may move in a step that has nothing to fall on, in extents of the model, and how far it goes until it is gone for good.
+/// Displacement limit in a step of a body without a contact partner, and the distance from which it counts as lost, in extents of the
+/// model.
 const FLIGHT: f64 = 10.0;
 const GONE: f64 = 95.0;
 
@@ -54,10 +55,10 @@ const GONE: f64 = 95.0;
 const MORE_DAMPING: f64 = 100.0;
 const DAMPING_OF_MECHANISMS: f64 = 10.0;
 
-/// Change of the share of a prescribed motion after a step that failed.
+/// Factor of the fraction of a prescribed motion after a failed step.
 const SHORTER: f64 = 0.25;
 
-/// How far prescribed nodes are moved in a step, in facets, once all at once has led astray.
+/// Displacement limit of prescribed nodes in a step, in facets, after the whole motion at once has failed.
 pub(super) const STRIDE: f64 = 0.5;
 
 /// Steps at most that close a part of an overlap or follow a part of a prescribed motion: they do not count among the others.
@@ -66,49 +67,49 @@ const MAX_PARTS: usize = 200;
 /// Growth of the search's reach after bodies moved beyond it.
 const WIDER: f64 = 3.0;
 
-/// Times that a step is tried again, and those up to which one remedy alone is tried.
+/// Largest number of repetitions of a step, and of those with one remedy alone.
 const MAX_TRIES: usize = 6;
 const EARLY_TRIES: usize = 3;
 
-/// Steps with more damping than the forces ask for that may go by without less imbalance: what buckles may pass, what slides off is given
-/// up.
+/// Number of steps with more damping than the forces require that may pass without a smaller imbalance: buckling may be passed, a body that
+/// slides off is given up.
 const MAX_STUCK: usize = 20;
 
-/// Imbalance over what is tolerated, 1e-8 of the forces, that no direction is read from: it is the end of an approach that went well.
+/// Imbalance relative to its tolerance, 1e-8 of the forces, below which its direction is not evaluated: it is the end of a converging
+/// sequence.
 const TRIFLE: f64 = 1e3;
 
-/// Steps in which everything stood after which nothing is expected to move any more: pairs that take part only while bodies move must not
-/// keep them moving.
+/// Number of steps without motion after which none is expected: pairs that take part only while bodies move must not keep them moving.
 const MAX_STOOD: usize = 3;
 
-/// Imbalance over what is tolerated, 1e-6 of the forces, that is enough on the way.
+/// Imbalance relative to its tolerance, 1e-6 of the forces, that suffices for intermediate equilibria.
 const COARSE: f64 = 1e5;
 
-/// The present state as `settle` sees it.
+/// Evaluation of the present state in `settle`.
 struct Present {
     positions: Vec<f64>,
     displacements: Vec<f64>,
-    /// Positions with prescribed motion, the displacement that leads there, and how far that goes.
+    /// Positions with prescribed motion, the displacement that leads there, and its size.
     predicted: Vec<f64>,
     moved: Vec<f64>,
     prescribed: f64,
-    /// Whether that is all of the prescribed motion.
+    /// True if the prescribed motion is complete.
     is_whole: bool,
-    /// How deep the pairs take part.
+    /// Depth up to which each pair takes part `[length]`.
     reaches: Vec<f64>,
     at: Linearization,
     imbalance: Imbalance,
-    /// Whether the contact conditions and the prescribed motions are met.
+    /// True if contact conditions and prescribed motions are satisfied.
     is_closed: bool,
 }
 
-/// A damped step as it is planned.
+/// Planned damped step.
 struct Plan {
-    /// Of each body.
+    /// Damping factor of each body.
     damping: Vec<f64>,
     /// Displacement of each component with which Newton's method starts.
     shift: Vec<[f64; 3]>,
-    /// How far the nodes of each component are expected to move at most.
+    /// Expected largest displacement of the nodes of each component.
     travel: Vec<f64>,
 }
 
@@ -229,8 +230,8 @@ where
         Ok(Present { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
 
-    /// Whether only round-off is left and a further step halved the imbalance neither of sums nor of nodes. That step is taken back, so
-    /// that a state once settled stays as it is. Internal forces cancel in sums, so round-off of positions limits nodes alone.
+    /// True if only round-off is left and a further step has halved neither the imbalance of sums nor that of nodes. That step is taken
+    /// back, so that a settled state stays unchanged. Internal forces cancel in sums, so round-off of positions limits nodes alone.
     fn gains_nothing(&mut self, imbalance: &Imbalance, best: &mut Option<(Arc<State>, [f64; 2])>) -> bool {
         if !imbalance.is_round_off {
             return false;
@@ -318,7 +319,7 @@ where
         Ok(())
     }
 
-    /// The damping of the next step, and how far it is expected to move the components.
+    /// Damping of the next step, and the expected displacements of the components.
     fn plan(&self, balance: &Balance, Present { imbalance, positions: q, at, .. }: &Present, progress: &Progress) -> Plan {
         let facet = self.shortest_facet();
         let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
@@ -428,9 +429,9 @@ where
 }
 
 impl Present {
-    /// Whether the unbalanced forces push the way of a displacement. Newton's method may find equilibria that do not last: it climbs to
-    /// them. Where contacts or prescribed motions are not met yet, and with a trifle or round-off alone, of forces or of the way (gaps are
-    /// met to 1e-12 of a facet), there is no such way.
+    /// True if the unbalanced forces do positive work along a displacement; Newton's method may also converge to unstable equilibria
+    /// against them. Always true while contacts or prescribed motions are not satisfied, and for forces or displacements at round-off (gaps
+    /// are met to 1e-12 of a facet).
     fn is_pushed_by<const D: usize>(&self, moved: &[f64], system: &Equations<D>) -> bool {
         let push = |k: usize| self.at.forces.contact[k] - self.at.forces.without_contact[k];
         let free = (0..moved.len()).filter(|&k| !system.supports.fixed[k]);

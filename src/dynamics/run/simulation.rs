@@ -1,4 +1,4 @@
-//! A running simulation, free of the space dimension.
+//! A running simulation, independent of the space dimension.
 
 use std::sync::Arc;
 
@@ -94,16 +94,16 @@ impl Simulation {
         &self.steps.state().row
     }
 
-    /// Bytes that a state takes.
+    /// Size of a state in bytes.
     pub fn state_size(&self) -> usize {
         self.steps.state().size()
     }
 
-    /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in pieces where it must be halved.
-    /// `accepted` is called with the ledger's row of every accepted piece.
+    /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in substeps where it must be halved.
+    /// `accepted` is called with the ledger's row of every accepted substep.
     ///
     /// # Errors
-    /// The step that failed; the simulation then stands at its last accepted piece, and goes on from there as a restored state does.
+    /// The step that failed; the simulation is then at its last accepted substep, and continues from there like a restored state.
     pub fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let taken = self.steps.step(end, accepted);
         self.watch_obstacles();
@@ -118,7 +118,7 @@ impl Simulation {
         self.settled(self.time(), true)
     }
 
-    /// Goes to a time without inertia: equilibrium under what loads, supports and obstacles are then.
+    /// Settles at a time without inertia: equilibrium under the loads, supports and obstacles at that time.
     ///
     /// # Errors
     /// No equilibrium was found; the simulation is as it was before.
@@ -126,10 +126,10 @@ impl Simulation {
         self.settled(time, true)
     }
 
-    /// The same where friction counts for nothing: surfaces slide freely.
+    /// Settles at a time without friction: surfaces slide freely.
     ///
     /// # Errors
-    /// No equilibrium was found; the simulation is as it was before.
+    /// No equilibrium was found; the simulation is unchanged.
     pub fn settle_without_friction(&mut self, time: f64) -> Result<SettleReport, StepError> {
         self.settled(time, false)
     }
@@ -152,8 +152,8 @@ impl Simulation {
         }
     }
 
-    /// The slowest natural vibrations about the present state, which stays as it is: closed constraints are ties there, viscosity has
-    /// relaxed, friction that slides does nothing.
+    /// Slowest natural vibrations about the present state, which remains unchanged: active constraints are tied, viscosity is relaxed,
+    /// slipping friction has no effect.
     ///
     /// # Errors
     /// [`ModesError`].
@@ -161,7 +161,7 @@ impl Simulation {
         self.steps.modes(count)
     }
 
-    /// Steady vibrations about the present state under what swings, as [`Self::modes`] sees the state, which stays as it is.
+    /// Steady vibrations about the present state under an excitation, with the assumptions of [`Self::modes`]; the state remains unchanged.
     ///
     /// # Errors
     /// [`HarmonicError`].
@@ -188,8 +188,8 @@ impl Simulation {
         self.steps.stable_step()
     }
 
-    /// Equilibria along the load, which is the time of all time functions, from the present state on; the simulation stays as it is.
-    /// `told` is given the row of each.
+    /// Follows equilibria along the load, whose parameter is the time of all time functions, from the present state; the simulation remains
+    /// unchanged. `told` receives the row of each equilibrium.
     ///
     /// # Errors
     /// [`PathError`].
@@ -197,7 +197,7 @@ impl Simulation {
         self.steps.path(options, told)
     }
 
-    /// The boundary that a prescribed motion moves farthest at once, in the first step from here, and by how much `[length]`.
+    /// Boundary with the largest prescribed displacement at the first step from the present state, and the displacement `[length]`.
     ///
     /// # Errors
     /// A time function failed.
@@ -205,15 +205,15 @@ impl Simulation {
         self.steps.prescribed_jump()
     }
 
-    /// Whether the sides of all contacts are apart now, or held by contact forces. `settle` asks by itself.
+    /// Checks that the sides of all contacts are apart or held by contact forces; `settle` includes this check.
     ///
     /// # Errors
-    /// Sides are inside each other by more than half a facet where nothing holds them apart: the deepest place.
+    /// Sides penetrate each other by more than half a facet without contact forces: the deepest place.
     pub fn check_apart(&self) -> Result<(), StepError> {
         self.steps.check_apart()
     }
 
-    /// Lets every row of the ledger tell the motion of a node (bodies one after the other) from now on.
+    /// Records the motion of a node (bodies one after the other) in every row of the ledger from now on.
     pub fn watch(&mut self, node: usize) {
         self.steps.watch(node);
     }
@@ -233,7 +233,7 @@ impl Simulation {
         self.steps.state().clone()
     }
 
-    /// Goes on from a state of this simulation (or of one of the same model).
+    /// Restores a state of this simulation (or of one of the same model).
     ///
     /// # Panics
     /// When the state is of another model (other numbers of nodes or multipliers).
@@ -241,30 +241,29 @@ impl Simulation {
         self.steps.restore(state);
     }
 
-    /// Makes contacts see the state as it stands. After a step they see what the step had to: pairs further apart, where bodies move
-    /// fast. Fields and gaps that somebody looks at follow from the state alone, so this comes before; a restored state needs none.
+    /// Updates the contact search to the present state alone. After a step it includes pairs further apart, where bodies move fast. Fields
+    /// and gaps for output follow from the state alone, so this call precedes them; a restored state needs none.
     pub fn look(&mut self) {
         self.steps.look();
     }
 
-    /// Takes the ledger's row of a later step for its own without the step: what is known of that step, before its state is restored.
-    /// Nothing else may be asked before [`Self::restore`].
+    /// Adopts the ledger's row of a later step before its state is restored. No other function may be called before [`Self::restore`].
     pub fn recall(&mut self, row: &LedgerRow) {
         self.steps.recall(row);
     }
 
-    /// What it has counted so far.
+    /// Counters of the simulation.
     pub fn tally(&self) -> Tally {
         Tally { passed: self.passed.clone(), ..self.steps.tally() }
     }
 
-    /// Goes on counting from what a simulation of the same model had counted.
+    /// Continues the counters of a simulation of the same model.
     pub fn count_from(&mut self, tally: &Tally) {
         self.steps.count_from(tally);
         self.passed.clone_from(&tally.passed);
     }
 
-    /// Whether a state is of this model, and what it refers to exists: one that comes from a file may hold anything.
+    /// True if a state, possibly from a file, belongs to this model and refers to existing entities.
     pub fn fits(&self, state: &State) -> bool {
         state.has_shape_of(self.steps.state())
     }
@@ -295,12 +294,12 @@ impl Simulation {
         self.steps.redundant_constraints()
     }
 
-    /// Joints that the present velocities do not fit, with the rate at which what they hold would part `[length/time]`.
+    /// Joints that the present velocities violate, with the rate at which the joint would open `[length/time]`.
     pub fn loose_joints(&self) -> Vec<(String, f64)> {
         self.steps.loose_joints()
     }
 
-    /// What the joint of that name exerts on the body that it holds; `None` when there is none.
+    /// Force and moment of the joint `name` on its second body; `None` without such a joint.
     pub fn joint(&self, name: &str) -> Option<JointLoad> {
         self.steps.joint(name)
     }
@@ -310,29 +309,28 @@ impl Simulation {
         self.steps.obstacles()
     }
 
-    /// Quantities of the contact pair of that name; `None` when there is none.
+    /// Quantities of the contact pair `name`; `None` without such a pair.
     pub fn contact(&self, name: &str) -> Option<ContactFields> {
         self.steps.contact(name)
     }
 
-    /// The secondary surfaces of all contacts but ties, with what contact does there, in the order of the model.
+    /// Secondary surfaces of all contacts except ties, with contact quantities, in the order of the model.
     pub fn contact_surfaces(&self) -> Vec<ContactSurface> {
         self.steps.contact_surfaces()
     }
 
-    /// Number of closed nodes of each contact pair, in the order of the model.
+    /// Number of active nodes of each contact pair, in the order of the model.
     pub fn closed_nodes(&self) -> Vec<usize> {
         self.steps.closed_nodes()
     }
 
-    /// Multipliers of the last step in every row of every contact with friction: what presses `[stress]`, and what holds against
-    /// sliding `[stress]`, which the law of friction bounds by the first. Corners have forces `[force]`, axisymmetric bodies stresses
-    /// times circumferences.
+    /// Multipliers of the last step in every constraint of every contact with friction: normal `[stress]`, and tangential `[stress]`, which
+    /// the friction law bounds by the normal one. Corners have forces `[force]`, axisymmetric bodies stresses times circumferences.
     pub fn friction_multipliers(&self) -> Vec<[f64; 2]> {
         self.steps.friction_multipliers()
     }
 
-    /// Why the last step that failed for good did so; `None` when none has failed.
+    /// Report of the last step that failed after all tries; `None` without a failure.
     pub fn failure(&self) -> Option<&FailureReport> {
         self.steps.failure()
     }
@@ -347,12 +345,12 @@ impl Simulation {
         self.steps.statistics()
     }
 
-    /// Why steps were halved since the simulation was made, those included that were not even tried.
+    /// Halvings by cause since the simulation was made, including those of steps that were not tried.
     pub fn halvings(&self) -> &[Halving] {
         self.steps.halvings()
     }
 
-    /// What is remarkable about a run of this simulation with these rows of its ledger.
+    /// Findings on a run of this simulation with the rows `rows` of its ledger.
     pub fn findings<R: Rows + ?Sized>(&self, rows: &R) -> Vec<RunFinding> {
         let mut found = run_findings(rows, &self.steps.measures());
         found.extend(self.passed_through());
@@ -411,7 +409,7 @@ impl Simulation {
         (value > COARSE).then_some(RunFinding { kind, contact: None, value, limit: COARSE, step, time, explanation })
     }
 
-    /// Bodies that are inside each other now, with nothing defined between them.
+    /// Finding on bodies that penetrate each other without an interaction between them.
     fn passed_through(&self) -> Option<RunFinding> {
         let inside = self.unpaired.inside(&self.steps.state().positions);
         let depth = |(_, inside): &(Names, Inside)| inside.depth / inside.size;
@@ -427,7 +425,7 @@ impl Simulation {
         Some(RunFinding { kind, contact: None, value: facets, limit: ALLOWED, step, time, explanation })
     }
 
-    /// A body that was inside a rigid obstacle with a part that its contact does not know.
+    /// Finding on a body that was inside a rigid obstacle with a part outside its contact definition.
     fn passed_obstacle(&self) -> Option<RunFinding> {
         let Passed { contact, body, facets, at, step, time } = self.passed.as_ref()?;
         let at: Vec<String> = at.iter().map(|x| format!("{x:.3}")).collect();
@@ -436,15 +434,15 @@ impl Simulation {
         Some(RunFinding { kind, contact, value: *facets, limit: DEPTH, step: *step, time: *time, explanation })
     }
 
-    /// Whether a run with these rows kept what it should keep of its energy: no energy but by loads, and none lost but by contact.
+    /// True if a run with the rows `rows` conserved energy as its integrator requires, apart from the work of loads and losses of contact.
     pub fn is_conserving<R: Rows + ?Sized>(&self, rows: &R) -> bool {
         let is_broken =
             |kind| matches!(kind, RunFindingKind::NotConserved | RunFindingKind::EnergyDefect | RunFindingKind::PositiveContactWork);
         !run_findings(rows, &self.steps.measures()).iter().any(|finding| is_broken(finding.kind))
     }
 
-    /// Whether a run with these rows should not be trusted: contact gave energy, energy appeared or vanished although the integrator
-    /// keeps it, or bodies have passed into each other or into obstacles.
+    /// True if a run with the rows `rows` is not reliable: contact supplied energy, energy appeared or vanished with a conserving
+    /// integrator, or bodies have penetrated each other or obstacles.
     pub fn is_doubtful<R: Rows + ?Sized>(&self, rows: &R) -> bool {
         let is_doubt =
             |kind| matches!(kind, RunFindingKind::PositiveContactWork | RunFindingKind::EnergyDefect | RunFindingKind::PassedThrough);
@@ -452,12 +450,12 @@ impl Simulation {
             || run_findings(rows, &self.steps.measures()).into_iter().chain(self.passed_through()).any(|finding| is_doubt(finding.kind))
     }
 
-    /// What the velocities say of the steps to come: contacts whose sides slide so fast that steps would be halved.
+    /// Findings from the initial velocities: contacts whose sides slide so fast that steps would be halved.
     pub fn findings_at_start(&self) -> Vec<RunFinding> {
         self.steps.findings_at_start()
     }
 
-    /// End of the last step in which a load acted, 0 when none did so far `[time]`.
+    /// End of the last step in which a load acted, 0 without one `[time]`.
     pub fn loads_ended(&self) -> f64 {
         self.steps.state().loads_ended
     }

@@ -1,4 +1,4 @@
-//! What the tangential rows of contacts have done so far: slips, their paths, their heat.
+//! Accumulated slip, slip path and heat of tangential constraints.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,19 +7,19 @@ use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Linearization;
 
-/// What is kept of a tangential row; the path of a group of them stands at its first one.
+/// Accumulated slip of a tangential constraint; the path of a group is stored in its first one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SlipMemory {
-    /// Its slip in the last step, while it was pressed `[length]`.
+    /// Slip in the last step, while active `[length]`.
     pub slip: f64,
-    /// Sum of the sizes of its slips since the start `[length]`.
+    /// Sum of the magnitudes of slips since the start `[length]`.
     pub path: f64,
     /// Heat since the start `[energy]`.
     pub heat: f64,
 }
 
-/// The same after a step that ends at an iterate, with the multipliers of tangential rows in the step and the states at its end, `kept` the
-/// share of the slips before in what counts as the last slip: 0, or 1 where the step is a part of one.
+/// Accumulated slips after a step that ends at an iterate, with the tangential multipliers `shear` in the step and the states `active` at
+/// its end. `kept` is the factor of earlier slips in the last slip: 0, or 1 if the step is a substep.
 pub fn slipped<const D: usize>(
     equations: &Equations<D>,
     before: &[SlipMemory],
@@ -50,35 +50,35 @@ pub fn slipped<const D: usize>(
     after
 }
 
-/// Adds to the heat what friction took at once, as its work on each tangential row.
+/// Adds the heat of friction in impacts, as its work on each tangential constraint.
 pub fn add_heat(slipped: &mut [SlipMemory], work: &[f64]) {
     slipped.iter_mut().zip(work).for_each(|(memory, work)| memory.heat -= work);
 }
 
-/// Work of friction, contact by contact, that lies between two such memories `[energy]`.
+/// Work of friction in each contact between two states of the accumulated slips `[energy]`.
 pub fn friction_work<const D: usize>(equations: &Equations<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
     let taken = |row: usize| before[row - equations.pressing].heat - after[row - equations.pressing].heat;
     equations.by_contact(|_, pair| pair.tangential().map(|(row, _)| taken(row)).sum())
 }
 
-/// Tangential rows of a pair.
+/// Tangential constraints of a pair.
 #[derive(Clone, Copy)]
 pub struct Tangential<'a> {
     pub evaluation: &'a Evaluation,
     pub lambda: &'a [f64],
     pub active: &'a [RowState],
     pub slipped: &'a [SlipMemory],
-    /// How many of them stand beside a row that presses.
+    /// Number of tangential constraints per normal constraint.
     pub count: usize,
 }
 
 impl Tangential<'_> {
-    /// One multiplier for each row that presses: its own, or the size of several.
+    /// Tangential multiplier beside each normal constraint: its value, or the norm of several.
     pub fn multipliers(&self) -> Vec<f64> {
         self.lambda.chunks_exact(self.count).map(size).collect()
     }
 
-    /// What is kept of the slips beside each row that presses.
+    /// Accumulated slip beside each normal constraint.
     pub fn memories(&self) -> impl Iterator<Item = SlipMemory> {
         let of = |group: &[SlipMemory]| {
             let slips: Vec<f64> = group.iter().map(|memory| memory.slip).collect();
@@ -88,7 +88,7 @@ impl Tangential<'_> {
     }
 }
 
-/// One value of a node's rows: the only one's own, or the length of several.
+/// Value of a group: that of its only constraint, or the norm of several.
 pub fn size(rows: &[f64]) -> f64 {
     match rows {
         [only] => *only,

@@ -1,9 +1,9 @@
 //! The longest explicit step that is stable: `omega dt <= 2` for the fastest vibration about the present state.
 //!
-//! It is found without a matrix, by Lanczos' method on `m^-1 K` (Parlett, The Symmetric Eigenvalue Problem, 1980), `K x` from the change of
-//! the forces along `x`. Dampers, whose velocities lag by half a step, count as a stiffness: with `K + 2 C/dt` the condition is the same. A
-//! penalty counts as if all of it were closed, by its largest stiffness over the masses of nodes on either side. The fastest cell by itself
-//! bounds all, and tells where a mesh limits the step.
+//! The step is found without a matrix, by Lanczos' method on `m^-1 K` (Parlett, The Symmetric Eigenvalue Problem, 1980), with `K x` from
+//! the change of the forces along `x`. Dampers, whose velocities lag by half a step, count as a stiffness: with `K + 2 C/dt` the condition
+//! is unchanged. A penalty counts as if all its constraints were active, by its largest stiffness over the masses of nodes on either side.
+//! The fastest cell by itself is a bound, and shows where a mesh limits the step.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, FastestCell, Space};
@@ -16,7 +16,7 @@ use crate::integrators::Lumping;
 use crate::linear::{Lanczos, Operator};
 use crate::math::tolerances;
 
-/// Vectors at most, and between two looks at what has been found.
+/// Largest number of vectors, and of vectors between two evaluations.
 const VECTORS: usize = 150;
 const LOOK_AFTER: usize = 5;
 
@@ -26,9 +26,9 @@ const TRIES: usize = 20;
 /// The longest explicit step that is stable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StableStep {
-    /// Its size `[time]`.
+    /// Stable time step size `[time]`.
     pub dt: f64,
-    /// Angular frequency of the fastest vibration, as steps of this size see it `[1/time]`.
+    /// Angular frequency of the fastest vibration, as steps of this size resolve it `[1/time]`.
     pub frequency: f64,
     /// The step by the fastest cell alone, never more than the first one where no damper and no penalty is `[time]`.
     pub bound: f64,
@@ -45,7 +45,7 @@ struct Fastest<'a, const D: usize> {
     system: &'a Equations<D>,
     start: &'a StepStart<'a>,
     mobility: Vec<f64>,
-    /// Size of the step for what is damped.
+    /// Time step size for damping terms.
     dt: f64,
 }
 

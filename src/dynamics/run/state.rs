@@ -26,44 +26,44 @@ pub struct State {
     pub velocities: Vec<f64>,
     /// Multipliers of all contact pairs `[stress]`.
     pub(super) lambda: Vec<f64>,
-    /// Weighted gaps as penalty potentials felt them at the end of the step.
+    /// Weighted gaps in the penalty potentials at the end of the step.
     pub(super) penalty_gap: Vec<f64>,
-    /// Energy that closed constraints of the `velocity` rule keep until they open `[energy]`.
+    /// Stored impact energy of active constraints under the `velocity` rule `[energy]`.
     pub(super) reserve: Vec<f64>,
-    /// What every constraint row is.
+    /// Contact state of every constraint.
     pub(super) active: Vec<RowState>,
-    /// What the tangential rows have done so far.
+    /// Accumulated slip of the tangential constraints.
     pub(super) slipped: Vec<SlipMemory>,
-    /// What the time integrator remembers besides.
+    /// History variables of the time integrator.
     pub(super) remembered: Arc<SchemeMemory>,
-    /// What every part remembers, block by block; most remember nothing.
+    /// History variables of every part, block by block; most are empty.
     pub(super) memory: Arc<Vec<Vec<f64>>>,
-    /// Counts steps.
+    /// Step counter.
     pub(super) clock: Clock,
-    /// What the search for contact takes over from the steps before.
+    /// Search results and solver data for the next step.
     pub(super) search: Arc<SearchHistory>,
-    /// Halvings with which the next nominal step begins.
+    /// Number of halvings with which the next nominal step begins.
     pub(super) level: usize,
-    /// How long the next step is, where steps choose their size.
+    /// State of the step size controller.
     pub(super) pace: Pace,
     /// Sum of the ledger's energy defects since the run began or was last settled: Newton's tolerance has a sign, which may be the same in
     /// every step `[energy]`.
     pub(super) drift: f64,
-    /// Which attempt of Newton's method the next step tries first.
+    /// Attempt of Newton's method that the next step tries first.
     pub(super) preferred: Preferred,
-    /// Time up to which friction has felt the motion of obstacles: that of the state, but for an equilibrium that is being looked for.
+    /// Time up to which the motion of obstacles is included in slips: that of the state, except while an equilibrium is computed.
     pub(super) carried: f64,
     /// End of the last step in which a load acted.
     pub(super) loads_ended: f64,
 }
 
 impl State {
-    /// Where the nodes are.
+    /// Positions and displacements.
     pub(super) fn pose(&self) -> Pose<'_> {
         Pose { q: &self.positions, u: &self.displacements }
     }
 
-    /// Whether it has as many of everything as another state of the same model, is somewhere, and refers to nothing else.
+    /// True if all vectors have the lengths of those in a state of the model, positions are finite, and all references are valid.
     pub(super) fn has_shape_of(&self, own: &State) -> bool {
         let lengths = |state: &State| {
             let nodal = [state.positions.len(), state.displacements.len(), state.velocities.len()];
@@ -81,7 +81,7 @@ impl State {
             && self.search.is_sound_beside(&own.search)
     }
 
-    /// Bytes that it takes, but for what it shares with others.
+    /// Size in bytes, without data that is shared with other states.
     pub fn size(&self) -> usize {
         let (rows, memory) = (3 * (self.lambda.len() + self.slipped.len()), self.memory.iter().map(Vec::len).sum::<usize>());
         8 * (2 * self.positions.len() + self.velocities.len() + self.remembered.len() + rows + memory) + self.active.len()

@@ -1,4 +1,4 @@
-//! What a simulation can do in either dimension.
+//! Interface of a simulation in either dimension.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use super::tally::Tally;
 use super::validity::Excess;
 use crate::dynamics::model::step_error::StepError;
 
-/// What a simulation of either dimension can do.
+/// Interface of a simulation in either dimension.
 pub trait Steps: Send {
     fn dimension(&self) -> usize;
     fn options(&self) -> &Options;

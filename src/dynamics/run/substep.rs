@@ -1,4 +1,4 @@
-//! One piece of a step: from a state to a new one, or why there is none. A step is a transaction; the state itself is not changed here.
+//! One substep: from a state to a new one, or a failure. A step is a transaction; the state itself is not changed here.
 
 use std::sync::Arc;
 
@@ -16,15 +16,15 @@ use crate::dynamics::step::start::{Motion, StepKind, StepStart};
 use crate::integrators::Scheme;
 use crate::math::tolerances;
 
-/// How much more motion than was expected a step may have: impacts add elastic motion to the prediction. Where something was overlooked, as
-/// much is expected in a second try.
+/// Factor of the predicted motion that a step may reach: impacts add elastic motion. After an overlooked contact, a second try expects this
+/// motion.
 const MORE_MOTION: f64 = 3.0;
 
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// One piece of a step from the current state: the new state, or why there is none.
+    /// Takes one substep from the present state: the new state, or the failure.
     ///
     /// A step that `may_be_halved` is not tried when its predicted motion is too large.
     pub fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
@@ -55,7 +55,7 @@ where
         end.map(Arc::unwrap_or_clone)
     }
 
-    /// One stage of a piece, or all of it.
+    /// Takes one stage of a substep, or the whole substep.
     fn stage(&mut self, scheme: &Scheme, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
         match self.piece_within(scheme, dt, 1.0, may_be_halved) {
             Err(Failure::Overlooked { .. }) => self.piece_within(scheme, dt, MORE_MOTION, may_be_halved),
@@ -63,7 +63,8 @@ where
         }
     }
 
-    /// Whether boundaries turn by less than a quarter of a turn in a step: its end does not tell how often, or which way round.
+    /// Checks that boundaries rotate by less than a quarter of a turn in a step; beyond that the end of the step does not determine number
+    /// and direction of turns.
     pub(super) fn check_turns(&self, dt: f64) -> Result<(), StepError> {
         let time = self.state.row.time;
         let (angle, boundary) = self.system.supports.turned(time, time + dt)?;
@@ -140,8 +141,8 @@ where
         self.accept(&start, &motion, solution, &conditions, jump).map_err(Failure::Fatal)
     }
 
-    /// Whether what was left in the steps before adds up to what a single one may be off by: in motion without contact it has the same sign
-    /// in every step.
+    /// True if the accumulated energy defect of earlier steps exceeds the tolerance of a single step: without contact the defect has the
+    /// same sign in every step.
     fn has_drifted(&self, energy: f64) -> bool {
         let Options { tolerance, integrator, .. } = self.options;
         integrator.promises.energy && self.state.drift.abs() > tolerances::DEFECT * tolerance * energy
@@ -164,8 +165,8 @@ where
         (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
     }
 
-    /// Bodies must not have moved farther than a multiple of the distance within which pairs may take part, nor into something that took no
-    /// part. How far the search has looked does not matter.
+    /// Checks that bodies have moved neither farther than a multiple of the distance within which pairs take part, nor into a facet that
+    /// took no part. The search horizon does not matter.
     pub fn check_search(&self, outlook: &Outlook, multiple: f64, solution: &Solution) -> Result<(), Failure> {
         let q_1 = &solution.at.q_1;
         for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Surfaces) {

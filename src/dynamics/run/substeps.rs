@@ -1,7 +1,7 @@
-//! Who decides how long the next substep is: halvings, which later substeps keep, and of which the next step begins with one less; or,
-//! where steps choose their size (`pace.rs`), what has been chosen, made shorter until it is accepted.
+//! Sizes of substeps: halvings, which later substeps keep and of which the next step begins with one less; or, with step size control
+//! (`pace.rs`), the chosen size, reduced until it is accepted.
 
-/// Equal parts of a stretch of time, made half as long as often as one of them is refused.
+/// Equal parts of a time interval, halved when one of them is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Substeps {
     from: f64,
@@ -10,14 +10,14 @@ pub struct Substeps {
     /// In units of `dt / 2^level`: done, and all.
     done: usize,
     all: usize,
-    /// Whether the first accepted one ends the step: what is left belongs to the next step.
+    /// True if the first accepted substep ends the step; the remainder belongs to the next step.
     is_alone: bool,
-    /// Whether it is shorter than it was.
+    /// True if the substep was shortened.
     is_short: bool,
 }
 
 impl Substeps {
-    /// Of a stretch of size `dt` from a time, with so many halvings from the beginning.
+    /// Substeps of an interval of size `dt` from the time `from`, with `level` initial halvings.
     pub fn new(from: f64, dt: f64, level: usize) -> Self {
         Substeps { from, dt, level, done: 0, all: 1 << level, is_alone: false, is_short: false }
     }
@@ -27,7 +27,7 @@ impl Substeps {
         Substeps { is_alone: true, ..Substeps::new(from, dt, 0) }
     }
 
-    /// Whether a single one is as long as its stretch.
+    /// True if a single substep covers the whole interval.
     pub fn is_whole(&self) -> bool {
         self.is_alone && !self.is_short
     }
@@ -42,18 +42,18 @@ impl Substeps {
         self.level
     }
 
-    /// Whether nothing is left.
+    /// True if the interval is complete.
     pub fn are_done(&self) -> bool {
         self.done == self.all || self.is_alone && self.done > 0
     }
 
-    /// The next one is done: the time at its end, nothing where that is the end of the stretch.
+    /// Counts the next substep as accepted; returns the time at its end, or `None` at the end of the interval.
     pub fn accepted(&mut self) -> Option<f64> {
         self.done += 1;
         (self.is_short || !self.are_done()).then(|| self.from + self.dt * (self.done as f64 / self.all as f64))
     }
 
-    /// The next one is refused: what is left goes in substeps half as long.
+    /// Halves the remaining substeps after the next one was refused.
     pub fn halve(&mut self) {
         (self.level, self.done, self.all) = (self.level + 1, 2 * self.done, 2 * self.all);
         self.is_short = self.is_alone;

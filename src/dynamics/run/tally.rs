@@ -1,11 +1,11 @@
-//! What a simulation has counted so far: beside its state, all that its summary tells of how it came there.
+//! Counters of a simulation: the content of its summary beyond the state.
 
 use serde::{Deserialize, Serialize};
 
 use super::halvings::{Halving, Halvings};
 use crate::dynamics::model::bounds::Passed;
 
-/// Counters of a simulation, to go on counting from. No step depends on them.
+/// Counters of a simulation, for continuation. No step depends on them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     pub(super) steps: usize,
@@ -15,12 +15,12 @@ pub struct Tally {
     pub(super) discarded: usize,
     pub(super) assemblies: usize,
     pub(super) causes: Halvings,
-    /// The deepest place of a body in a rigid obstacle that its contact does not know.
+    /// Deepest penetration of a body into a rigid obstacle by a part outside its contact definition.
     pub(super) passed: Option<Passed>,
 }
 
 impl Tally {
-    /// Why steps were halved.
+    /// Halvings by cause.
     pub fn causes(&self) -> &[Halving] {
         self.causes.all()
     }

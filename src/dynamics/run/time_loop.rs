@@ -1,4 +1,4 @@
-//! The time loop: nominal steps, halving where Newton's method fails, the ledger of every accepted piece, and `settle`.
+//! The time loop: nominal steps, halving where Newton's method fails, the ledger of every accepted substep, and `settle`.
 //!
 //! A step is a transaction: it takes the state and puts a new one in its place, or leaves it alone.
 
@@ -33,14 +33,14 @@ use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::failure::Failure;
 use crate::math::tolerances;
 
-/// Kinks of what acts, within a step, up to which it goes from one to the next.
+/// Largest number of kinks within a step at which the step is divided.
 const MOST_CORNERS: usize = 2;
 
 /// Stretch of time, relative to the step, that is joined to the step before it where steps choose their size: a step of 1e-13 of the ones
 /// before has no matrix that could be solved.
 const SLIVER: f64 = 1000.0 * tolerances::SAME_MOMENT;
 
-/// Distance of two moments, relative to them, within which they are one.
+/// Relative distance of two times below which they are equal.
 const SAME_TIME: f64 = 4.0 * f64::EPSILON;
 
 impl<const D: usize> Steps for Engine<D>
@@ -105,7 +105,7 @@ where
     fn step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let outcome = self.nominal_step(end, accepted).and_then(|()| self.options.undisturbed(self.state.row.time));
         if outcome.is_err() {
-            // Nothing of the pieces that failed stays: the state alone decides how it goes on.
+            // Failed substeps leave no trace: the state alone determines the continuation.
             self.restore_search();
         }
         outcome.map_err(|error| self.options.or_interrupted(error, self.state.row.time))
@@ -298,7 +298,7 @@ where
         [self.statistics.newton_iterations, self.system.counters.factorizations]
     }
 
-    /// A nominal step: from kink to kink of what acts, in pieces where it must be halved.
+    /// Takes a nominal step: from kink to kink of loads and prescribed motions, in substeps where it must be halved.
     fn nominal_step(&mut self, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let state = &self.state;
         let is_new = state.row.step == 0 || !state.remembered.is_of(&self.options.integrator);
@@ -339,7 +339,7 @@ where
         self.stretch(target, Substeps::new(self.state.row.time, dt, self.state.level), clock, accepted)
     }
 
-    /// A step of the size that has been chosen, or to what comes first: the end, or a kink of what acts.
+    /// Takes a step of the chosen size, or up to the next event: the end, or a kink of loads and prescribed motions.
     fn paced_step(&mut self, control: &StepControl, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let from = self.state.row.time;
         let size = self.state.pace.size(control, self.options.dt);
@@ -358,7 +358,8 @@ where
         self.stretch(target, Substeps::one(from, target - from), (target, 0), accepted)
     }
 
-    /// Goes on to a time, in pieces where the step there must be halved; `clock`: from where steps are counted afterwards, and how many.
+    /// Advances to a time, in substeps where the step to it must be halved; `clock`: start and number of the steps that are counted
+    /// afterwards.
     fn stretch(
         &mut self,
         target: f64,

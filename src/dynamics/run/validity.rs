@@ -1,10 +1,10 @@
-//! Laws beyond what they are made for: linear elasticity that turns, Saint Venant-Kirchhoff material that is crushed.
+//! Laws beyond their range of validity: linear elasticity with rotations, Saint Venant-Kirchhoff material in strong compression.
 //!
-//! Both compute on without a sign of it. The motion of a cell follows from its nodes: the deformation gradient that fits their motion
-//! best, `F = sum dx dX^T (sum dX dX^T)^-1 = R U`. Where a support turns by `theta`, linear elasticity counts `1 - cos theta` for a strain
-//! at its nodes. Its stresses do not turn with the body besides, and have a moment about it, of first order in the angle: with the mean
-//! stress `V = int sigma dV` and the rotation vector `theta` of the body `V theta - tr(V) theta`. A body that turns because it strains, as
-//! in bending, is what the law is made for: such moments are told of supports that turn alone.
+//! Neither fails in the computation. The motion of a cell follows from its nodes: the deformation gradient that fits their motion best,
+//! `F = sum dx dX^T (sum dX dX^T)^-1 = R U`. Where a support rotates by `theta`, linear elasticity takes `1 - cos theta` for a strain at
+//! its nodes. Its stresses do not rotate with the body, and have a moment about it, of first order in the angle: with the mean stress
+//! `V = int sigma dV` and the rotation vector `theta` of the body `V theta - tr(V) theta`. Rotations caused by strain, as in bending, are
+//! within the range of the law: such moments are reported for rotating supports alone.
 
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
@@ -17,11 +17,11 @@ use crate::math::tolerances;
 /// Name of the law that softens in compression.
 const SOFTENS: &str = "saint_venant_kirchhoff";
 
-/// Share of a strain or of a moment that only the rotation of a body of linear elasticity causes, from which on it is told.
+/// Relative strain or moment caused by the rotation of a body of linear elasticity alone, from which a finding is reported.
 pub const SPURIOUS: f64 = 0.01;
 
-/// Rotation of a body of linear elasticity below which its effects are not told `[rad]`: its moment is less than a thousandth of the forces
-/// times the size of the body, as what small strains leave out.
+/// Rotation of a body of linear elasticity below which no finding is reported `[rad]`: its moment is less than a thousandth of the forces
+/// times the size of the body, comparable to the error of small strains.
 const LEAST_TURN: f64 = 0.001;
 
 /// Body whose material law is used outside its range of validity.
@@ -46,7 +46,7 @@ pub enum ExcessKind {
     Turned,
     /// The strain that the rotation of a support counts for, over the largest strain of the body.
     SpuriousStrain,
-    /// The moment of stresses that have not turned with the body, over that of the support that turns.
+    /// Moment of stresses that have not rotated with the body, relative to that of the rotating support.
     SpuriousMoment,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is the least stretch.
     Crushed,
@@ -142,7 +142,7 @@ where
         Some(excess(ExcessKind::SpuriousMoment, self.spurious_moment(body, &turn) / moment.max(f64::MIN_POSITIVE), turn.norm()))
     }
 
-    /// Moment of the stresses of a body that has turned without them.
+    /// Moment of the stresses of a body that has rotated without them.
     fn spurious_moment(&self, body: &Body<D>, turn: &Vector3<f64>) -> f64 {
         let mut mean = Matrix3::zeros();
         body.elements.visit_stresses(self.present(body), &mut |point| {

@@ -14,25 +14,25 @@ use crate::linear::LinearError;
 
 /// A change of the velocities at the end of a step.
 pub struct VelocityCorrection {
-    /// The change.
+    /// Change of the velocities.
     pub velocity: Vec<f64>,
     /// Impulse of supports and obstacles.
     pub impulse: Vec<f64>,
-    /// Kinetic energy that it gives without friction, as seen from what pushes.
+    /// Kinetic energy of the change without friction, in the frame of moving supports and obstacles.
     pub energy: f64,
-    /// Kinetic energy that moving supports and obstacles add by their push.
+    /// Kinetic energy added by moving supports and obstacles.
     pub work: f64,
-    /// Multipliers whose forces would give the same impulse over the step.
+    /// Multipliers whose forces give the same impulse over the step.
     pub lambda: Vec<f64>,
-    /// Work of the tangential ones `[energy]`, in the order of all rows.
+    /// Work of the tangential multipliers `[energy]`, in the order of all constraints.
     pub friction: Vec<f64>,
-    /// The reserves after the step.
+    /// Stored impact energy after the step.
     pub reserve: Vec<f64>,
-    /// What the time integrator has taken from it `[energy]`.
+    /// Dissipation of the time integrator's velocity filter `[energy]`.
     pub dissipated: f64,
     /// Energy lost in impacts of rigid bodies by restitution `[energy]`, never negative.
     pub impact: f64,
-    /// Rows of rigid contacts that pressed in impacts.
+    /// Constraints of rigid contacts that were active in impacts.
     pub closed: Vec<usize>,
 }
 
@@ -64,29 +64,29 @@ impl VelocityCorrection {
     }
 }
 
-/// A converged step as the rule sees it.
+/// Converged step at which the `velocity` rule is applied.
 pub struct Ending<'a> {
-    /// Its motion.
+    /// Scheme, step size and initial velocities of the step.
     pub motion: &'a Motion<'a>,
-    /// Its solution.
+    /// Converged solution of the step.
     pub solution: &'a Solution,
-    /// Whether a row is under the rule.
+    /// True for each constraint under the `velocity` rule.
     pub ours: &'a [bool],
-    /// Whether a row is closed at the end of the step, penalties left out.
+    /// True for each constraint that is active at the end of the step, without penalties.
     pub hold: &'a [bool],
-    /// Velocities at its end, with the jump so far.
+    /// Velocities at the end of the step, including the jump so far.
     pub v: Vec<f64>,
-    /// What the tangential rows are at its end.
+    /// Tangential constraints at the end of the step.
     pub slips: &'a [Evaluation],
-    /// Their impulses over those of the rows that press, in the order of all rows.
+    /// Ratios of tangential to normal impulses, in the order of all constraints.
     pub ratios: &'a [f64],
 }
 
-/// Kinetic energy of `v + s w`, as seen from what pushes: second and first order in `s`.
+/// Coefficients of `s^2` and `s` in the kinetic energy of `v + s w`, in the frame of moving supports and obstacles.
 pub struct Slopes {
-    /// What the rows that press give.
+    /// Contribution of the normal constraints.
     pub pressing: [f64; 2],
-    /// What each tangential row gives, in the order of all rows.
+    /// Contribution of each tangential constraint, in the order of all constraints.
     pub friction: Vec<[f64; 2]>,
 }
 
@@ -105,12 +105,12 @@ impl Ending<'_> {
         jump.friction.iter_mut().zip(&slopes.friction).for_each(|(sum, slopes)| *sum += Slopes::at(*slopes, s));
     }
 
-    /// What all rows are at the end of the step.
+    /// Normal and tangential constraints at the end of the step.
     pub fn rows(&self) -> [&[Evaluation]; 2] {
         [&self.solution.at.pairs, self.slips]
     }
 
-    /// Whether a row has left the active set with a reserve.
+    /// True if a constraint with stored impact energy has become inactive.
     pub fn has_opened(&self, row: usize, reserve: &[f64]) -> bool {
         self.ours[row] && reserve[row] > 0.0 && !self.solution.active[row].is_closed()
     }
@@ -145,7 +145,7 @@ where
     /// An impulse response with the work of supports that move, if its momenta are balanced; `beside`: a momentum that is none.
     ///
     /// # Errors
-    /// Constraints depend on one another, exactly or as far as round-off of the momenta tells; or the run was interrupted.
+    /// Constraints depend on one another, exactly or within the round-off of the momenta; or the run was interrupted.
     pub fn checked(
         &self,
         motion: &Motion,
@@ -188,7 +188,7 @@ where
         self.checked(end.motion, end.solution, push, 0.0)
     }
 
-    /// What a push gives.
+    /// Kinetic energy coefficients of an impulse response.
     pub fn slopes(&self, end: &Ending, push: &ImpulseResponse) -> Slopes {
         let momenta = self.system.nodes.momenta_of(&push.velocity);
         let mut pressing = [half_product(&push.velocity, &momenta), 2.0 * half_product(&end.v, &momenta) - push.work];

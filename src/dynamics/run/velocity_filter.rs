@@ -1,4 +1,4 @@
-//! What a scheme that dissipates takes from the velocities at the end of a step (`step/velocity_filter.rs`), and books.
+//! Velocity filter of a dissipating scheme at the end of a step (`step/velocity_filter.rs`), and its entry in the ledger.
 
 use super::engine::Engine;
 use super::velocity_correction::VelocityCorrection;
@@ -42,13 +42,13 @@ where
         Ok(Some(jump))
     }
 
-    /// What the time integrator has taken in a step that ends at an iterate with that change of the velocities `[energy]`.
+    /// Dissipation of the time integrator in a step that ends at an iterate with the velocity correction `jump` `[energy]`.
     pub(super) fn taken(&self, start: &StepStart, at: &Linearization, jump: Option<&VelocityCorrection>) -> f64 {
         self.system.dissipated_by_strains(start, at) + jump.map_or(0.0, |jump| jump.dissipated)
     }
 
-    /// The filter with the work of supports that move: with the constraints that were closed at both ends of the step, or with ties and
-    /// joints alone where these depend on one another; nothing where they do, too.
+    /// Velocity filter with the work of moving supports: with the constraints that are active at both ends of the step, or with ties and
+    /// joints alone where the former depend on one another; `None` where the latter do, too.
     fn balanced_filter(&mut self, motion: &Motion, solution: &Solution, v: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
         let slips = self.system.slips_at_rest(&solution.at.q_1, &solution.at.pairs);
         let (rows, beta) = ([&solution.at.pairs[..], &slips[..]], 0.25 * motion.dt * motion.dt);
@@ -69,7 +69,7 @@ where
         Ok(None)
     }
 
-    /// The rows that the filter holds: ties and joints, and with contact what was closed or has stuck at both ends of the step.
+    /// Constraints of the filter: ties and joints and, with contact, those that were active or stuck at both ends of the step.
     fn closed_throughout(&self, solution: &Solution, with_contact: bool) -> Vec<bool> {
         let mut hold = vec![false; self.system.multipliers];
         let is_closed = |row: usize| [&self.state.active, &solution.active].iter().all(|active| active[row] == RowState::Closed);

@@ -10,13 +10,13 @@ use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::math::norms::largest_size;
 
-/// What the forces of a state do to its nodes while ties hold.
+/// Accelerations of the nodes under the forces of a state, with the constraint forces of ties.
 pub struct Accelerations {
     /// Accelerations of all nodes.
     pub nodes: Vec<f64>,
-    /// Forces of the ties on them, beyond those that the multipliers of the state stand for.
+    /// Constraint forces of the ties on the nodes, in addition to those of the state's multipliers `[force]`.
     pub ties: Vec<f64>,
-    /// Multipliers of the ties for these forces, in the order of all rows.
+    /// Multipliers of the ties for these constraint forces, in the order of all constraints.
     pub lambda: Vec<f64>,
 }
 

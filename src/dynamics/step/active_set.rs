@@ -1,4 +1,4 @@
-//! The set of active rows, finished on the frozen linearisation of one iteration.
+//! The active set, completed on the frozen linearization of one iteration.
 
 use super::contact_set::{SlipPlace, constraint_rows, first_state, has_row, pairs_at, slips_at};
 use super::failure::Failure;
@@ -12,12 +12,12 @@ use crate::dynamics::parts::laws::{Equation, RowState};
 /// than a further set.
 const MAX_SETS: usize = 30;
 
-/// Proximal term of a multiplier over the compliance of its own node: small enough for few more iterations, large enough against what the
-/// neighbours' gradients lack to be independent.
+/// Proximal term of a multiplier relative to the compliance of its own node: small enough to cost few more iterations, large enough to
+/// compensate nearly dependent gradients of neighbours.
 const PROXIMAL: f64 = 0.1;
 
-/// Where that is not enough, the next iteration has so many times as much, up to the largest; where it is, so many times less, because
-/// multipliers come near their values only as fast as the term lets them.
+/// Growth of the proximal term in the next iteration if the present one does not suffice, its reduction if it does, and its largest value.
+/// The reduction is needed because the term limits the speed at which multipliers converge.
 const MORE_PROXIMAL: f64 = 10.0;
 const LESS_PROXIMAL: f64 = 3.0;
 const LARGEST_PROXIMAL: f64 = 10.0;
@@ -26,7 +26,8 @@ impl<const D: usize> Attempt<'_, D>
 where
     Space<D>: Elements<D>,
 {
-    /// Solves the frozen linearisation together with its set: active nodes that pull leave, inactive nodes that would overlap enter.
+    /// Solves the frozen linearization together with its active set: active nodes in tension become inactive, inactive nodes that would
+    /// overlap active.
     ///
     /// Where nodes are covered in part or secondary facets are much finer than primary ones, gradients of neighbours all but depend on one
     /// another, and no set may solve it. Then multipliers get a proximal term (Rockafellar, SIAM J. Control Optim. 14, 1976): it makes the
@@ -84,7 +85,8 @@ where
         Ok((is_solved, self.system.thaw(frozen, self.task.start, at)?))
     }
 
-    /// Weighted gaps and multipliers after the increment that solves the frozen linearisation with a set: by what is frozen, or anew.
+    /// Weighted gaps and multipliers after the increment that solves the frozen linearization with an active set: by the factors, or by a
+    /// new factorization.
     fn rows_of(
         &mut self,
         at: &mut Linearization,
@@ -115,7 +117,7 @@ where
         Ok(values)
     }
 
-    /// Weighted gap per change of the multiplier of every row: a part of what the row's own node gives way by.
+    /// Proximal compliance of every constraint: a fraction of the compliance of its own node.
     fn proximal_terms(&self, at: &Linearization, factor: f64) -> Vec<f64> {
         let mut terms = self.task.conditions.stiffness.clone();
         for (pair, evaluation) in pairs_at(self.system, at) {
@@ -129,7 +131,8 @@ where
         terms
     }
 
-    /// Opens tangential rows whose pressing row opens from one set to the next, and lets those of rows that close begin.
+    /// Makes tangential constraints inactive whose normal constraint becomes inactive, and sets the first state of those whose normal
+    /// constraint becomes active.
     fn follow(&self, at: &Linearization, set: &[RowState], next: &mut [RowState]) {
         for place in slips_at(self.system, at).filter(|place| !self.dropped[place.rows.start]) {
             if next[place.pressing] != set[place.pressing] {
@@ -139,7 +142,7 @@ where
         }
     }
 
-    /// The set that the solution of Newton's system asks for, and the constraint that asks most.
+    /// Active set that the solution of Newton's system requires, and the constraint with the largest violation.
     fn next_set(&self, at: &Linearization, set: &[RowState], gaps: &[f64], lambda: &[f64]) -> (Vec<RowState>, Option<usize>) {
         let mut next = set.to_vec();
         let (mut largest, mut worst) = (0.0, None);

@@ -1,6 +1,6 @@
 //! Sums the parts of a model and its contact pairs at an iterate.
 //!
-//! The tangent of an iterate that is likely the last of its step is computed when it is asked for, which it hardly ever is.
+//! The tangent of an iterate that is probably the last of its step is computed on demand, which is rare.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -206,7 +206,7 @@ where
         }
     }
 
-    /// What the parts of the model are told of an iterate.
+    /// Writes the velocities, positions of loads and mass factors at an iterate to `told`, as far as the parts of the model need them.
     pub(super) fn visit(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
         told.inertia.clear();
         told.inertia.extend((0..self.bodies.len()).map(|body| start.inertia(body)));
@@ -214,7 +214,7 @@ where
         start.visit(q_1, moved, &self.supports.prescribed, [others || !self.loads.is_empty(), others], told);
     }
 
-    /// What the parts remember after a step that ends at an iterate, and what each has dissipated in it `[energy]`.
+    /// History variables of the parts after a step that ends at the iterate `at`, and the dissipation of each part in the step `[energy]`.
     ///
     /// # Errors
     /// A time function failed.
@@ -256,15 +256,15 @@ where
         Ok((Arc::new(after), heats))
     }
 
-    /// What the stress of the time integrator has dissipated in a step that ends at an iterate `[energy]`.
+    /// Dissipation of the time integrator's viscous stress in a step that ends at the iterate `at` `[energy]`.
     pub fn dissipated_by_strains(&self, start: &StepStart, at: &Linearization) -> f64 {
         let (chi, told) = (start.dissipation().strain, Told::default());
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         self.dampings.iter().filter(|_| chi > 0.0).map(|damping| damping.dissipated(&iterate, chi)).sum()
     }
 
-    /// What parts exert on nodes at an iterate from outside the model, through potentials and dampers (against the motion that they drive)
-    /// and as loads `[force]`; nothing where there is no such part.
+    /// Forces on nodes exerted from outside the model at an iterate `[force]`: those of potentials and dampers, against the motion that
+    /// they drive, and those of loads. Returns `None` without a part that acts from outside.
     ///
     /// # Errors
     /// A time function failed.
@@ -286,7 +286,7 @@ where
         Ok(Some([internal, load]))
     }
 
-    /// Finds tangential rows whose nodes supports hold.
+    /// Finds tangential constraints whose slip supports prevent.
     fn find_held(&self, pairs: &[Evaluation], slips: &[Evaluation], held: &mut Vec<bool>) {
         held.clear();
         if self.multipliers == self.pressing {
@@ -306,7 +306,7 @@ where
         held.extend(sizes.iter().map(|[all, free]| *free <= tolerances::HELD_ROW * all));
     }
 
-    /// Finds the slips with which tangential rows have no speed at the end of the step: 0 at rest.
+    /// Finds the slips with which the slip rates of tangential constraints are zero at the end of the step: 0 at rest.
     fn find_rests(&self, start: &StepStart, moved: &[f64], pairs: &[Evaluation], slips: &[Evaluation], rests: &mut Vec<f64>) {
         rests.clear();
         rests.resize(self.multipliers - self.pressing, 0.0);
@@ -325,7 +325,7 @@ where
         }
     }
 
-    /// What all pairs are at rest at `q`: gaps and gradients, and no tangent.
+    /// Gaps and gradients of all contact pairs at the positions `q`, without tangents.
     pub fn evaluations_at(&self, q: &[f64]) -> Vec<Evaluation> {
         let none = vec![0.0; self.multipliers];
         let evaluated = |pair: &ContactPair| {
@@ -336,7 +336,8 @@ where
         self.pairs.iter().map(evaluated).collect()
     }
 
-    /// What their tangential rows are there, where the pairs are these: no slips, but gradients.
+    /// Gradients of the tangential constraints of all pairs at the positions `q`, with zero slips; `pairs` are the normal constraints at
+    /// `q`.
     pub fn slips_at_rest(&self, q: &[f64], pairs: &[Evaluation]) -> Vec<Evaluation> {
         let moved = if self.multipliers > self.pressing { vec![0.0; q.len()] } else { Vec::new() };
         let evaluated = |(pair, evaluation): (&ContactPair, &Evaluation)| {

@@ -1,15 +1,15 @@
-//! The ways in which Newton's method tries to solve a step, and which of them it tries first.
+//! Strategies of Newton's method for a step, and their order.
 
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Correction;
 
-/// How Newton's method proceeds.
+/// Strategy of Newton's method.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Strategy {
-    /// Set finished on the frozen linearisation, increments limited.
+    /// The active set is completed on the frozen linearization; increments are limited.
     InnerLoop,
-    /// One set update per iteration, backtracking on the residual: for what the first did not solve.
+    /// One active set update per iteration, backtracking on the residual: used where [`Self::InnerLoop`] fails.
     Backtracking,
 }
 
@@ -32,21 +32,21 @@ pub const ATTEMPTS: [(Strategy, Correction); 5] = [
     (Strategy::Backtracking, Correction::PerNode),
 ];
 
-/// Steps after which the usual attempt goes first again.
+/// Number of steps after which the usual attempt is the first one again.
 const PREFERRED_STEPS: u8 = 8;
 
 /// The attempt that succeeded where the usual first one failed: the steps that follow try it first, because what made the usual one fail
 /// lasts for some steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Preferred {
-    /// Its place in the list of attempts.
+    /// Index into `ATTEMPTS`.
     attempt: u8,
-    /// Steps in a row that it has solved.
+    /// Number of successive steps solved by this attempt.
     steps: u8,
 }
 
 impl Preferred {
-    /// Whether it is one of the list, whatever file it comes from.
+    /// True if the index is in the list of attempts; a state from a file may hold any.
     pub fn is_sound(self) -> bool {
         usize::from(self.attempt) < ATTEMPTS.len()
     }

@@ -9,38 +9,37 @@ use crate::dynamics::parts::laws::{Row, RowStart, RowState};
 use crate::integrators::Derivative;
 use crate::math::tolerances;
 
-/// The contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that presses or is zero.
+/// Contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that is positive or zero.
 pub struct Conditions {
     /// Weighted gaps at the start of the step.
     pub gap_n: Vec<f64>,
-    /// What the weighted gap of an active node is at the end of the step.
+    /// Weighted gap of an active constraint at the end of the step.
     pub targets: Vec<f64>,
-    /// Whether a node takes part in this step.
+    /// True for each constraint that takes part in this step.
     pub members: Vec<bool>,
     /// Weighted gap per change of the multiplier within an iteration, `1/kappa_A`: 0 but for augmented Lagrange.
     pub compliance: Vec<f64>,
     /// Penalty pressures belong to the end of the step (statics, trapezoidal rule) instead of to its change of energy.
     pub end_point: bool,
-    /// By how much a penalty potential feels the weighted gaps larger than they are: an overlap that no motion has made, but that pairs
-    /// find which take part in this step and took none in the one before, has no potential.
+    /// Offset added to weighted gaps in the penalty potential, so that overlap found by newly admitted facet pairs stores no energy.
     pub shift: Vec<f64>,
-    /// Pressure per weighted gap, and multiplier per slip, with which the node of every row resists in the step.
+    /// Stiffness of the node of every constraint in the step: pressure per weighted gap, and multiplier per slip.
     pub stiffness: Vec<f64>,
-    /// Whether a tangential row may come to rest within the step: it slid in the one before.
+    /// True for each tangential constraint that may come to rest within the step, because it slipped in the previous one.
     pub stops: Vec<bool>,
-    /// Size of the step, 0 at rest.
+    /// Time step size, 0 at rest.
     pub dt: f64,
 }
 
 impl Conditions {
-    /// Compliance of a row in an iteration; `yielding` is the part of the first compliance that is asked for.
+    /// Compliance of a constraint in an iteration; `yielding` is the requested fraction of its first compliance.
     pub fn eased(&self, row: usize, yielding: f64) -> f64 {
         let compliance = self.compliance[row];
         let is_large = compliance * self.stiffness[row] > tolerances::LARGE_COMPLIANCE;
         if is_large { compliance * yielding.max(tolerances::LEAST_EASED) } else { compliance }
     }
 
-    /// A row of a pair at an iterate with that gap and multiplier.
+    /// Constraint of a pair at an iterate with the given gap and multiplier.
     pub fn row(&self, pair: &ContactPair, row: usize, gap: f64, lambda: f64) -> Row {
         Row {
             gap,
@@ -79,7 +78,7 @@ impl<const D: usize> Equations<D> {
         Ok(())
     }
 
-    /// Inverse augmentation of every constraint row in a step, by the stiffness of the rows.
+    /// Inverse augmentation of every constraint in a step, by the stiffness of the constraints.
     pub fn compliance(&self, stiffness: &[f64]) -> Vec<f64> {
         // A tangential constraint in the plane may be that of a plane of symmetry or of a periodic pair, too.
         let eases_slips = D == 3 || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
@@ -120,7 +119,7 @@ impl<const D: usize> Equations<D> {
         node.is_some_and(|node| self.bodies[self.body_of(node as usize)].rigid.is_some())
     }
 
-    /// Pressure per weighted gap with which the node of every constraint row resists, by its stiffness and its inertia in a step.
+    /// Stiffness of the node of every constraint, pressure per weighted gap: its elastic stiffness and its inertia in a step.
     pub fn row_stiffness(&self, start: &StepStart) -> Vec<f64> {
         let mut stiffness = Vec::with_capacity(self.multipliers);
         for pair in &self.pairs {
@@ -136,12 +135,12 @@ impl<const D: usize> Equations<D> {
         stiffness
     }
 
-    /// Gives tangential rows what the rows have that press beside them.
+    /// Copies the values of normal constraints to the tangential constraints beside them.
     pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
         self.pairs.iter().flat_map(ContactPair::tangential).for_each(|(row, pressing)| values[row] = values[pressing]);
     }
 
-    /// Weighted gaps of closed constraints: zero, but for corners.
+    /// Weighted gaps of active constraints: zero except for corners.
     pub fn closed_gaps(&self) -> Vec<f64> {
         let of = |pair: &ContactPair| -> Vec<f64> {
             let Some(corners) = pair.corners else { return vec![0.0; pair.kernel.weights().len()] };

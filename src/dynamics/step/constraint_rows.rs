@@ -2,7 +2,7 @@
 
 use crate::dynamics::parts::laws::Equation;
 
-/// The equations of all constraint rows in Newton's system.
+/// Equations of all constraints in Newton's system.
 #[derive(Clone)]
 pub struct ConstraintRows(pub Vec<Equation>);
 
@@ -12,13 +12,13 @@ impl ConstraintRows {
         ConstraintRows(vec![Equation::OPEN; count])
     }
 
-    /// Rows that `hold`: `G_1 dq = 0`.
+    /// Equations `G_1 dq = 0` of the constraints that `hold`.
     pub fn held(hold: &[bool]) -> Self {
         ConstraintRows(hold.iter().map(|hold| if *hold { Equation::held(0.0, 0.0) } else { Equation::OPEN }).collect())
     }
 
-    /// Adds a proximal term to the first `pressing` rows, as far as they hold: their weighted gaps give way by so much per change of their
-    /// multipliers from `lambda`. Tangential rows have it in their equations.
+    /// Adds a proximal term to the active ones of the first `pressing` constraints: a compliance of the weighted gap for the change of the
+    /// multiplier from `lambda`. Tangential constraints have the term in their equations.
     pub fn add_proximal(&mut self, pressing: usize, terms: &[f64], lambda: &[f64]) {
         for (row, (term, lambda)) in self.0[..pressing].iter_mut().zip(terms.iter().zip(lambda)) {
             if row.acts && row.gradient == 1.0 && row.normal == 0.0 {

@@ -1,4 +1,4 @@
-//! Newton's system of an iterate with the constraints of a set of active rows: written, solved, and what its solution makes of the gaps.
+//! Newton's system of an iterate with an active set: assembly, solution, and the resulting gaps.
 
 use std::time::Instant;
 
@@ -54,7 +54,7 @@ where
 }
 
 impl<const D: usize> System<D> {
-    /// Factorises values of the matrix and solves with them in place; their writing began at `clock`.
+    /// Factorizes values of the matrix and solves in place; assembly time is counted from `clock`.
     pub fn solve_with(&mut self, values: &[f64], right: &mut [f64], clock: Instant) -> Result<(), Failure> {
         self.counters.factorizations += 1;
         self.matrix.solver.factorize(values).map_err(Failure::Linear)?;
@@ -67,8 +67,8 @@ impl<const D: usize> System<D> {
 }
 
 impl<const D: usize> Equations<D> {
-    /// Writes rows `gradient G_1` and columns `-share columns^T` of the constraints that act, and how tangential ones depend on those that
-    /// press.
+    /// Writes rows `gradient G_1` and columns `-share columns^T` of the active constraints, and the coupling of tangential constraints to
+    /// normal ones.
     pub fn write_constraints(
         &self,
         [pairs, slips]: [&[Evaluation]; 2],
@@ -86,13 +86,12 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// The rows of all pairs at an iterate, by what they are there and what their tangential rows are: of each pair those that press, then
-    /// the tangential ones.
+    /// Constraints of all pairs at an iterate: for each pair the normal ones, then the tangential ones.
     pub fn blocks<'a>(&'a self, pairs: &'a [Evaluation], slips: &'a [Evaluation]) -> impl Iterator<Item = RowBlock<'a>> {
         self.pairs.iter().zip(pairs).zip(slips).flat_map(|((pair, pressing), slip)| pair.blocks([pressing, slip]))
     }
 
-    /// Rates `G_A v` of all rows, of those that press and the tangential ones, as seen from obstacles that move.
+    /// Rates `G_A v` of all normal and tangential constraints, relative to moving obstacles.
     pub fn rates(&self, rows: [&[Evaluation]; 2], v: &[f64]) -> Vec<f64> {
         let mut rates = vec![0.0; self.multipliers];
         self.for_each_end_gradient(rows, |pair, row, k, gradient| {
@@ -101,7 +100,7 @@ impl<const D: usize> Equations<D> {
         rates
     }
 
-    /// Tells every entry of the gradients at the end of the step of all rows: pair, row, unknown, value.
+    /// Visits every entry of the constraint gradients at the end of the step: pair, constraint, unknown, value.
     pub fn for_each_end_gradient(&self, [pairs, slips]: [&[Evaluation]; 2], mut visit: impl FnMut(&ContactPair, usize, usize, f64)) {
         for block in self.blocks(pairs, slips) {
             for row in block.live_rows() {

@@ -6,8 +6,9 @@
 //! Phi(q_1) >= target,    q_1 = q* + m^-1 G_0^T p,    p the change of the multipliers times dt^2, lambda >= 0
 //! ```
 //!
-//! With a mass at the nodes alone `G_0 m^-1 G_0^T` joins only rows that share nodes. The system of the rows that press is solved by Gauss
-//! and Seidel's method, each row at least zero (as the authors do), which also finds a solution where rows depend on each other.
+//! With a lumped mass `G_0 m^-1 G_0^T` couples only constraints that share nodes. The system of the normal constraints is solved by the
+//! Gauss-Seidel method with nonnegative multipliers (as by the authors), which also finds a solution where constraints depend on each
+//! other.
 
 use super::equations::Equations;
 use crate::bodies::{Elements, Space};
@@ -18,11 +19,11 @@ use crate::math::tolerances;
 /// Sweeps at most.
 const SWEEPS: usize = 1000;
 
-/// A row whose multiplier is looked for.
+/// Constraint with an unknown multiplier.
 pub struct PushedRow {
-    /// Its number.
+    /// Index of the constraint.
     pub row: usize,
-    /// Change of its gap per displacement of each unknown.
+    /// Gradient of the gap with respect to each unknown.
     gradient: Vec<(usize, f64)>,
     /// Change of its gap by its own `p`.
     own: f64,
@@ -32,12 +33,12 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// What a force moves an unknown by, over the square of a time: nothing where a support holds it `[1/mass]`.
+    /// Displacement of an unknown per force, over the square of a time; 0 at a support `[1/mass]`.
     pub fn mobility(&self, unknown: usize) -> f64 {
         if self.supports.fixed[unknown] { 0.0 } else { 1.0 / self.nodes.nodal_mass[unknown / D] }
     }
 
-    /// Gaps that rows have at the end of a step at least: what overlaps at its start is not driven apart.
+    /// Lower bounds of the gaps at the end of a step: an overlap at its start is not separated.
     pub fn explicit_targets(&self) -> Vec<f64> {
         let held = self.closed_gaps();
         let of = |pair: &ContactPair| -> Vec<f64> {
@@ -61,7 +62,7 @@ where
         (wanted, is_met)
     }
 
-    /// Opens rows that were wanted and can move nothing.
+    /// Makes constraints inactive that were wanted but move no unknown.
     pub fn let_go_of(&self, wanted: &[bool], rows: &[PushedRow], lambda: &mut [f64]) {
         let mut pushed = rows.iter().map(|row| row.row).peekable();
         for (row, lambda) in lambda.iter_mut().enumerate().filter(|(row, _)| wanted[*row]) {
@@ -71,7 +72,7 @@ where
         }
     }
 
-    /// The rows that are `wanted`, with their gradients at evaluations; without those that move nothing.
+    /// Constraints that are `wanted`, with their gradients; without those that move no unknown.
     pub fn pushed_rows(&self, pairs: &[Evaluation], wanted: &[bool], mobility: &[f64]) -> Vec<PushedRow> {
         let mut entries: Vec<(usize, usize, f64)> = Vec::new();
         for (pair, evaluation) in self.pairs.iter().zip(pairs) {
@@ -93,8 +94,8 @@ where
     }
 }
 
-/// Changes `p` of rows with which none of their `gaps` is negative after the displacement that they make, each at least its `least`; what
-/// they move is added to `moved`.
+/// Changes `p` of the multipliers, each at least its `least`, with which none of the `gaps` is negative after the displacement by `p`; that
+/// displacement is added to `moved`.
 pub fn push(rows: &[PushedRow], gaps: &[f64], least: &[f64], mobility: &[f64], moved: &mut [f64]) -> Vec<f64> {
     let mut p = vec![0.0; rows.len()];
     // Displacements by the rows alone have the accuracy of their own size.
@@ -121,7 +122,7 @@ pub fn push(rows: &[PushedRow], gaps: &[f64], least: &[f64], mobility: &[f64], m
 mod tests {
     use super::*;
 
-    /// Two nodes of unit mass between walls that a third row presses together: the closed form of two equations.
+    /// Two nodes of unit mass between walls, pressed together by a third constraint: the closed form of two equations.
     #[test]
     fn rows_that_share_nodes_push_until_no_gap_is_negative() {
         let row = |row: usize, gradient: Vec<(usize, f64)>, mobility: &[f64]| {

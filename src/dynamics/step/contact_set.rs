@@ -1,4 +1,4 @@
-//! Which constraints of an iterate are active, by how much it violates their conditions, and the rows that Newton's system gets from them.
+//! Active constraints of an iterate, violations of their conditions, and their equations in Newton's system.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use crate::dynamics::parts::slip_group::SlipGroup;
 use crate::dynamics::parts::slip_vector::SlipVector;
 use crate::math::tolerances;
 
-/// Every pair with what it is at an iterate.
+/// Every contact pair with its evaluation at an iterate.
 pub fn pairs_at<'a, const D: usize>(
     equations: &'a Equations<D>,
     at: &'a Linearization,
@@ -23,19 +23,20 @@ pub fn pairs_at<'a, const D: usize>(
     equations.pairs.iter().zip(&at.pairs)
 }
 
-/// Whether constraint `local` of a pair can hold at all at this iterate: its node has an overlap. A penalty potential always counts.
+/// True if constraint `local` of a pair can be active at this iterate, because its node has an overlap; always true for a penalty
+/// potential.
 pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> bool {
     !pair.has_multipliers() || evaluation.coverage[local] > tolerances::ZERO_ROW
 }
 
-/// The tangential rows beside a row that presses, at an iterate.
+/// Tangential constraints beside one normal constraint, at an iterate.
 pub struct SlipPlace<'a> {
-    /// The rows, and the one that presses, among all rows.
+    /// Indices of the tangential constraints, and of the normal one, among all constraints.
     pub rows: Range<usize>,
     pub pressing: usize,
-    /// Its pair.
+    /// Contact pair of the constraints.
     pub pair: &'a ContactPair,
-    /// Whether they can have multipliers at all: all rows have something opposite.
+    /// True if the tangential constraints can have multipliers: the node faces the other side where the step ends and along the slip.
     pub exists: bool,
     friction: &'a FrictionRows,
     slip: &'a Evaluation,
@@ -46,12 +47,12 @@ pub struct SlipPlace<'a> {
 }
 
 impl<'a> SlipPlace<'a> {
-    /// The rows with what a solution makes of all slips, in the order of all rows, and of all multipliers.
+    /// Group of tangential constraints for given slips and multipliers, in the order of all constraints.
     pub fn with(&self, conditions: &Conditions, slips: &[f64], lambda: &[f64]) -> SlipGroup<'a> {
         self.group(conditions, |row| slips[row], lambda)
     }
 
-    /// The rows at the iterate.
+    /// Group of tangential constraints at the iterate.
     pub fn at(&self, conditions: &Conditions, at: &Linearization) -> SlipGroup<'a> {
         self.group(conditions, |row| self.slip.gap[row - self.friction.rows.start], &at.lambda)
     }
@@ -83,7 +84,7 @@ impl<'a> SlipPlace<'a> {
     }
 }
 
-/// The tangential rows of all pairs at an iterate.
+/// Tangential constraints of all pairs at an iterate.
 pub fn slips_at<'a, const D: usize>(equations: &'a Equations<D>, at: &'a Linearization) -> impl Iterator<Item = SlipPlace<'a>> {
     pairs_at(equations, at).zip(&at.slips).flat_map(move |((pair, evaluation), slip)| {
         let groups = pair.friction.iter().flat_map(|friction| pair.rows.clone().enumerate().map(move |of| (friction, of)));
@@ -115,7 +116,7 @@ pub fn drop_slivers<const D: usize>(equations: &Equations<D>, at: &Linearization
     lost
 }
 
-/// The largest violation of the contact conditions over what is tolerated, its constraint, and the energy of all violations.
+/// Largest violation of the contact conditions relative to its tolerance, its constraint, and the energy of all violations.
 pub fn worst_violation<const D: usize>(
     equations: &Equations<D>,
     at: &Linearization,
@@ -151,7 +152,7 @@ pub fn worst_violation<const D: usize>(
     (worst, worst_row, work)
 }
 
-/// Whether an iterate meets the contact conditions.
+/// True if an iterate satisfies the contact conditions.
 pub fn meets<const D: usize>(equations: &Equations<D>, at: &Linearization, conditions: &Conditions) -> bool {
     let (mut dropped, mut kept) = (equations.redundant.clone(), at.lambda.clone());
     !drop_slivers(equations, at, &mut dropped, &mut kept) && worst_violation(equations, at, conditions, &dropped).0 <= 1.0
@@ -180,8 +181,8 @@ pub fn starting_set<const D: usize>(
     set
 }
 
-/// The constraint rows for a set of active nodes; `yielding` is how far rows with a compliance, and tangential rows of nodes with more rows
-/// than motions, give way, over what they do at first; tangential rows have the proximal terms besides.
+/// Equations of the constraints for an active set. `yielding` is the compliance of regularized constraints, and of tangential constraints
+/// of overconstrained nodes, relative to its first value; tangential constraints also have the proximal terms.
 pub fn constraint_rows<const D: usize>(
     equations: &Equations<D>,
     at: &Linearization,
@@ -202,7 +203,7 @@ pub fn constraint_rows<const D: usize>(
     for place in slips_at(equations, at).filter(|place| set[place.rows.start].acts()) {
         let (mut group, first) = (place.at(conditions, at), place.rows.start);
         group.set_compliance(conditions.eased(first, yielding) + proximal.map_or(0.0, |terms| terms[first]));
-        // More rows than a node can move: those that stick give way, until the multipliers are found.
+        // Overconstrained node: sticking constraints are compliant until the multipliers are found.
         if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
             group.yield_by(yielding / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
         }
@@ -213,7 +214,7 @@ pub fn constraint_rows<const D: usize>(
     rows
 }
 
-/// How many rows hold each node that has tangential ones: those that press and those that stick.
+/// Number of active constraints of each node with friction: active normal ones and sticking tangential ones.
 fn rows_of_nodes<const D: usize>(equations: &Equations<D>, set: &[RowState]) -> BTreeMap<u32, usize> {
     let mut counts = BTreeMap::new();
     for pair in &equations.pairs {
@@ -227,7 +228,7 @@ fn rows_of_nodes<const D: usize>(equations: &Equations<D>, set: &[RowState]) -> 
     counts
 }
 
-/// The state with which an iteration begins for tangential rows, by the state of the row that presses: open without pressure.
+/// First state of tangential constraints in an iteration, by the state of the normal constraint: inactive without pressure.
 pub fn first_state(place: &SlipPlace, conditions: &Conditions, at: &Linearization, set: &[RowState]) -> RowState {
     if place.exists && set[place.pressing].is_closed() { place.at(conditions, at).first_state() } else { RowState::Open }
 }

@@ -1,41 +1,43 @@
-//! When the iterations of one attempt are done, go on or are given up.
+//! Termination of the iterations of one attempt: converged, continued or given up.
 
 use crate::math::tolerances::EXACT;
 
-/// Growth of the energy, over what is tolerated, up to which a residual that falls no longer may be round-off.
+/// Energy relative to its tolerance up to which a residual that does not decrease any more may be round-off.
 const STALLED: f64 = 100.0;
 
-/// The part of the last iteration's energy above which it falls no longer, where it may be round-off by its size, and where only the
-/// residual says so: an iteration with an inexact tangent may take as little as a tenth, and what still falls is no round-off.
+/// Ratio to the last iteration's energy above which the energy counts as no longer decreasing: where it may be round-off by its size, and
+/// where the residual alone indicates round-off. An iteration with an inexact tangent may reduce it by as little as a tenth, and an energy
+/// that still decreases is no round-off.
 const FALLING: f64 = 0.5;
 const FALLING_FAR: f64 = 0.9;
 
 /// Growth of the number of iterations while all is met but the energy, which still falls.
 const LONGER: usize = 3;
 
-/// The part of the least distance from a solution that counts as nearer, and the iterations without coming nearer after which an attempt
-/// is given up: what cycles does so until the last iteration. Fewer lead to other attempts too early, which may find another solution.
+/// Ratio to the least distance from a solution that counts as nearer, and the number of iterations without coming nearer after which an
+/// attempt is given up: a cycling attempt would use all its iterations. A smaller number leads to other attempts too early, which may find
+/// another solution.
 const NEARER: f64 = 0.7;
 const MAX_IDLE: usize = 8;
 
-/// What an iteration looked like.
+/// Residuals, energies and active set changes of one Newton iteration.
 #[derive(Clone, Debug, Default)]
 pub struct Iteration {
     /// Largest component of the residual.
     pub residual: f64,
-    /// Its unknown.
+    /// Unknown with the largest residual.
     pub worst: usize,
     /// Force by which residuals are judged in this iteration.
     pub target: f64,
     /// Round-off of the forces: a residual below it cannot be trusted to fall.
     pub floor: f64,
-    /// Residual that ends a step at rest, whatever its energy; 0 in motion.
+    /// Residual that terminates a step at rest, for any energy; 0 in motion.
     pub enough: f64,
-    /// Energy that the residual can still move, over what is tolerated.
+    /// Energy that the residual can still move, relative to its tolerance.
     pub energy: f64,
-    /// Largest violation of the contact conditions over what is tolerated.
+    /// Largest violation of the contact conditions, relative to its tolerance.
     pub violation: f64,
-    /// Its constraint.
+    /// Constraint with the largest violation.
     pub worst_row: usize,
     /// Constraints whose contact state changed.
     pub changed: Vec<usize>,
@@ -43,36 +45,35 @@ pub struct Iteration {
     pub active: usize,
 }
 
-/// What the iterations so far tell.
+/// Convergence history of an attempt.
 pub struct Convergence {
     /// Usual number of iterations.
     most: usize,
-    /// Whether iterations go on although they come no nearer.
+    /// Continue although the iterations come no nearer to a solution.
     is_patient: bool,
-    /// Whether a residual that is met goes on falling, as far as it falls.
+    /// Continue while the residual decreases, even below the tolerance.
     is_exact: bool,
     /// Energy of the last iterate.
     last_energy: f64,
-    /// Least distance from a solution, and iterations since.
+    /// Least distance from a solution, and the number of iterations since.
     nearest: f64,
     idle: usize,
-    /// Whether the last increment was not taken whole: then nothing can be expected of the residual yet.
+    /// True if the last increment was limited, so that its residual need not decrease.
     pub is_limited: bool,
 }
 
-/// What comes after an iterate.
+/// Decision after an iterate.
 pub enum Judgement {
-    /// It is the solution.
+    /// The iterate is the solution.
     Done,
-    /// Another one.
+    /// Another iteration follows.
     GoesOn,
-    /// Another attempt.
+    /// The attempt is given up.
     GivesUp,
 }
 
 impl Convergence {
-    /// Nothing is known yet of an attempt of that many iterations; a patient one takes them all, an exact one stops at
-    /// round-off.
+    /// Starts the history of an attempt of `most` iterations; a patient attempt uses all of them, an exact one stops at round-off.
     pub fn new(most: usize, is_patient: bool, is_exact: bool) -> Self {
         Convergence { most, is_patient, is_exact, last_energy: f64::INFINITY, nearest: f64::INFINITY, idle: 0, is_limited: false }
     }

@@ -1,4 +1,4 @@
-//! What the equations of a model have cost.
+//! Counters and times of the work that the equations of a model have cost.
 
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ pub struct Counters {
     pub times: PhaseTimes,
     /// Numeric factorisations.
     pub factorizations: usize,
-    /// Those of attempts that failed and of steps that were taken back.
+    /// Factorizations of failed attempts and of steps that were taken back.
     pub discarded: usize,
     /// Times that forces were computed.
     pub assemblies: usize,

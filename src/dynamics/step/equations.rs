@@ -1,5 +1,5 @@
-//! The equations of a model in `D` dimensions: nodes, what pushes on them, what constrains them. A step reads them; their contacts keep
-//! what depends on its start.
+//! The equations of a model in `D` dimensions: nodes, force elements, constraints. A step reads them; contacts keep the data that depend on
+//! its start.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,33 +26,33 @@ use crate::math::workers::Workers;
 pub struct Equations<const D: usize> {
     /// The nodes of all bodies.
     pub nodes: Nodes<D>,
-    /// What holds or moves some of them.
+    /// Supports: fixed and prescribed displacement components.
     pub supports: Supports,
     /// Deformable bodies.
     pub bodies: Vec<Body<D>>,
     /// Loads.
     pub loads: Vec<NodalLoad<D>>,
-    /// What pushes on nodes besides.
+    /// Force elements other than bodies and loads.
     pub others: Vec<Box<dyn Part>>,
-    /// How many of these, the first, are the model's own parts.
+    /// Number of leading entries of `others` that are the model's own parts.
     pub own_parts: usize,
-    /// What the time integrator takes from the vibrations of deformable bodies; none where it takes nothing.
+    /// Algorithmic dissipation of the deformable bodies; empty if the time integrator does not dissipate.
     pub dampings: Vec<StepDamping<D>>,
     /// Masses that these have at nodes.
     pub(super) point_masses: Vec<PointInertia>,
     /// Contacts, obstacles and ties, then the corners that belong to them.
     pub pairs: Vec<ContactPair>,
-    /// Number of their rows, those that press before the tangential ones.
+    /// Number of constraints of all pairs, normal ones before tangential ones.
     pub multipliers: usize,
-    /// Number of the rows that press.
+    /// Number of normal constraints.
     pub pressing: usize,
-    /// Rows of ties that follow from others and from supports, and take part in no step.
+    /// True for each redundant constraint of ties, which depends on others and on supports and takes part in no step.
     pub redundant: Vec<bool>,
     /// Threads for sums over cells.
     pub workers: Workers,
 }
 
-/// Everything that pushes on nodes, bodies first.
+/// All force elements, bodies first.
 pub fn parts<'a, const D: usize>(
     bodies: &'a [Body<D>],
     loads: &'a [NodalLoad<D>],
@@ -66,12 +66,12 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Whether something depends on positions, not on displacements alone.
+    /// True if forces depend on positions and not on displacements alone.
     pub fn sees_positions(&self) -> bool {
         !self.pairs.is_empty() || !self.others.is_empty()
     }
 
-    /// Energy that parts other than bodies store with what each part remembers, and what relaxes in bodies `[energy]`.
+    /// Energy stored by parts other than bodies with the history variables `memory`, and by the relaxing stress in bodies `[energy]`.
     pub fn stored_energy(&self, at: Pose, memory: &[Vec<f64>]) -> f64 {
         let others: f64 = self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.energy(at, memory)).sum();
         others + self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxing_energy(history)).sum::<f64>()
@@ -82,18 +82,19 @@ where
         self.relaxed(u, &self.parts().map(|part| part.memory()).collect::<Vec<_>>())
     }
 
-    /// Memory of all parts in an equilibrium: plastic strains of bodies stay, what depends on rates (viscosity) has relaxed.
+    /// History variables of all parts in an equilibrium: plastic strains of bodies remain, rate-dependent stresses (viscosity) have
+    /// relaxed.
     pub fn relaxed(&self, u: &[f64], memory: &[Vec<f64>]) -> PartHistories {
         let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(Present { u, history }));
         Arc::new(bodies.chain(self.parts().skip(self.bodies.len()).map(|part| part.memory())).collect())
     }
 
-    /// The model's own parts with what each remembers.
+    /// The model's own parts with their history variables.
     pub fn own_parts<'a>(&'a self, memory: &'a [Vec<f64>]) -> impl Iterator<Item = (&'a dyn Part, &'a Vec<f64>)> {
         self.parts().zip(memory).skip(self.bodies.len() + self.loads.len()).take(self.own_parts)
     }
 
-    /// Strain energy with what each part remembers `[energy]`.
+    /// Strain energy with the history variables `memory` `[energy]`.
     pub fn strain_energy(&self, u: &[f64], memory: &[Vec<f64>]) -> f64 {
         let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(Present { u, history });
         self.bodies.iter().zip(memory).map(of).sum()
@@ -101,17 +102,17 @@ where
 }
 
 impl<const D: usize> Equations<D> {
-    /// Everything that pushes on nodes, bodies first.
+    /// All force elements, bodies first.
     pub fn parts(&self) -> impl Iterator<Item = &dyn Part> {
         parts(&self.bodies, &self.loads, &self.others)
     }
 
-    /// Moves what rigid bodies carry along, in a nodal vector: displacements, velocities.
+    /// Moves the followers of rigid bodies with their masters, in a nodal vector: displacements, velocities.
     pub fn lead(&self, values: &mut [f64]) {
         self.bodies.iter().filter_map(|body| body.rigid.as_ref()).for_each(|rigid| rigid.lead::<D>(values));
     }
 
-    /// The same in displacements and the positions that follow from them.
+    /// Moves the followers of rigid bodies with their masters, in displacements `u` and positions `q`.
     pub fn lead_positions(&self, u: &mut [f64], q: &mut [f64]) {
         for rigid in self.bodies.iter().filter_map(|body| body.rigid.as_ref()) {
             rigid.lead::<D>(u);
@@ -121,7 +122,7 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// The same in what a step that has converged ends with.
+    /// Moves the followers of rigid bodies with their masters, in the displacements and positions at the end of a converged step.
     pub fn lead_end(&self, at: &mut Linearization) {
         self.lead(&mut at.moved);
         self.lead_positions(&mut at.u_1, &mut at.q_1);
@@ -143,12 +144,12 @@ impl<const D: usize> Equations<D> {
         contacts.map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Number of secondary nodes in contact: active constraints, those of ties left out.
+    /// Number of secondary nodes in contact: active constraints without those of ties.
     pub fn touching(&self, active: &[RowState]) -> usize {
         self.closed_nodes(active).iter().zip(&self.pairs).filter(|(_, pair)| pair.kind != PairKind::Tie).map(|(closed, _)| closed).sum()
     }
 
-    /// Number of nodes that active constraints hold, of each contact in the order of the model.
+    /// Number of nodes with active constraints in each contact, in the order of the model.
     pub fn closed_nodes(&self, active: &[RowState]) -> Vec<usize> {
         let held_by = |pair: &ContactPair| -> Vec<u32> {
             let stride = pair.kernel.rows_per_node();
@@ -167,12 +168,12 @@ impl<const D: usize> Equations<D> {
         self.contacts().map(of).collect()
     }
 
-    /// Index of the contact that a pair belongs to: itself, or that whose corners it holds.
+    /// Index of the contact that a pair belongs to: the pair itself, or the one whose corners it constrains.
     pub fn contact_of(&self, index: usize) -> usize {
         self.pairs[index].corners.map_or(index, |corners| corners.pair)
     }
 
-    /// Sums what each pair has over the contact that it belongs to.
+    /// Sums of a quantity of pairs over the contact that they belong to.
     pub fn by_contact(&self, of: impl Fn(usize, &ContactPair) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.contacts().count()];
         let pairs = self.pairs.iter().enumerate().filter(|(_, pair)| !pair.kind.is_of_points());
@@ -190,25 +191,25 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
     }
 
-    /// The pair of a row, one that presses or a tangential one.
+    /// Contact pair of a normal or tangential constraint.
     pub fn pair_of(&self, row: usize) -> Option<&ContactPair> {
         let is_own =
             |pair: &&ContactPair| pair.rows.contains(&row) || pair.friction.as_ref().is_some_and(|friction| friction.rows.contains(&row));
         self.pairs.iter().find(is_own)
     }
 
-    /// The row that presses beside a tangential row.
+    /// Normal constraint beside a tangential constraint.
     pub fn pressing_row(&self, slip: usize) -> usize {
         self.tangential_at(slip, |pair, friction| pair.rows.start + friction.pressing(slip))
             .expect("every tangential row belongs to a pair")
     }
 
-    /// The rows that change their state together with a row: it alone, or all tangential ones beside one that presses.
+    /// Constraints that change their state together: a normal one alone, or all tangential ones beside a normal one.
     pub fn group_of(&self, row: usize) -> Range<usize> {
         self.tangential_at(row, |_, friction| friction.group(friction.pressing(row))).unwrap_or(row..row + 1)
     }
 
-    /// The other tangential row of a group of two.
+    /// Other tangential constraint of a group of two.
     pub fn partner_row(&self, slip: usize) -> usize {
         let group = self.group_of(slip);
         group.start + group.end - 1 - slip
@@ -230,7 +231,7 @@ impl<const D: usize> Equations<D> {
         (&body.name, node - body.nodes.start)
     }
 
-    /// Loads at a configuration and time, gravity not included; tells whether any acted.
+    /// Adds the loads at a configuration and time, without gravity; returns true if a load acts.
     ///
     /// # Errors
     /// A time function failed.
@@ -238,7 +239,7 @@ impl<const D: usize> Equations<D> {
         loads_into::<D>(&self.loads, q, time, force)
     }
 
-    /// Energy of the potentials of rows at the given weighted gaps `[energy]`.
+    /// Energy of the penalty potentials at the given weighted gaps `[energy]`.
     pub fn penalty_energy(&self, gaps: &[f64]) -> f64 {
         let of = |pair: &ContactPair| {
             pair.penalties.iter().zip(&gaps[pair.rows.clone()]).map(|(&kappa, &gap)| pair.law.energy(kappa, gap)).sum::<f64>()
@@ -246,7 +247,7 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().map(of).sum()
     }
 
-    /// Whether there is memory for what contacts couple: a patch of a coarse side and many fine facets grows with the square of these.
+    /// Checks that the contact elements fit into memory: the element of a coarse facet against `n` fine facets grows with `n^2`.
     pub(super) fn ensure_patches(&self) -> Result<(), Shortage> {
         memory::ensure(self.pairs.iter().map(|pair| pair.kernel.patches().bytes()).fold(0, u64::saturating_add))
     }
@@ -264,7 +265,7 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter_mut().try_for_each(|pair| pair.move_obstacle(time, dt))
     }
 
-    /// Lets the rigid obstacles carry along what sticks to them as far as they move from one time to another.
+    /// Moves the points of rigid obstacles to which nodes stick, by the obstacles' motion between two times.
     ///
     /// # Errors
     /// A time function failed.
@@ -272,7 +273,7 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter_mut().try_for_each(|pair| pair.carry(from, to))
     }
 
-    /// How far an obstacle goes from one time to another at most, over the shortest facet of what it may touch.
+    /// Largest translation of an obstacle between two times, relative to the shortest facet of its contact partner.
     ///
     /// # Errors
     /// A time function failed.

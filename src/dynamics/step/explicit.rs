@@ -1,4 +1,4 @@
-//! What a step without equations asks of a system: forces at positions, motions by them, contacts at positions.
+//! Evaluations for explicit steps: forces, nodal motions and contacts at given positions.
 
 use std::time::Instant;
 
@@ -18,11 +18,11 @@ use crate::linear::LinearError;
 /// Forces at positions, component by component `[force]`.
 #[derive(Default)]
 pub struct PartForces {
-    /// Of potentials and dampers, against the motion that they drive.
+    /// Forces of potentials and dampers, against the motion that they drive.
     pub internal: Vec<f64>,
     /// Loads, without gravity that is constant.
     pub load: Vec<f64>,
-    /// The part of the internal ones that is exerted from outside of the model; empty where there is none.
+    /// Internal forces exerted by the ground; empty without parts that are attached to it.
     pub ground: Vec<f64>,
 }
 
@@ -62,7 +62,7 @@ where
         Ok(forces)
     }
 
-    /// What all pairs are at positions, an obstacle where the step ends.
+    /// Evaluates all contact pairs at the positions `q`, with obstacles at their place at the end of the step.
     pub fn evaluate_pairs(&mut self, q: &[f64], pairs: &mut Vec<Evaluation>) {
         let clock = Instant::now();
         let none = vec![0.0; self.multipliers];
@@ -104,8 +104,8 @@ where
         Ok(forces)
     }
 
-    /// How internal forces change along a motion of all nodes, about a pose, as in a step of that size `[force]`: stiffness and, over the
-    /// size, damping. `size` is a small factor of the motion.
+    /// Change of the internal forces along a motion of all nodes `[force]`: stiffness times motion plus damping times motion over `dt`, as
+    /// a central difference with the factor `size` of the motion.
     ///
     /// # Errors
     /// A cell is inside out.
@@ -145,7 +145,7 @@ where
     }
 }
 
-/// A row with a potential at a gap, as equilibria see it.
+/// Constraint with a potential at a gap, at rest.
 pub(super) fn at_rest(pair: &ContactPair, row: usize, gap: f64) -> Row {
     Row {
         gap,

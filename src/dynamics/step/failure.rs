@@ -1,4 +1,4 @@
-//! Why a step did not converge.
+//! Causes of a failed step.
 
 use super::large_motion::LargeMotion;
 use crate::bodies::Inverted;
@@ -6,13 +6,13 @@ use crate::dynamics::model::part::Refusal;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::LinearError;
 
-/// Why a step did not converge.
+/// Cause of a failed step.
 pub enum Failure {
     /// Too many iterations.
     Iterations,
     /// A cell turned inside out.
     Inverted {
-        /// Its body.
+        /// Name of the body.
         body: String,
         /// The cell.
         inverted: Inverted,
@@ -43,7 +43,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// What was seen, in two words.
+    /// Short name of the failure.
     pub fn name(&self) -> &'static str {
         Failure::NAMES[match self {
             Failure::Iterations => 0,
@@ -63,7 +63,7 @@ impl Failure {
     /// The name of a step that was refused because of its error.
     pub const INEXACT: &'static str = "error too large";
 
-    /// The same, or the end of the run where a factorisation was interrupted or found no memory.
+    /// Converts an interrupted factorization, or one that ran out of memory, to a fatal failure; other failures are returned unchanged.
     pub fn or_end(self, time: f64) -> Self {
         match self {
             Failure::Linear(LinearError::Interrupted) => Failure::Fatal(StepError::Interrupted { time }),

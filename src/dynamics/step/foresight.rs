@@ -1,4 +1,4 @@
-//! Motion of contacts that is too large for one step: foreseen before it is tried, or seen when it has converged.
+//! Motion of contacts that is too large for one step: predicted before the step, or found in the converged step.
 
 use super::conditions::Conditions;
 use super::equations::Equations;
@@ -32,9 +32,10 @@ impl<const D: usize> Equations<D> {
         None
     }
 
-    /// How far nodes have come through a rigid obstacle in a converged step that began at `q_0`, or how deep they are behind the other
-    /// side under the persistency rule, if too far: elastic motion is not foreseen. Of open constraints their own gap counts, and of any
-    /// node its depth where that has grown: a closed weighted gap holds a mean, beside which a node may go in.
+    /// Largest penetration of a converged step that began at `q_0`, if it is too large: nodes that have passed through a rigid obstacle, or
+    /// nodes behind the other side under the persistency rule. Elastic motion is not predicted, so this is checked afterwards. An inactive
+    /// constraint counts with its gap; every node counts with its penetration where that has grown, since a closed weighted gap only bounds
+    /// a mean over its neighborhood.
     pub fn came_through(&self, q_0: &[f64], at: &Linearization, conditions: &Conditions) -> Option<LargeMotion> {
         let passed = |pair: &ContactPair| {
             let facets = passing(pair, &at.q_1, false)?;
@@ -49,7 +50,7 @@ impl<const D: usize> Equations<D> {
         })
     }
 
-    /// Largest predicted motion of the nodes of an active patch's secondary side relative to those of its primary side `[length]`.
+    /// Largest predicted motion of the secondary nodes of an active contact element relative to its primary nodes `[length]`.
     fn sliding(&self, pair: &ContactPair, q_0: &[f64], predicted: &[f64], active: &[RowState]) -> f64 {
         let patches = pair.kernel.patches();
         if !active[pair.rows.clone()].contains(&RowState::Closed) {
@@ -123,7 +124,7 @@ fn travel_along(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 {
     largest
 }
 
-/// Largest motion of the nodes that are within a facet of an obstacle, without what changes their distance.
+/// Largest motion of the nodes within a facet of an obstacle, without the component that changes their distance.
 fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 {
     let moved: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + dt * v).collect();
     let (coverage, weights) = (pair.kernel.coverage(q), pair.kernel.weights());
@@ -138,8 +139,8 @@ fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 
     near.map(travel).fold(0.0, f64::max)
 }
 
-/// By how many facets nodes of a pair and its rigid obstacle pass each other in a step to `q_1`, if too far: through the obstacle, or,
-/// where that is only predicted, towards it.
+/// Motion past each other of the nodes of a pair and its rigid obstacle in a step to `q_1`, in facets, if too large: through the obstacle
+/// or, for a predicted motion, towards the obstacle.
 fn passing(pair: &ContactPair, q_1: &[f64], is_predicted: bool) -> Option<f64> {
     let [swing, crossing] = pair.kernel.passage(q_1);
     let is_too_far = is_predicted && swing > tolerances::PASSING || crossing > 0.0;

@@ -1,14 +1,14 @@
-//! Newton's system of one iterate, factorised with one set of active rows and solved with others that differ from it in some rows.
+//! Newton's system of one iterate, factorized with one active set and solved with others that differ from it in some constraints.
 //!
-//! With `A` the matrix of the set in the factors, `x_A` its solution, an open row `r` that closes brings its multiplier `lambda_r` as an
-//! unknown, a closed row `s` that opens a slack `t_s`, by which its equation is missed:
+//! With `A` the matrix of the set in the factors and `x_A` its solution, a constraint `r` that becomes active adds its multiplier
+//! `lambda_r` as an unknown, a constraint `s` that becomes inactive a slack `t_s` in its equation:
 //!
 //! ```text
 //! x = x_A + sum_r lambda_r A^-1 (w Gbar_r + e_r) + sum_s t_s A^-1 e_s,   (G_r dq + d_r lambda_r)(x) = right_r,   lambda_s(x) = 0
 //! ```
 //!
-//! One substitution for every row that ever changes, and a small system, in place of a factorisation for every set (principal pivoting;
-//! Cottle, Pang and Stone 1992, chapter 4).
+//! One substitution per changed constraint and a small system replace a factorization for every set (principal pivoting; Cottle, Pang and
+//! Stone 1992, chapter 4).
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -30,30 +30,30 @@ use crate::dynamics::parts::laws::Equation;
 /// Rows that may change before the matrix is factorised with another set: each costs a substitution.
 const MOST_CHANGES: usize = 64;
 
-/// Newton's system of one iterate with a set of active rows in its factors.
+/// Newton's system of one iterate, factorized with one active set.
 pub struct Frozen {
-    /// The rows in the factors, and those of the present set.
+    /// Equations of the active set in the factors, and of the present set.
     rows: ConstraintRows,
     present: ConstraintRows,
-    /// Right-hand side and solution with that set.
+    /// Right-hand side and solution of the active set in the factors.
     right: Vec<f64>,
     solution: Vec<f64>,
-    /// What all rows are there.
+    /// Gaps and multipliers of all constraints for the active set in the factors.
     base: RowValues,
-    /// What all rows answer to a unit of what a changed row brings.
+    /// Change of all gaps and multipliers per unit multiplier or slack of each changed constraint.
     answers: BTreeMap<usize, RowValues>,
-    /// How much of it there is with the present set.
+    /// Multiplier or slack of each changed constraint in the present active set.
     amounts: Vec<(usize, f64)>,
 }
 
 impl Frozen {
-    /// The rows with the set in the factors.
+    /// Gaps and multipliers of the active set in the factors.
     pub fn base(&self) -> &RowValues {
         &self.base
     }
 }
 
-/// What a solution makes of the rows.
+/// Linearized gaps and multipliers of all constraints for one solution of the frozen system.
 #[derive(Clone, Debug)]
 pub struct RowValues {
     /// Linear part of the weighted gaps, `G_1 dq`.
@@ -100,7 +100,8 @@ where
         outcome.map(drop).map_err(Failure::Linear)
     }
 
-    /// The rows with another set, whose equations are `rows`; nothing where the system should be factorised with that set instead.
+    /// Gaps and multipliers with another active set, whose equations are `rows`; `None` where the system should be factorized with that set
+    /// instead.
     pub fn rows_with(&mut self, frozen: &mut Frozen, start: &StepStart, at: &Linearization, rows: &ConstraintRows) -> Option<RowValues> {
         let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.0[row] != frozen.rows.0[row]).collect();
         let fresh: Vec<usize> = changed.iter().copied().filter(|row| !frozen.answers.contains_key(row)).collect();
@@ -151,7 +152,7 @@ where
         Some(values)
     }
 
-    /// The increment and the multipliers with the set that was asked for last.
+    /// Increment and multipliers with the active set of the last call of [`Self::rows_with`].
     ///
     /// # Errors
     /// The system is singular.
@@ -191,7 +192,7 @@ where
         RowValues { gaps, lambda: lambda.to_vec() }
     }
 
-    /// Adds to a right-hand side what a changed row brings.
+    /// Adds the contributions of changed constraints to a right-hand side.
     fn add_brought(&self, frozen: &Frozen, shares: ForceShares, at: &Linearization, amounts: &BTreeMap<usize, f64>, right: &mut [f64]) {
         let unknowns = right.len() - self.multipliers;
         for (&row, amount) in amounts {

@@ -19,7 +19,7 @@ use crate::math::tolerances;
 /// Shortest part of a phase: impulses where a slip stops are off by as much of the whole.
 const SHORTEST: f64 = 1.0 / 16384.0;
 
-/// Angle by which the direction of a slip may turn within a part of a phase.
+/// Angle by which the direction of a slip may change within a part of a phase.
 const TURN: f64 = 0.01;
 
 /// Sweeps of a part: at most so many, and at most so many products in all of them, but for the fewest.
@@ -32,12 +32,12 @@ const STALLED: f64 = 0.99;
 /// Steps of the direction of a slip in space at most.
 const DIRECTIONS: usize = 50;
 
-/// One row that presses with its tangential rows.
+/// Normal constraint with its tangential constraints.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ImpactContact {
-    /// Index of the row that presses; its tangential rows follow.
+    /// Index of the normal constraint; its tangential constraints follow.
     pub first: usize,
-    /// Number of tangential rows: 0, 1 or 2.
+    /// Number of tangential constraints: 0, 1 or 2.
     pub tangents: usize,
     /// Coefficient of friction.
     pub friction: f64,
@@ -47,20 +47,20 @@ pub struct ImpactContact {
     pub weight: f64,
 }
 
-/// The rows of an impact.
+/// Constraints of an impact.
 pub struct ImpactLaw {
-    /// Contacts; each has a row that presses and its tangential rows.
+    /// Contacts, each with a normal constraint and its tangential constraints.
     pub contacts: Vec<ImpactContact>,
-    /// Change of the rate of a row by a unit impulse of another one, row by row, symmetric.
+    /// Change of the rate of a constraint by a unit impulse of another one, row by row, symmetric.
     pub response: Vec<f64>,
 }
 
 /// Course of an impact.
 #[derive(Clone, Debug, Default)]
 pub struct Course {
-    /// Rates of the rows.
+    /// Rates of the constraints.
     pub rates: Vec<f64>,
-    /// Impulses of the rows.
+    /// Impulses of the constraints.
     pub impulses: Vec<f64>,
     /// Work of the impulses that press `[energy]`: negative in compression.
     pub pressing: f64,
@@ -68,7 +68,7 @@ pub struct Course {
     pub friction: Vec<f64>,
 }
 
-/// Condition of a row that presses in a part of an impact.
+/// Condition of a normal constraint in a part of an impact.
 struct Part {
     /// Rates that are reached at least.
     targets: Vec<f64>,
@@ -155,7 +155,7 @@ impl ImpactLaw {
         (loss * impulses[contact.first] >= slip).then(|| -0.5 * mu * slip * slip / loss)
     }
 
-    /// True if a slip stops or turns between these rates.
+    /// True if a slip stops or reverses between these rates.
     fn turns(&self, before: &[f64], after: &[f64]) -> bool {
         let size = before.iter().fold(0.0f64, |size, rate| size.max(rate.abs()));
         self.contacts.iter().filter(|contact| contact.tangents > 0 && contact.friction > 0.0).any(|contact| {
@@ -262,7 +262,7 @@ impl Block {
         self.free[i] + (0..self.rows).map(|j| self.response[i][j] * p[j]).sum::<f64>()
     }
 
-    /// Impulse that presses if those along the surface are `along` for each unit of it.
+    /// Normal impulse for tangential impulses of `along` per unit of it.
     fn pressing(&self, along: [f64; 2]) -> f64 {
         let slope = self.response[0][0] + (1..self.rows).map(|j| self.response[0][j] * along[j - 1]).sum::<f64>();
         if slope > 0.0 { ((self.target - self.free[0]) / slope).max(self.least) } else { self.least }

@@ -10,12 +10,12 @@ use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 
-/// Velocities that answer impulses while ties, joints and rigid bodies hold.
+/// Velocity responses to impulses with ties, joints and rigid bodies as constraints.
 pub struct Responses {
     matrix: EndMatrix,
     scale: f64,
     unknowns: usize,
-    /// Gradients of the rows by unknowns.
+    /// Gradients of the constraints by unknowns.
     gradients: Vec<Vec<(usize, f64)>>,
 }
 

@@ -19,7 +19,7 @@ use crate::math::tolerances;
 pub struct ImpulseResponse {
     /// The change.
     pub velocity: Vec<f64>,
-    /// Impulses of all rows, of those that press and the tangential ones.
+    /// Impulses of all normal and tangential constraints.
     pub lambda: Vec<f64>,
     /// Impulses of supports and obstacles on the nodes.
     pub impulse: Vec<f64>,
@@ -29,22 +29,22 @@ pub struct ImpulseResponse {
 
 /// The matrix of velocities at the end of a step.
 pub(super) struct EndMatrix {
-    /// Its values, with supports and constraints.
+    /// Matrix values with supports and constraints.
     pub(super) values: Vec<f64>,
-    /// Masses and stiffness alone, not scaled, where supports hold something.
+    /// Values of mass and stiffness alone, unscaled; `None` without supports.
     free: Option<Vec<f64>>,
 }
 
-/// What makes a push.
+/// Given impulses and rates of constraints that change the velocities.
 pub struct Cause<'a> {
-    /// What the rows are at the end of the step, those that press and the tangential ones.
+    /// Normal and tangential constraints at the end of the step.
     pub rows: [&'a [Evaluation]; 2],
-    /// Impulses that are given.
+    /// Given impulses.
     pub lambda: &'a [f64],
-    /// Rows whose rates are given, and their changes.
+    /// Constraints with given rates, and the changes of these rates.
     pub hold: &'a [bool],
     pub rate: &'a [f64],
-    /// Impulses of tangential rows over those of the rows that press beside them, in the order of all rows.
+    /// Impulses of tangential constraints relative to those of their normal constraints, in the order of all constraints.
     pub ratios: &'a [f64],
 }
 
@@ -52,9 +52,9 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// `w` with `(M + beta K_m(q_1)) w = G_1^T (lambda + mu)` and `G_1 w = rate` where `hold`, at an iterate; `lambda + mu` of tangential
-    /// rows is that of the row that presses times their ratio. `K_m` is the material stiffness: its forces have neither resultant nor
-    /// moment at `q_1`, so that `v_1 + s w` has the momenta of `v_1` for every `s`, up to what supports and obstacles push.
+    /// `w` with `(M + beta K_m(q_1)) w = G_1^T (lambda + mu)` and `G_1 w = rate` where `hold`, at an iterate; `lambda + mu` of a tangential
+    /// constraint is that of its normal constraint times their ratio. `K_m` is the material stiffness: its forces have neither resultant
+    /// nor moment at `q_1`, so that `v_1 + s w` has the momenta of `v_1` for every `s`, up to the impulses of supports and obstacles.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
@@ -140,14 +140,14 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// What masses are multiplied by to be as large as gradients: else the round-off of the constraints would be felt as momentum.
+    /// Factor that scales masses to the size of constraint gradients; without it the round-off of the constraints would appear as momentum.
     pub(super) fn end_scale(&self, evaluated: [&[Evaluation]; 2]) -> f64 {
         let gradient = evaluated[0].iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
         gradient / self.nodes.largest_nodal_mass
     }
 
-    /// Whether the momenta of a push that the model keeps are the impulses from outside, as far as round-off lets them: where constraints
-    /// all but depend on one another, the solution is accurate in its residual and in nothing else. `beside`: a momentum that is none.
+    /// True if the momenta of an impulse response equal the external impulses to round-off: nearly dependent constraints give a solution
+    /// that is accurate in its residual only. `beside` is a momentum below which differences do not count.
     pub fn is_balanced(&self, push: &ImpulseResponse, q_1: &[f64], beside: f64) -> bool {
         let momenta = self.nodes.momenta_of(&push.velocity);
         let (limit, reach) = ((tolerances::PUSH * sum_of_sizes(&momenta)).max(beside), largest_size(q_1).max(self.nodes.extent));

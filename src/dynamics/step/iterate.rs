@@ -1,6 +1,6 @@
 //! The equations of a step at an iterate, as a value: forces, contact functions, tangent.
 //!
-//! Whoever wants to know something of an iterate reads its linearization; there is no "last one".
+//! There is no stored "last iterate": every evaluation reads the linearization that it is given.
 
 use super::start::Told;
 use crate::contact::Evaluation;
@@ -11,32 +11,32 @@ use crate::dynamics::model::part::Pose;
 pub struct Linearization {
     /// Positions.
     pub q_1: Vec<f64>,
-    /// Displacements since rest, with the accuracy of their own size: strains follow from them.
+    /// Displacements since rest, accurate relative to their own size, from which strains are computed.
     pub u_1: Vec<f64>,
     /// Displacement in the step: `q_1 - q_0`, with the accuracy of its own size. Velocities follow from it, however short the step.
     pub moved: Vec<f64>,
     /// Multipliers.
     pub lambda: Vec<f64>,
-    /// Forces there.
+    /// Forces at the iterate.
     pub forces: Forces,
-    /// What every pair is there.
+    /// Constraints of every contact pair.
     pub pairs: Vec<Evaluation>,
-    /// What its tangential rows are, if it has any: slips as gaps, and what each has opposite in mid-step.
+    /// Tangential constraints of every contact pair: slips as gaps, and the covered share of each node in mid-step.
     pub slips: Vec<Evaluation>,
-    /// Tangential rows that supports hold.
+    /// True for each tangential constraint that supports keep from slipping.
     pub held: Vec<bool>,
-    /// Slips of the tangential rows with which they have no speed at the end of the step.
+    /// Slip of each tangential constraint with which its slip rate at the end of the step is zero.
     pub rests: Vec<f64>,
     /// Values of the matrix without the rows and columns of constraints.
     pub tangent: Vec<f64>,
-    /// Pattern that they are of; `None` while they are not computed.
+    /// Number of the pattern of `tangent`; `None` while it is not computed.
     pub(super) tangent_of: Option<usize>,
-    /// Pattern that their storage is of: what is not written there is zero.
+    /// Number of the pattern of the storage: entries that are not written are zero.
     pub(super) storage_of: Option<usize>,
 }
 
 impl Linearization {
-    /// Where the nodes are.
+    /// Positions and displacements.
     pub fn pose(&self) -> Pose<'_> {
         Pose { q: &self.q_1, u: &self.u_1 }
     }
@@ -62,12 +62,12 @@ pub struct Forces {
 }
 
 impl Forces {
-    /// What is left at an unknown: the reaction of what holds it `[force]`.
+    /// Residual at an unknown, equal to the reaction of its support `[force]`.
     pub fn residual(&self, unknown: usize) -> f64 {
         self.without_contact[unknown] - self.contact[unknown]
     }
 
-    /// What a weighted force is as a whole `[force]`.
+    /// Force before weighting by the integrator's share `weight` `[force]`.
     pub fn whole(&self, weighted: f64) -> f64 {
         weighted / self.weight
     }
@@ -81,7 +81,7 @@ pub struct Spare {
     pub(super) internal: Vec<f64>,
     /// The motion that the mass opposes.
     pub(super) motion: Vec<f64>,
-    /// What parts are told.
+    /// Velocities, positions of loads and mass factors passed to parts.
     pub(super) told: Told,
     /// Iterates of this step, and of the one before.
     iterates: [usize; 2],

@@ -5,21 +5,21 @@ use serde::{Deserialize, Serialize};
 #[cfg(doc)]
 use crate::math::tolerances;
 
-/// What motion in a step is too large.
+/// Motion of a contact that is too large for one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MotionKind {
     /// Surfaces in contact would slide beyond [`tolerances::SLIDING`].
     Sliding,
     /// Bodies would approach each other beyond [`tolerances::APPROACH`] under the persistency rule.
     Approach,
-    /// They have done so in a converged step, beyond [`tolerances::CAME_THROUGH`].
+    /// Bodies have penetrated each other in a converged step beyond [`tolerances::CAME_THROUGH`].
     CameThrough,
     /// A rigid obstacle and nodes would pass, or have passed, each other beyond [`tolerances::PASSING`].
     Passing,
 }
 
 impl MotionKind {
-    /// Its stable name.
+    /// Stable name of the kind of motion.
     pub fn name(self) -> &'static str {
         MotionKind::NAMES[match self {
             MotionKind::Sliding => 0,
@@ -38,8 +38,8 @@ impl MotionKind {
 pub struct LargeMotion {
     /// Name of the contact.
     pub contact: String,
-    /// What it is.
+    /// Kind of motion.
     pub kind: MotionKind,
-    /// How far within the step, in secondary facets.
+    /// Motion within the step, relative to the secondary facet length.
     pub facets: f64,
 }

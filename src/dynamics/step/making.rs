@@ -1,4 +1,4 @@
-//! What a system is made of: bodies, loads, what rigid bodies carry along.
+//! Assembly of a system from bodies, loads and the nodes that rigid bodies carry.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
@@ -27,7 +27,7 @@ pub fn deformable(model: &Model) -> impl Iterator<Item = (usize, &BodyDefinition
     model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none())
 }
 
-/// Parts what rigid bodies carry into nodes on which something acts and followers, and returns these.
+/// Divides the carried nodes of rigid bodies into loaded nodes and followers; returns the followers.
 pub(super) fn part_followers<const D: usize>(
     model: &Model,
     bodies: &mut [Body<D>],

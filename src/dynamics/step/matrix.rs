@@ -11,13 +11,13 @@ use crate::math::workers::Workers;
 
 /// The matrix of a model's steps.
 pub struct Matrix {
-    /// Its pattern.
+    /// Sparsity pattern.
     pub pattern: Pattern,
-    /// What solves with it.
+    /// Linear solver.
     pub solver: Box<dyn LinearSolver>,
-    /// Counts patterns: values made for another one are of no use.
+    /// Number of the pattern; values made for another pattern are discarded.
     pub generation: usize,
-    /// Whether pattern and factorisation are those of other candidates.
+    /// True if pattern and factorization belong to an earlier list of candidate pairs.
     pub is_stale: bool,
     /// Diagonals of the rows of supports, what else stands in their rows and columns, diagonals of the multipliers.
     identities: Vec<u32>,
@@ -65,7 +65,7 @@ impl Matrix {
         }
     }
 
-    /// Writes the diagonals of the multipliers, and `identity` in place of what supports hold.
+    /// Writes the diagonals of the multipliers, and `identity` in place of supported unknowns.
     pub fn finish(&self, rows: &ConstraintRows, identity: f64, values: &mut [f64]) {
         for (place, row) in self.diagonals.iter().zip(&rows.0) {
             values[*place as usize] = row.diagonal;

@@ -1,8 +1,8 @@
 //! Newton's method of one step, with the contact conditions found together with the nonlinear equations.
 //!
-//! Semi-smooth Newton: the set of active nodes is finished on the frozen linearisation of each iteration before the geometry is evaluated
-//! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap sit out the step; convergence is decided by the
-//! natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
+//! Semi-smooth Newton method: the active set is completed on the frozen linearization of each iteration before the geometry is evaluated
+//! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap are excluded from the step; convergence is decided
+//! by the natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
 use super::attempts::{ATTEMPTS, Preferred, Strategy};
 use super::conditions::Conditions;
@@ -23,16 +23,16 @@ use crate::math::tolerances;
 
 /// A converged step.
 pub struct Solution {
-    /// The equations at its end.
+    /// Linearization at the end of the step.
     pub at: Linearization,
-    /// What every constraint row is.
+    /// Contact state of every constraint.
     pub active: Vec<RowState>,
     /// The attempt that a later step tries first.
     pub preferred: Preferred,
 }
 
 impl Solution {
-    /// The multipliers of the rows that act, 0 for others.
+    /// Multipliers of the active constraints, 0 for others.
     pub fn multipliers(&self) -> Vec<f64> {
         self.at.lambda.iter().zip(&self.active).map(|(&lambda, row)| if row.acts() { lambda } else { 0.0 }).collect()
     }
@@ -49,50 +49,50 @@ pub struct Trace {
     pub earlier: Vec<Vec<Iteration>>,
 }
 
-/// Where Newton's method starts and when it is done.
+/// Initial values and termination criteria of Newton's method.
 pub struct Task<'a> {
     /// The step.
     pub start: &'a StepStart<'a>,
-    /// Positions to begin with, and the displacement in the step that leads there.
+    /// Initial positions, and the displacement in the step that leads there.
     pub predicted: &'a [f64],
     pub moved: &'a [f64],
     /// Multipliers to begin with.
     pub lambda: &'a [f64],
-    /// What contacts demand.
+    /// Contact conditions of the step.
     pub conditions: &'a Conditions,
-    /// Energy that residuals are judged by.
+    /// Reference energy of the residual `[energy]`.
     pub energy: f64,
-    /// Share of it that the residual may still move.
+    /// Relative energy tolerance of the residual.
     pub tolerance: f64,
-    /// Whether a residual that still falls is not left at that.
+    /// Continue while the residual decreases, even below the tolerance.
     pub is_exact: bool,
-    /// Iterations before it may be done: a step that starts at its own solution moves no energy, whatever its residual.
+    /// Least number of iterations: a step that starts at its own solution moves no energy, whatever its residual.
     pub at_least: usize,
-    /// Whether attempts go on that come no nearer to a solution, and change sets as long as that helps: where nothing else can be tried.
+    /// Do not abandon stagnating attempts (used where the step cannot be halved).
     pub is_patient: bool,
-    /// What the last steps tell of the order of attempts.
+    /// Order of solution attempts, the last successful one first.
     pub preferred: Preferred,
-    /// Whether the user wants the run to end.
+    /// Returns true if the user interrupts the run.
     pub interrupted: &'a dyn Fn() -> bool,
 }
 
-/// Growth of the limit of increments after one that was limited and did what the linearisation says, and the largest limit over the first.
+/// Growth of the increment limit after a limited increment that confirmed the linearization, and the largest limit relative to the first.
 const GROWTH: f64 = 4.0;
 const LARGEST_LIMIT: f64 = 10.0;
 
-/// Increment over the first limit beyond which the next linearisation leaves out how contact forces turn with the surfaces; not at rest,
-/// where no inertia makes up for it.
+/// Increment relative to the first limit beyond which the next linearization omits the geometric stiffness of contact forces; not at rest,
+/// where no inertia compensates for it.
 const FAR: f64 = 2.0;
 
 /// Fractions of an increment that backtracking tries.
 const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
-/// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` tells their course.
+/// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` records them.
 ///
 /// A step that may be halved is not tried again where its contact conditions are far from being met.
 ///
 /// # Errors
-/// Why the last attempt did not converge.
+/// Failure of the last attempt.
 pub fn solve<const D: usize>(system: &mut System<D>, task: &Task, iterations: &mut usize, trace: &mut Trace) -> Result<Solution, Failure>
 where
     Space<D>: Elements<D>,
@@ -130,15 +130,14 @@ where
 /// An increment of the positions, and the multipliers that go with it.
 pub(super) type Increment = (Vec<f64>, Vec<f64>);
 
-/// How much less tangential rows of nodes with more rows than motions give way from iteration to iteration: with the same share of the rest
-/// left in each, they would take tens.
+/// Reduction of the tangential compliance of overconstrained nodes per iteration; a constant compliance needs tens of iterations.
 const STIFFER: f64 = 4.0;
 
-/// An attempt that goes on.
+/// State of an attempt.
 pub(super) struct Attempt<'a, const D: usize> {
     pub(super) system: &'a mut System<D>,
     pub(super) task: &'a Task<'a>,
-    /// Constraints that sit out the step.
+    /// Constraints that are excluded from the step.
     pub(super) dropped: Vec<bool>,
     /// The active set of the last iteration.
     active: Vec<RowState>,
@@ -151,11 +150,11 @@ pub(super) struct Attempt<'a, const D: usize> {
     pub(super) proximal: Option<f64>,
     /// True if a set solved the last linearisation with a proximal term: such an increment goes a part of the way.
     pub(super) is_damped: bool,
-    /// How far tangential rows of nodes with more rows than motions give way: less and less while their set stays.
+    /// Tangential compliance of overconstrained nodes relative to its first value; decreases while the active set stays.
     pub(super) yielding: f64,
 }
 
-/// Solves one step in one way; `trace` tells its course.
+/// Solves one step with one strategy; `trace` records the iterations.
 fn attempt<const D: usize>(
     system: &mut System<D>,
     task: &Task,
@@ -284,7 +283,8 @@ where
         self.system.linearize(task.start, &q_1, &moved, &lambda)
     }
 
-    /// The same iterate without nodes that have a sliver of overlap: where multipliers go with them, the forces change.
+    /// Returns the iterate without constraints of nodes that have a sliver of overlap; forces are evaluated again where multipliers are
+    /// dropped.
     fn without_slivers(&mut self, at: Linearization) -> Result<Linearization, Failure> {
         let mut lambda = at.lambda.clone();
         if !drop_slivers(self.system, &at, &mut self.dropped, &mut lambda) {
@@ -305,8 +305,8 @@ where
         self.limit = limit.clamp(self.first_limit, LARGEST_LIMIT * self.first_limit);
     }
 
-    /// The next iterate, by the limited increment or by the part of it that backtracking finds, whose displacements `u_1` tells even where
-    /// forces cannot be computed.
+    /// Next iterate, by the limited increment or the fraction that backtracking finds; `u_1` receives its displacements even where forces
+    /// cannot be computed.
     fn moved(
         &mut self,
         searches: bool,

@@ -1,4 +1,4 @@
-//! The start of Newton's method: every free piece moved by its rigid velocity alone.
+//! Initial iterate of Newton's method: every unsupported connected component moved by its rigid velocity alone.
 //!
 //! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity that
 //! belongs to the piece's angular momentum. Elastic velocities are left out (they are noise when dt is many element periods), and a
@@ -79,7 +79,7 @@ where
     q_1
 }
 
-/// Puts the prescribed nodes where they will be, and moves the pieces that have such nodes along by their mean motion.
+/// Moves the prescribed nodes to their prescribed positions, and the connected pieces that contain them by their mean motion.
 pub fn follow_prescribed<const D: usize>(equations: &Equations<D>, q_0: &[f64], displacement: &[f64], predicted: &mut [f64]) {
     if equations.supports.prescribed.is_empty() {
         return;
@@ -114,7 +114,7 @@ pub fn follow_prescribed<const D: usize>(equations: &Equations<D>, q_0: &[f64], 
     }
 }
 
-/// A rigid motion that takes one point to another.
+/// Rigid motion that maps one point to another.
 struct RigidMotion {
     from: nalgebra::Vector3<f64>,
     to: nalgebra::Vector3<f64>,

@@ -1,27 +1,28 @@
-//! Constraints of ties that follow from others and from supports.
+//! Constraints that follow from others and from supports: they would make the matrix singular, and take part in no step.
 //!
-//! Where a tie ends on a support that holds both sides, or where two ties join the same surfaces, some constraints say nothing new, and
-//! the matrix would be singular. They are found by elimination at rest, the supported unknowns left out, and take part in no step.
+//! Rows of ties and joints are found by elimination at rest, the supported unknowns left out: where a tie ends on a support that holds both
+//! sides, or where two ties join the same surfaces. Rows of obstacles at a node that joints fix in all directions are redundant, too: the
+//! joint then bears the force of the obstacle.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::equations::Equations;
 use crate::contact::Evaluation;
-use crate::dynamics::parts::contact_pair::ContactPair;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::integrators::Derivative;
 use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY, ZERO_ROW};
 
-/// A constraint row by its unknowns.
+/// Constraint gradient by unknowns.
 type Row = BTreeMap<usize, f64>;
 
 impl<const D: usize> Equations<D> {
-    /// Whether each constraint row follows from those of ties before it and from supports.
+    /// True for each row that follows from those of ties and joints before it and from supports.
     pub fn redundant_rows(&self) -> Vec<bool> {
         let mut redundant = vec![false; self.multipliers];
         if self.pairs.iter().all(|pair| !pair.kind.is_bilateral()) {
             return redundant;
         }
-        let mut pivots: BTreeMap<usize, Row> = BTreeMap::new();
+        let (mut pivots, mut of_one_node): (BTreeMap<usize, Row>, BTreeMap<u32, usize>) = Default::default();
         for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
@@ -35,13 +36,31 @@ impl<const D: usize> Equations<D> {
                 let entry = rest.iter().map(|(&unknown, &value)| (unknown, value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
                 match entry.filter(|(_, value)| value.abs() > DEPENDENT * size) {
                     Some((unknown, value)) => {
+                        let node = unknown / D;
+                        if pair.kind == PairKind::Joint && rest.keys().all(|other| other / D == node) {
+                            *of_one_node.entry(node as u32).or_default() += 1;
+                        }
                         pivots.insert(unknown, rest.into_iter().map(|(other, entry)| (other, entry / value)).collect());
                     }
                     None => redundant[number] = true,
                 }
             }
         }
+        let is_fixed = |(&node, &rows): (&u32, &usize)| (rows >= self.supports.free_components::<D>(node)).then_some(node);
+        self.drop_obstacles_at(&of_one_node.iter().filter_map(is_fixed).collect(), &mut redundant);
         redundant
+    }
+
+    /// Marks the rows of obstacles at some nodes.
+    fn drop_obstacles_at(&self, nodes: &BTreeSet<u32>, redundant: &mut [bool]) {
+        for pair in self.pairs.iter().filter(|pair| pair.kind == PairKind::Obstacle) {
+            for (local, row) in
+                pair.rows.clone().enumerate().filter(|(_, row)| pair.node_of(*row).is_some_and(|node| nodes.contains(&node)))
+            {
+                redundant[row] = true;
+                pair.friction.iter().for_each(|friction| redundant[friction.group(local)].fill(true));
+            }
+        }
     }
 
     /// The rows of a pair by their unknowns; none of nodes that lie opposite nothing.
@@ -60,8 +79,8 @@ impl<const D: usize> Equations<D> {
     }
 }
 
-/// What is left of a row of that size when the unknowns of all pivots are eliminated. Couplings along a surface fade from node to node, and
-/// are dropped where they are round-off.
+/// Remainder of a constraint gradient after the elimination of all pivot unknowns. Entries below round-off relative to `size` are dropped,
+/// since couplings along a surface decay from node to node.
 fn reduced(mut row: Row, size: f64, pivots: &BTreeMap<usize, Row>) -> Row {
     while let Some(unknown) = row.keys().copied().find(|unknown| pivots.contains_key(unknown)) {
         let factor = row[&unknown];

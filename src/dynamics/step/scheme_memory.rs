@@ -1,15 +1,15 @@
-//! What a time integrator remembers from step to step, by the names of its [`History`].
+//! History variables of a time integrator, by the names of [`History`].
 
 use serde::{Deserialize, Serialize};
 
 use crate::integrators::{History, Scheme};
 
-/// What a time integrator remembers besides positions and velocities; a vector that it does not remember is empty.
+/// History variables of a time integrator besides positions and velocities; a vector that the scheme does not need is empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SchemeMemory {
-    /// The integrator with its parameters, nothing where it remembers nothing.
+    /// Description of the integrator with its parameters; empty for a scheme without history variables.
     pub of: String,
-    /// Size of the step that has led here, 0 where none of the integrator's own has `[time]`.
+    /// Time step size of the step that led here, 0 without a step of this integrator `[time]`.
     pub dt: f64,
     /// Static forces.
     pub force: Lagging,
@@ -17,21 +17,21 @@ pub struct SchemeMemory {
     pub outside: [Lagging; 2],
     /// Accelerations at the end of the step.
     pub acceleration: Vec<f64>,
-    /// Of explicit steps: the energy that there was at the start and that has come in since, by which they are judged `[energy]`.
+    /// Energy at the start plus the energy supplied since, by which explicit steps are judged `[energy]`.
     pub exchanged: f64,
 }
 
-/// What is left of forces `[force]`.
+/// Force history of one kind of forces `[force]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lagging {
-    /// What the next step finds of them ([`Lag`](crate::integrators::Lag)).
+    /// Force history passed to the next step ([`Lag`](crate::integrators::Lag)).
     pub left: Vec<f64>,
-    /// What accelerations answer.
+    /// Force that balances the inertia at the end of the step.
     pub answered: Vec<f64>,
 }
 
 impl Lagging {
-    /// Of forces that have been the same for long.
+    /// Force history of a constant force.
     pub fn steady(scheme: &Scheme, force: &[f64]) -> Lagging {
         let left = scheme.left();
         let answered = if scheme.remembers(History::Answered) { force.to_vec() } else { Vec::new() };
@@ -67,12 +67,12 @@ impl Lagging {
 }
 
 impl SchemeMemory {
-    /// Whether it is what a scheme remembers.
+    /// True if the history variables belong to `scheme`.
     pub fn is_of(&self, scheme: &Scheme) -> bool {
         self.of.is_empty() == scheme.remembers.is_empty() && (self.of.is_empty() || self.of == scheme.describe())
     }
 
-    /// Whether every vector has so many components or none.
+    /// True if every vector is empty or has `unknowns` components.
     pub fn has_length(&self, unknowns: usize) -> bool {
         let [loads, obstacles] = &self.outside;
         let lagging = [&self.force, loads, obstacles].into_iter().flat_map(|lagging| [&lagging.left, &lagging.answered]);

@@ -1,4 +1,4 @@
-//! What a system keeps from one step to the next.
+//! Search results and solver data that a system keeps from one step to the next.
 
 use std::sync::Arc;
 
@@ -7,18 +7,18 @@ use serde::{Deserialize, Serialize};
 use crate::contact::Candidates;
 use crate::linear::SolverMemory;
 
-/// What a system keeps from one step to the next. Sums depend on it in their last bits, so it belongs to the state. States share what has
-/// not changed between them; only what the solver counts is another one after every step.
+/// Search results and solver data that a system keeps from one step to the next. Sums depend on them in their last bits, so they belong to
+/// the state. States share unchanged data; the solver's counters alone change after every step.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SearchHistory {
-    /// One for each contact pair that searches.
+    /// Candidate pairs of each contact pair that searches.
     pub candidates: Arc<Vec<Option<Candidates>>>,
-    /// What the linear solver keeps.
+    /// Data of the linear solver.
     pub solver: SolverMemory,
 }
 
 impl SearchHistory {
-    /// Whether it refers to what there is in the model of another one alone.
+    /// True if the search history refers only to entities of the model that `own` belongs to.
     pub fn is_sound_beside(&self, own: &Self) -> bool {
         let are_pairs_sound = |(found, own): (&Option<Candidates>, &Option<Candidates>)| match (found, own) {
             (Some(found), Some(own)) => found.is_sound_beside(own),

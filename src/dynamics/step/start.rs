@@ -1,4 +1,4 @@
-//! What a step starts from, and what opposes the forces in it: inertia, or a damping at rest.
+//! Initial values of a step, and the term that balances its forces: inertia, or a damping at rest.
 
 use super::scheme_memory::SchemeMemory;
 use crate::dynamics::model::part::{Iterate, Pose};
@@ -6,29 +6,29 @@ use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::supports::PrescribedUnknown;
 use crate::integrators::{Affine, Configuration, Derivative, Dissipation, History, REST, Scheme};
 
-/// What a step starts from and how it is integrated.
+/// Initial values and integration of a step.
 pub struct StepStart<'a> {
     /// Time at the start.
     pub time: f64,
-    /// Positions there.
+    /// Positions at the start.
     pub q_0: &'a [f64],
-    /// Displacements there.
+    /// Displacements at the start.
     pub u_0: &'a [f64],
-    /// What parts remember, block by block.
+    /// History variables of the parts, block by block.
     pub memory: &'a [Vec<f64>],
-    /// What opposes the forces.
+    /// Term that balances the forces: inertia or damping.
     pub kind: StepKind<'a>,
 }
 
-/// What opposes the forces in a step.
+/// Term that balances the forces in a step.
 pub enum StepKind<'a> {
-    /// Inertia: time passes.
+    /// Inertia.
     Motion(Motion<'a>),
-    /// A damping `mu M (q_1 - q_0)` with a factor for each body: time stands still.
+    /// Damping `mu M (q_1 - q_0)` with a factor `mu` for each body, at constant time.
     Rest {
-        /// The factors.
+        /// Damping factors of the bodies.
         damping: &'a [f64],
-        /// Velocities at which forces are asked for; none in an equilibrium.
+        /// Velocities at which forces are evaluated; `None` in an equilibrium.
         velocities: Option<&'a [f64]>,
     },
 }
@@ -38,25 +38,25 @@ pub enum StepKind<'a> {
 pub struct Motion<'a> {
     /// The time integrator.
     pub scheme: &'a Scheme,
-    /// Size of the step.
+    /// Time step size.
     pub dt: f64,
     /// Velocities at the start.
     pub v_0: &'a [f64],
-    /// What the scheme remembers besides.
+    /// History variables of the scheme.
     pub remembered: &'a SchemeMemory,
-    /// Velocities at the end of the step of the prescribed unknowns, in their order.
+    /// Velocities of the prescribed unknowns at the end of the step, in their order.
     pub prescribed_v_1: &'a [f64],
 }
 
-/// What brings nodes to rest.
+/// Displacement that brings nodes to rest at the end of a step.
 pub struct Stopping {
-    /// Displacement in a step at whose end the nodes have no velocity against prescribed ones that go on.
+    /// Displacement in the step with zero velocity at its end, relative to prescribed motions, which continue.
     pub moved: Vec<f64>,
-    /// Share of its motion in the step that an obstacle, which goes on, has beyond that.
+    /// Additional fraction of an obstacle's motion in the step, since the obstacle continues to move.
     pub own: f64,
 }
 
-/// What parts are told of an iterate besides where its nodes are.
+/// Quantities of an iterate passed to parts, besides positions and displacements.
 #[derive(Default)]
 pub struct Told {
     /// Factor of each body's mass in the tangent.
@@ -68,17 +68,17 @@ pub struct Told {
 }
 
 impl StepStart<'_> {
-    /// Where the nodes are at the start.
+    /// Positions and displacements at the start.
     pub fn pose(&self) -> Pose<'_> {
         Pose { q: self.q_0, u: self.u_0 }
     }
 
-    /// Whether time stands still.
+    /// True at rest, with constant time.
     pub fn is_at_rest(&self) -> bool {
         matches!(self.kind, StepKind::Rest { .. })
     }
 
-    /// What brings the nodes to rest in a step that moves them by `moved`; `None` where time stands still.
+    /// Displacement that brings the nodes to rest in a step that moves them by `moved`; `None` at rest.
     pub fn stopping(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Option<Stopping> {
         let StepKind::Motion(motion) = &self.kind else { return None };
         let (slope, mut stopping) = (motion.scheme.velocity.moved, Vec::with_capacity(moved.len()));
@@ -90,7 +90,7 @@ impl StepStart<'_> {
         Some(Stopping { moved: stopping, own: 1.0 - 1.0 / slope })
     }
 
-    /// How the step is integrated.
+    /// Time integrator of the step; the static scheme at rest.
     fn scheme(&self) -> &Scheme {
         match &self.kind {
             StepKind::Motion(motion) => motion.scheme,
@@ -106,12 +106,12 @@ impl StepStart<'_> {
         }
     }
 
-    /// What the scheme takes from vibrations.
+    /// Algorithmic dissipation of the scheme.
     pub fn dissipation(&self) -> Dissipation {
         self.scheme().dissipation
     }
 
-    /// How potentials are differentiated.
+    /// Algorithmic gradient of potentials.
     pub fn derivative(&self) -> Derivative {
         self.scheme().derivative
     }
@@ -131,7 +131,7 @@ impl StepStart<'_> {
         if self.is_at_rest() { REST.derivative.placement().test } else { Configuration::Middle }
     }
 
-    /// What the static forces of the steps before do in this one; nothing where none are remembered.
+    /// Weighted force history of earlier steps in this one; empty without history variables.
     pub fn remembered_force(&self) -> impl Iterator<Item = f64> {
         let motion = if let StepKind::Motion(motion) = &self.kind { Some(motion) } else { None };
         motion.into_iter().flat_map(Motion::remembered_force)
@@ -150,7 +150,8 @@ impl StepStart<'_> {
         self.time + self.derivative().placement().share * self.dt()
     }
 
-    /// What the mass opposes in a step with that displacement: by the factor of [`Self::inertia`] a force `[length]`.
+    /// Displacement that inertia opposes in a step with the displacement `moved`; times [`Self::inertia`] and the mass it is a force
+    /// `[length]`.
     pub fn opposed_into(&self, moved: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
         out.clear();
         let StepKind::Motion(motion) = &self.kind else {
@@ -166,7 +167,7 @@ impl StepStart<'_> {
         }
     }
 
-    /// What parts are told of an iterate that moves the nodes by `moved`, of which those that see positions and velocities are told all.
+    /// Evaluates the positions of loads and the velocities of forces at an iterate, as far as `positions` and `velocities` request them.
     pub fn visit(&self, q_1: &[f64], moved: &[f64], prescribed: &[PrescribedUnknown], [positions, velocities]: [bool; 2], told: &mut Told) {
         if positions {
             self.derivative().placement().test.positions_into(self.q_0, q_1, &mut told.q_test);
@@ -199,7 +200,7 @@ impl StepStart<'_> {
         }
     }
 
-    /// Velocities where the forces of the step act; those of prescribed nodes at its end are what their time functions say.
+    /// Velocities where the forces of the step act; at its end those of prescribed nodes follow from the time functions.
     fn velocities_of_forces_into(&self, moved: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
         match &self.kind {
             StepKind::Rest { velocities, .. } => {
@@ -226,20 +227,20 @@ impl Motion<'_> {
         v_1
     }
 
-    /// Accelerations after a step with that displacement, for a scheme that remembers them.
+    /// Accelerations after a step with the displacement `moved`, for a scheme that remembers accelerations.
     pub fn accelerations_after(&self, moved: &[f64]) -> Vec<f64> {
         let (row, dt) = (self.scheme.acceleration, self.dt);
         let start = self.v_0.iter().zip(self.accelerations());
         moved.iter().zip(start).map(|(moved, (v_0, a_0))| row.acceleration(*moved, *v_0, *a_0, dt)).collect()
     }
 
-    /// What the static forces of the steps before do in this one; nothing where the scheme remembers none.
+    /// Weighted force history of earlier steps in this one; empty if the scheme has none.
     pub fn remembered_force(&self) -> impl Iterator<Item = f64> {
         let force = if self.scheme.remembers(History::Force) { &self.remembered.force.left[..] } else { &[] };
         force.iter().map(|force| self.scheme.lag.used * force)
     }
 
-    /// Accelerations at the start; empty where the scheme remembers none.
+    /// Accelerations at the start; empty for a scheme that does not remember them.
     fn accelerations(&self) -> &[f64] {
         if self.scheme.remembers(History::Acceleration) { &self.remembered.acceleration } else { &[] }
     }

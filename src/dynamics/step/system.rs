@@ -1,4 +1,4 @@
-//! The equations of one model: its parts in one numbering, and what joins them at the start of a step.
+//! The equations of one model with matrix and solver: parts in one numbering, and contact pairs that are updated at the start of a step.
 //!
 //! Unknowns: the displacement components of all nodes, then one multiplier per row of every contact pair. Newton's system of a step is
 //!
@@ -37,24 +37,24 @@ use crate::linear::{Block, LinearError, Pattern, Watch, Work};
 use crate::machine::memory::Shortage;
 use crate::math::workers::Workers;
 
-/// The equations of a model in `D` dimensions with what solves them: whoever takes [`Equations`] alone leaves matrix, counters and storage
-/// as they are.
+/// The equations of a model in `D` dimensions with matrix, counters and storage; functions that take [`Equations`] alone leave the latter
+/// unchanged.
 pub struct System<const D: usize> {
     /// The equations.
     pub equations: Equations<D>,
     /// The matrix of the steps.
     pub matrix: Matrix,
-    /// What has been done so far.
+    /// Counters of the work done so far.
     pub counters: Counters,
-    /// Storage of iterates that are gone.
+    /// Reusable storage of earlier iterates.
     pub spare: Spare,
-    /// What the next step takes over from the ones before, as it was asked for last.
+    /// Search results and solver data for the next step, as last returned.
     search: Arc<SearchHistory>,
-    /// Whether an iterate is so far from a solution that tangents leave out how contact forces turn with the surfaces: with multipliers
-    /// that do not belong to its positions that is no stiffness, and may make the matrix all but singular.
+    /// True if an iterate is so far from a solution that tangents omit the geometric stiffness of contact forces. With multipliers that do
+    /// not belong to its positions this term is no stiffness and may make the matrix nearly singular.
     pub is_far: bool,
-    /// Displacements of prescribed unknowns, among all unknowns and multipliers, that Newton's next system takes for given; nothing where
-    /// they have none.
+    /// Displacements of prescribed unknowns, among all unknowns and multipliers, that Newton's next system prescribes; empty without
+    /// prescribed displacements.
     pub given: Vec<f64>,
 }
 
@@ -71,8 +71,8 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The equations of a model in its initial configuration for a time integrator. With a mass at the nodes alone there is no matrix until
-    /// one is asked for, if bodies and loads are all that there is.
+    /// Equations of a model in its initial configuration for a time integrator. With a lumped mass and without force elements other than
+    /// bodies and loads no matrix is made until one is needed.
     ///
     /// # Errors
     /// A model that cannot be simulated.
@@ -149,7 +149,7 @@ where
 }
 
 impl<const D: usize> System<D> {
-    /// What the linear solver has done.
+    /// Work counters of the linear solver.
     pub fn work(&self) -> Work {
         self.matrix.solver.work()
     }
@@ -175,7 +175,7 @@ impl<const D: usize> System<D> {
         self.matrix.place::<D>(&self.equations.supports.fixed, self.equations.multipliers);
     }
 
-    /// What the next step takes over from the ones before; the same value as long as nothing has changed.
+    /// Search results and solver data for the next step; the shared value is replaced only if something has changed.
     pub fn search(&mut self) -> Arc<SearchHistory> {
         let (kept, solver) = (&self.search.candidates, self.matrix.solver.memory());
         let are_same = kept.len() == self.pairs.len()
@@ -206,7 +206,7 @@ impl<const D: usize> System<D> {
         self.matrix.is_stale = true;
     }
 
-    /// Starts a step (or a piece of one): candidate pairs of each contact, and what the kernels keep of the start.
+    /// Begins a step (or a substep): candidate pairs of each contact, and the data of the kernels that depend on the start.
     ///
     /// # Errors
     /// The equations do not fit into memory.
@@ -214,7 +214,7 @@ impl<const D: usize> System<D> {
         self.begin_deep_step(outlook, &[])
     }
 
-    /// The same at rest, where pairs take part up to a depth of their own; those beyond the list as they do in motion.
+    /// Begins a step at rest in which pairs take part up to a penetration of their own, `depths`; beyond that list as in motion.
     ///
     /// # Errors
     /// The equations do not fit into memory.
@@ -248,7 +248,7 @@ impl<const D: usize> System<D> {
         changed
     }
 
-    /// Lets contacts keep what depends on the start of a step.
+    /// Updates the data of contacts that depend on the start of a step.
     pub(super) fn begin_pairs(&mut self, outlook: &Outlook) {
         let clock = Instant::now();
         for pair in &mut self.equations.pairs {
@@ -257,7 +257,7 @@ impl<const D: usize> System<D> {
         self.counters.times.contact += clock.elapsed();
     }
 
-    /// What contacts see at `q` before there is a step: gaps are known from the start.
+    /// Evaluates the contact search at `q` before the first step, so that gaps are available from the start.
     ///
     /// # Errors
     /// The contacts do not fit into memory.

@@ -31,8 +31,8 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The change `-(I - F)^2 v` of velocities, with the rows that hold as they are at the end of the step; nothing where these all but
-    /// depend on one another.
+    /// Change `-(I - F)^2 v` of the velocities, with the active constraints at the end of the step; `None` where these nearly depend on one
+    /// another.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.

@@ -1,8 +1,8 @@
-//! Small vibrations about a state: its stiffness, symmetric, with what is closed tied, and shifted by masses.
+//! Small vibrations about a state: the symmetric stiffness with active constraints, shifted by masses.
 //!
 //! ```text
 //! [ K - sigma M   G^T ] [ x  ]   [ M b ]        K: the tangent at rest with the geometric part and that of the multipliers
-//! [ G             -C  ] [ mu ] = [ 0   ]        G: gradients of ties and of rows that press, or stick; C: 1/kappa of penalties, else 0
+//! [ G             -C  ] [ mu ] = [ 0   ]        G: gradients of ties and of active constraints; C: 1/kappa of penalties, else 0
 //! ```
 
 use std::time::Instant;
@@ -32,15 +32,15 @@ const OPPOSED: ForceShares = ForceShares { lagging: -1.0, alone: -1.0 };
 /// A state about which a model vibrates.
 #[derive(Clone, Copy)]
 pub struct Rest<'a> {
-    /// Its time `[time]`.
+    /// Time of the state `[time]`.
     pub time: f64,
-    /// Where its nodes are.
+    /// Positions and displacements.
     pub at: Pose<'a>,
-    /// What parts remember.
+    /// History variables of the parts.
     pub memory: &'a [Vec<f64>],
     /// Multipliers.
     pub lambda: &'a [f64],
-    /// What every constraint row is.
+    /// Contact state of every constraint.
     pub active: &'a [RowState],
 }
 
@@ -50,7 +50,7 @@ pub struct Vibrations<'a, const D: usize> {
     rest: Rest<'a>,
     /// The factored values.
     values: Vec<f64>,
-    /// Rows that hold.
+    /// Number of active constraints.
     pub held: usize,
     /// Largest difference of an entry of the stiffness and its mirror image, over the largest entry.
     asymmetry: f64,
@@ -74,7 +74,7 @@ where
         self.rest.at.q.len()
     }
 
-    /// Motions that supports and rows leave.
+    /// Number of motions that supports and constraints leave.
     pub fn motions(&self) -> usize {
         self.system.supports.fixed.iter().filter(|fixed| !**fixed).count().saturating_sub(self.held)
     }
@@ -146,8 +146,8 @@ where
         Ok([stiffness, change])
     }
 
-    /// How many load factors lie below one, by the inertia of the stiffness under that multiple of the load, which is in the solver then;
-    /// `None` where the factors do not tell.
+    /// Number of buckling load factors below `factor`, by the inertia of the stiffness at that multiple of the load; its factors are in the
+    /// solver then. Returns `None` if the inertia is not available.
     ///
     /// # Errors
     /// A stiffness cannot be computed, or does not fit into memory.
@@ -161,7 +161,7 @@ where
         Ok(self.below())
     }
 
-    /// How unsymmetric the stiffness is, relative to its size; nothing where that is round-off.
+    /// Relative asymmetry of the stiffness matrix; 0 below round-off.
     pub fn told_asymmetry(&self) -> f64 {
         if self.asymmetry > tolerances::ASYMMETRY { self.asymmetry } else { 0.0 }
     }
@@ -176,13 +176,13 @@ where
         y
     }
 
-    /// Eigenvalues below the shift; `None` where the factors do not tell.
+    /// Number of eigenvalues below the shift; `None` if the inertia is not available.
     pub fn below(&self) -> Option<usize> {
         // Each row that holds adds a negative one of its own.
         self.system.matrix.solver.negative_eigenvalues()?.checked_sub(self.held)
     }
 
-    /// Makes the blocks between nodes symmetric; by how much they were not.
+    /// Makes the blocks between nodes symmetric; returns the relative asymmetry before.
     fn symmetrize(&mut self) -> f64 {
         let (pattern, nodes) = (&self.system.matrix.pattern, self.system.nodes.count() as u32);
         let (mut off, largest) = (0.0f64, largest_size(&self.values));
@@ -202,7 +202,7 @@ where
         off / largest.max(f64::MIN_POSITIVE)
     }
 
-    /// The equations of the rows: ties and what is closed hold, penalties give way.
+    /// Equations of the constraints: ties and active constraints hold, penalties are compliant.
     fn rows(&self, at: &Linearization) -> ConstraintRows {
         let (system, active) = (&*self.system, self.rest.active);
         let mut rows = ConstraintRows::open(system.multipliers);

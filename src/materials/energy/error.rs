@@ -1,4 +1,4 @@
-//! What is wrong with an energy's text: where, and how to mend it.
+//! Error of the text of an energy: place, cause and hint.
 
 use std::ops::Range;
 
@@ -7,20 +7,20 @@ use std::ops::Range;
 pub struct EnergyError {
     /// The text.
     pub text: Box<str>,
-    /// Bytes of the text at which the mistake is seen.
+    /// Bytes of the text at which the error was found.
     pub span: Range<usize>,
-    /// What is wrong, one sentence.
+    /// Statement of the error, one sentence.
     pub title: String,
     /// A few words at the place.
     pub label: String,
-    /// What shows it; may be empty.
+    /// Evidence of the error; may be empty.
     pub cause: Box<str>,
-    /// How to mend it.
+    /// Hint on mending the text.
     pub hint: Box<str>,
 }
 
 impl EnergyError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         "C0304"
     }

@@ -10,7 +10,7 @@ use super::variable::{Bits, Variable};
 /// Place of a node in its graph.
 pub(super) type Id = usize;
 
-/// A node: a number, a variable, or what is made of other nodes.
+/// A node: a number, a variable, or an operation on other nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Node {
     Constant(Bits),
@@ -228,7 +228,7 @@ impl Graph {
         result
     }
 
-    /// Whether nodes are made of others: marks of all that `roots` need.
+    /// Returns one flag per node: true if the node is one of `roots` or needed to compute one.
     pub(super) fn needed(&self, roots: &[Id]) -> Vec<bool> {
         let mut needed = vec![false; roots.iter().max().map_or(0, |last| last + 1)];
         for &root in roots {

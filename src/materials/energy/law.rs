@@ -18,7 +18,7 @@ use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::Mandel;
 use crate::math::tolerances::RESIDUAL_STRESS;
 
-/// What tapes and principal stretches are computed in, kept by each thread.
+/// Buffers of a thread for tapes and principal stretches.
 struct Scratch {
     registers: Vec<Lanes<false>>,
     spectra: Vec<Spectrum<false>>,
@@ -47,10 +47,10 @@ fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOn
 /// The energy of a node of a graph as a law of strains with `S` components.
 pub(crate) struct EnergyLaw<const S: usize> {
     variables: Variables<S>,
-    /// Its stages are [`ENERGY`], [`SLOPES`] and [`RESPONSE`]; its roots the energy, its derivatives with respect to the variables, and
-    /// the second ones.
+    /// Tape with the stages [`ENERGY`], [`SLOPES`] and [`RESPONSE`], whose roots are the energy and its first and second derivatives with
+    /// respect to the variables.
     tape: Tape,
-    /// Which of the second derivatives are not zero: two variables and the root.
+    /// Nonzero second derivatives: two variables and the root.
     seconds: Vec<(usize, usize, usize)>,
     /// Stress at rest that no round-off explains.
     residual: [f64; S],
@@ -359,7 +359,7 @@ law!(4);
 law!(6);
 
 impl<const S: usize> EnergyLaw<S> {
-    /// How many places for principal stretches a block needs.
+    /// Number of buffers for principal stretches that a block needs.
     fn spectra<const N: usize>(&self) -> usize {
         if self.variables.has_principal { N } else { 0 }
     }
@@ -386,7 +386,7 @@ impl<const S: usize> EnergyLaw<S> {
         slope
     }
 
-    /// Adds what a variable gives to the stress, but for the stress at rest.
+    /// Adds the contribution of a variable to the stress, without the stress at rest.
     #[inline(always)]
     fn add_stress<const FMA: bool, const N: usize>(
         &self,

@@ -1,4 +1,4 @@
-//! What names and functions of an energy's text mean: from the tree of the text to a graph of variables and numbers.
+//! Semantics of the names and functions of an energy's text: from the syntax tree to a graph of variables and numbers.
 //!
 //! Constants become numbers here. What has no value or no derivative at rest (`ln 0`, `1/0`, `sqrt 0`) is refused with its place.
 
@@ -41,13 +41,13 @@ pub(super) const FUNCTIONS: &[(&str, &str, usize)] = &[
     ("stretch_power", "`stretch_power(a)` is `l1^a + l2^a + l3^a` of the principal stretches, with a fixed `a`", 1),
 ];
 
-/// The logarithm whose base nobody knows: that of other programs is natural, that of scripts to base 10.
+/// Ambiguous name of a logarithm: natural in other programs, to base 10 in scripts.
 const AMBIGUOUS: &str = "log";
 
 /// Components of the strain in the order of the Mandel components in space.
 const STRAINS: [[&str; 2]; 6] = [["E11", "E11"], ["E22", "E22"], ["E33", "E33"], ["E12", "E21"], ["E23", "E32"], ["E13", "E31"]];
 
-/// Which components of the strain there are.
+/// Available components of the strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Setting {
     /// Plane strain: the third direction keeps its length.

@@ -1,4 +1,4 @@
-//! A function of one variable as text, with its first two derivatives: what a spring stores by its elongation, what a damper pulls with.
+//! A function of one variable as text, with its first two derivatives: stored energy of a spring by its elongation, force of a damper.
 //!
 //! The text is that of an energy (`syntax.rs`); the one quantity is the variable, every other name a constant. Derivatives are carried
 //! along with the value (forward mode).
@@ -31,7 +31,7 @@ const FUNCTIONS: &[(&str, usize)] = &[
 pub struct Jet {
     /// The value.
     pub value: f64,
-    /// Its derivative.
+    /// Derivative with respect to the variable.
     pub slope: f64,
     /// The derivative of that.
     pub curvature: f64,
@@ -118,7 +118,7 @@ impl ScalarText {
     /// The function of a text with values for its constants; `what` it is, such as `the energy`, is for messages.
     ///
     /// # Errors
-    /// What cannot be read or is not known, with its place.
+    /// A syntax error or an unknown name, with its place in the text.
     pub fn new(text: &str, variable: &str, constants: &[(String, f64)], what: &str) -> Result<Self, EnergyError> {
         let expression = parse(text).map_err(|error| EnergyError {
             title: error.title.replace("the energy", what),
@@ -130,7 +130,7 @@ impl ScalarText {
         Ok(function)
     }
 
-    /// Names of constants in a text, each with the bytes where it stands first; none where the text cannot be read.
+    /// Names of constants in a text, each with the bytes of its first occurrence; empty for a text with a syntax error.
     pub fn constants_of(text: &str, variable: &str) -> Vec<(String, Range<usize>)> {
         fn collect(expression: &Expression, variable: &str, found: &mut Vec<(String, Range<usize>)>) {
             match &expression.form {

@@ -19,7 +19,7 @@ pub(super) enum Principal {
 }
 
 impl Principal {
-    /// Its slope at rest.
+    /// Slope of the function at rest.
     pub(super) fn slope_at_rest(self) -> f64 {
         match self {
             Principal::Power(a) => a,
@@ -57,7 +57,7 @@ impl<const FMA: bool> Spectrum<FMA> {
         Spectrum { strains, directions, logs, inverses }
     }
 
-    /// The same for code with another `FMA`.
+    /// Converts the spectrum to one for code with another `FMA`, values unchanged.
     #[inline(always)]
     pub(super) fn relabel<const OTHER: bool>(&self) -> Spectrum<OTHER> {
         Spectrum {

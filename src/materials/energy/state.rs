@@ -25,17 +25,17 @@ impl<const FMA: bool> Strain<FMA, 6> for Mandel<Lanes<FMA>, 6> {}
 #[derive(Debug)]
 pub(super) struct Variables<const S: usize> {
     pub(super) all: Vec<Variable>,
-    /// Derivative of each at rest.
+    /// Derivative of each variable with respect to the strain, at rest.
     pub(super) slopes_at_rest: Vec<[f64; S]>,
-    /// Those that are functions of the principal stretches.
+    /// For each variable, its function of the principal stretches, if it is one.
     principal: Vec<Option<Principal>>,
-    /// Which of them is `J`.
+    /// Index of the variable `J`, if present.
     volume: Option<usize>,
-    /// Whether some of them are functions of the principal stretches.
+    /// True if at least one variable is a function of the principal stretches.
     pub(super) has_principal: bool,
 }
 
-/// What is known of a strain.
+/// A strain with its volume ratio.
 #[derive(Clone, Copy)]
 pub(super) struct State<const FMA: bool, const S: usize> {
     pub(super) strain: Mandel<Lanes<FMA>, S>,
@@ -78,7 +78,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// What is known of a strain.
+    /// Returns the state of a strain, computing its volume ratio if the energy depends on `J`.
     #[inline(always)]
     pub(super) fn state<const FMA: bool>(&self, strain: Mandel<Lanes<FMA>, S>) -> State<FMA, S>
     where
@@ -95,7 +95,7 @@ impl<const S: usize> Variables<S> {
         State { strain, change, inverse }
     }
 
-    /// What is known of a strain whose variables stand in the registers of a tape.
+    /// Returns the state of a strain whose variables are already in the registers of a tape.
     #[inline(always)]
     pub(super) fn known_state<const FMA: bool, const N: usize>(
         &self,
@@ -194,7 +194,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// Derivative of a variable without that at rest; nothing where it has no other.
+    /// Variation of the derivative of a variable from its value at rest; `None` if the derivative is constant.
     #[inline(always)]
     pub(super) fn slope_variation<const FMA: bool>(
         &self,

@@ -23,7 +23,7 @@ impl EnergyText {
     /// The energy of a text.
     ///
     /// # Errors
-    /// What cannot be read, with its place.
+    /// A syntax error, with its place in the text.
     pub fn parse(text: &str) -> Result<Self, EnergyError> {
         Ok(EnergyText { text: text.into(), expression: parse(text)? })
     }
@@ -50,7 +50,7 @@ pub struct StoredEnergy {
     pub fibers: Vec<[f64; 3]>,
     /// Constants with their values.
     pub constants: Vec<(String, f64)>,
-    /// What the whole is multiplied by.
+    /// Factor of the energy.
     pub factor: f64,
 }
 
@@ -75,7 +75,7 @@ impl StoredEnergy {
     /// An energy of texts with values for the constants.
     ///
     /// # Errors
-    /// What cannot be read, with its place.
+    /// A syntax error, with its place in the text.
     pub fn new(energy: &str, volumetric: Option<&str>, constants: &[(&str, f64)]) -> Result<Self, EnergyError> {
         Ok(StoredEnergy {
             energy: EnergyText::parse(energy)?,
@@ -86,12 +86,12 @@ impl StoredEnergy {
         })
     }
 
-    /// The same with fibers along directions of whatever length.
+    /// Returns this energy with fibers along directions, which need not be unit vectors.
     pub fn with_fibers(self, fibers: &[[f64; 3]]) -> Self {
         StoredEnergy { fibers: fibers.to_vec(), ..self }
     }
 
-    /// The same for a body that is turned in the plane by an angle with that cosine and sine: fibers turn with it.
+    /// Returns the energy of a body rotated in the plane by an angle with given cosine and sine: fibers are rotated.
     ///
     /// # Errors
     /// The energy names components of the strain, which do not turn.

@@ -14,7 +14,7 @@ pub(super) struct Expression {
     pub(super) span: Range<usize>,
 }
 
-/// What a part of the text is.
+/// Form of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Form {
     Number(f64),

@@ -32,7 +32,7 @@ pub(super) type Block<const N: usize> = [Lanes<false>; N];
 struct Operand {
     register: Register,
     rest: f64,
-    /// Where its reciprocal stands, if that is known: it saves a division.
+    /// Register of the reciprocal, if that is computed anyway; saves a division.
     reciprocal: Option<Register>,
 }
 
@@ -53,7 +53,7 @@ enum Operation {
     Step(Operand),
 }
 
-/// Where a root's deviation stands and by what it is scaled, if it has one, and its value at rest.
+/// Root of a stage: register and factor of its deviation (`None` for a constant), and its value at rest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     place: Option<Place>,
@@ -69,18 +69,18 @@ struct Place {
 }
 
 impl Root {
-    /// Whether it is zero always.
+    /// True if the root is identically zero.
     pub(super) fn is_zero(&self) -> bool {
         self.place.is_none() && self.rest == 0.0
     }
 
-    /// Its deviation, if it has one.
+    /// Deviation of the root from its value at rest; `None` for a constant.
     #[inline(always)]
     pub(super) fn deviation<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Option<Lanes<FMA>> {
         self.place.map(|place| Lanes(registers[place.register][point].0) * place.factor)
     }
 
-    /// Its value.
+    /// Value of the root at a point.
     #[inline(always)]
     pub(super) fn value<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Lanes<FMA> {
         match self.deviation::<FMA, N>(registers, point) {
@@ -91,22 +91,22 @@ impl Root {
 }
 
 /// A list of operations. The first registers are the variables, in the order in which they were given, and behind them `1/J` where `J` is
-/// one of them; operation `k` writes the register behind those and those of the operations before it. The list has stages, each with
-/// roots of its own: who wants the energy alone need not run what its derivatives are made of.
+/// one of them; operation `k` writes the register behind those and those of the operations before it. The list has stages, each with roots
+/// of its own, so that the energy can be computed without its derivatives.
 #[derive(Debug)]
 pub(super) struct Tape {
     inputs: usize,
     operations: Vec<Operation>,
     /// Value at rest of each operation's result.
     rest: Vec<f64>,
-    /// How many operations give the roots of each stage.
+    /// Number of operations needed for the roots of each stage.
     stages: Vec<usize>,
     /// Roots of all stages in a row.
     pub(super) roots: Vec<Root>,
 }
 
 impl Tape {
-    /// Whether some slope of its first stage jumps.
+    /// True if the first stage has an operation whose slope jumps.
     pub(super) fn has_kinks(&self) -> bool {
         self.operations[..self.stages[0]].iter().any(|operation| matches!(operation, Operation::Positive(_)))
     }
@@ -252,7 +252,7 @@ impl Tape {
         lowering.tape
     }
 
-    /// How many registers a run needs.
+    /// Number of registers that a run needs.
     pub(super) fn registers(&self) -> usize {
         self.inputs + self.operations.len()
     }
@@ -323,7 +323,7 @@ fn at<const FMA: bool, const N: usize>(done: &[Block<N>], register: Register, n:
     Lanes(done[register][n].0)
 }
 
-/// What is above -1, and no number elsewhere: logarithms of what is not positive.
+/// Returns `x` where `x > -1`, else NaN: the argument of `ln(1 + x)` must be positive.
 #[inline(always)]
 fn above_minus_one<const FMA: bool>(x: Lanes<FMA>) -> Lanes<FMA> {
     let mut result = x;

@@ -1,4 +1,4 @@
-//! What an energy may depend on: invariants of `C = F^T F`, components of the strain, functions of the principal stretches.
+//! Variables of an energy: invariants of `C = F^T F`, components of the strain, functions of the principal stretches.
 
 /// A number as the key of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

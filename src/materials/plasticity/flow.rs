@@ -91,7 +91,7 @@ struct Iterate<const FMA: bool, const S: usize> {
     size: Lanes<FMA>,
     /// Direction of the relative stress at the end.
     outward: [Lanes<FMA>; S],
-    /// `2 mu` and what the back stresses add to it.
+    /// `2 mu` plus the contribution of the back stresses.
     stiffness: Lanes<FMA>,
     residual: Lanes<FMA>,
     slope: Lanes<FMA>,

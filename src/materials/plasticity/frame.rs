@@ -11,7 +11,7 @@ const fn frame_entries<const S: usize>() -> usize {
     if S == 6 { 9 } else { 5 }
 }
 
-/// Number of history variables with so many back stresses.
+/// Number of history variables for a number of back stresses.
 pub(super) const fn variables<const S: usize>(back_stresses: usize) -> usize {
     frame_entries::<S>() + 2 + S * back_stresses
 }

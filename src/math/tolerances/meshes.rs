@@ -14,7 +14,7 @@ pub const ON_SHAPE: f64 = 1e-6;
 /// Distance of two points of a surface of triangles, relative to its size, up to which they are one point: STL files have seven digits.
 pub const SAME_POINT: f64 = 1e-6;
 
-/// What the cosine of half the angle between two faces lacks of one, up to which they are one plane: normals of triangles have round-off.
+/// Two faces count as coplanar if `1 - cos(a/2)` is at most this, with the angle `a` between their normals: round-off of triangle normals.
 pub const COPLANAR: f64 = 1e-12;
 
 /// Share of each corner, in a point of a facet that an edge goes through, above which the point is inside and not on the facet's rim: edges
@@ -25,6 +25,6 @@ pub const PIERCED: f64 = 1e-6;
 /// generator leave.
 pub const PLANE: f64 = 1e-12;
 
-/// Offset of the middle of an edge of second order from its chord, relative to the chord, below which the edge is straight: round-off of
-/// meshes that are read from files with few digits, and no curve that anything could slide on.
+/// Offset of a mid-side node from the chord, relative to the chord, below which the edge counts as straight: round-off of mesh files with
+/// few digits, far below any relevant curvature.
 pub const STRAIGHT: f64 = 1e-7;

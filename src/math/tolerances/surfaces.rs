@@ -1,10 +1,10 @@
-//! Tolerances of what is round of a surface.
+//! Tolerances of round parts of a surface.
 
 /// Deviation from a circle or sphere, over its radius, up to which nodes lie on it: positions in files have six digits.
 pub const ROUND_PART: f64 = 1e-6;
 
-/// Smallest angle between neighboring nodes as seen from the center of a round part `[rad]`: what is flatter is taken for a plane, of which
-/// round-off makes any radius.
+/// Smallest angle subtended by neighboring nodes at the center of a round part `[rad]`; flatter surfaces count as plane, since their fitted
+/// radius is round-off.
 pub const ROUND_PART_TURN: f64 = 1e-3;
 
 /// Height of a tilted rim over its radius below which it lies flat, twelve degrees: its nodes hold it.

@@ -13,7 +13,7 @@ use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::topology::{FacetKey, facet_key};
 use crate::mesh::{Boundary, Facet, Mesh, MeshError};
 
-/// The mesh of a file, and what was done to what the file holds.
+/// The mesh of a file, and the changes made to the content.
 pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
     settle_structural(&mut tables, options)?;
     let numbering = Numbering::new(&tables)?;
@@ -113,7 +113,7 @@ fn kind_of(tables: &Tables) -> Result<CellKind, MeshError> {
     }
 }
 
-/// Where a cell stands in the file.
+/// Origin of a cell in the file.
 struct Origin {
     number: u64,
     at: Place,
@@ -302,7 +302,7 @@ fn take_used_nodes(mesh: &mut Mesh, tables: &Tables) -> Vec<u32> {
     used
 }
 
-/// The third coordinate of plane meshes must be zero but for round-off, and is exactly zero then.
+/// The third coordinate of plane meshes must be zero up to round-off, and is set to exactly zero.
 fn flatten(mesh: &mut Mesh, tables: &Tables, used: &[u32]) -> Result<(), MeshError> {
     let size = mesh.points.iter().flat_map(|p| [p[0], p[1]]).fold(0.0, |size: f64, x| size.max(x.abs()));
     for (point, &old) in mesh.points.iter_mut().zip(used) {

@@ -143,7 +143,7 @@ fn places_in_binary_files_are_bytes() {
     assert_eq!(read_mesh_bytes(&twice).unwrap_err().to_string(), format!("node 1 is there twice, first at byte {nodes}"));
 }
 
-/// The same squares as an input file, with all that is read.
+/// Mesh of two squares as an Abaqus input file that uses every feature that is read.
 const SQUARES: &str = "** two squares
 *Heading
  a comment that is data, 1, 2

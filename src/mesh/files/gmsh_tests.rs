@@ -43,7 +43,7 @@ $Elements
 $EndElements
 ";
 
-/// The same in version 4.1.
+/// Mesh of two squares in format version 4.1.
 const SQUARES_4: &str = "$MeshFormat
 4.1 0 8
 $EndMeshFormat
@@ -439,7 +439,7 @@ fn a_file_that_is_not_there_says_so() {
     assert!(error.to_string().starts_with("the mesh file no such folder/part.msh cannot be read: "), "{error}");
 }
 
-/// What the reader returns must be sound, whatever it was given.
+/// Asserts that the reader returns either a mesh without defects or an error with a message and a hint.
 fn survives(content: &[u8]) {
     match read_mesh_bytes(content) {
         Ok(mesh) => assert_eq!(mesh.defects(), []),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Treatment of elements that are no cells: springs, masses, beams, shells beside solid cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Structural {
-    /// They are left out, with a note that counts them.
+    /// The elements are left out, with a note that counts them.
     #[default]
     Skipped,
     /// The file is refused.
@@ -18,7 +18,7 @@ pub enum Shells {
     /// The file is refused: a shell bends, a plane cell does not.
     #[default]
     Refused,
-    /// They are read as plane cells.
+    /// The elements are read as plane cells.
     Plane,
 }
 
@@ -34,14 +34,14 @@ pub struct ReadOptions {
 /// Path of an included file by its name, or why the file may not be read; `None` refuses all included files.
 pub type Includes<'a> = Option<&'a dyn Fn(&str) -> Result<PathBuf, String>>;
 
-/// A change that a reader made to what the file holds.
+/// A change made by a reader to the content of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileNote {
     /// Elements that are no cells were left out: their types with counts.
     Skipped(Vec<(String, usize)>),
     /// Plane cells whose nodes run clockwise were reversed.
     Turned {
-        /// How many.
+        /// Number of reversed cells.
         count: usize,
         /// Number of the first of them in the file.
         first: u64,

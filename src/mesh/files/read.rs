@@ -20,7 +20,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, MeshError> {
     read_mesh_with(path, ReadOptions::default(), Some(&find)).map(|(mesh, _)| mesh)
 }
 
-/// Reads a mesh file as options say; files that it includes are found by `includes`. Returns what was done to what the file holds, too.
+/// Reads a mesh file with options; included files are found by `includes`. Returns the mesh and the changes made to the content.
 ///
 /// # Errors
 /// A file that cannot be read, and all that [`read_mesh_bytes`] refuses.
@@ -39,7 +39,7 @@ pub fn read_deck(path: impl AsRef<Path>, options: ReadOptions, includes: Include
 /// The deck that the content of an input file describes; see [`read_deck`]. It includes no other files.
 ///
 /// # Errors
-/// As those of [`read_deck`].
+/// Errors of [`read_deck`].
 pub fn read_deck_bytes(content: &[u8], options: ReadOptions) -> Result<Deck, MeshError> {
     deck(content, options, None)
 }

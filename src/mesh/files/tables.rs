@@ -1,4 +1,4 @@
-//! What mesh files hold, whatever their format: nodes, elements by their shape, and the groups they belong to, as the file numbers them.
+//! Content of mesh files of any format: nodes, elements by their shape, and their groups, numbered as in the file.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -18,7 +18,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// How many nodes it has.
+    /// Number of nodes of an element of this shape.
     pub fn nodes(self) -> usize {
         match self {
             Shape::Point => 1,
@@ -27,12 +27,12 @@ impl Shape {
         }
     }
 
-    /// Its cell kind's row, where it is a cell.
+    /// Catalogue row of the cell kind; `None` for points and lines.
     pub fn row(self) -> Option<&'static CellRow> {
         if let Shape::Cell(kind) = self { Some(kind.row()) } else { None }
     }
 
-    /// Its own dimension.
+    /// Topological dimension: 0 for a point, 1 for a line, 2 or 3 for a cell.
     pub fn dimension(self) -> usize {
         match self {
             Shape::Point => 0,
@@ -47,7 +47,7 @@ impl Shape {
 pub(super) struct Elements {
     /// Numbers in the file.
     pub numbers: Vec<u64>,
-    /// Where they stand: line or byte.
+    /// Places of the elements: line or byte.
     places: Vec<u64>,
     /// Indices into [`Tables::groups`].
     pub groups: Vec<u32>,
@@ -59,7 +59,7 @@ pub(super) struct Elements {
 #[derive(Clone)]
 pub(super) struct Surface {
     pub name: String,
-    /// Where it begins.
+    /// Place of the definition.
     pub at: Place,
     /// Numbers of elements, each with a side from 1; 0 for all its sides on the hull.
     pub sides: Vec<(u64, u8)>,
@@ -69,7 +69,7 @@ pub(super) struct Surface {
 #[derive(Clone)]
 pub(super) struct NodeSet {
     pub name: String,
-    /// Where it begins.
+    /// Place of the definition.
     pub at: Place,
     /// Numbers of the nodes.
     pub nodes: Vec<u64>,
@@ -78,7 +78,7 @@ pub(super) struct NodeSet {
 /// The content of a file, not yet connected.
 #[derive(Clone, Default)]
 pub(super) struct Tables {
-    /// Whether places are bytes.
+    /// True if places are byte offsets, not lines.
     pub is_binary: bool,
     pub node_numbers: Vec<u64>,
     node_places: Vec<u64>,
@@ -91,7 +91,7 @@ pub(super) struct Tables {
     pub names: BTreeMap<(usize, u64), String>,
     pub surfaces: Vec<Surface>,
     pub node_sets: Vec<NodeSet>,
-    /// Where the elements begin.
+    /// Start of the elements.
     pub elements_begin: Option<Place>,
     /// Elements with a shape that are no cells, such as shells, by their numbers.
     pub structural: HashSet<u64>,
@@ -131,12 +131,12 @@ impl Tables {
         if self.is_binary { Place::Byte(stored as usize) } else { Place::Line(stored as usize) }
     }
 
-    /// Where a node of the table stands.
+    /// Place of a node of the table.
     pub fn node_place(&self, index: usize) -> Place {
         self.place(self.node_places[index])
     }
 
-    /// Where an element stands.
+    /// Place of an element.
     pub fn element_place(&self, elements: &Elements, index: usize) -> Place {
         self.place(elements.places[index])
     }
@@ -163,7 +163,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Keeps an element, whose nodes stand in the file in such an order ([`crate::elements::CellRow::gmsh_order`]).
+    /// Adds an element whose nodes have the given order in the file ([`crate::elements::CellRow::gmsh_order`]).
     pub fn add_element(&mut self, shape: Shape, number: u64, groups: u32, (nodes, order): (&[u64], &[u8]), at: Place) {
         let elements = self.elements.entry(shape).or_default();
         elements.numbers.push(number);

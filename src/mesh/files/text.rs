@@ -1,4 +1,4 @@
-//! What a text looks like: its beginning for a message, its format.
+//! Description of unreadable content for messages: its first characters, its probable format.
 
 /// The beginning of a text, for a message.
 pub(super) fn shortened(text: &str) -> String {
@@ -10,7 +10,7 @@ pub(super) fn shortened(text: &str) -> String {
     }
 }
 
-/// What a file looks like that does not begin like one that is read.
+/// Description of the probable format of a file that does not begin like a readable mesh file.
 pub(super) fn format_of(content: &[u8]) -> &'static str {
     let begin = content.trim_ascii_start();
     let starts = |prefix: &str| begin.get(..prefix.len()).is_some_and(|b| b.eq_ignore_ascii_case(prefix.as_bytes()));

@@ -1,14 +1,14 @@
-//! The font of PNG pictures, and how wide text is in it.
+//! The font of PNG pictures, and widths of text.
 //!
-//! An SVG is shown with the reader's sans-serif font. Ours is one of the widest, so text that has room in it has room in others.
+//! An SVG is shown in the reader's sans-serif font. The font of PNG pictures is one of the widest, so text that fits in it fits in others.
 
 use std::sync::OnceLock;
 
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
-/// A reduced DejaVu Sans; `sans-LICENSE.txt` tells its license.
+/// Reduced DejaVu Sans; license in `sans-LICENSE.txt`.
 const SANS: &[u8] = include_bytes!("sans.ttf");
-/// Width of a letter that the font does not have, in parts of the size.
+/// Width of a letter missing in the font, relative to the text size.
 const MISSING: f64 = 0.6;
 
 fn face() -> Option<&'static Face<'static>> {
@@ -21,20 +21,20 @@ pub(in crate::output) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().map(|letter| advance(letter) * size).sum()
 }
 
-/// Width of a letter in parts of the size.
+/// Width of a letter relative to the text size.
 pub(super) fn advance(letter: char) -> f64 {
     let of = |face: &Face| Some(f64::from(face.glyph_hor_advance(glyph(face, letter)?)?) / f64::from(face.units_per_em()));
     face().and_then(of).unwrap_or(MISSING)
 }
 
-/// Tells the outline of a letter, `y` upwards; one that the font does not have is a box. [`unit`] is its measure.
+/// Passes the outline of a letter to `builder`, `y` upwards, in units of [`unit`]; a letter missing in the font is a box.
 pub(super) fn outline(letter: char, builder: &mut dyn OutlineBuilder) {
     if let Some(face) = face() {
         face.outline_glyph(glyph(face, letter).unwrap_or(GlyphId(0)), builder);
     }
 }
 
-/// Length of one unit of an outline in parts of the size.
+/// Length of one unit of an outline relative to the text size.
 pub(super) fn unit() -> f64 {
     face().map_or(1.0, |face| 1.0 / f64::from(face.units_per_em()))
 }
@@ -43,7 +43,7 @@ fn glyph(face: &Face, letter: char) -> Option<GlyphId> {
     face.glyph_index(letter)
 }
 
-/// A text that is not wider than that: what does not fit is cut off and replaced by `…`.
+/// Returns a text not wider than `width`; the excess is cut off and replaced by `…`.
 pub(in crate::output) fn elided(text: &str, size: f64, width: f64) -> String {
     if text_width(text, size) <= width {
         return text.into();

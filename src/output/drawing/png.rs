@@ -12,17 +12,17 @@ use super::shapes::{Anchor, Color, Drawing, Ink, Item, Line, Point, Stroke};
 const FINENESS: f64 = 2.0;
 /// Pixels of a file at most; a larger drawing gets fewer per pixel of its own.
 const LARGEST: f64 = 4e7;
-/// Farther off, nothing is seen, and the painter's numbers are not exact.
+/// Coordinates beyond this are clipped: invisible, and inexact in the painter's numbers. `[pixel]`
 const FAR: f64 = 1e5;
 /// Text.
 const TEXT: Color = [34; 3];
 
-/// A drawing as the bytes of a PNG file; `None` where there is no memory for it.
+/// Encodes a drawing as a PNG file; `None` if memory is missing.
 pub fn png(drawing: &Drawing) -> Option<Vec<u8>> {
     painted(drawing, FINENESS)?.encode_png().ok()
 }
 
-/// A drawing as pixels, so many in each direction for one of its own, and fewer of a very large one.
+/// Paints a drawing with `fineness` pixels per pixel of the drawing, fewer for a very large drawing.
 pub fn painted(drawing: &Drawing, fineness: f64) -> Option<Pixmap> {
     let [width, height] = drawing.size.map(f64::ceil);
     let fineness = fineness.min((LARGEST / (width * height)).sqrt());

@@ -1,75 +1,75 @@
-//! What a drawing is made of: filled areas, strokes and text, painted one over the other.
+//! Elements of a drawing: filled areas, strokes and text, painted one over the other.
 //!
 //! Lengths are pixels, `y` points down. Shapes may be grouped under a name, which SVG viewers show as a tool tip, and clipped to a box.
 
-/// A place in pixels.
+/// Point in pixels.
 pub(in crate::output) type Point = [f64; 2];
 
 /// Red, green and blue.
 pub(in crate::output) type Color = [u8; 3];
 
-/// A way through points.
+/// Polyline or polygon.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::output) struct Line {
-    /// Its points.
+    /// Vertices.
     pub points: Vec<Point>,
-    /// Whether the last is joined to the first.
+    /// True if the last vertex is joined to the first.
     pub is_closed: bool,
 }
 
 impl Line {
-    /// A way that ends at its last point.
+    /// Returns an open polyline.
     pub fn open(points: impl Into<Vec<Point>>) -> Self {
         Line { points: points.into(), is_closed: false }
     }
 
-    /// A way that ends where it began.
+    /// Returns a closed polygon.
     pub fn closed(points: impl Into<Vec<Point>>) -> Self {
         Line { points: points.into(), is_closed: true }
     }
 }
 
-/// How a line is stroked.
+/// Style of a stroked line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::output) struct Stroke {
-    /// Its color.
+    /// Color.
     pub color: Color,
     /// Width in pixels.
     pub width: f64,
-    /// From 0 to 1.
+    /// Opacity from 0 to 1.
     pub opacity: f64,
-    /// Lengths of dashes and gaps, if it is dashed.
+    /// Lengths of dashes and gaps `[pixel]`; `None` for a solid line.
     pub dash: Option<f64>,
 }
 
 impl Stroke {
-    /// A solid one.
+    /// Returns a solid, opaque stroke.
     pub fn new(color: Color, width: f64) -> Self {
         Stroke { color, width, opacity: 1.0, dash: None }
     }
 }
 
-/// Where a text stands with respect to its place.
+/// Alignment of a text with respect to its point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::output) enum Anchor {
-    /// It begins there.
+    /// The start of the text.
     Start,
-    /// Its middle is there.
+    /// The middle of the text.
     Middle,
-    /// It ends there.
+    /// The end of the text.
     End,
 }
 
-/// How a shape is painted.
+/// Paint of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::output) enum Ink {
-    /// Inside, by the even-odd rule.
+    /// Fill of the inside by the even-odd rule.
     Fill(Color),
-    /// Along.
+    /// Stroke along the line.
     Stroke(Stroke),
 }
 
-/// One thing of a drawing.
+/// Element of a drawing.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Item {
     Shape { lines: Vec<Line>, ink: Ink },
@@ -79,7 +79,7 @@ pub(super) enum Item {
     End,
 }
 
-/// A drawing of a size in pixels, on white.
+/// Drawing with a size in pixels, on white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     pub(super) size: Point,
@@ -87,12 +87,12 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// An empty one.
+    /// Returns an empty drawing.
     pub(in crate::output) fn new(size: Point) -> Self {
         Drawing { size, items: Vec::new() }
     }
 
-    /// Makes it higher or lower.
+    /// Sets the height.
     pub(in crate::output) fn set_height(&mut self, height: f64) {
         self.size[1] = height;
     }
@@ -104,47 +104,47 @@ impl Drawing {
         }
     }
 
-    /// Paints lines one by one, where they may lie over each other.
+    /// Paints lines one by one, since they may overlap.
     pub(in crate::output) fn paint_each(&mut self, lines: Vec<Line>, ink: Ink) {
         lines.into_iter().for_each(|line| self.paint(vec![line], ink));
     }
 
-    /// A line.
+    /// Adds an open line.
     pub(in crate::output) fn line(&mut self, points: impl Into<Vec<Point>>, stroke: Stroke) {
         self.paint(vec![Line::open(points)], Ink::Stroke(stroke));
     }
 
-    /// An upright box, filled.
+    /// Adds a filled rectangle parallel to the axes.
     pub(in crate::output) fn filled_box(&mut self, low: Point, high: Point, color: Color) {
         self.paint(vec![upright(low, high)], Ink::Fill(color));
     }
 
-    /// An upright box, its border.
+    /// Adds the border of a rectangle parallel to the axes.
     pub(in crate::output) fn framed_box(&mut self, low: Point, high: Point, stroke: Stroke) {
         self.paint(vec![upright(low, high)], Ink::Stroke(stroke));
     }
 
-    /// A line of text on its base line.
+    /// Adds a line of text on its base line.
     pub(in crate::output) fn text(&mut self, at: Point, text: impl Into<String>, size: f64, anchor: Anchor) {
         self.items.push(Item::Text { at, text: text.into(), size, anchor, is_upward: false });
     }
 
-    /// The same, read from below.
+    /// Adds a text that reads upward (rotated by 90 degrees).
     pub(in crate::output) fn upward_text(&mut self, at: Point, text: impl Into<String>, size: f64, anchor: Anchor) {
         self.items.push(Item::Text { at, text: text.into(), size, anchor, is_upward: true });
     }
 
-    /// Begins a group with a name.
+    /// Begins a named group.
     pub(in crate::output) fn begin_named(&mut self, name: &str) {
         self.items.push(Item::Named(name.into()));
     }
 
-    /// Begins a group of which only what is inside of a box is seen.
+    /// Begins a group that is clipped to a box.
     pub(in crate::output) fn begin_clipped(&mut self, low: Point, high: Point) {
         self.items.push(Item::Clipped { low, high });
     }
 
-    /// Ends the group that began last.
+    /// Ends the innermost group.
     pub(in crate::output) fn end(&mut self) {
         self.items.push(Item::End);
     }

@@ -9,7 +9,7 @@ use super::shapes::{Anchor, Drawing, Ink, Item, Line, Point};
 
 /// Units of the drawing per pixel.
 const UNIT: f64 = 10.0;
-/// Farther off, nothing is seen.
+/// Coordinates beyond this are clipped, in units of the drawing.
 const FAR: f64 = 1e6;
 
 /// A drawing as the text of an SVG file.

@@ -10,41 +10,40 @@ use super::view::Camera;
 use crate::dynamics::BodyFields;
 use crate::output::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke, elided};
 
-/// Red: no color of the bodies is like it.
+/// Red, which is not used for bodies.
 const COLOR: Color = [214, 39, 40];
-/// Length of the longest arrow over the extent of the bodies.
+/// Length of the longest arrow relative to the extent of the bodies.
 const LONGEST: f64 = 0.12;
 /// Length of the longest arrow in the key, in pixels.
 const KEY: f64 = 36.0;
-/// Between the places of two arrows, in pixels: more would cover each other.
+/// Least distance between arrows, in pixels.
 const APART: f64 = 18.0;
-/// Shorter arrows are not seen, in pixels.
+/// Shorter arrows are not drawn, in pixels.
 const SHORTEST: f64 = 1.0;
-/// Length of an arrow's head in pixels, at most this share of the arrow.
+/// Length of an arrow's head in pixels, and its largest share of the arrow.
 const HEAD: f64 = 8.0;
 const HEAD_SHARE: f64 = 0.5;
 
-/// Size of the longest vector of all bodies.
+/// Length of the longest vector of all bodies.
 pub(super) fn longest(bodies: &[BodyFields], vectors: Vectors) -> f64 {
     let size = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
     let sizes = bodies.iter().flat_map(|body| (0..body.mesh.points.len()).map(move |node| size(vectors.value(body, node))));
     sizes.filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
-/// Length of an arrow over the size of its vector, the longest of that size, beside bodies of that extent; zero where there is nothing
-/// to show.
+/// Returns the ratio of arrow length to vector length for bodies of this extent; zero if all vectors vanish.
 pub(super) fn factor(longest: f64, extent: f64) -> f64 {
     if longest > 0.0 { LONGEST * extent / longest } else { 0.0 }
 }
 
-/// The far end of a node's arrow.
+/// Returns the end of a node's arrow away from the node.
 pub(super) fn far_end(body: &BodyFields, node: usize, vectors: Vectors, factor: f64) -> [f64; 3] {
     let way = if vectors.ends_at_node() { -factor } else { factor };
     let (x, vector) = (body.position(node), vectors.value(body, node));
     [0, 1, 2].map(|d| x[d] + way * vector[d])
 }
 
-/// Arrows at the nodes of all bodies; in space at those that are seen of their skins.
+/// Draws arrows at the nodes of all bodies; in space, at visible nodes.
 pub(super) fn arrows_into(out: &mut Drawing, (bodies, skins): (&[BodyFields], &[Skin]), vectors: Vectors, camera: &Camera, factor: f64) {
     let mut taken = HashSet::new();
     let (mut shafts, mut heads) = (Vec::new(), Vec::new());
@@ -64,7 +63,7 @@ pub(super) fn arrows_into(out: &mut Drawing, (bodies, skins): (&[BodyFields], &[
     out.paint_each(heads, Ink::Fill(COLOR));
 }
 
-/// The longest arrow with its value, to the right of a place.
+/// Draws the longest arrow with its value, to the right of a point.
 pub(super) fn key_into(out: &mut Drawing, longest: f64, vectors: Vectors, unit: &str, [x, y]: Point, width: f64) {
     let (mut shafts, mut heads) = (Vec::new(), Vec::new());
     arrow(&mut shafts, &mut heads, [x, y], [x + KEY, y]);
@@ -74,7 +73,7 @@ pub(super) fn key_into(out: &mut Drawing, longest: f64, vectors: Vectors, unit: 
     out.text([x + KEY + 8.0, y + 0.35 * TEXT], elided(label.trim_end(), TEXT, width - KEY - 8.0), TEXT, Anchor::Start);
 }
 
-/// A number with three digits.
+/// Returns a number as text with three digits.
 pub(super) fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     if rounded == 0.0 || (0.01..1e5).contains(&rounded.abs()) { format!("{rounded}") } else { format!("{rounded:e}") }

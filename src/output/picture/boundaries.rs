@@ -1,7 +1,7 @@
-//! A mesh with its boundaries in colors and their names: what a mesh file holds.
+//! A mesh with its boundaries in colors and their names: the content of a mesh file.
 //!
-//! In space it is seen from two opposite corners, far facets first (painter's algorithm). Facets of several boundaries have the color of
-//! the smallest one; nodes of boundaries without facets are dots.
+//! In space, the mesh is shown from two opposite corners, far facets first (painter's algorithm). Facets of several boundaries have the
+//! color of the smallest one; nodes of boundaries without facets are dots.
 
 use std::collections::HashMap;
 
@@ -11,16 +11,16 @@ use super::view::{Bounds, Camera, View, dot};
 use crate::mesh::{Boundary, Facet, Mesh};
 use crate::output::drawing::{Anchor, Color, Drawing, Ink, Line, Point, Stroke, elided};
 
-/// Free space around everything, width of a panel and of the list of names, height of a panel, in pixels.
+/// Margin, width of a panel and of the list of names, height of a panel, in pixels.
 const MARGIN: f64 = 14.0;
 const PANEL: f64 = 420.0;
 const LIST: f64 = 230.0;
-/// Height of a line of the list.
+/// Height of a line of the list in pixels.
 const ROW: f64 = 20.0;
-/// Boundaries that are listed at most.
+/// Largest number of listed boundaries.
 const LISTED: usize = 40;
 
-/// Colors of boundaries in turn (Okabe and Ito, 2008, and darker shades of them), and of what belongs to none.
+/// Colors of boundaries in turn (Okabe and Ito, 2008, and darker shades of these), and of facets without a boundary.
 const COLORS: [Color; 12] = [
     [230, 159, 0],
     [86, 180, 233],
@@ -41,7 +41,7 @@ fn color(index: usize) -> Color {
     COLORS[index % COLORS.len()]
 }
 
-/// A mesh with its boundaries.
+/// Draws a mesh with its boundaries.
 pub fn picture_of_boundaries(mesh: &Mesh, title: &str) -> Drawing {
     let views: Vec<View> = if mesh.dimension() == 2 {
         vec![View::PLANE]
@@ -77,7 +77,7 @@ pub fn picture_of_boundaries(mesh: &Mesh, title: &str) -> Drawing {
     out
 }
 
-/// Cells in the plane, facets of the hull that face the viewer in space, and over them those of boundaries.
+/// Draws the cells in the plane, or facets of the hull that face the viewer in space, and over these the boundaries.
 fn facets_into(out: &mut Drawing, mesh: &Mesh, camera: &Camera) {
     let place = |nodes: &[u32]| nodes.iter().map(|&node| camera.place(mesh.points[node as usize])).collect::<Vec<Point>>();
     let thin = Ink::Stroke(Stroke { opacity: 0.35, ..Stroke::new(INK, 0.5) });
@@ -122,7 +122,7 @@ fn facets_into(out: &mut Drawing, mesh: &Mesh, camera: &Camera) {
     }
 }
 
-/// Dots for the nodes that belong to boundaries without facets.
+/// Draws dots for nodes of boundaries without facets.
 fn nodes_into(out: &mut Drawing, mesh: &Mesh, camera: &Camera) {
     for (index, boundary) in mesh.boundaries.iter().enumerate().filter(|(_, boundary)| boundary.facets.is_empty()) {
         out.begin_named(&boundary.name);
@@ -134,7 +134,7 @@ fn nodes_into(out: &mut Drawing, mesh: &Mesh, camera: &Camera) {
     }
 }
 
-/// Names of the boundaries beside their colors.
+/// Draws the names of boundaries beside their colors.
 fn list_into(out: &mut Drawing, mesh: &Mesh, [x, top]: Point) {
     let words = |boundary: &Boundary| match (boundary.facets.len(), boundary.nodes.len()) {
         (0, nodes) => format!("{} ({nodes} nodes)", boundary.name),

@@ -1,4 +1,4 @@
-//! Puts a picture together: what is seen, the panels, their color bars, title and marks.
+//! Assembles a picture: visible region, panels, color bars, title and marks.
 
 use super::arrows::{arrows_into, factor, far_end, key_into, longest};
 use super::marks::{Axes, TRIAD_ROOM, bar_into, triad_into};
@@ -12,33 +12,33 @@ use crate::output::drawing::{Anchor, Drawing, Ink, Line, Point, Stroke, elided};
 use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
 
-/// Free space around everything, in pixels.
+/// Margin in pixels.
 const MARGIN: f64 = 14.0;
 /// Size of the title in pixels.
 const TITLE: f64 = 19.0;
 /// Narrowest panel in pixels.
 const NARROWEST: f64 = 240.0;
-/// Bodies wider than this times their height are put one panel below the other.
+/// Ratio of width to height of the bodies above which panels are placed one below the other.
 const WIDE: f64 = 1.6;
-/// How far from the bodies an obstacle is still shown, in their extents.
+/// Largest distance from the bodies at which obstacles are still shown, relative to the extent of the bodies.
 const NEIGHBORHOOD: f64 = 1.5;
 
-/// How far an obstacle in space without ends is drawn from the middle of the bodies, in their extents.
+/// Size of unbounded obstacles in space, from the center of the bodies, relative to their extent.
 const REACH_IN_SPACE: f64 = 0.8;
 
-/// How much farther than those of the plane obstacles in space are shown, which are drawn as far as they are seen.
+/// Factor on `NEIGHBORHOOD` for obstacles in space.
 const AS_A_WHOLE: f64 = 3.0;
-/// Heights of a color bar, in pixels.
+/// Smallest and largest height of a color bar, in pixels.
 const BAR: [f64; 2] = [120.0, 360.0];
 
-/// What all panels have in common.
+/// Data common to all panels.
 struct Layout<'a> {
     bodies: &'a [BodyFields],
     walls: Vec<Wall>,
-    /// Of bodies in space.
+    /// Visible surfaces of bodies in space.
     skins: Vec<Skin>,
     surfaces: Vec<ObstacleSurface>,
-    /// Where a section cuts obstacles.
+    /// Intersection lines of a section with obstacles.
     rims: Vec<[[f64; 3]; 2]>,
     options: &'a PictureOptions,
     is_plane: bool,
@@ -46,15 +46,15 @@ struct Layout<'a> {
     axes: Option<Axes>,
     /// Pixels per length.
     zoom: f64,
-    /// Width and height of a panel.
+    /// Width and height of a panel in pixels.
     size: Point,
-    /// Height of the bodies' room.
+    /// Height of the area for the bodies in pixels.
     height: f64,
-    /// Length of an arrow over the size of its vector.
+    /// Ratio of arrow length to vector length.
     arrow: f64,
 }
 
-/// The bodies and the obstacles that they touch.
+/// Draws the bodies and the obstacles that they touch.
 pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &PictureOptions) -> Drawing {
     let bodies: &[BodyFields] = &options.shown_of(bodies);
     let values: Vec<Vec<Vec<f64>>> = options.panels.iter().map(|panel| panel_values(bodies, panel)).collect();
@@ -72,7 +72,7 @@ pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pi
     let bar = scales.iter().map(Scale::width).fold(0.0, f64::max);
     let (mut layout, columns) = Layout::new(bodies, obstacles, options, width, bar);
     let top = if options.title.is_empty() { 0.0 } else { MARGIN + TITLE };
-    // All rows have to stay within what a picture can have.
+    // All rows must stay within the largest size of a picture.
     layout.size[1] = layout.size[1].ceil();
     let rows = options.panels.len().div_ceil(columns).max(1);
     let mut out = Drawing::new([width, top + rows as f64 * layout.size[1]]);
@@ -86,7 +86,7 @@ pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pi
     out
 }
 
-/// What is in sight of a picture of these bodies, to be joined with that of others ([`Sight::with`]).
+/// Returns the visible region of a picture of these bodies, to be joined with those of other pictures ([`Sight::with`]).
 pub fn sight(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &PictureOptions) -> Sight {
     let bodies: &[BodyFields] = &options.shown_of(bodies);
     let (layout, _) = Layout::new(bodies, obstacles, options, options.width.max(NARROWEST), 0.0);
@@ -98,7 +98,7 @@ fn panel_values(bodies: &[BodyFields], panel: &Panel) -> Vec<Vec<f64>> {
 }
 
 impl<'a> Layout<'a> {
-    /// What is seen, and how many panels stand side by side.
+    /// Returns the layout, and the number of panels side by side.
     fn new(bodies: &'a [BodyFields], obstacles: &[PlacedObstacle], options: &'a PictureOptions, width: f64, bar: f64) -> (Self, usize) {
         let is_plane = bodies.iter().all(|body| body.mesh.dimension() == 2);
         let view = if is_plane { View::PLANE } else { options.view };
@@ -133,7 +133,7 @@ impl<'a> Layout<'a> {
         let (low, high) = (own.low, own.high());
         let is_within = |point: &Point, reach: f64| (0..2).all(|d| (low[d] - reach..=high[d] + reach).contains(&point[d]));
         let is_near = |point: &Point| is_within(point, reach);
-        // A corner of what is drawn lies beside a half plane, not at its far ends.
+        // Positions near the bodies represent a half plane, not its far ends.
         let landmarks = |wall: &Wall| wall.landmarks(low, high).into_iter().filter(is_near).collect::<Vec<_>>();
         points.extend(walls.iter().filter(|wall| wall.border.len() > 2).flat_map(landmarks));
         for wall in walls.iter().filter(|wall| wall.border.len() <= 2) {
@@ -174,7 +174,7 @@ impl<'a> Layout<'a> {
         (width.max(1.0) / self.bounds.size[0]).min(height / self.bounds.size[1])
     }
 
-    /// Height of what stands below the bodies.
+    /// Height of the scale bar, triad and key below the bodies.
     fn footer(&self) -> f64 {
         let axes = if self.axes.is_some() { Axes::HEIGHT } else { 0.0 };
         let bar = self.options.measure == Measure::Bar || self.options.vectors.is_some();
@@ -186,7 +186,7 @@ impl<'a> Layout<'a> {
         axes + line
     }
 
-    /// One field, with the upper left corner of its panel there.
+    /// Draws one field in a panel with the upper left corner `corner`.
     fn panel_into(&self, out: &mut Drawing, corner: Point, values: &[Vec<f64>], scale: &Scale, bar: f64) {
         let left = corner[0] + MARGIN + self.axes.as_ref().map_or(0.0, Axes::width);
         let right = corner[0] + self.size[0] - 2.0 * MARGIN - bar;
@@ -234,7 +234,7 @@ impl<'a> Layout<'a> {
         scale.bar_into(out, [right + MARGIN, top + 0.5 * (self.height - height)], height);
     }
 
-    /// The scale bar, the triad and the key of the arrows, with the lower left corner there.
+    /// Draws the scale bar, the triad and the key of the arrows, with the lower left corner at the given point.
     fn footer_into(&self, out: &mut Drawing, [mut x, bottom]: Point, camera: &Camera) {
         let end = x + self.size[0] - 2.0 * MARGIN;
         let mut y = bottom - 0.5 * TEXT;

@@ -1,4 +1,4 @@
-//! Nodal fields that a picture can show by colors, and those that it can show by arrows.
+//! Nodal fields that a picture shows by colors, and vector fields that it shows by arrows.
 
 use crate::dynamics::BodyFields;
 
@@ -8,17 +8,17 @@ pub enum Field {
     /// Von Mises stress.
     #[default]
     VonMises,
-    /// Mean pressure.
+    /// Hydrostatic pressure.
     Pressure,
-    /// Pressure between bodies.
+    /// Contact pressure.
     ContactPressure,
-    /// Length of the displacement.
+    /// Magnitude of the displacement.
     Displacement,
-    /// Length of the velocity.
+    /// Magnitude of the velocity.
     Velocity,
     /// Equivalent plastic strain.
     PlasticStrain,
-    /// Which nodes of contacts stick and which slide, as [`BodyFields::contact_slip`] tells.
+    /// Stick or slip of contact nodes, as in [`BodyFields::contact_slip`].
     Slip,
     /// A component of the Cauchy stress, as an index into [`BodyFields::stress`].
     Stress(Component),
@@ -42,7 +42,7 @@ pub enum Component {
 }
 
 impl Field {
-    /// All fields with their names in a script and in words.
+    /// All fields with their names in scripts and in words.
     pub const ALL: &'static [(&'static str, &'static str, Field)] = &[
         ("von_mises", "von Mises stress", Field::VonMises),
         ("pressure", "pressure (−tr σ / 3)", Field::Pressure),
@@ -59,22 +59,22 @@ impl Field {
         ("stress_xz", "stress xz", Field::Stress(Component::Xz)),
     ];
 
-    /// The field of that name in a script.
+    /// Returns the field with a name of scripts.
     pub fn from_name(name: &str) -> Option<Self> {
         Field::ALL.iter().find(|row| row.0 == name).map(|row| row.2)
     }
 
-    /// Its name in words.
+    /// Name of the field in words.
     pub fn words(self) -> &'static str {
         Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1)
     }
 
-    /// Names of its values 1, 2, … where these are kinds and no quantities; 0 is then none of them.
+    /// Names of the values 1, 2, … of a field of categories; 0 is none of these.
     pub fn kinds(self) -> &'static [&'static str] {
         if self == Field::Slip { &["sticks", "slides"] } else { &[] }
     }
 
-    /// Its value at a node.
+    /// Value of the field at a node.
     pub fn value(self, body: &BodyFields, node: usize) -> f64 {
         let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
         match self {
@@ -93,18 +93,18 @@ impl Field {
 /// A nodal field that a picture can show by arrows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vectors {
-    /// Displacement from the undeformed place.
+    /// Displacement from the undeformed position.
     Displacement,
     /// Velocity.
     Velocity,
-    /// Force of contact.
+    /// Contact force.
     ContactForce,
-    /// Pressure of contact, against the secondary surface.
+    /// Contact pressure on the secondary surface.
     ContactPressure,
 }
 
 impl Vectors {
-    /// All of them with their names in a script and in words.
+    /// All vector fields with their names in scripts and in words.
     pub const ALL: &'static [(&'static str, &'static str, Vectors)] = &[
         ("displacement", "displacement", Vectors::Displacement),
         ("velocity", "velocity", Vectors::Velocity),
@@ -112,12 +112,12 @@ impl Vectors {
         ("contact_pressure", "contact pressure", Vectors::ContactPressure),
     ];
 
-    /// Its name in words.
+    /// Name of the vector field in words.
     pub fn words(self) -> &'static str {
         Vectors::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1)
     }
 
-    /// Its value at a node.
+    /// Vector at a node.
     pub fn value(self, body: &BodyFields, node: usize) -> [f64; 3] {
         match self {
             Vectors::Displacement => body.displacement[node],
@@ -132,7 +132,7 @@ impl Vectors {
         }
     }
 
-    /// Whether an arrow ends at its node, as what presses on it does.
+    /// True if arrows end at their node (contact force and pressure); otherwise they begin there.
     pub(crate) fn ends_at_node(self) -> bool {
         matches!(self, Vectors::ContactForce | Vectors::ContactPressure)
     }

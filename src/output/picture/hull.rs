@@ -1,5 +1,5 @@
 //! Bodies in space: the facets of their hull that face the viewer, far ones first (painter's algorithm), lightly shaded. Facets that
-//! pierce each other are not resolved. What a section cuts lies in front of all that it leaves.
+//! intersect are not resolved. The cut faces of a section lie in front of all other facets.
 
 use std::collections::HashMap;
 
@@ -13,8 +13,8 @@ use crate::output::obstacle_surfaces::ObstacleSurface;
 
 /// Cosine of the angle between facets from which their common edge is drawn as an edge of the body.
 const SHARP: f64 = 0.8;
-/// Direction to the lamp that shades bodies in space (to the right, up, toward the viewer), and the light on a facet that it does not
-/// reach: weak enough to leave the colors readable.
+/// Direction of the light (to the right, up, toward the viewer) on bodies in space, and the ambient light: weak enough to keep the colors
+/// readable.
 const LAMP: [f64; 3] = [-0.21, 0.4, 0.89];
 const AMBIENT: f64 = 0.75;
 
@@ -24,7 +24,7 @@ struct Side {
     nodes: Vec<u32>,
     normal: [f64; 3],
     depth: f64,
-    /// Whether it lies in the section.
+    /// True for a facet of the section.
     is_cut: bool,
 }
 
@@ -34,10 +34,10 @@ impl Side {
     }
 }
 
-/// Normals of the facets at every edge of a body, whose end nodes ascend.
+/// Normals of the facets at every edge of a body; the end nodes of an edge are in ascending order.
 type EdgeNormals = HashMap<(usize, [u32; 2]), Vec<[f64; 3]>>;
 
-/// The facets that face the viewer, from far to near.
+/// Returns the facets that face the viewer, from far to near.
 fn sides(skins: &[Skin], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
     let (mut sides, mut normals_at) = (Vec::new(), EdgeNormals::new());
     let toward = camera.view.toward;
@@ -60,12 +60,12 @@ fn sides(skins: &[Skin], camera: &Camera) -> (Vec<Side>, EdgeNormals) {
     (sides, normals_at)
 }
 
-/// From far to near.
+/// Sorts facets from far to near.
 fn sort(sides: &mut [Side]) {
     sides.sort_by(|a, b| a.is_cut.cmp(&b.is_cut).then(a.depth.total_cmp(&b.depth)));
 }
 
-/// Edges of a facet that are edges of the body, or its silhouette.
+/// Returns the edges of a facet that are sharp edges of the body, or its silhouette.
 fn sharp_edges(side: &Side, normals_at: &EdgeNormals, toward: [f64; 3]) -> Vec<[u32; 2]> {
     let is_sharp = |&[a, b]: &[u32; 2]| {
         let around = &normals_at[&(side.body, [a.min(b), a.max(b)])];
@@ -74,8 +74,8 @@ fn sharp_edges(side: &Side, normals_at: &EdgeNormals, toward: [f64; 3]) -> Vec<[
     side.edges().filter(is_sharp).collect()
 }
 
-/// Facets of obstacles that face the viewer, as of bodies behind so many. They come before what may touch them: that is on the side from
-/// which they are seen.
+/// Returns the facets of obstacles that face the viewer; their indices follow those of `bodies` bodies. They are drawn before the bodies,
+/// which are on their visible side.
 fn wall_sides(surfaces: &[ObstacleSurface], bodies: usize, camera: &Camera) -> Vec<Side> {
     let toward = camera.view.toward;
     let side = |index: usize, surface: &ObstacleSurface, facet: &Vec<u32>| {
@@ -91,13 +91,13 @@ fn wall_sides(surfaces: &[ObstacleSurface], bodies: usize, camera: &Camera) -> V
     surfaces.iter().enumerate().flat_map(of).collect()
 }
 
-/// How bright a side is.
+/// Returns the brightness of a facet, between `AMBIENT` and 1.
 fn light(side: &Side, view: &View) -> f64 {
     let lit = LAMP[0] * dot(side.normal, view.right) + LAMP[1] * dot(side.normal, view.up) + LAMP[2] * dot(side.normal, view.toward);
     AMBIENT + (1.0 - AMBIENT) * lit.clamp(0.0, 1.0)
 }
 
-/// Bodies with a value at each node, and rigid obstacles between them.
+/// Draws bodies with a value at each node, and rigid obstacles between the bodies.
 pub(super) fn bodies_into(
     out: &mut Drawing,
     (skins, surfaces): (&[Skin], &[ObstacleSurface]),
@@ -144,7 +144,7 @@ pub(super) fn bodies_into(
     }
 }
 
-/// Edges that bodies had before they were deformed, those that face away left out.
+/// Draws the edges of undeformed bodies, except those that face away.
 pub(super) fn undeformed_into(out: &mut Drawing, skins: &[Skin], camera: &Camera) {
     let (sides, normals_at) = sides(skins, camera);
     let edges = sides.iter().flat_map(|side| {
@@ -154,7 +154,7 @@ pub(super) fn undeformed_into(out: &mut Drawing, skins: &[Skin], camera: &Camera
     out.paint(edges.collect(), Ink::Stroke(undeformed_stroke()));
 }
 
-/// Nodes of a body that the viewer may see: those of facets that face him.
+/// Returns the nodes of facets that face the viewer.
 pub(super) fn facing_nodes(skin: &Skin, camera: &Camera) -> Vec<usize> {
     let (sides, _) = sides(std::slice::from_ref(skin), camera);
     let nodes = sides.iter().flat_map(|side| side.nodes.iter().map(|&node| node as usize));
@@ -164,7 +164,7 @@ pub(super) fn facing_nodes(skin: &Skin, camera: &Camera) -> Vec<usize> {
     nodes
 }
 
-/// Unit normal of a polygon in space by Newell's sums; zero for a degenerate one.
+/// Returns the unit normal of a polygon in space by Newell's sums; zero for a degenerate polygon.
 fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {

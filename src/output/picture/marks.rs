@@ -1,4 +1,4 @@
-//! What tells lengths and directions in a picture: a scale bar, or axes around a plane picture; a triad in space.
+//! Indicators of lengths and directions in a picture: a scale bar, or axes around a plane picture; a triad in space.
 
 use super::arrows::number;
 use super::scale::{INK, TEXT};
@@ -6,16 +6,16 @@ use super::view::{Camera, View};
 use crate::output::axis::Axis;
 use crate::output::drawing::{Anchor, Color, Drawing, Point, Stroke, text_width};
 
-/// Longest scale bar over the width of the picture.
+/// Largest length of the scale bar relative to the width of the picture.
 const LONGEST: f64 = 0.3;
-/// Pixels between ticks, about.
+/// Approximate number of pixels between ticks.
 const TICKS: f64 = 60.0;
 /// Length of an axis of the triad in pixels.
 const TRIAD: f64 = 30.0;
-/// The customary colors of `x`, `y` and `z`.
+/// Customary colors of `x`, `y` and `z`.
 const COLORS: [Color; 3] = [[192, 32, 32], [24, 132, 48], [32, 72, 200]];
 
-/// A bar of a round length with its left end there; gives its width with its label.
+/// Draws a bar of a round length with its left end at a point; returns its width with the label.
 pub(super) fn bar_into(out: &mut Drawing, [x, y]: Point, zoom: f64, width: f64, unit: &str) -> f64 {
     let longest = LONGEST * width / zoom;
     let power = 10f64.powf(longest.log10().floor());
@@ -38,7 +38,7 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Axes over what is seen between `low` and `high`, with that many pixels per length.
+    /// Returns axes for the region between `low` and `high`, with `zoom` pixels per length.
     pub fn over(low: Point, high: Point, zoom: f64, unit: &str) -> Self {
         let axis = |d: usize| Axis::over([low[d], high[d]], (((high[d] - low[d]) * zoom / TICKS) as usize).max(2));
         let (x, y) = (axis(0), axis(1));
@@ -47,15 +47,15 @@ impl Axes {
         Axes { x, y, names }
     }
 
-    /// Room that numbers and name take on the left.
+    /// Width of numbers and name on the left, in pixels.
     pub fn width(&self) -> f64 {
         self.y.ticks.iter().map(|&tick| text_width(&self.y.label(tick), TEXT)).fold(0.0, f64::max) + 10.0 + TEXT + 4.0
     }
 
-    /// Room that they take below.
+    /// Height of numbers and name below, in pixels.
     pub const HEIGHT: f64 = 2.0 * TEXT + 14.0;
 
-    /// Draws them around what the camera sees.
+    /// Draws the axes around the visible region.
     pub fn draw_into(&self, out: &mut Drawing, camera: &Camera) {
         let (low, high) = (camera.pixel(camera.bounds.low), camera.pixel(camera.bounds.high()));
         let thin = Stroke::new(INK, 1.0);
@@ -81,10 +81,10 @@ impl Axes {
     }
 }
 
-/// Room that the triad takes to either side of its origin.
+/// Space for the triad on each side of its origin, in pixels.
 pub(super) const TRIAD_ROOM: f64 = TRIAD + TEXT;
 
-/// The directions of `x`, `y` and `z`, around a place.
+/// Draws the directions of `x`, `y` and `z` around a point.
 pub(super) fn triad_into(out: &mut Drawing, origin: Point, view: &View) {
     let mut axes: [(usize, [f64; 3]); 3] = [0, 1, 2].map(|axis| {
         let along = |of: [f64; 3]| of[axis];

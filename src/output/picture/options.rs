@@ -1,4 +1,4 @@
-//! What a picture shows and how.
+//! Options of a picture.
 
 use std::borrow::Cow;
 
@@ -10,15 +10,15 @@ use crate::dynamics::BodyFields;
 /// A field as one panel of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Panel {
-    /// The field that gives the colors.
+    /// Field that determines the colors.
     pub field: Field,
-    /// Values at the ends of the color bar; those of the field where there is none. Give one to make pictures comparable.
+    /// Values at the ends of the color bar; `None` for the range of the field. Fixed values make pictures comparable.
     pub range: Option<[f64; 2]>,
-    /// Unit of the values, empty where none is told.
+    /// Unit of the values; empty if not given.
     pub unit: String,
 }
 
-/// What tells lengths.
+/// Indicator of lengths in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Measure {
     /// A bar of a round length.
@@ -26,63 +26,63 @@ pub enum Measure {
     Bar,
     /// Axes with numbers around a plane picture.
     Axes,
-    /// Nothing.
+    /// No indicator.
     Nothing,
 }
 
 impl Measure {
-    /// All of them with their names in a script.
+    /// All indicators with their names in scripts.
     pub const ALL: &'static [(&'static str, Measure)] = &[("bar", Measure::Bar), ("axes", Measure::Axes), ("none", Measure::Nothing)];
 }
 
-/// What is in sight of a picture: the same for all pictures of a movie.
+/// Visible region of a picture, common to all pictures of a movie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
-    /// Box of what is seen, in the plane of the picture.
+    /// Bounding box of the visible region in the plane of the picture.
     pub(super) bounds: Bounds,
-    /// Size of the longest vector that is shown by an arrow.
+    /// Magnitude of the longest vector shown by an arrow.
     pub(super) longest: f64,
 }
 
 impl Sight {
-    /// What two pictures see.
+    /// Returns the union of two visible regions.
     pub fn with(self, other: Sight) -> Sight {
         let corners = [self.bounds.low, self.bounds.high(), other.bounds.low, other.bounds.high()];
         Sight { bounds: Bounds::of(corners.iter()), longest: self.longest.max(other.longest) }
     }
 }
 
-/// What a picture shows and how.
+/// Options of a picture: fields, size, view, annotations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
     /// The fields, each in a panel of its own.
     pub panels: Vec<Panel>,
     /// Text above the picture.
     pub title: String,
-    /// Width in pixels; below 240 there would be no room for the bodies beside the color bar, so 240 is taken.
+    /// Width in pixels, at least 240: below, there is no room for the bodies beside the color bar.
     pub width: f64,
-    /// From where bodies in space are seen.
+    /// View of bodies in space.
     pub view: View,
-    /// A plane that opens bodies in space.
+    /// Section plane through bodies in space.
     pub section: Option<CutPlane>,
-    /// Names of the bodies that are shown; all of them where there is none.
+    /// Names of the bodies that are shown; all if empty.
     pub only: Vec<String>,
-    /// Whether cell edges are drawn where there is room for them.
+    /// True if cell edges are drawn where there is room for them.
     pub is_meshed: bool,
-    /// Whether the undeformed bodies are outlined.
+    /// True if outlines of the undeformed bodies are drawn.
     pub is_undeformed_shown: bool,
-    /// What is shown by arrows, with its unit.
+    /// Vector field shown by arrows, and its unit.
     pub vectors: Option<(Vectors, String)>,
-    /// What tells lengths.
+    /// Indicator of lengths.
     pub measure: Measure,
-    /// Unit of lengths, empty where none is told.
+    /// Unit of lengths; empty if not given.
     pub length_unit: String,
-    /// What is in sight, where it is not to be found from the bodies.
+    /// Visible region; `None` to determine it from the bodies.
     pub sight: Option<Sight>,
 }
 
 impl PictureOptions {
-    /// Those of the bodies that are shown.
+    /// Returns the bodies that are shown.
     pub(super) fn shown_of<'a>(&self, bodies: &'a [BodyFields]) -> Cow<'a, [BodyFields]> {
         if self.only.is_empty() {
             return Cow::Borrowed(bodies);

@@ -9,16 +9,16 @@ use crate::output::contours::{Patch, simplified};
 use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
 use crate::output::obstacles::Wall;
 
-/// Deviation from a curve that nobody sees, in pixels.
+/// Largest invisible deviation from a curve, in pixels.
 const INVISIBLE: f64 = 0.1;
-/// Cells with shorter sides, in pixels on average, are drawn without their edges: they would hide the colors.
+/// Average side length of cells, in pixels, below which cell edges are not drawn: they would hide the colors.
 const ROOM_FOR_EDGES: f64 = 5.0;
-/// Width of lines that tell kinds, in pixels.
+/// Width of lines that show categories, in pixels.
 const KIND: f64 = 4.5;
-/// What rigid obstacles are made of.
+/// Fill color of rigid obstacles.
 pub(super) const WALL: [u8; 3] = [176, 180, 186];
 
-/// One plane body with a value at each node.
+/// Draws a plane body with a value at each node.
 pub(super) fn body_into(out: &mut Drawing, body: &BodyFields, values: &[f64], camera: &Camera, scale: &Scale, is_meshed: bool) {
     let points: Vec<Point> = (0..body.mesh.points.len()).map(|node| camera.place(body.position(node))).collect();
     let patch = patch_of(body, &points, values);
@@ -31,7 +31,7 @@ pub(super) fn body_into(out: &mut Drawing, body: &BodyFields, values: &[f64], ca
     out.paint(outline, Ink::Stroke(Stroke::new(INK, 1.1)));
 }
 
-/// The hull of a plane body in the colors of the kinds that its nodes are, each up to the middle of the pieces to its neighbors.
+/// Draws the hull of a plane body in the colors of its nodes' categories, each up to the midpoints of the adjacent edges.
 pub(super) fn kinds_into(out: &mut Drawing, body: &BodyFields, values: &[f64], camera: &Camera, scale: &Scale) {
     let mut halves: BTreeMap<usize, Vec<Line>> = BTreeMap::new();
     for ends in body.mesh.outline() {
@@ -47,30 +47,30 @@ pub(super) fn kinds_into(out: &mut Drawing, body: &BodyFields, values: &[f64], c
     halves.into_iter().for_each(|(kind, lines)| out.paint(lines, Ink::Stroke(Stroke::new(scale.kind_color(kind), KIND))));
 }
 
-/// The outline of a plane body before it was deformed.
+/// Draws the outline of an undeformed plane body.
 pub(super) fn undeformed_into(out: &mut Drawing, body: &BodyFields, camera: &Camera) {
     let points: Vec<Point> = body.mesh.points.iter().map(|&point| camera.place(point)).collect();
     let patch = patch_of(body, &points, &vec![0.0; points.len()]);
     out.paint(seen(patch.outline()), Ink::Stroke(undeformed_stroke()));
 }
 
-/// How undeformed bodies are outlined.
+/// Stroke of the outline of undeformed bodies.
 pub(super) fn undeformed_stroke() -> Stroke {
     Stroke { dash: Some(5.0), opacity: 0.6, ..Stroke::new([0; 3], 1.0) }
 }
 
 fn patch_of(body: &BodyFields, points: &[Point], values: &[f64]) -> Patch {
-    // Around the cell: the start of every edge, and its middle node where it has one.
+    // Around the cell: the start of every edge, and its mid-side node if it has one.
     let corners: Vec<usize> = body.mesh.kind.facets().iter().flat_map(|facet| facet.iter().step_by(2)).copied().collect();
     let polygons: Vec<Vec<u32>> = body.mesh.cells().map(|cell| corners.iter().map(|&corner| cell[corner]).collect()).collect();
     Patch::new(points, values, polygons.iter().map(|polygon| &polygon[..]))
 }
 
-/// A rigid obstacle.
+/// Draws a rigid obstacle.
 pub(super) fn wall_into(out: &mut Drawing, wall: &Wall, camera: &Camera) {
     out.begin_named(&wall.name);
     let pieces: Vec<Line> = wall.pieces().map(|piece| Line::closed(piece.map(|point| camera.pixel(point)))).collect();
-    // Each by itself: pieces may lie over each other behind a corner. The stroke closes the hairlines between neighbors.
+    // Painted separately: pieces may overlap behind a corner. The stroke closes the hairlines between neighbors.
     for piece in pieces {
         out.paint(vec![piece.clone()], Ink::Fill(WALL));
         out.paint(vec![piece], Ink::Stroke(Stroke::new(WALL, 0.6)));
@@ -80,13 +80,13 @@ pub(super) fn wall_into(out: &mut Drawing, wall: &Wall, camera: &Camera) {
     out.end();
 }
 
-/// Whether cell edges leave the colors to be seen.
+/// True if cell edges are long enough on average that colors remain visible between them.
 pub(super) fn has_room_for_edges(edges: impl Iterator<Item = [Point; 2]>) -> bool {
     let (count, length) = edges.fold((0, 0.0), |(count, length), [a, b]| (count + 1, length + (a[0] - b[0]).hypot(a[1] - b[1])));
     length >= ROOM_FOR_EDGES * f64::from(count)
 }
 
-/// Filled contours: the whole patch in the color of its lowest band, then what is above each further level; plain where values are kinds.
+/// Draws filled contours: the patch in the color of its lowest band, then the region above each further level; plain for categories.
 pub(super) fn contours_into(out: &mut Drawing, patch: &Patch, outline: &[Line], scale: &Scale, light: f64) {
     if scale.has_kinds() {
         return out.paint(outline.to_vec(), Ink::Fill(scale.color(0, light)));
@@ -98,7 +98,7 @@ pub(super) fn contours_into(out: &mut Drawing, patch: &Patch, outline: &[Line], 
     }
 }
 
-/// Closed loops; what is smaller than anyone sees is left out.
+/// Returns closed lines from loops; parts too small to be visible are left out.
 fn seen(loops: Vec<Vec<Point>>) -> Vec<Line> {
     let simple = loops.into_iter().map(|corners| simplified(&corners, INVISIBLE));
     let is_seen = |corners: &Vec<Point>| {

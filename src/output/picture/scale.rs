@@ -1,4 +1,4 @@
-//! The colors of a field: bands between two values, and the bar that tells which is which.
+//! Color scale of a field: bands between two values, and the color bar.
 
 use crate::output::axis::Axis;
 use crate::output::colormap::viridis;
@@ -8,9 +8,9 @@ use crate::output::drawing::{Anchor, Color, Drawing, Point, Stroke, elided, text
 pub(super) const BANDS: usize = 41;
 /// Size of text beside the bar, in pixels.
 pub(super) const TEXT: f64 = 16.0;
-/// Outlines.
+/// Color of outlines.
 pub(super) const INK: Color = [34; 3];
-/// Colors of kinds, none of them first; they are told apart with any color vision.
+/// Colors of categories, the first for none; distinguishable with any color vision.
 const KINDS: [Color; 3] = [[222, 224, 228], [33, 102, 172], [230, 97, 1]];
 /// Width of the bar in pixels.
 const WIDTH: f64 = 18.0;
@@ -21,34 +21,34 @@ pub(super) struct Scale {
     low: f64,
     high: f64,
     label: String,
-    /// Names of the values 1, 2, … where they are kinds and no quantities.
+    /// Names of the values 1, 2, … of categories; empty for quantities.
     kinds: &'static [&'static str],
 }
 
 impl Scale {
-    /// A scale over values.
+    /// Returns the scale of a range of values.
     pub fn new(values: impl IntoIterator<Item = f64>, label: &str) -> Self {
         let axis = Axis::over(values, 6);
         let label = axis.name(label);
         Scale { low: axis.unscaled(axis.low), high: axis.unscaled(axis.high), axis, label, kinds: &[] }
     }
 
-    /// A scale of kinds with these names.
+    /// Returns the scale of categories with these names.
     pub fn of_kinds(kinds: &'static [&'static str], label: &str) -> Self {
         Scale { kinds, ..Scale::new([], label) }
     }
 
-    /// Whether values are kinds and no quantities.
+    /// True if values are categories, not quantities.
     pub fn has_kinds(&self) -> bool {
         !self.kinds.is_empty()
     }
 
-    /// Color of a kind.
+    /// Color of a category.
     pub fn kind_color(&self, kind: usize) -> Color {
         KINDS[kind.min(KINDS.len() - 1)]
     }
 
-    /// Color of a band under a light from 0 to 1.
+    /// Color of a band under a light intensity from 0 to 1.
     pub fn color(&self, band: usize, light: f64) -> Color {
         let color = if self.has_kinds() { KINDS[0].map(f64::from) } else { viridis((band as f64 + 0.5) / BANDS as f64) };
         color.map(|channel| (channel * light).round() as u8)
@@ -60,7 +60,7 @@ impl Scale {
         self.low * (1.0 - share) + self.high * share
     }
 
-    /// The band of a value.
+    /// Returns the band of a value.
     pub fn band(&self, value: f64) -> usize {
         (1..BANDS).take_while(|&band| value >= self.level(band)).count()
     }
@@ -73,7 +73,7 @@ impl Scale {
         WIDTH + 8.0 + widest + 10.0 + TEXT
     }
 
-    /// Draws the bar with its upper left corner there.
+    /// Draws the bar with its upper left corner at a point.
     pub fn bar_into(&self, out: &mut Drawing, [x, y]: Point, height: f64) {
         let label = elided(&self.label, TEXT, height + 40.0);
         out.upward_text([x + self.width() - 4.0, y + 0.5 * height], label, TEXT, Anchor::Middle);
@@ -81,7 +81,7 @@ impl Scale {
             return self.names_into(out, [x, y + 0.5 * height]);
         }
         for band in 0..BANDS {
-            // Each reaches up to the end of the bar: no hairlines between them.
+            // Each band extends to the end of the bar, so that there are no hairlines between bands.
             let size = height * (1.0 - band as f64 / BANDS as f64);
             out.filled_box([x, y], [x + WIDTH, y + size], self.color(band, 1.0));
         }
@@ -94,7 +94,7 @@ impl Scale {
         }
     }
 
-    /// The kinds with their names, one below the other, the middle of their left side there.
+    /// Draws the names of categories one below the other, centered at the height `middle`.
     fn names_into(&self, out: &mut Drawing, [x, middle]: Point) {
         let line = 1.5 * TEXT;
         for (index, name) in self.kinds.iter().enumerate() {

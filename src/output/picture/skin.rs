@@ -1,8 +1,9 @@
-//! What can be seen of a body in space: the facets of its hull, or what a section leaves of them with the cells that it cuts.
+//! Visible surface of a body in space: the facets of its hull, or their remainder behind a section plane together with the cut through its
+//! cells.
 //!
-//! A facet is a polygon of nodes, so is each face of a cell. What lies beyond the plane is cut off from the polygons (Sutherland and
-//! Hodgman 1974, with one plane); the new edges of the faces of a cell, chained, are the outline of the cut through it. New points belong
-//! to edges of cells, so that neighbors share them, and values are linear along these.
+//! A facet is a polygon of nodes, so is each face of a cell. Polygons are clipped at the plane (Sutherland and Hodgman 1974, with one
+//! plane); the new edges of a cell's faces, chained, are the outline of the cut through the cell. New points lie on edges of cells, so that
+//! neighbors share them, and values are linear along edges.
 
 use std::collections::HashMap;
 
@@ -11,30 +12,30 @@ use crate::dynamics::BodyFields;
 use crate::mesh::Facet;
 use crate::output::obstacle_surfaces::ObstacleSurface;
 
-/// A cut may leave this many corners of a cell's polygon at most; more would be a fault.
+/// Largest number of corners of a cut through a cell; more indicate a fault.
 const CORNERS: usize = 64;
 
-/// A point of a cut: the ends of its edge, and how far it is from the first one to the second one.
+/// Point of a cut: the ends of its edge, and the position between them from 0 to 1.
 type Cut = ([u32; 2], f64);
 
-/// What can be seen of a body, in numbers of its points.
+/// Visible surface of a body, in indices of its points.
 pub(super) struct Skin {
     /// Number of nodes of the body.
     pub nodes: usize,
-    /// The nodes of the body, and behind them the points of a cut.
+    /// Nodes of the body, followed by the points of the cut.
     pub points: Vec<[f64; 3]>,
-    /// Of each point of a cut the ends of its edge, and how far it is from the first one to the second one.
+    /// For each point of a cut, the ends of its edge and the position between them.
     cuts: Vec<Cut>,
-    /// What is left of the facets of the hull.
+    /// Facets of the hull, clipped at the section plane.
     pub facets: Vec<Vec<u32>>,
-    /// The cut through cells, each counter-clockwise as seen from where material was taken away.
+    /// Polygons of the cut through cells, counter-clockwise as seen from the removed side.
     pub faces: Vec<Vec<u32>>,
-    /// Their normal.
+    /// Normal of the cut.
     pub normal: [f64; 3],
 }
 
 impl Skin {
-    /// Of a body with its nodes there.
+    /// Returns the visible surface of a body with nodes at `position`, cut by `section`.
     pub fn new(body: &BodyFields, position: impl Fn(usize) -> [f64; 3], section: Option<&CutPlane>) -> Self {
         let points: Vec<[f64; 3]> = (0..body.mesh.points.len()).map(position).collect();
         let hull: Vec<Vec<u32>> = body.mesh.hull().into_iter().map(|facet| body.mesh.around(facet)).collect();
@@ -58,23 +59,23 @@ impl Skin {
         skin
     }
 
-    /// The points that are seen.
+    /// Visible points.
     pub fn seen(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         self.facets.iter().chain(&self.faces).flatten().map(|&point| self.points[point as usize])
     }
 
-    /// Values at all points from those at the nodes.
+    /// Returns values at all points from nodal values.
     pub fn values(&self, nodal: &[f64]) -> Vec<f64> {
         let between = |&([a, b], share): &Cut| nodal[a as usize] + share * (nodal[b as usize] - nodal[a as usize]);
         nodal.iter().copied().chain(self.cuts.iter().map(between)).collect()
     }
 }
 
-/// Cuts polygons at a plane.
+/// Clipping of polygons at a plane.
 pub(super) struct Knife {
     /// Heights of the points above the plane.
     heights: Vec<f64>,
-    /// Points of the cut by their edges, whose ends ascend, in the order in which they came.
+    /// Points of the cut by their edges (end nodes ascending), in the order of creation.
     at: HashMap<[u32; 2], u32>,
     cuts: Vec<Cut>,
 }
@@ -84,12 +85,12 @@ impl Knife {
         Knife { heights: section.heights(points), at: HashMap::new(), cuts: Vec::new() }
     }
 
-    /// Whether a point is left.
+    /// True if a point is kept.
     fn keeps(&self, point: u32) -> bool {
         self.heights[point as usize] <= 0.0
     }
 
-    /// The point of the cut on an edge: its end where that lies in the plane.
+    /// Returns the point of the cut on an edge: an end of the edge if the end lies in the plane.
     fn point_on(&mut self, a: u32, b: u32) -> u32 {
         if let Some(end) = [a, b].into_iter().find(|&end| self.heights[end as usize] == 0.0) {
             return end;
@@ -103,7 +104,7 @@ impl Knife {
         })
     }
 
-    /// What is left of a polygon, and its new edges in its sense.
+    /// Returns the part of a polygon that is kept, and its new edges in the sense of the polygon.
     pub fn cut(&mut self, polygon: &[u32]) -> (Vec<u32>, Vec<[u32; 2]>) {
         let (mut left, mut ends) = (Vec::new(), Vec::new());
         for (&a, &b) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
@@ -120,13 +121,13 @@ impl Knife {
         if left.len() > 1 && left.first() == left.last() {
             left.pop();
         }
-        // From where the polygon leaves to where it comes back.
+        // Pairs of points at which the polygon leaves the kept side and returns.
         let pairs = ends.iter().zip(ends.iter().cycle().skip(1)).filter(|((leaves, _), _)| *leaves);
         let edges = pairs.map(|(&(_, from), &(_, to))| [from, to]).filter(|[from, to]| from != to).collect();
         (left, edges)
     }
 
-    /// The cut through a cell with these faces: loops that close its rest.
+    /// Returns the loops of the cut through a cell with the given faces, which close its remainder.
     fn through(&mut self, faces: &[Vec<u32>]) -> Vec<Vec<u32>> {
         let mut after: HashMap<u32, u32> = HashMap::new();
         let mut starts = Vec::new();
@@ -151,7 +152,7 @@ impl Knife {
         loops
     }
 
-    /// The points with those of the cut behind them.
+    /// Returns the points, followed by those of the cut.
     pub fn finish(self, mut points: Vec<[f64; 3]>) -> (Vec<[f64; 3]>, Vec<Cut>) {
         let between = |&([a, b], share): &Cut| {
             let (a, b) = (points[a as usize], points[b as usize]);
@@ -163,7 +164,7 @@ impl Knife {
     }
 }
 
-/// What a section leaves of an obstacle's surface, and where it cuts it.
+/// Returns the part of an obstacle's surface that a section plane keeps, and the line segments of the cut.
 pub(super) fn cut_surface(surface: ObstacleSurface, section: &CutPlane) -> (ObstacleSurface, Vec<[[f64; 3]; 2]>) {
     let mut knife = Knife::new(section, &surface.points);
     let (left, edges): (Vec<_>, Vec<_>) = surface.facets.iter().map(|facet| knife.cut(facet)).unzip();
@@ -193,8 +194,8 @@ mod tests {
         sum
     }
 
-    /// What is left of a block is closed: the areas of hull and cut sum to nothing, those of the cut to that of the section, whether the
-    /// plane goes through cells or along their faces; values are linear in the cut.
+    /// The remainder of a block is closed for planes through cells and along their faces: the areas of hull and cut sum to zero, the area
+    /// of the cut is that of the section, and values are linear in the cut.
     #[test]
     fn a_cut_closes_what_is_left() {
         let plain = block([4, 2, 2], [4.0, 1.0, 2.0]);

@@ -1,9 +1,9 @@
-//! From where a picture looks, and where on it a point is.
+//! View of a picture: directions of the viewer, and the projection of points.
 
 use crate::math::tolerances::{FLAT, PICTURE_THICKNESS};
 use crate::output::drawing::Point;
 
-/// A direction of sight: what points right, up and toward the viewer in the picture, all of length 1 and orthogonal.
+/// Direction of view: orthonormal vectors to the right, up and toward the viewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     pub(super) right: [f64; 3],
@@ -11,22 +11,22 @@ pub struct View {
     pub(super) toward: [f64; 3],
 }
 
-/// Names of directions from which a picture can look.
+/// Names of views.
 pub const VIEWS: [&str; 7] = ["iso", "front", "back", "right", "left", "top", "bottom"];
 
 impl View {
-    /// The plane as it is always drawn: `x` to the right, `y` up.
+    /// View of a plane: `x` to the right, `y` up.
     pub const PLANE: View = View { right: [1.0, 0.0, 0.0], up: [0.0, 1.0, 0.0], toward: [0.0, 0.0, 1.0] };
 
-    /// What is right, up and in front where that axis (0 to 2) points to the sky. With `z` up one looks along `y` from the front, so that
-    /// from the top `y` is up in the picture.
+    /// Returns the view in which the axis `axis` (0 to 2) points up. With `z` up the view is along `y` from the front, so that in the view
+    /// from the top `y` points up.
     fn upright(axis: usize) -> View {
         let unit = |axis: usize| std::array::from_fn(|d| if d == axis { 1.0 } else { 0.0 });
         let (right, up) = (unit(usize::from(axis == 0)), unit(axis));
         View { right, up, toward: cross(right, up) }
     }
 
-    /// The view of that name (one of [`VIEWS`]) where that axis points to the sky.
+    /// Returns the view of that name (one of [`VIEWS`]) in which the axis `axis` points up.
     pub fn named(name: &str, axis: usize) -> Option<View> {
         let front @ View { right, up, toward } = View::upright(axis);
         let turned = |right: [f64; 3], up: [f64; 3]| View { right, up, toward: cross(right, up) };
@@ -42,17 +42,17 @@ impl View {
         })
     }
 
-    /// The view from a direction, as a vector from the bodies to the viewer, where that axis points to the sky; `None` for no direction.
+    /// Returns the view from a direction (from the bodies to the viewer) in which the axis `axis` points up; `None` for a zero direction.
     pub(crate) fn from_direction(direction: [f64; 3], axis: usize) -> Option<View> {
         let toward = unit(direction)?;
         let View { up: sky, toward: front, .. } = View::upright(axis);
         let level = |up: [f64; 3]| unit([0, 1, 2].map(|d| up[d] - dot(up, toward) * toward[d]));
-        // Straight from above the sky is no direction in the picture.
+        // In a view straight from above, the vertical axis is no direction in the picture.
         let up = if dot(sky, toward).abs() < 1.0 - FLAT { level(sky)? } else { level(negative(front))? };
         Some(View { right: cross(up, toward), up, toward })
     }
 
-    /// Place in the picture's plane.
+    /// Projects a point into the plane of the picture.
     pub(super) fn flat(&self, x: [f64; 3]) -> Point {
         [dot(self.right, x), dot(self.up, x)]
     }
@@ -81,7 +81,7 @@ pub(super) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
     (length > 0.0 && length.is_finite()).then(|| a.map(|x| x / length))
 }
 
-/// The box around points.
+/// Bounding box of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     pub low: Point,
@@ -111,25 +111,25 @@ impl Bounds {
     }
 }
 
-/// Where on a picture a point is.
+/// Mapping from points to pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Camera {
     pub view: View,
-    /// Box of what is seen, in the plane of the picture.
+    /// Box of the visible region in the plane of the picture.
     pub bounds: Bounds,
-    /// Place of its lower left corner in pixels.
+    /// Lower left corner of the box in pixels.
     pub corner: Point,
     /// Pixels per length.
     pub zoom: f64,
 }
 
 impl Camera {
-    /// Pixels of a place in the plane of the picture.
+    /// Returns the pixels of a point in the plane of the picture.
     pub fn pixel(&self, [x, y]: Point) -> Point {
         [self.corner[0] + (x - self.bounds.low[0]) * self.zoom, self.corner[1] - (y - self.bounds.low[1]) * self.zoom]
     }
 
-    /// Pixels of a point.
+    /// Returns the pixels of a point in space.
     pub fn place(&self, x: [f64; 3]) -> Point {
         self.pixel(self.view.flat(x))
     }

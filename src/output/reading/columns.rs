@@ -1,7 +1,7 @@
 //! Tables of other programs: lines of fields below a header, or without one.
 //!
-//! Fields are parted by semicolons, commas, tabs or blanks, whichever the first line has; where they are not parted by commas, a number may
-//! be written with one, as `0,5`. `#` begins a remark.
+//! Fields are separated by semicolons, commas, tabs or blanks, as in the first line; unless separated by commas, numbers may have a decimal
+//! comma, as in `0,5`. `#` begins a remark.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use super::error::{ReadError, bytes_of};
 /// A column of texts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadColumn {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
-    /// Its fields.
+    /// Fields by row.
     pub fields: Vec<String>,
 }
 
@@ -58,21 +58,22 @@ fn counted(fields: usize) -> String {
     if fields == 1 { "1 field".into() } else { format!("{fields} fields") }
 }
 
-/// What parts the fields of a text: the first of these outside of quotes and remarks in its first line; none where blanks do.
+/// Returns the separator of the fields: the first of `;`, tab and `,` that occurs in the first line outside of quotes and remarks; `None`
+/// for blanks.
 fn separator_of(text: &str) -> Option<char> {
     let bare = |line: &str| line.split('"').step_by(2).collect::<String>().split('#').next().unwrap_or("").to_string();
     let first = text.lines().map(bare).find(|line| !line.trim().is_empty())?;
     [';', '\t', ','].into_iter().find(|separator| first.contains(*separator))
 }
 
-/// A field that is being read.
+/// A field during reading.
 #[derive(Default)]
 struct Field {
     text: String,
     is_quoted: bool,
 }
 
-/// Lines with their numbers, and their fields; without empty lines. Fails with the line of a quote that is not closed.
+/// Returns lines with their numbers and fields, without empty lines. Fails with the number of the line whose quote is not closed.
 fn rows_of(text: &str) -> Result<Vec<(usize, Vec<String>)>, usize> {
     let separator = separator_of(text);
     let (mut rows, mut fields, mut field) = (Vec::new(), Vec::new(), Field::default());
@@ -84,7 +85,7 @@ fn rows_of(text: &str) -> Result<Vec<(usize, Vec<String>)>, usize> {
             '"' => {
                 opened = if opened.is_some() { None } else { Some(line) };
                 if !std::mem::replace(&mut field.is_quoted, true) {
-                    // What stands before the quote are blanks.
+                    // Only blanks precede the quote.
                     field.text.truncate(field.text.trim_end().len());
                 }
             }
@@ -119,13 +120,13 @@ fn rows_of(text: &str) -> Result<Vec<(usize, Vec<String>)>, usize> {
     opened.map_or(Ok(rows), Err)
 }
 
-/// The text that a field is: in quotes as it stands there, with a decimal point where it is a number.
+/// Returns the text of a field: unchanged if quoted, otherwise with a decimal point in numbers.
 fn finished(field: Field, separator: Option<char>) -> String {
     let text = if field.is_quoted { field.text.as_str() } else { field.text.trim() };
     decimal(meant(text), separator != Some(','))
 }
 
-/// A field, with a decimal point where it is a number with a decimal comma.
+/// Returns a field, with a decimal point if it is a number with a decimal comma.
 fn decimal(field: &str, has_commas: bool) -> String {
     let pointed = field.replacen(',', ".", 1);
     if has_commas && pointed.parse::<f64>().is_ok() { pointed } else { field.into() }

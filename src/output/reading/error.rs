@@ -1,4 +1,4 @@
-//! What is wrong with a file that is read back: where, and how to mend it.
+//! Errors of files that are read back: the place and a hint.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,16 +12,16 @@ use crate::machine::files;
 pub struct ReadError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong, behind its name: `cannot be read`, `is damaged in line 3`.
+    /// Description of the fault, appended to the file name: `cannot be read`, `is damaged in line 3`.
     pub what: String,
-    /// The reason in words, where there is more to say.
+    /// Further reason in words.
     pub cause: Option<String>,
-    /// How to mend it.
+    /// Hint how to mend the fault.
     pub hint: String,
 }
 
 impl ReadError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Returns the stable code of the error, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         "C0921"
     }
@@ -31,12 +31,12 @@ impl ReadError {
         ReadError { path: path.into(), what: what.into(), cause: None, hint: hint.into() }
     }
 
-    /// A file whose bytes do not agree with themselves.
+    /// Returns the error of a file whose bytes are inconsistent.
     pub fn damaged(path: &Path, what: impl AsRef<str>) -> Self {
         ReadError::new(path, format!("is damaged: {}", what.as_ref()), "run the script again, or take the file from a copy")
     }
 
-    /// What the operating system refuses.
+    /// Returns the error for a refusal by the operating system.
     pub fn io(path: &Path, error: &io::Error) -> Self {
         let missing = error.kind() == io::ErrorKind::NotFound;
         let what = if missing { "does not exist" } else { "cannot be read" };

@@ -1,7 +1,7 @@
-//! A frame (`.vtu`) read back: its arrays, whether they are appended as zlib blocks, appended as they are, or text.
+//! A frame (`.vtu`) read back: its arrays, appended as zlib blocks, appended plain, or as text.
 //!
-//! Not a reader of VTK's files in general: one piece, little-endian bytes with 64-bit headers, numbers as this program writes them
-//! (`Float64`, `Int64`, `UInt8`). Every length that the file claims is checked against the number of points and cells before it is used.
+//! Reads only files of the form that this program writes: one piece, little-endian bytes with 64-bit headers, numbers of type `Float64`,
+//! `Int64`, `UInt8`. Every length in the file is checked against the number of points and cells before it is used.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -11,10 +11,10 @@ use flate2::read::ZlibDecoder;
 use super::error::{ReadError, bytes_of};
 use super::tags::{Tag, tags};
 
-/// Where an array belongs.
+/// Section of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
-    /// Coordinates.
+    /// Coordinates of points.
     Points,
     /// Connectivity, offsets and types.
     Cells,
@@ -27,14 +27,14 @@ pub enum Section {
 /// Numbers of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Numbers {
-    /// Of the type `Float64`.
+    /// Values of type `Float64`.
     Reals(Vec<f64>),
-    /// Of the types `Int64` and `UInt8`.
+    /// Values of type `Int64` or `UInt8`.
     Integers(Vec<i64>),
 }
 
 impl Numbers {
-    /// How many.
+    /// Number of values.
     pub fn len(&self) -> usize {
         match self {
             Numbers::Reals(values) => values.len(),
@@ -42,12 +42,12 @@ impl Numbers {
         }
     }
 
-    /// Whether there is none.
+    /// True if the array has no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// One of them.
+    /// Returns the value with an index.
     pub fn at(&self, index: usize) -> f64 {
         match self {
             Numbers::Reals(values) => values[index],
@@ -59,24 +59,24 @@ impl Numbers {
 /// A named array.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArrayRead {
-    /// Its name.
+    /// Name of the array.
     pub name: String,
-    /// Where it belongs.
+    /// Section of the array.
     pub section: Section,
-    /// Numbers for each point or cell.
+    /// Number of components per point or cell.
     pub components: usize,
-    /// The numbers, point by point or cell by cell.
+    /// Values point by point or cell by cell.
     pub numbers: Numbers,
 }
 
-/// What a frame holds.
+/// Content of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldsRead {
-    /// Its time, where it says so.
+    /// Time of the frame, if the file has one.
     pub time: Option<f64>,
-    /// What its parts are: `body`, `obstacle` or `contact`.
+    /// Kind of the frame's parts: `body`, `obstacle` or `contact`.
     pub kind: String,
-    /// Names of its parts.
+    /// Names of the parts.
     pub parts: Vec<String>,
     /// Number of points.
     pub points: usize,
@@ -87,12 +87,12 @@ pub struct FieldsRead {
 }
 
 impl FieldsRead {
-    /// The array of that name in a section.
+    /// Returns the array with a name in a section.
     pub fn array(&self, section: Section, name: &str) -> Option<&ArrayRead> {
         self.arrays.iter().find(|array| array.section == section && array.name == name)
     }
 
-    /// Nodes of every cell with VTK's number of its kind.
+    /// Nodes of every cell, with VTK's number of the cell type.
     pub fn cells(&self) -> impl Iterator<Item = (u8, &[i64])> {
         let integers = |name| match self.array(Section::Cells, name).map(|array| &array.numbers) {
             Some(Numbers::Integers(values)) => values.as_slice(),
@@ -116,7 +116,7 @@ pub fn read_fields(path: &Path) -> Result<FieldsRead, ReadError> {
     fields_of(path, &bytes)
 }
 
-/// The same of bytes; `path` is for messages.
+/// Reads a frame from the bytes of a file; `path` is for messages.
 ///
 /// # Errors
 /// As [`read_fields`].
@@ -170,7 +170,7 @@ pub fn fields_of(path: &Path, bytes: &[u8]) -> Result<FieldsRead, ReadError> {
     Ok(read)
 }
 
-/// `body 0: ring`: the name of a part.
+/// Reads the name of a part from a comment `body 0: ring`.
 fn note_part(read: &mut FieldsRead, comment: &str) {
     if let Some((kind, name)) = comment.split_once(": ")
         && let Some((kind, number)) = kind.split_once(' ')
@@ -181,7 +181,7 @@ fn note_part(read: &mut FieldsRead, comment: &str) {
     }
 }
 
-/// An array from its tag.
+/// Reads an array from its tag.
 fn array_of(tag: &Tag, section: Section, data: &[u8], compressed: bool, read: &FieldsRead) -> Result<ArrayRead, String> {
     let name = tag.attribute("Name").unwrap_or_else(|| "Points".into());
     let components = tag.count("NumberOfComponents").unwrap_or(1).max(1);
@@ -234,19 +234,19 @@ fn numbers_of_bytes(bytes: &[u8], scalar: &str) -> Numbers {
     }
 }
 
-/// A header word.
+/// Reads a word of the header.
 fn word(data: &[u8], index: usize) -> Option<usize> {
     let bytes = data.get(index.checked_mul(8)?..index.checked_add(1)?.checked_mul(8)?)?;
     usize::try_from(u64::from_le_bytes(bytes.try_into().ok()?)).ok()
 }
 
-/// Appended bytes behind their length.
+/// Reads appended bytes, which follow their length.
 fn plain(data: &[u8]) -> Option<Vec<u8>> {
     let length = word(data, 0)?;
     data.get(8..8usize.checked_add(length)?).map(<[u8]>::to_vec)
 }
 
-/// Appended zlib blocks behind their sizes; `most`: the bytes that the array has, where that is known.
+/// Inflates appended zlib blocks, which follow their sizes; `most` is the expected number of bytes, if known.
 fn inflated(data: &[u8], most: Option<usize>) -> Option<Vec<u8>> {
     let (count, size, last) = (word(data, 0)?, word(data, 1)?, word(data, 2)?);
     let whole = if last > 0 { count.checked_sub(1)? } else { count };
@@ -260,7 +260,7 @@ fn inflated(data: &[u8], most: Option<usize>) -> Option<Vec<u8>> {
         let packed = data.get(at..at.checked_add(word(data, 3 + index)?)?)?;
         let length = if index + 1 == count && last > 0 { last } else { size };
         let before = bytes.len();
-        // One byte more than there may be shows a block that is too long.
+        // One byte beyond the expected length reveals a block that is too long.
         ZlibDecoder::new(packed).take(length as u64 + 1).read_to_end(&mut bytes).ok()?;
         if bytes.len() - before != length {
             return None;
@@ -270,7 +270,7 @@ fn inflated(data: &[u8], most: Option<usize>) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Whether the cells are what they claim.
+/// Checks that connectivity, offsets and points of the cells are consistent.
 fn check(read: &FieldsRead) -> Result<(), String> {
     let integers = |name: &str| match read.array(Section::Cells, name).map(|array| &array.numbers) {
         Some(Numbers::Integers(values)) => Ok(values),
@@ -324,7 +324,7 @@ mod tests {
             let error = fields_of(Path::new("x.vtu"), &whole[..end]).unwrap_err().to_string();
             assert!(error.contains("x.vtu"), "{error}");
         }
-        // Any byte may be another one: the reader tells it or reads other numbers.
+        // Any byte may be changed: the reader reports an error or reads other numbers.
         for place in (0..whole.len()).step_by(97) {
             let mut other = whole.clone();
             other[place] ^= 0x5a;

@@ -1,4 +1,4 @@
-//! The folder of a run as a whole: what it holds, and the runs below a folder.
+//! The folder of a run as a whole: its files, and the runs below a folder.
 
 use std::path::{Path, PathBuf};
 
@@ -7,15 +7,15 @@ use serde_json::Value;
 use super::error::{ReadError, bytes_of};
 use crate::output::summary::SUMMARY;
 
-/// Folders below each other that are searched for runs.
+/// Largest depth of folders searched for runs.
 const DEPTH: usize = 32;
 
-/// A simulation's folder: that of the run for the first one, a folder below it for each further one.
+/// Folder of a simulation: that of the run for the first one, a folder below it for each further one.
 #[derive(Clone, Debug)]
 pub struct RunFolder {
     /// The folder.
     pub path: PathBuf,
-    /// `summary.json`; a run that was killed or goes on has none.
+    /// Content of `summary.json`; `None` if the run was killed or goes on.
     pub summary: Option<Value>,
 }
 
@@ -43,12 +43,12 @@ impl RunFolder {
         Ok(RunFolder { path: path.into(), summary })
     }
 
-    /// A file of the run, if it is there.
+    /// Returns the path of a file of the run if it exists.
     pub fn file(&self, name: &str) -> Option<PathBuf> {
         Some(self.path.join(name)).filter(|path| path.is_file())
     }
 
-    /// Names of the further simulations of the run, which have folders below it.
+    /// Names of the further simulations of the run, which are also names of folders.
     pub fn further(&self) -> Vec<String> {
         let names = folders_of(&self.path).into_iter().filter(|path| is_run(path));
         names.filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())).collect()
@@ -70,7 +70,7 @@ impl RunFolder {
         map.into_iter().flatten().map(|(name, value)| (name.clone(), value.clone())).collect()
     }
 
-    /// How it ended, in words.
+    /// Outcome of the run in words.
     pub fn outcome(&self) -> String {
         self.text("outcome").unwrap_or_else(|| "no summary: killed, or still running".into())
     }
@@ -89,12 +89,12 @@ pub fn read_summary(path: &Path) -> Result<Value, ReadError> {
     }
 }
 
-/// Whether a folder holds a run.
+/// True if a folder holds a run.
 pub fn is_run(path: &Path) -> bool {
     ["history.csv", SUMMARY].iter().any(|name| path.join(name).is_file())
 }
 
-/// Folders in a folder in the order of their names, hidden ones and links left out.
+/// Returns the folders in a folder in the order of their names, without hidden ones and links.
 fn folders_of(path: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
     let visible = entries.filter(|entry| !entry.file_name().to_string_lossy().starts_with('.'));

@@ -8,18 +8,18 @@ use super::tags::tags;
 /// A frame of a series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedFrame {
-    /// Its time.
+    /// Time of the frame.
     pub time: f64,
-    /// Its path as the list has it, relative to the list.
+    /// Path of the frame, relative to the list.
     pub name: String,
-    /// Where it is.
+    /// Path of the frame.
     pub path: PathBuf,
 }
 
-/// The frames that a `.pvd` file lists.
+/// Reads the frames of a `.pvd` file.
 ///
 /// # Errors
-/// A file that cannot be read or is no such list.
+/// A file that cannot be read or is no list of frames.
 pub fn read_frames(path: &Path) -> Result<Vec<ListedFrame>, ReadError> {
     let bytes = bytes_of(path)?;
     let text = String::from_utf8(bytes).map_err(|_| ReadError::damaged(path, "it is not text"))?;

@@ -1,6 +1,6 @@
 //! `history.csv` and other tables of numbers, read back.
 //!
-//! A run that was killed may leave a last line without its end (`output/history_csv.rs`); such a line is left out and said.
+//! A killed run may leave an incomplete last line (`output/history_csv.rs`), which is left out and reported.
 
 use std::path::Path;
 
@@ -8,12 +8,12 @@ use super::super::csv_text::meant;
 use super::super::table::{Column, Table, is_count};
 use super::error::{ReadError, bytes_of};
 
-/// A table with what was found besides.
+/// Table read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableRead {
     /// The columns.
     pub table: Table,
-    /// Whether a last line without its end was left out.
+    /// True if an incomplete last line was left out.
     pub is_cut: bool,
 }
 
@@ -26,7 +26,7 @@ pub fn read_table(path: &Path) -> Result<TableRead, ReadError> {
     table_of(path, &bytes)
 }
 
-/// The same of bytes; `path` is for messages.
+/// Reads a table from the bytes of a file; `path` is for messages.
 ///
 /// # Errors
 /// As [`read_table`].

@@ -4,15 +4,15 @@
 /// A tag with the text between it and the next one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tag<'a> {
-    /// Its name, `/Piece` for a closing one; `!--` for a comment, whose words are the text.
+    /// Name of the tag; `/Piece` for a closing tag, `!--` for a comment, whose words are in `text`.
     pub name: &'a str,
     attributes: &'a str,
-    /// What follows it, up to the next tag.
+    /// Text up to the next tag.
     pub text: &'a str,
 }
 
 impl Tag<'_> {
-    /// The value of an attribute.
+    /// Returns the value of an attribute.
     pub fn attribute(&self, key: &str) -> Option<String> {
         let mut rest = self.attributes;
         while let Some((before, after)) = rest.split_once('=') {
@@ -27,7 +27,7 @@ impl Tag<'_> {
         None
     }
 
-    /// The whole number that an attribute is.
+    /// Returns the value of an attribute as a whole number.
     pub fn count(&self, key: &str) -> Option<usize> {
         self.attribute(key)?.trim().parse().ok()
     }
@@ -37,7 +37,7 @@ fn unescaped(text: &str) -> String {
     text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&apos;", "'").replace("&amp;", "&")
 }
 
-/// All tags of a text in their order; what is not closed ends them.
+/// Returns all tags of a text in their order, up to the first incomplete tag.
 pub fn tags(text: &str) -> Vec<Tag<'_>> {
     let mut found = Vec::new();
     let mut rest = text;

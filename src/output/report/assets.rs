@@ -1,10 +1,10 @@
-//! The parts of the page that are the same for every run.
+//! Parts of the page that are equal for every run.
 
-/// The page with places for all others.
+/// Template of the page.
 pub const PAGE: &str = include_str!("assets/page.html");
-/// How it looks.
+/// Style sheet of the page.
 pub const STYLE: &str = include_str!("assets/style.css");
-/// Its program, in the order in which one part needs another.
+/// Parts of the page's program, in the order of their dependencies.
 pub const PROGRAM: [&str; 6] = [
     include_str!("assets/base.js"),
     include_str!("assets/data.js"),
@@ -13,7 +13,7 @@ pub const PROGRAM: [&str; 6] = [
     include_str!("assets/tables.js"),
     include_str!("assets/main.js"),
 ];
-/// What a page has before the last part of its program where it follows a run.
+/// Part of the program that follows a run; inserted before the last part of `PROGRAM`.
 pub const FOLLOWING: &str = include_str!("assets/follow.js");
-/// What is shown before a run has a simulation to follow.
+/// Page shown until a run has a simulation.
 pub const WAITING: &str = include_str!("assets/waiting.html");

@@ -7,10 +7,10 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 
-/// Bytes as the page reads them.
+/// Encodes bytes for the page.
 pub fn blob(bytes: &[u8]) -> String {
     let mut encoder = DeflateEncoder::new(Vec::with_capacity(bytes.len() / 2), Compression::fast());
-    // Memory takes everything.
+    // Writing to memory does not fail.
     let _ = encoder.write_all(bytes);
     STANDARD.encode(encoder.finish().unwrap_or_default())
 }

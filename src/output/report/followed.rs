@@ -1,21 +1,21 @@
-//! A list that grows, is thinned and cut, and of which each reader has an older state.
+//! A growing list of which readers have different older states; entries can be thinned and removed.
 //!
-//! Every change has a number. An entry has that of the change that added it, so a reader who tells the last number that it knows gets the
-//! entries behind it, and the numbers of those that are left where some were dropped since.
+//! Every change has a number, and each entry the number of the change that added it. A reader sends the last number it has received, and
+//! gets the entries added later, and the numbers of the remaining entries if some were dropped since.
 
-/// Entries with the numbers of the changes that added them.
+/// Entries with the numbers of the changes that added these.
 #[derive(Clone, Debug)]
 pub struct Followed<T> {
     entries: Vec<(u64, T)>,
     dropped: u64,
 }
 
-/// What a reader does not know yet.
+/// Changes that a reader has not received.
 #[derive(Clone, Debug, PartialEq)]
 pub struct News<T> {
-    /// Numbers of all entries that are left, where some were dropped that the reader may have.
+    /// Numbers of all remaining entries, if entries were dropped that the reader may have.
     pub left: Option<Vec<u64>>,
-    /// Entries that it does not have, with their numbers.
+    /// Entries that the reader does not have, with their numbers.
     pub added: Vec<(u64, T)>,
 }
 
@@ -26,12 +26,12 @@ impl<T> Default for Followed<T> {
 }
 
 impl<T: Clone> Followed<T> {
-    /// Adds an entry with the change `number`, which is above all before.
+    /// Adds an entry with the change `number`, which exceeds all earlier ones.
     pub fn push(&mut self, number: u64, entry: T) {
         self.entries.push((number, entry));
     }
 
-    /// Drops with the change `number` what is not to be kept.
+    /// Drops entries with the change `number`.
     pub fn retain(&mut self, number: u64, mut keeps: impl FnMut(&T) -> bool) {
         let before = self.entries.len();
         self.entries.retain(|(_, entry)| keeps(entry));
@@ -45,7 +45,7 @@ impl<T: Clone> Followed<T> {
         &self.entries
     }
 
-    /// What is new to a reader who knows the changes up to `known`.
+    /// Returns the changes after the change number `known`.
     pub fn since(&self, known: u64) -> News<T> {
         let left = (self.dropped > known).then(|| self.entries.iter().map(|(number, _)| *number).collect());
         let first = self.entries.partition_point(|(number, _)| *number <= known);

@@ -1,4 +1,4 @@
-//! What is drawn of a body: triangles, edges of its cells, its outline, in numbers of the recorded nodes.
+//! Drawn parts of a body: triangles, edges of its cells, its outline, in indices of the recorded nodes.
 
 use std::collections::BTreeMap;
 
@@ -8,27 +8,27 @@ use crate::output::recording::Skin;
 /// Cosine of the angle between facets in space from which their common edge is drawn.
 const SHARP: f64 = 0.8;
 
-/// A body to draw.
+/// Drawn parts of a body.
 pub struct Surface {
-    /// Undeformed places of the recorded nodes.
+    /// Undeformed positions of the recorded nodes.
     pub points: Vec<[f64; 3]>,
     /// Triangles; in space their normals point outward.
     pub triangles: Vec<[u32; 3]>,
-    /// Edges of cells, in space those of the hull's facets, each once.
+    /// Edges of cells, in space of the facets of the hull, each once.
     pub edges: Vec<[u32; 2]>,
-    /// The outline of a plane body, in space the sharp edges.
+    /// Outline of a plane body; in space, the sharp edges.
     pub outline: Vec<[u32; 2]>,
-    /// Tetrahedra that fill the cells of a body in space, where its inside is recorded.
+    /// Tetrahedra that fill the cells of a body in space, if its inside is recorded.
     pub tetrahedra: Vec<[u32; 4]>,
 }
 
 impl Surface {
-    /// Of a mesh.
+    /// Returns triangles, edges and outline of a mesh in indices of the nodes that `skin` records.
     pub fn new(mesh: &Mesh, skin: &Skin) -> Self {
         let place = |node: u32| skin.nodes.binary_search(&node).map_or(0, |place| place as u32);
         let hull: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.around(facet).into_iter().map(place).collect()).collect();
         let polygons: Vec<Vec<u32>> = if mesh.dimension() == 2 {
-            // Around the cell: the start of every edge, and its middle node where it has one.
+            // Around the cell: the start of every edge, and its mid-side node if it has one.
             let around: Vec<usize> = mesh.kind.facets().iter().flat_map(|facet| facet.iter().step_by(2)).copied().collect();
             mesh.cells().map(|cell| around.iter().map(|&node| place(cell[node])).collect()).collect()
         } else {
@@ -47,7 +47,7 @@ impl Surface {
     }
 }
 
-/// Cells between their first corner and the facets that do not have it.
+/// Divides cells into tetrahedra between the first corner and the facets without that corner.
 fn tetrahedra(mesh: &Mesh) -> Vec<[u32; 4]> {
     let step = if mesh.kind.is_quadratic() { 2 } else { 1 };
     let facets = mesh.kind.facets().len() as u8;
@@ -63,7 +63,7 @@ fn sides(polygon: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {
     polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(&a, &b)| [a, b])
 }
 
-/// A fan; with middle nodes between the corners, the corners first and then what they leave.
+/// Divides a polygon into triangles; with mid-side nodes, ears at the corners first and then the remainder.
 fn triangles(polygon: &[u32], is_quadratic: bool) -> Vec<[u32; 3]> {
     let fan = |corners: &[u32]| -> Vec<[u32; 3]> { (2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]).collect() };
     if !is_quadratic {
@@ -75,7 +75,7 @@ fn triangles(polygon: &[u32], is_quadratic: bool) -> Vec<[u32; 3]> {
     (0..count).step_by(2).map(ear).chain(fan(&middles)).collect()
 }
 
-/// Edges at which facets in space meet at an angle.
+/// Returns edges between facets in space that meet at an angle.
 fn sharp(points: &[[f64; 3]], hull: &[Vec<u32>]) -> Vec<[u32; 2]> {
     let mut at: BTreeMap<[u32; 2], Vec<[f64; 3]>> = BTreeMap::new();
     for facet in hull {
@@ -88,7 +88,7 @@ fn sharp(points: &[[f64; 3]], hull: &[Vec<u32>]) -> Vec<[u32; 2]> {
     at.into_iter().filter(|(_, normals)| normals.len() != 2 || dot(&normals[0], &normals[1]) < SHARP).map(|(edge, _)| edge).collect()
 }
 
-/// Unit normal by Newell's sums.
+/// Returns the unit normal by Newell's sums.
 fn normal(points: &[[f64; 3]], facet: &[u32]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for [a, b] in sides(facet) {

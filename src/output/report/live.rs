@@ -1,8 +1,8 @@
-//! A report that follows a run: what the run hands over, and what readers get of it.
+//! Report that follows a running simulation: data handed over by the run, and the snapshots served to readers.
 //!
-//! The run's thread adds rows and stills through a [`LiveSimulation`]. It never waits for a reader: where one looks at that moment, it
-//! keeps what is new and hands it over later. Readers take references under the lock and encode without it. Memory is bounded: stills are
-//! those of the recording, and of a long history the peaks are kept as in a report ([`kept_rows`](super::kept_rows)).
+//! The run's thread adds rows and stills through a [`LiveSimulation`], and never waits for a reader: while a reader holds the lock, updates
+//! are buffered. Readers take references under the lock and encode without it. Memory is bounded: stills are those of the recording, and of
+//! a long history the peaks are kept as in a report ([`kept_rows`](super::kept_rows)).
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -17,10 +17,10 @@ use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, LedgerRow, PlacedObstacle};
 use crate::output::recording::{Skin, Still};
 
-/// Least time between two looks at what is told of a simulation's problem.
+/// Least time between two updates of a simulation's problem.
 const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
 
-/// What of a simulation does not change while it runs.
+/// Constant data of a simulation: names, bodies, recorded nodes, obstacle shapes.
 #[derive(Clone, Debug)]
 pub struct LiveModel {
     /// Name of the simulation.
@@ -29,95 +29,95 @@ pub struct LiveModel {
     pub contacts: Vec<String>,
     /// The bodies.
     pub bodies: Vec<BodyDefinition>,
-    /// What is recorded of each.
+    /// Recorded nodes of each body.
     pub skins: Vec<Skin>,
     /// The different shapes of rigid obstacles.
     pub obstacles: Vec<PlacedObstacle>,
 }
 
-/// What is told of a simulation's problem; a script may add to it while the run goes on.
+/// Description of a simulation's problem in the report; a script may extend the description while the run goes on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LiveProblem {
     /// Names and texts of the script and its modules, the script first.
     pub scripts: Vec<(String, String)>,
     /// Values of `param(...)` by name.
     pub parameters: BTreeMap<String, Value>,
-    /// What there is, how it is held and loaded, how it is integrated.
+    /// Tables of the model: bodies, supports, loads, time integration.
     pub tables: Vec<ReportTable>,
 }
 
-/// How something ended.
+/// Outcome of a run or of a simulation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LiveOutcome {
-    /// In words.
+    /// Outcome in words.
     pub words: String,
-    /// Whether as it should.
+    /// True if the run or simulation ended as intended.
     pub is_well: bool,
 }
 
 /// A row of the history.
 #[derive(Debug)]
 pub struct LiveRow {
-    /// Its number among all.
+    /// Row number within the history.
     pub number: usize,
-    /// Values of the history's columns; NaN where there is none.
+    /// Values of the history's columns; NaN for a missing value.
     pub values: Vec<f64>,
     measures: [f64; MEASURES],
 }
 
-/// A simulation as readers see it.
+/// Snapshot of a simulation for readers.
 #[derive(Clone)]
 pub struct FollowedSimulation {
-    /// What does not change.
+    /// Constant data of the simulation.
     pub model: Arc<LiveModel>,
     /// Names of the history's columns.
     pub columns: Arc<Vec<String>>,
-    /// Change that made the model or its columns.
+    /// Number of the change that set the model or its columns.
     pub shaped: u64,
-    /// The problem, and the change that told it.
+    /// Problem, and the number of the change that set it.
     pub problem: (u64, Arc<LiveProblem>),
     /// Rows that are kept.
     pub rows: Followed<Arc<LiveRow>>,
-    /// Rows of the whole history.
+    /// Number of rows of the whole history.
     pub row_count: usize,
-    /// Rows of which the last and the peaks are kept, once there are too many.
+    /// Length of the intervals of which only the last row and the peaks are kept.
     stretch: usize,
     /// The stills.
     pub stills: Followed<Arc<Still>>,
-    /// What is remarkable about the run, and the change that told it.
+    /// Findings of the run, and the number of the change that last updated them.
     pub findings: (u64, Vec<String>),
-    /// How it ended.
+    /// Outcome; `None` while the simulation runs.
     pub outcome: Option<LiveOutcome>,
 }
 
-/// What the run does now.
+/// Current activity of the run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Doing {
-    /// A computation without steps.
+    /// Description of a computation without steps.
     pub what: Option<String>,
     /// Time until which steps are taken.
     pub until: Option<f64>,
 }
 
-/// All that readers look at.
+/// Data shared with readers.
 #[derive(Default)]
 pub struct Shared {
     /// Number of the last change.
     pub change: u64,
     /// The simulations in the order in which the script made them.
     pub simulations: Vec<FollowedSimulation>,
-    /// What the user was warned of, and the change that told the last.
+    /// Warnings issued to the user, and the number of the change that added the last one.
     pub warnings: (u64, Vec<String>),
-    /// What the run does now.
+    /// Current activity of the run.
     pub doing: Doing,
-    /// How it ended.
+    /// Outcome; `None` while the run goes on.
     pub outcome: Option<LiveOutcome>,
 }
 
-/// A report that follows a run, shared with those who read it.
+/// Report of a running simulation, shared with its readers.
 pub struct LiveReport {
     shared: Mutex<Shared>,
-    /// Folder of the results, as the user named it.
+    /// Folder of the results as given by the user.
     pub folder: String,
 }
 
@@ -128,17 +128,17 @@ impl fmt::Debug for LiveReport {
 }
 
 impl LiveReport {
-    /// Of a run with results in a folder.
+    /// Returns an empty report of a run whose results are in `folder`.
     pub fn new(folder: String) -> Self {
         LiveReport { shared: Mutex::default(), folder }
     }
 
-    /// What there is now. It is held for moments only.
+    /// Locks the shared data; hold the guard only briefly.
     pub(super) fn look(&self) -> MutexGuard<'_, Shared> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The user was warned.
+    /// Adds a warning to the user.
     pub fn warn(&self, text: String) {
         let mut shared = self.look();
         let change = shared.next();
@@ -146,17 +146,17 @@ impl LiveReport {
         shared.warnings.1.push(text);
     }
 
-    /// What the run does from now on.
+    /// Sets the current activity of the run.
     pub fn does(&self, doing: Doing) {
         self.look().doing = doing;
     }
 
-    /// Whether the run has ended.
+    /// True if the run has ended.
     pub fn is_over(&self) -> bool {
         self.look().outcome.is_some()
     }
 
-    /// The run has ended.
+    /// Sets the outcome of the run.
     pub fn end(&self, outcome: LiveOutcome) {
         let mut shared = self.look();
         shared.next();
@@ -211,7 +211,7 @@ impl Shared {
 }
 
 impl FollowedSimulation {
-    /// Keeps of each stretch of a long history its last row and its peaks, and the rows of stills; stretches double as it grows.
+    /// Thins a long history to the last row and the peaks of each interval, and the rows of stills; intervals double as the history grows.
     fn thin(&mut self, change: u64) {
         if self.rows.entries().len() <= ROWS {
             return;
@@ -244,31 +244,31 @@ impl FollowedSimulation {
     }
 }
 
-/// What the run hands over of a simulation.
+/// Updates of a simulation that the run hands over.
 enum Handed {
     Row(LiveRow),
-    /// So many rows stay.
+    /// Number of rows that are kept; later ones are dropped.
     Cut(usize),
-    /// Names of further columns; rows so far have no values there.
+    /// Names of further columns; earlier rows have no values there.
     Columns(Vec<String>),
     Stills(Vec<Arc<Still>>),
     Problem(LiveProblem),
     End(LiveOutcome, Vec<String>),
 }
 
-/// The run's side of a simulation that is followed.
+/// Interface of the run to a simulation's live report.
 pub struct LiveSimulation {
     live: Arc<LiveReport>,
     number: usize,
-    /// What could not be handed over yet.
+    /// Updates that could not be handed over yet, because a reader held the lock.
     waiting: Vec<Handed>,
-    /// Number and last of the stills that were handed over.
+    /// Number of stills handed over, and the last one.
     stills: (usize, Option<Arc<Still>>),
     told: Option<(Instant, LiveProblem)>,
 }
 
 impl LiveSimulation {
-    /// A further simulation of the run, with the columns of its history.
+    /// Adds a simulation with the columns of its history.
     pub fn begin(live: &Arc<LiveReport>, model: LiveModel, columns: Vec<String>) -> Self {
         let mut shared = live.look();
         let change = shared.next();
@@ -289,22 +289,22 @@ impl LiveSimulation {
         LiveSimulation { live: live.clone(), number, waiting: Vec::new(), stills: (0, None), told: None }
     }
 
-    /// A row of the history with the values of all columns.
+    /// Adds a row of the history with the values of all columns.
     pub fn row(&mut self, number: usize, row: &LedgerRow, values: Vec<f64>) {
         self.hand(Handed::Row(LiveRow { number, values, measures: measures(row) }));
     }
 
-    /// The history has so many rows only.
+    /// Removes all rows behind the first `rows`.
     pub fn cut(&mut self, rows: usize) {
         self.hand(Handed::Cut(rows));
     }
 
-    /// The history has further columns.
+    /// Adds columns of the history.
     pub fn add_columns(&mut self, names: &[String]) {
         self.hand(Handed::Columns(names.to_vec()));
     }
 
-    /// The stills as they are now.
+    /// Updates the stills.
     pub fn stills(&mut self, stills: &[Arc<Still>]) {
         let is_known = match (&self.stills, stills.last()) {
             ((count, Some(known)), Some(last)) => *count == stills.len() && Arc::ptr_eq(known, last),
@@ -316,12 +316,12 @@ impl LiveSimulation {
         }
     }
 
-    /// Whether it is time to tell the problem again.
+    /// True if the problem has not been reported for at least `BETWEEN_LOOKS`.
     pub fn wants_problem(&self) -> bool {
         self.told.as_ref().is_none_or(|(at, _)| at.elapsed() >= BETWEEN_LOOKS)
     }
 
-    /// The problem as it is now.
+    /// Updates the problem.
     pub fn tell(&mut self, problem: LiveProblem) {
         if self.told.as_ref().is_none_or(|(_, known)| *known != problem) {
             self.hand(Handed::Problem(problem.clone()));
@@ -329,14 +329,14 @@ impl LiveSimulation {
         self.told = Some((Instant::now(), problem));
     }
 
-    /// The simulation has ended, with these findings.
+    /// Sets the outcome of the simulation and its findings.
     pub fn end(&mut self, outcome: LiveOutcome, findings: Vec<String>) {
         self.waiting.push(Handed::End(outcome, findings));
         let mut shared = self.live.look();
         self.waiting.drain(..).for_each(|what| shared.apply(self.number, what));
     }
 
-    /// Hands over what is new, unless somebody looks just now.
+    /// Hands over an update, or buffers it while a reader holds the lock.
     fn hand(&mut self, what: Handed) {
         self.waiting.push(what);
         let mut shared = match self.live.shared.try_lock() {

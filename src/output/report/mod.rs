@@ -1,10 +1,10 @@
 //! `report.html`: a run in one page that opens without a network; and the same page while the run goes on.
 //!
-//! The page is a template (`assets/`) with the data of the run beside it: what is small as JSON, the rest as arrays of numbers, compressed
-//! and in base64. It is built by its own program from these data alone, as text and never as markup, so that no name can become part of
-//! the page. Nothing in it depends on the clock, the machine or the folder: two runs of the same script have the same report.
+//! The page is a template (`assets/`) with the data of the run: small data as JSON, large arrays of numbers compressed and in base64. The
+//! page's program builds it from these data alone, as text and never as markup, so that names cannot inject markup. Nothing depends on the
+//! clock, the machine or the folder: two runs of one script have equal reports.
 //!
-//! A page that follows a run (`live.rs`, `news.rs`) has one part more in its program, which asks whoever gave the page for what is new.
+//! A page that follows a run (`live.rs`, `news.rs`) has an additional part of the program, which requests updates from its server.
 
 mod assets;
 mod blob;

@@ -1,7 +1,7 @@
-//! What a page that follows a run gets: itself with all that there is, then again and again what it does not know yet.
+//! Data for a page that follows a run: at first the page with all data, afterwards only changes that the page has not received.
 //!
-//! News are JSON; numbers are packed as in the page ([`blob`]). Every answer tells the number of the last change in it, which the page
-//! sends back when it asks again.
+//! Updates are JSON; numbers are packed as in the page ([`blob`]). Every answer contains the number of its last change, which the page
+//! sends with its next request.
 
 use std::sync::Arc;
 
@@ -13,16 +13,16 @@ use super::live::{FollowedSimulation, LiveReport, LiveRow, Shared};
 use super::page::{Report, bytes_of, fields, page, pressing};
 use crate::output::recording::Still;
 
-/// What a reader gets who asks for news.
+/// Answer to a reader's request for changes.
 pub struct News {
     /// The answer, JSON.
     pub bytes: Arc<Vec<u8>>,
-    /// Whether the reader knows then how the run ended.
+    /// True if the run has ended, so that no further changes follow.
     pub is_last: bool,
 }
 
 impl LiveReport {
-    /// The page of a simulation by its number, of the newest without one. It has all that there is, and asks for what comes.
+    /// Returns the page of a simulation by its index (the newest without one), with all present data; the page requests later updates.
     pub fn page(&self, simulation: Option<usize>) -> Vec<u8> {
         let shared = self.look();
         let number = simulation.filter(|&number| number < shared.simulations.len()).or(shared.simulations.len().checked_sub(1));
@@ -67,7 +67,7 @@ impl LiveReport {
         page(&report, live)
     }
 
-    /// What is new since the change `known` to a page of a simulation; without one, to a page that waits for the first.
+    /// Returns the changes of a simulation after the change number `known`; without a simulation, the state of the run alone.
     pub fn news(&self, simulation: Option<usize>, known: u64) -> News {
         let shared = self.look();
         let state = self.state(&shared, simulation);
@@ -84,7 +84,7 @@ impl LiveReport {
         News { bytes: Arc::new(answer.to_string().into_bytes()), is_last }
     }
 
-    /// What the run does, or how it ended.
+    /// Returns the current activity of the run, or its outcome.
     fn state(&self, shared: &Shared, simulation: Option<usize>) -> Value {
         let followed = simulation.and_then(|number| shared.simulations.get(number));
         let outcome = followed.and_then(|followed| followed.outcome.as_ref()).or(shared.outcome.as_ref());
@@ -96,12 +96,12 @@ impl LiveReport {
     }
 }
 
-/// Puts what is new of a simulation into an answer, all of it for a reader who knows nothing.
+/// Adds the changes of a simulation after `known` to an answer; all data for `known` 0.
 fn tell(answer: &mut Value, followed: &FollowedSimulation, known: u64) {
     if known == 0 {
         answer["columns"] = (*followed.columns).clone().into();
     } else if followed.shaped > known {
-        // Other columns: the page begins anew.
+        // With other columns, the page begins anew.
         answer["anew"] = true.into();
         return;
     }

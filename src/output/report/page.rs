@@ -16,21 +16,21 @@ use crate::output::obstacles::{Surroundings, Wall};
 use crate::output::picture::{Component, Field};
 use crate::output::recording::{Skin, Still};
 
-/// Bytes of stills that are compressed together.
+/// Size of groups of stills that are compressed together `[bytes]`.
 const CHUNK: usize = 2 << 20;
-/// How far a half plane is drawn, in extents of the bodies.
+/// Half length of the line by which a half plane is drawn, relative to the extent of the bodies.
 const REACH: f64 = 50.0;
 
-/// The same in space, from the middle of the bodies.
+/// Size of unbounded obstacles in space, from the center of the bodies, relative to their extent.
 const REACH_IN_SPACE: f64 = 1.0;
 
-/// Everything that a report tells.
+/// Content of a report.
 pub struct Report<'a> {
     /// Name of the simulation.
     pub name: String,
-    /// How the run ended; `None` while it goes on.
+    /// Outcome of the run in words; `None` while the run goes on.
     pub outcome: Option<String>,
-    /// Whether it ended as it should.
+    /// True if the run ended as intended.
     pub is_well: bool,
     /// Version of the program.
     pub version: String,
@@ -38,21 +38,21 @@ pub struct Report<'a> {
     pub scripts: Vec<(String, String)>,
     /// Values of `param(...)` by name.
     pub parameters: BTreeMap<String, Value>,
-    /// What there is, how it is held and loaded, how it is integrated.
+    /// Tables of the model: bodies, supports, loads, time integration.
     pub tables: Vec<ReportTable>,
-    /// What the user was warned of, and what is remarkable about the run.
+    /// Warnings issued to the user, and findings of the run.
     pub warnings: Vec<String>,
     /// Names and values of the history's columns in the rows of `rows`; NaN where there is no value.
     pub columns: Vec<(String, Vec<f64>)>,
-    /// Numbers of these rows among all, ascending.
+    /// Indices in the whole history of the rows in `columns`, ascending.
     pub rows: Vec<usize>,
-    /// Rows of the whole history.
+    /// Number of rows of the whole history.
     pub row_count: usize,
     /// Names of the contacts.
     pub contacts: Vec<String>,
     /// The bodies.
     pub bodies: &'a [BodyDefinition],
-    /// What is recorded of each.
+    /// Recorded nodes of each body.
     pub skins: &'a [Skin],
     /// The stills, in the order of time.
     pub stills: &'a [&'a Still],
@@ -60,12 +60,12 @@ pub struct Report<'a> {
     pub obstacles: Vec<PlacedObstacle>,
 }
 
-/// The page of a run.
+/// Returns the page of a run.
 pub fn report(report: &Report) -> Vec<u8> {
     page(report, Value::Null)
 }
 
-/// The page of a run; one that follows it where there is something in `live`, which tells it how.
+/// Returns the page of a run; with `live`, a page that follows the run with these parameters.
 pub fn page(report: &Report, live: Value) -> Vec<u8> {
     let mut blobs: Vec<(String, String)> = Vec::new();
     let mut add = |name: &str, bytes: &[u8]| blobs.push((name.into(), blob(bytes)));
@@ -84,18 +84,18 @@ pub fn page(report: &Report, live: Value) -> Vec<u8> {
     fill(&report.name, &data, &blobs)
 }
 
-/// Numbers as the page reads them.
+/// Encodes numbers for the page.
 pub fn bytes_of(numbers: impl Iterator<Item = f64>) -> Vec<u8> {
     numbers.flat_map(f64::to_le_bytes).collect()
 }
 
-/// The stills in groups of about the same size.
+/// Divides the stills into groups of about equal size.
 fn chunks<'a>(stills: &'a [&'a Still]) -> Vec<&'a [&'a Still]> {
     let size = stills.iter().map(|still| still.bytes().len()).max().unwrap_or(0).max(1);
     stills.chunks((CHUNK / size).max(1)).collect()
 }
 
-/// Arrays of all bodies one after the other, and what tells their lengths.
+/// Returns the concatenated arrays of all bodies, and their descriptions with lengths.
 fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
     let mut bytes: Vec<u8> = Vec::new();
     let mut bodies = Vec::new();
@@ -145,7 +145,7 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
     })
 }
 
-/// The fields by which a picture may be colored, with their ranges in all stills.
+/// Returns the fields by which a picture may be colored, with their ranges in all stills.
 pub fn fields(skins: &[Skin], stills: &[&Still]) -> Vec<Value> {
     let (in_space, flows) = (skins.iter().any(|skin| skin.dimension == 3), skins.iter().any(|skin| skin.flows));
     let is_known = |field: Field| match field {
@@ -162,25 +162,25 @@ pub fn fields(skins: &[Skin], stills: &[&Still]) -> Vec<Value> {
     fields.map(field_of).collect()
 }
 
-/// Longest vector of contact pressure in all stills.
+/// Returns the largest contact pressure vector in all stills.
 pub fn pressing(stills: &[&Still]) -> f64 {
     stills.iter().map(|still| still.pressing).fold(0.0, f64::max)
 }
 
-/// Puts everything into the template.
+/// Fills the template.
 fn fill(name: &str, data: &Value, blobs: &[(String, String)]) -> Vec<u8> {
     let is_live = data.get("live").is_some();
     let json = data.to_string().replace('<', "\\u003c");
     let mut page = String::with_capacity(1 << 20);
     let mut rest = PAGE;
-    // One pass from the left, so that nothing that was put in is looked at again.
+    // One pass from the left, so that inserted texts are not searched again.
     while let Some(start) = rest.find("{{") {
         let Some(length) = rest[start..].find("}}") else { break };
         page.push_str(&rest[..start]);
         match &rest[start + 2..start + length] {
             "title" => page.push_str(&escaped(name)),
             "style" => page.push_str(STYLE),
-            // What follows a run asks the server that gave the page, and nobody else.
+            // A page that follows a run may connect only to its own server.
             "connections" if is_live => page.push_str("; connect-src 'self'"),
             "program" => {
                 let (last, parts) = PROGRAM.split_last().unwrap_or((&"", &[]));

@@ -1,21 +1,21 @@
-//! Which rows of a long history a report shows.
+//! Selection of the rows of a long history that a report shows.
 
 use crate::dynamics::{LedgerRow, Rows};
 
-/// Rows that a report shows at most, besides those of its stills.
+/// Largest number of rows in a report, besides those of its stills.
 pub const ROWS: usize = 4000;
-/// Measures whose peaks are kept.
+/// Number of measures whose peaks are kept.
 pub const MEASURES: usize = 4;
 
-/// Sizes of a row by which it can be a peak: energy defect, iterations, halvings, contact force.
+/// Measures of a row: energy defect, iterations, halvings, contact force.
 pub fn measures(row: &LedgerRow) -> [f64; MEASURES] {
     let force = row.contacts.iter().map(|contact| contact.normal_force).fold(0.0, f64::max);
     [row.energy_defect.abs(), row.newton_iterations as f64, row.halvings as f64, force]
 }
 
-/// Numbers of the rows that a report shows, ascending: all, or of a long history those in `must`, the first and last, and of each stretch
-/// its last row and those with the largest energy defect, the most iterations, the most halvings and the largest contact force, so that no
-/// peak is lost.
+/// Returns the indices of the rows in a report, ascending. Of a long history: those in `must`, the first and last, and in each interval the
+/// last row and those with the largest energy defect, the most iterations, the most halvings and the largest contact force, so that no peak
+/// is lost.
 pub fn kept_rows<R: Rows + ?Sized>(rows: &R, must: &[usize]) -> Vec<usize> {
     thinned(rows, must, ROWS)
 }
@@ -30,7 +30,7 @@ fn thinned<R: Rows + ?Sized>(rows: &R, must: &[usize], most: usize) -> Vec<usize
     let (mut index, mut peaks) = (0usize, [(f64::NEG_INFINITY, 0); MEASURES]);
     rows.visit(0, &mut |row| {
         for ((largest, place), size) in peaks.iter_mut().zip(measures(row)) {
-            // The first of equal ones.
+            // The first of equal maxima.
             if index.is_multiple_of(stretch) || size.total_cmp(largest).is_gt() {
                 (*largest, *place) = (size, index);
             }

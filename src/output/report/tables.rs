@@ -5,10 +5,10 @@ use serde::Serialize;
 /// A table of texts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ReportTable {
-    /// Its title.
+    /// Title of the table.
     pub title: String,
-    /// Names of its columns; none for a list of names with what they mean.
+    /// Names of the columns; empty for a list of names with their meaning.
     pub head: Vec<String>,
-    /// Its rows.
+    /// Cell texts by row.
     pub rows: Vec<Vec<String>>,
 }

@@ -79,7 +79,7 @@ fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> 
     }
 }
 
-/// The argument `values`, of numbers alone; they may be infinite or not a number, as results can be.
+/// Returns the numbers of the argument `values`; infinities and NaN are allowed, since results can have these.
 fn numbers_of(call: &Call) -> Result<Array, Box<EvalAltResult>> {
     let argument = call.argument("values");
     let values = argument.array()?;

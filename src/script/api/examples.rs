@@ -1,4 +1,4 @@
-//! Scenes with which examples of functions begin; every example is a whole script, and a test runs it.
+//! Introductory scenes of examples; every example is a whole script, and a test runs it.
 
 use std::borrow::Cow;
 
@@ -7,12 +7,12 @@ const PLATE: &str = "let steel = neo_hookean(#{ youngs_modulus: 1e5, poisson_rat
      let press = model(\"press\");\n\
      let plate = press.add_body(\"plate\", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), steel);\n";
 
-/// An example that goes on from a model with one body.
+/// Returns an example that continues from a model with one body.
 pub fn plate_example(line: &str) -> Cow<'static, str> {
     format!("{PLATE}{line}").into()
 }
 
-/// A second body under that of the examples' model, and contact between the two.
+/// A second body under the body of `PLATE`, and contact between the two.
 pub const TOUCH: &str = "let table = press.add_body(\"table\", \
      rectangle(#{ size: [4.0, 1.0], cells: [9, 2], origin: [-1.0, -1.0] }), steel);\n\
      press.add_contact(\"foot\", #{ secondary: plate.boundary(\"bottom\"), primary: table.boundary(\"top\"), method: mortar() });\n";
@@ -28,7 +28,7 @@ pub const FLIGHT: &str = "let rubber = neo_hookean(#{ youngs_modulus: 100.0, poi
      let plate = flight.add_body(\"plate\", rectangle(#{ size: [2.0, 1.0], cells: [4, 2] }), rubber);\n\
      flight.initial_velocity(plate, #{ linear: [1.0, 0.0], angular: 2.0 });\n";
 
-/// An example with a simulation in it.
+/// Returns an example with a simulation.
 pub fn flight_example(line: &str) -> Cow<'static, str> {
     format!("{FLIGHT}let sim = simulate(flight, #{{ integrator: energy_momentum(), dt: 0.01 }});\n{line}").into()
 }

@@ -1,4 +1,4 @@
-//! A finished model moved, turned or written in other units.
+//! Motion of a finished model: translation, rotation, other units.
 //!
 //! While a [`Motion`] is active on the host, `simulate` moves the whole model before it builds the kernels: meshes, loads, gravity,
 //! velocities, material constants, step size and time functions. The script builds its model as always (`boundary_where` sees the
@@ -18,12 +18,12 @@ use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
 use crate::script::language::digits::{brief, number_text};
 
-/// How a model is moved: `x' = length (R x + offset)`.
+/// Motion of a model: `x' = length (R x + offset)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     cosine: f64,
     sine: f64,
-    /// Number of quarter turns, when the rotation consists of such.
+    /// Number of quarter turns, if the rotation is a multiple of a quarter turn.
     quarters: Option<i64>,
     offset: [f64; 3],
     /// The units.
@@ -103,18 +103,19 @@ impl Motion {
         [0, 1, 2].map(|i| self.units.length * (turned[i] + self.offset[i]))
     }
 
-    /// Largest distance from the origin in the moved model of points within such a distance in the original one `[length]`.
+    /// Returns the largest distance from the origin in the moved model of points within a distance `reach` in the original model
+    /// `[length]`.
     pub fn reach(&self, reach: f64) -> f64 {
         self.units.length * (reach + self.offset.iter().map(|x| x * x).sum::<f64>().sqrt())
     }
 
-    /// The point that is moved there.
+    /// Returns the original position of a moved point.
     fn before(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = [0, 1, 2].map(|i| point[i] / self.units.length - self.offset[i]);
         [self.cosine * x + self.sine * y, self.cosine * y - self.sine * x, z]
     }
 
-    /// Factor of an energy: per thickness in the plane; of bodies of revolution, that of the circumference, with `dimension` 3.
+    /// Factor of energies: per thickness in the plane; of the whole circumference for bodies of revolution, with `dimension` 3.
     pub fn energy(&self, dimension: usize) -> f64 {
         self.units.stress() * self.units.length.powi(dimension as i32)
     }
@@ -127,10 +128,10 @@ impl Motion {
         Inertia { mass: mass * inertia.mass, center: self.point(inertia.center), euler: turned }
     }
 
-    /// The moved model.
+    /// Returns the moved model.
     ///
     /// # Errors
-    /// What cannot be moved that way, and why.
+    /// A part of the model that cannot be moved in this way; the text gives the reason.
     pub fn model(&self, model: &Model) -> Result<Model, String> {
         let mut moved = model.clone();
         let (units, dimension) = (&self.units, model.dimension());
@@ -276,7 +277,7 @@ impl Motion {
                 ObstacleInSpace::Torus { center: at(center), axis: along(axis), radius, tube, is_hollow: *is_hollow }
             }
             ObstacleInSpace::Facets(facets) => {
-                // A rigid motion makes nothing of it wrong.
+                // A rigid motion keeps it valid.
                 let moved = facets.mapped(|point| self.point(point));
                 ObstacleInSpace::Facets(moved.map_or_else(|_| facets.clone(), Arc::new))
             }
@@ -303,7 +304,7 @@ impl Motion {
 
     fn prescription(&self, model: &Model, given: &Prescription) -> Result<Prescription, String> {
         let [x, y, z] = &given.displacement;
-        // Where one of the two directions is free, the same is to be free afterwards.
+        // If one of the two directions is free, it must be free after the motion, too.
         if given.turn.is_none() && x.is_some() != y.is_some() && self.quarters.is_none() {
             return Err(oblique(&format!("the prescribed displacement of \"{}\"", model.boundary_name(&given.on))));
         }
@@ -329,7 +330,7 @@ impl Motion {
         LedgerRow { time: row.time / self.units.time, dt: row.dt / self.units.time, ..row }
     }
 
-    /// In words, such as `turned by 0.5 rad`.
+    /// Describes the motion in words, such as `turned by 0.5 rad`.
     pub fn describe(&self) -> String {
         if self.units != Units::SAME {
             let Units { mass, length, time } = self.units;

@@ -1,4 +1,4 @@
-//! Simulations aside of the run: a check that runs a scenario for itself wants no files, no summary, and perhaps a moved model.
+//! Simulations of checks and studies: they write no files and no summary, and may have a moved model.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -6,17 +6,17 @@ use std::rc::Rc;
 use super::motion::Motion;
 use crate::script::language::host::Host;
 
-/// What holds while a check runs a scenario for itself.
+/// Settings of simulations during a check or study.
 #[derive(Clone, Copy)]
 struct Study {
     motion: Option<Motion>,
 }
 
-/// The check that runs now, if one does.
+/// Settings of the present check or study.
 #[derive(Default)]
 struct Current(Cell<Option<Study>>);
 
-/// Ends a study when it goes out of scope.
+/// Ends a check or study when dropped.
 pub struct NestedRun {
     current: Rc<Current>,
     before: Option<Study>,
@@ -28,20 +28,20 @@ impl Drop for NestedRun {
     }
 }
 
-/// While the returned value lives, simulations are aside of the run: no files, no summary, and moved if a motion is given (or was
-/// already).
+/// Begins a check or study, until the result is dropped: simulations write no files and no summary, and are moved by `motion`, or by the
+/// motion of an enclosing check.
 pub fn begin_study(host: &Host, motion: Option<Motion>) -> NestedRun {
     let current = host.slots.get::<Current>();
     let before = current.0.replace(Some(Study { motion: motion.or(current_motion(host)) }));
     NestedRun { current, before }
 }
 
-/// Whether simulations are made for a check only.
+/// True while simulations are made for a check or study only.
 pub fn is_study(host: &Host) -> bool {
     host.slots.get::<Current>().0.get().is_some()
 }
 
-/// How models are moved now.
+/// Returns the motion that is applied to models; `None` if there is none.
 pub fn current_motion(host: &Host) -> Option<Motion> {
     host.slots.get::<Current>().0.get().and_then(|study| study.motion)
 }

@@ -1,6 +1,6 @@
 //! Numbers and text: angles, formatting, and the engine's mathematical functions for whole numbers.
 //!
-//! The engine does not turn `2` into `2.0` for its own functions, so `sqrt(2)` would fail; here they take both.
+//! The engine does not convert `2` to `2.0` for its own functions, so that `sqrt(2)` would fail; the functions here accept both.
 
 use rhai::{Dynamic, ImmutableString};
 

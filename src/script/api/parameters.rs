@@ -1,7 +1,7 @@
-//! `param(name, default)` and the values that `--set name=value` gives.
+//! `param(name, default)` and its values from `--set name=value`.
 //!
-//! The default decides how a value is read: a number, a truth value or a string. A name that no `param` can ask for is an error, reported
-//! as soon as the script makes a simulation, before time is spent; one whose `param` was never reached is an error at the end.
+//! The type of the default determines how a value is read: a number, a truth value or a string. A name without any `param` is an error,
+//! reported when the script makes a simulation, before time is spent; a name whose `param` was never reached is an error at the end.
 
 use std::cell::RefCell;
 
@@ -23,7 +23,7 @@ struct Override {
     used: bool,
 }
 
-/// Values from the command line and the parameters that the script asked for.
+/// Values from the command line, and the parameters that the script has read.
 #[derive(Default)]
 pub struct Overrides {
     given: RefCell<Vec<Override>>,
@@ -41,10 +41,10 @@ impl Overrides {
         Overrides { given: RefCell::new(given), asked: RefCell::default() }
     }
 
-    /// The value of a parameter: the override's if there is one, else the default.
+    /// Returns the value of a parameter: from the command line if given, otherwise the default.
     ///
     /// # Errors
-    /// An override that does not fit the kind of the default.
+    /// A value that does not fit the type of the default.
     pub fn value(&self, name: &str, default: Dynamic) -> Result<Dynamic, Failure> {
         let mut given = self.given.borrow_mut();
         let value = match given.iter_mut().find(|given| given.name == name) {
@@ -64,7 +64,7 @@ impl Overrides {
         Ok(value)
     }
 
-    /// Notes that a parameter was asked for elsewhere, and what its value was.
+    /// Records a parameter that was read here or by a worker, with its value.
     pub fn note(&self, name: &str, value: Dynamic) {
         self.given.borrow_mut().iter_mut().filter(|given| given.name == name).for_each(|given| given.used = true);
         let mut asked = self.asked.borrow_mut();
@@ -74,12 +74,12 @@ impl Overrides {
         }
     }
 
-    /// Parameters that the script asked for, with their values.
+    /// Parameters that the script has read, with their values.
     pub fn parameters(&self) -> Vec<(String, Dynamic)> {
         self.asked.borrow().clone()
     }
 
-    /// Names that were given and that the script did not ask for until now.
+    /// Names of given values that the script has not read.
     pub fn unused(&self) -> Vec<String> {
         self.given.borrow().iter().filter(|given| !given.used).map(|given| given.name.clone()).collect()
     }
@@ -88,7 +88,7 @@ impl Overrides {
         self.given.borrow().iter().find(|given| given.name == name).map_or(String::new(), |given| given.text.clone())
     }
 
-    /// The failure of a name whose `param`, at a place, was not reached.
+    /// Returns the failure of a name whose `param`, at `place`, was not reached.
     pub fn unreached(&self, name: &str, place: Option<Place>) -> Failure {
         let failure = Failure::script(format!("`--set {name}={}`: the run ended before the script asked for `{name}`", self.text(name)));
         failure
@@ -97,7 +97,7 @@ impl Overrides {
             .placed(place)
     }
 
-    /// The failure of a name for which the script has no `param`; `written` are names that it may still ask for.
+    /// Returns the failure of a name without a `param`; `written` are names that the script may still read.
     pub fn unknown(&self, name: &str, written: &[String]) -> Failure {
         let asked = self.asked.borrow();
         let mut names: Vec<&str> = asked.iter().map(|(name, _)| name.as_str()).collect();
@@ -114,11 +114,10 @@ impl Overrides {
     }
 }
 
-/// Refuses values of `--set` that the script did not ask for: at its end all of them, before that only those for which no `param` is
-/// written anywhere.
+/// Refuses values of `--set` that the script has not read: all at its end, before that only those without any `param`.
 ///
 /// # Errors
-/// The first such name.
+/// The first name that is refused.
 pub fn check_overrides(host: &Host, engine: &Engine, is_over: bool) -> Result<(), Failure> {
     let overrides = host.slots.get::<Overrides>();
     let unused = overrides.unused();

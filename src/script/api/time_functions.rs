@@ -35,7 +35,7 @@ impl Handle for TimeFunctionHandle {
     }
 }
 
-/// The same value at all times.
+/// Returns a constant function of time.
 fn constant(value: f64) -> Amplitude {
     Arc::new(Constant(value))
 }
@@ -54,10 +54,10 @@ pub fn place_function(call: &Call, function: FnPtr) -> Arc<dyn PlaceFunction> {
     Arc::new(kept(call, function))
 }
 
-/// The time function that an argument means: a number, one of the built-in ones, or a closure of time.
+/// Returns the time function in an argument: a number, a built-in function, or a closure of time.
 ///
 /// # Errors
-/// Anything else.
+/// Any other value.
 pub fn amplitude_of(argument: &Argument) -> Result<Amplitude, Failure> {
     if !argument.is_given() {
         return match argument.absent() {
@@ -84,13 +84,13 @@ pub fn amplitude_of(argument: &Argument) -> Result<Amplitude, Failure> {
     }
 }
 
-/// A closure with the host of its script.
+/// Closure with the host of its script.
 struct Closure {
     callback: Callback,
     host: Rc<Host>,
 }
 
-/// An error of a closure on its way through the kernels, which may go to other threads.
+/// Error of a closure that is passed through the kernels, which may send it to other threads.
 #[derive(Debug)]
 pub struct ClosureError {
     text: String,
@@ -102,7 +102,7 @@ impl ClosureError {
         Box::new(ClosureError { text: error.to_string(), error: ThreadBound::new(error) })
     }
 
-    /// The error as the engine gave it; nothing on another thread.
+    /// Returns the error of the engine; `None` on another thread.
     pub fn error(&self) -> Option<ScriptError> {
         self.error.get().map(|error| ScriptError::clone(&error))
     }
@@ -116,11 +116,11 @@ impl std::fmt::Display for ClosureError {
 
 impl std::error::Error for ClosureError {}
 
-/// A closure of time, or of a place, as the solver holds it.
+/// Closure of time, or of a position, as called by the solver.
 struct ScriptFunction(ThreadBound<Closure>);
 
 impl ScriptFunction {
-    /// The number that it gives `at` these arguments.
+    /// Returns the value at the arguments; `at` describes these for messages.
     fn number<const N: usize>(&self, arguments: [f64; N], at: impl Fn() -> String) -> Result<f64, TimeFunctionError> {
         let closure = self.0.get().ok_or("the closure belongs to another thread")?;
         let Closure { callback, host } = &*closure;
@@ -139,12 +139,12 @@ impl ScriptFunction {
     }
 }
 
-/// A closure of position, velocity and time that gives a vector.
+/// Returns a vector field from a closure of position, velocity and time.
 pub fn body_field(call: &Call, function: FnPtr, dimension: usize) -> Arc<dyn BodyField> {
     Arc::new(ScriptField { function: kept(call, function), dimension })
 }
 
-/// Such a closure as the solver holds it.
+/// Closure of position, velocity and time, as called by the solver.
 struct ScriptField {
     function: ScriptFunction,
     dimension: usize,
@@ -195,7 +195,7 @@ impl PlaceFunction for ScriptFunction {
     }
 }
 
-/// A time function that remembers whether it was ever asked and ever different from zero.
+/// Time function that records whether it was evaluated and ever nonzero.
 pub struct Watched {
     inner: Arc<dyn TimeFunction>,
     asked: AtomicBool,
@@ -213,7 +213,7 @@ impl Watched {
         self.acted.load(Ordering::Relaxed)
     }
 
-    /// Whether it was asked and was zero each time.
+    /// True if the function was evaluated and was zero each time.
     pub fn never_acted(&self) -> bool {
         self.asked.load(Ordering::Relaxed) && !self.acted.load(Ordering::Relaxed)
     }
@@ -241,7 +241,7 @@ pub fn functions() -> Vec<Function> {
     vec![hat(), ramp(), sine(), table(), value()]
 }
 
-/// When a function leaves a constant value, and when it arrives at another.
+/// Parameters of the interval in which a function changes from one constant to another.
 fn window() -> [Parameter; 2] {
     [
         Parameter::number("start", "time", Interval::Finite, "the time at which it leaves zero"),
@@ -342,7 +342,7 @@ fn table() -> Function {
     }
 }
 
-/// Points in ascending order that are given as an array of pairs of numbers with these names.
+/// Returns points in ascending order from an array of pairs; `first` and `second` name the numbers.
 pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<(f64, f64)>, Failure> {
     let function = argument.call().function.name;
     let mut points = Vec::new();
@@ -360,7 +360,7 @@ pub fn points_of(argument: &Argument, [first, second]: [&str; 2]) -> Result<Vec<
     increasing(argument, points, first)
 }
 
-/// Points in ascending order that are given as two arrays of numbers.
+/// Returns points in ascending order from two arrays of numbers.
 fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Failure> {
     let numbers = |argument: &Argument| {
         let wrong = |entry: &Dynamic| {
@@ -379,7 +379,7 @@ fn pairs_of(times: &Argument, values: &Argument) -> Result<Vec<(f64, f64)>, Fail
     increasing(times, at.into_iter().zip(of).collect(), "time")
 }
 
-/// These points, if their first numbers increase.
+/// Returns the points if their first numbers increase.
 fn increasing(argument: &Argument, points: Vec<(f64, f64)>, first: &str) -> Result<Vec<(f64, f64)>, Failure> {
     match points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
         Some(pair) => Err(argument

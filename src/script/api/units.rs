@@ -1,6 +1,6 @@
 //! Physical dimensions as scripts write them, such as `force * length` or `mass/volume`, and numbers in other units.
 
-/// Exponents of mass, length and time.
+/// Physical dimension: exponents of mass, length and time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dimension(pub [i32; 3]);
 
@@ -38,19 +38,19 @@ impl Dimension {
     }
 }
 
-/// How numbers change with the units: the factors of one kilogram, one meter, one second.
+/// Conversion of units: numerical values of one kilogram, one meter, one second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// Factor of a mass.
+    /// Factor of masses.
     pub mass: f64,
-    /// Factor of a length.
+    /// Factor of lengths.
     pub length: f64,
-    /// Factor of a time.
+    /// Factor of times.
     pub time: f64,
 }
 
 impl Units {
-    /// The same units.
+    /// Identity conversion.
     pub const SAME: Units = Units { mass: 1.0, length: 1.0, time: 1.0 };
 
     /// The factor of a quantity.

@@ -1,7 +1,7 @@
 //! Reads the arguments of a call: one place for conversion, ranges and defaults.
 //!
-//! Numbers may be written `1` or `1.0`, points are arrays (`arrays.rs`). A value of the wrong type is described in the words of the
-//! language. Which keys an options map may have is checked in `keys.rs` before a body runs.
+//! Numbers may be written `1` or `1.0`, points are arrays (`arrays.rs`). Wrong types are described in terms of the language. The keys of
+//! options maps are checked in `keys.rs` before a body runs.
 
 use rhai::{Dynamic, Map};
 
@@ -15,38 +15,38 @@ use super::values::{as_number, as_whole, describe};
 use super::wording::{did_you_mean, joined};
 use crate::math::catalogue::Interval;
 
-/// Arguments by name: those of a call, or the keys of an options map.
+/// Access to arguments by name: those of a call, or the keys of an options map.
 pub trait Arguments {
-    /// The argument of that name, given or not.
+    /// Returns the argument with a name, given or not.
     fn argument(&self, name: &str) -> Argument<'_>;
 
-    /// A number (or its default).
+    /// Returns a number (or its default).
     fn number(&self, name: &str) -> Result<f64, Failure> {
         self.argument(name).number()
     }
 
-    /// A number, if given.
+    /// Returns a number, if given.
     fn optional_number(&self, name: &str) -> Result<Option<f64>, Failure> {
         let argument = self.argument(name);
         if argument.is_given() { argument.number().map(Some) } else { Ok(None) }
     }
 
-    /// A whole number (or its default).
+    /// Returns a whole number (or its default).
     fn integer(&self, name: &str) -> Result<i64, Failure> {
         self.argument(name).integer()
     }
 
-    /// A truth value (or its default).
+    /// Returns a truth value (or its default).
     fn flag(&self, name: &str) -> Result<bool, Failure> {
         self.argument(name).flag()
     }
 
-    /// A string (or its default).
+    /// Returns a string (or its default).
     fn text(&self, name: &str) -> Result<String, Failure> {
         self.argument(name).text()
     }
 
-    /// A name, on one line.
+    /// Returns a name, on one line.
     fn name(&self, name: &str) -> Result<String, Failure> {
         self.argument(name).name()
     }
@@ -58,15 +58,15 @@ pub trait Arguments {
 }
 
 impl<'a> Call<'a> {
-    /// The value of the parameter of that number, if it was given.
+    /// Returns the value of the parameter with an index, if given.
     pub(super) fn value(&self, index: usize) -> Option<&Dynamic> {
         self.values.get(index + usize::from(self.function.form.receiver().is_some()))
     }
 
-    /// The options map of that name.
+    /// Returns the options map with a name.
     ///
     /// # Errors
-    /// Something else was given.
+    /// The value is not a map.
     pub fn options(&self, name: &str) -> Result<Options<'_>, Failure> {
         let index = self.index(name);
         let Some(keys) = self.function.parameters[index].kind.keys() else {
@@ -103,27 +103,27 @@ pub struct Options<'a> {
     argument: usize,
     keys: &'a [Parameter],
     map: Map,
-    /// The key whose value this map is, inside another.
+    /// Key of an enclosing map whose value this map is.
     within: Option<&'static str>,
 }
 
 impl<'a> Options<'a> {
-    /// Keys that the script gave, with their values, but for those that the function declares.
+    /// Returns keys with their values that the script has given and the function does not declare.
     pub fn others(&self) -> Vec<(String, Dynamic)> {
         let declared = |name: &str| self.keys.iter().any(|key| key.name == name);
         let others = self.map.iter().filter(|(name, _)| !declared(name));
         others.map(|(name, value)| (name.to_string(), value.clone())).collect()
     }
 
-    /// What a message about a key that is not declared points at, its value or its name.
+    /// Returns the target of a message about an undeclared key: its value or its name.
     pub(crate) fn target_of(&self, key: &str, value: bool) -> Target {
         Target::Key { argument: self.argument, key: key.into(), value }
     }
 
-    /// The map that is the value of a key; empty when it is not given.
+    /// Returns the map that is the value of a key; empty if not given.
     ///
     /// # Errors
-    /// Something else was given.
+    /// The value is not a map.
     pub fn nested(&self, name: &str) -> Result<Options<'a>, Failure> {
         let key = self.keys.iter().find(|key| key.name == name);
         let Some((key, Kind::Options(inner))) = key.map(|key| (key, &key.kind)) else {
@@ -152,10 +152,10 @@ impl Arguments for Options<'_> {
 
 /// Code of a value of a kind that a function does not take.
 pub(super) const WRONG_TYPE: &str = "C1021";
-/// Code of an argument or an option that must be given.
+/// Code of a missing argument or option.
 pub(super) const MISSING: &str = "C1023";
 
-/// One argument, given or not.
+/// An argument, given or not.
 pub struct Argument<'a> {
     pub(super) call: &'a Call<'a>,
     pub(super) parameter: &'a Parameter,
@@ -164,22 +164,22 @@ pub struct Argument<'a> {
 }
 
 impl Argument<'_> {
-    /// Whether the script gave it.
+    /// True if the script has given the argument.
     pub fn is_given(&self) -> bool {
         self.value.is_some()
     }
 
-    /// The value as it was given.
+    /// Returns the value as given.
     pub fn value(&self) -> Dynamic {
         self.value.clone().unwrap_or_default()
     }
 
-    /// The call it belongs to.
+    /// Call of the argument.
     pub fn call(&self) -> &Call<'_> {
         self.call
     }
 
-    /// What holds when it is left out.
+    /// Returns the default of the parameter.
     pub fn absent(&self) -> Absent {
         self.parameter.absent
     }
@@ -189,7 +189,7 @@ impl Argument<'_> {
         self.call.fail(title).at(self.target.clone())
     }
 
-    /// Where it stands in the call.
+    /// Place of the argument in the call.
     pub fn target(&self) -> Target {
         self.target.clone()
     }
@@ -237,7 +237,7 @@ impl Argument<'_> {
         self.call.fail(format!("{} is missing", self.title())).code(MISSING).hint(format!("give {}", self.parameter.requirement()))
     }
 
-    /// A number in its range.
+    /// Returns a number in its range.
     ///
     /// # Errors
     /// Another type, or out of range.
@@ -253,7 +253,7 @@ impl Argument<'_> {
         if self.parameter.range.contains(number) { Ok(number) } else { Err(self.out_of_range(self.parameter.range, &number_text(number))) }
     }
 
-    /// A whole number in its range; `2.0` counts as one.
+    /// Returns a whole number in its range; `2.0` counts as a whole number.
     ///
     /// # Errors
     /// Another type, a fraction, or out of range.
@@ -284,7 +284,7 @@ impl Argument<'_> {
         }
     }
 
-    /// A string, one of the choices where the parameter has them.
+    /// Returns a string; one of the choices if the parameter has choices.
     ///
     /// # Errors
     /// Another type or another word.
@@ -302,10 +302,10 @@ impl Argument<'_> {
         }
     }
 
-    /// The value as a name, which stands in files, folders and messages: on one line.
+    /// Returns the value as a name for files, folders and messages: on one line.
     ///
     /// # Errors
-    /// Something else; a control character.
+    /// Another type; a control character.
     pub fn name(&self) -> Result<String, Failure> {
         let name = self.text()?;
         if name.contains(char::is_control) {
@@ -316,12 +316,12 @@ impl Argument<'_> {
         Ok(name)
     }
 
-    /// The failure of a word that is not one of the choices.
+    /// Returns the failure of a word that is not one of the choices.
     pub fn unknown_choice(&self, word: &str, known: &[impl AsRef<str>]) -> Failure {
         self.unknown_name(format!("{} cannot be \"{word}\"", self.title()), word, known)
     }
 
-    /// The failure of a name that does not exist, with those that do and the nearest of them.
+    /// Returns the failure of an unknown name, with the known names and the nearest of these.
     pub fn unknown_name(&self, title: impl Into<String>, name: &str, known: &[impl AsRef<str>]) -> Failure {
         let quoted: Vec<String> = known.iter().map(|word| format!("\"{}\"", word.as_ref())).collect();
         let failure = self.fail(title).code("C1025").label("unknown name");

@@ -1,7 +1,7 @@
-//! A closure of a script that native code calls later, possibly after the call that took it has returned.
+//! A closure of a script that native code calls later, possibly after the receiving call has returned.
 //!
 //! The engine finds a closure by its name in the functions of the running script. A closure made inside an imported module is not found
-//! there, so it is bound to the context of its module, which the module resolver has left with the host.
+//! there, so it is bound to the context of its module, which the module resolver has stored in the host.
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 
@@ -45,27 +45,27 @@ impl Callback {
         self.function.call_within_context::<Dynamic>(&context, arguments)
     }
 
-    /// A closure of a program, by its name; `None` where the program of the context does not know it.
+    /// Returns a closure of a program by its name; `None` if the program of the context does not have it.
     pub fn named(host: &Rc<Host>, context: Rc<NativeCallContextStore>, name: &str) -> Option<Self> {
         let function = FnPtr::from(definition(&context, name)?.clone());
         Some(Callback { function, context, host: host.clone() })
     }
 
-    /// The name under which the engine finds it.
+    /// Name by which the engine finds the closure.
     pub fn name(&self) -> &str {
         self.function.fn_name()
     }
 
-    /// The values that it captures.
+    /// Values captured by the closure.
     pub fn captured(&self) -> impl Iterator<Item = &Dynamic> {
         self.function.iter_curry()
     }
 
-    /// Calls the closure as if nothing had happened before: it counts operations from zero, and captures copies of these values (of those
-    /// that it has where one is not given).
+    /// Calls the closure independently of earlier calls: operations are counted from zero, and captured values are copies of `captured` (or
+    /// of the closure's own where not given).
     ///
     /// # Errors
-    /// Whatever the closure fails with. Inside, that it has changed a value that it captures.
+    /// Errors of the closure, or a change of a captured value.
     pub(crate) fn call_by_itself(
         &self,
         captured: &[Option<Plain>],
@@ -93,7 +93,7 @@ impl Callback {
         }
     }
 
-    /// Wraps an error of the closure for its way through the kernels.
+    /// Wraps an error of the closure to be passed through the kernels.
     pub(crate) fn wrap(&self, error: EvalAltResult) -> ScriptError {
         ScriptError { error: Rc::new(error), source: self.context.global.source.as_ref().map(ToString::to_string).unwrap_or_default() }
     }
@@ -105,7 +105,7 @@ impl Callback {
 }
 
 impl<'a> Call<'a> {
-    /// A closure together with what is needed to call it after this call has returned.
+    /// Returns a closure with its context, for calls after this call has returned.
     pub fn callback(&self, name: &str) -> Result<Callback, Failure> {
         let argument = self.argument(name);
         match argument.value.as_ref().and_then(|value| value.read_lock::<FnPtr>().map(|function| function.clone())) {
@@ -119,22 +119,22 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Number of values that a closure is called with, where its definition is found.
+    /// Returns the number of arguments of a closure, if its definition is found.
     fn parameters_of(&self, function: &FnPtr) -> Option<usize> {
         let name = function.fn_name();
         let of = |library: &rhai::Module| (0..PARAMETERS).find(|count| library.get_script_fn(name, *count).is_some());
         let here = self.context.namespaces().first().and_then(|library| of(library));
         let count = here.or_else(|| self.host.module_context(name)?.global.lib.iter().find_map(|library| of(library)))?;
-        // What a closure captures comes first.
+        // Captured values come first.
         count.checked_sub(function.iter_curry().count())
     }
 }
 
 impl Argument<'_> {
-    /// Refuses a closure that has another number of parameters than `wanted`, which is written as in a script: `|t|`.
+    /// Refuses a closure whose number of parameters differs from `wanted`, written as in a script: `|t|`.
     ///
     /// # Errors
-    /// It has.
+    /// The numbers differ.
     pub fn check_parameters(&self, function: &FnPtr, wanted: &str) -> Result<(), Failure> {
         let names = wanted.split(',').filter(|name| !name.trim_matches(['|', ' ']).is_empty()).count();
         let Some(count) = self.call.parameters_of(function) else { return Ok(()) };
@@ -156,13 +156,13 @@ fn parameters(count: usize) -> String {
     }
 }
 
-/// What a function of a program consists of.
+/// Returns the definition of a function of a program.
 fn definition<'a>(context: &'a NativeCallContextStore, name: &str) -> Option<&'a Shared<ScriptFuncDef>> {
     let of = |library: &'a Shared<rhai::Module>| (0..PARAMETERS).find_map(|count| library.get_script_fn(name, count));
     context.global.lib.iter().rev().find_map(of)
 }
 
-/// The error of a closure that changes what it captures, where each call is to be one by itself.
+/// Returns the failure of a closure that changes a captured value although calls must be independent.
 fn changed(name: Option<&ImmutableString>) -> Failure {
     let variable = name.map_or_else(|| "a variable".to_string(), |name| format!("`{name}`"));
     let failure = Failure::script(format!("the closure changes {variable}, which belongs to the script around it"));

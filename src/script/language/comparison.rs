@@ -1,8 +1,8 @@
 //! Comparisons of numbers.
 //!
-//! Fractions are equal where they differ by the round-off of one operation, 2e-16 of their size: `0.1 + 0.2 == 0.3`, and `while t < 1.0`
-//! ends after ten steps of 0.1. The engine's own take everything below 2e-16 for zero besides, and infinity for equal to all:
-//! `1e-20 > 0.0` and `inf > 1.0` are false there. Densities in tonnes and lengths in metres come that small.
+//! Fractions are equal if they differ by the round-off of one operation, 2e-16 of their size: `0.1 + 0.2 == 0.3`, and `while t < 1.0` ends
+//! after ten steps of 0.1. The engine's own comparisons also take all differences below 2e-16 for zero, and infinity for equal to all
+//! numbers: `1e-20 > 0.0` and `inf > 1.0` would be false. Densities in tonnes and lengths in metres can be that small.
 
 use rhai::{FuncRegistration, Module};
 

@@ -1,7 +1,7 @@
-//! A message as the user sees it: what is wrong, where, the numbers that show it, how to mend it.
+//! Messages for the user: fault, place, relevant numbers, hints.
 //!
-//! A diagnostic is plain data that can leave the thread of the script; drawing it is `annotate-snippets`' business. How errors of the
-//! engine become diagnostics is told in `explain/`.
+//! A diagnostic is plain data and can be sent to other threads; `annotate-snippets` renders it. The conversion of engine errors into
+//! diagnostics is in `explain/`.
 
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, normalize_untrusted_str};
@@ -9,21 +9,21 @@ use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet, normali
 use super::failure::Class;
 use super::sources::Place;
 
-/// Whether the run goes on.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// It does not.
+    /// The run ends.
     Error,
-    /// It does.
+    /// The run goes on.
     Warning,
 }
 
 /// One link of the chain of calls around an error.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// What was called, such as ``in the call of `broken` ``.
+    /// Description of the call, such as ``in the call of `broken` ``.
     pub title: String,
-    /// Where.
+    /// Place of the call.
     pub place: Option<Place>,
 }
 
@@ -34,23 +34,23 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Kind of failure.
     pub class: Class,
-    /// Its stable code, as `C0123`; empty where it has none.
+    /// Stable code of the message, such as `C0123`; empty without a code.
     pub code: String,
-    /// What is wrong, one sentence.
+    /// Description of the fault, one sentence.
     pub title: String,
-    /// Where.
+    /// Place of the fault.
     pub place: Option<Place>,
     /// A few words at the place.
     pub label: String,
-    /// The numbers that show it.
+    /// Numbers and causes that explain the fault.
     pub causes: Vec<String>,
-    /// How to mend it.
+    /// Hints how to mend the fault.
     pub hints: Vec<String>,
     /// The chain of calls, innermost first.
     pub frames: Vec<Frame>,
 }
 
-/// How a diagnostic is drawn.
+/// Rendering of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
     /// Without escape codes.
@@ -83,36 +83,36 @@ impl Diagnostic {
         Diagnostic { severity: Severity::Warning, place, ..Diagnostic::error(Class::Script, title) }
     }
 
-    /// The same with its stable code.
+    /// Returns the diagnostic with a stable code.
     pub fn code(mut self, code: impl Into<String>) -> Self {
         self.code = code.into();
         self
     }
 
-    /// The same with one more cause.
+    /// Returns the diagnostic with one more cause.
     pub fn cause(mut self, cause: impl Into<String>) -> Self {
         self.causes.push(cause.into());
         self
     }
 
-    /// The same with one more hint.
+    /// Returns the diagnostic with one more hint.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hints.push(hint.into());
         self
     }
 
-    /// The same with a few words at the place.
+    /// Returns the diagnostic with a short text at the place.
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = label.into();
         self
     }
 
-    /// Whether a part of the message contains a text.
+    /// True if a part of the message contains `text`.
     pub fn contains(&self, text: &str) -> bool {
         [&self.code, &self.title, &self.label].into_iter().chain(&self.causes).chain(&self.hints).any(|part| part.contains(text))
     }
 
-    /// The drawn message, with a newline at its end.
+    /// Renders the message, with a newline at its end.
     pub fn render(&self, ink: Ink) -> String {
         let title = normalize_untrusted_str(&self.title);
         let notes: Vec<(&str, String)> = self

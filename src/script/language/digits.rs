@@ -1,12 +1,12 @@
-//! Numbers as text, in messages and in what `print` shows.
+//! Numbers as text, for messages and `print`.
 
-/// Shortest text that reads back as the same number, with a decimal point or exponent only where needed.
+/// Returns the shortest text that reads back as the same number, with a decimal point or exponent only where needed.
 pub fn number_text(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || (1e-4..1e16).contains(&size) || !value.is_finite() { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// A number with so many significant digits; with an exponent where that is shorter.
+/// Returns a number with `digits` significant digits; with an exponent if that is shorter.
 pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return number_text(value + 0.0); // without the sign of a zero
@@ -16,7 +16,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     if (-4..7).contains(&exponent) { format!("{value:.*}", (digits as i32 - 1 - exponent).max(0) as usize) } else { scientific }
 }
 
-/// A number with at most six significant digits, as messages show it.
+/// Returns a number as text with at most six significant digits.
 pub fn brief(value: f64) -> String {
     let text = significant(value, 6);
     let (digits, exponent) = text.split_once('e').map_or((text.as_str(), None), |(digits, exponent)| (digits, Some(exponent)));
@@ -31,7 +31,7 @@ pub fn vector_text(vector: &[f64]) -> String {
     format!("[{}]", numbers.join(", "))
 }
 
-/// The same with at most six significant digits.
+/// Returns a vector as text with at most six significant digits.
 pub fn brief_vector(vector: &[f64]) -> String {
     let numbers: Vec<String> = vector.iter().map(|value| brief(*value)).collect();
     format!("[{}]", numbers.join(", "))

@@ -1,8 +1,8 @@
 //! Arithmetic with arrays of numbers, entry by entry: `a + b`, `2.0 * a`, `-a`, for numbers inside arrays of arrays, too.
 //!
-//! Whole numbers stay whole, but for `/`, which gives fractions. `+` of arrays with anything but numbers joins them, as the engine does.
-//! `a += b` appends, as the engine has it. Its optimizer makes `a += b` of `a = a + b`, which means the sum: what is written in the script
-//! tells the two apart.
+//! Whole numbers stay whole, except for `/`, which gives fractions. `+` of arrays with entries other than numbers joins the arrays, as in
+//! the engine. `a += b` appends, as in the engine. The engine's optimizer converts `a = a + b`, which means the sum, to `a += b`; the text
+//! of the script distinguishes the two.
 
 use std::rc::Rc;
 
@@ -13,14 +13,14 @@ use super::host::Host;
 use super::sources::offset;
 use super::values::{as_number, describe};
 
-/// Arrays inside arrays at most; deeper ones are no numbers that anybody computes with.
+/// Largest depth of nested arrays.
 const MAX_DEPTH: usize = 8;
 
 /// An operator between two numbers.
 #[derive(Clone, Copy)]
 struct Operator {
     sign: &'static str,
-    /// Of whole numbers, where it gives one; nothing where the result does not fit.
+    /// Result for whole numbers, if the operator gives whole numbers; `None` on overflow.
     whole: Option<fn(i64, i64) -> Option<i64>>,
     fraction: fn(f64, f64) -> f64,
 }
@@ -53,7 +53,7 @@ impl Operator {
         }
     }
 
-    /// Between two values of which at least one is an array.
+    /// Applies the operator to two values of which at least one is an array.
     fn apply(self, context: &NativeCallContext, a: &Dynamic, b: &Dynamic, depth: usize) -> Value {
         if depth > MAX_DEPTH {
             return Err(Failure::script(format!("`{}` works on arrays of numbers, not on arrays nested so deeply", self.sign)).into());
@@ -63,7 +63,7 @@ impl Operator {
                 if a.len() != b.len() {
                     return Err(self.unequal(a.len(), b.len()).into());
                 }
-                // A point and a number inside two arrays mean nothing.
+                // A point and a number at equal positions of two arrays cannot be combined.
                 a.iter().zip(b.iter()).map(|(a, b)| self.pair(context, a, b, depth + 1)).collect::<Result<Array, _>>().map(Into::into)
             }
             (Some(a), None) => a.iter().map(|a| self.apply(context, a, b, depth + 1)).collect::<Result<Array, _>>().map(Into::into),
@@ -85,13 +85,13 @@ impl Operator {
     }
 }
 
-/// Whether an array has numbers alone, arrays of numbers among them.
+/// True if an array consists of numbers and arrays of numbers.
 fn has_numbers(array: &Array, depth: usize) -> bool {
     let inner = |value: &Dynamic| value.read_lock::<Array>().is_some_and(|array| depth < MAX_DEPTH && has_numbers(&array, depth + 1));
     array.iter().all(|value| as_number(value).is_some() || inner(value))
 }
 
-/// The sum that `+` means between two arrays: entry by entry, or joined where there is anything but numbers.
+/// Result of `+` between two arrays: the sum entry by entry, or the joined array if there are entries other than numbers.
 fn sum(context: &NativeCallContext, a: Array, b: Array) -> Value {
     if !(has_numbers(&a, 0) && has_numbers(&b, 0)) {
         let mut joined = a;
@@ -101,14 +101,14 @@ fn sum(context: &NativeCallContext, a: Array, b: Array) -> Value {
     OPERATORS[0].apply(context, &a.into(), &b.into(), 0)
 }
 
-/// Whether the operator of a call stands in the script as that sign.
+/// True if the operator of a call is written as `sign` in the script.
 fn is_written(host: &Host, context: &NativeCallContext, sign: &str) -> bool {
     let source = context.fn_source().filter(|source| !source.is_empty()).map_or_else(|| host.main.borrow().clone(), String::from);
     let text = host.sources.text(&source);
     text.is_none_or(|text| offset(&text, context.call_position()).is_some_and(|start| text[start..].starts_with(sign)))
 }
 
-/// Adds `+=` of arrays: appends or, where the optimizer has made it of `a = a + b`, sums.
+/// Registers `+=` of arrays, which appends or, where the optimizer has made it of `a = a + b`, sums.
 fn register_append(module: &mut Module, host: &Rc<Host>) {
     let of_entries = Rc::downgrade(host);
     let add = |b: &str| {

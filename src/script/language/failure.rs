@@ -1,8 +1,8 @@
-//! What a script function fails with: everything a message needs except its place, which the engine adds.
+//! Failure of a script function: all parts of the message except the place, which the engine adds.
 //!
-//! A failure travels through the engine as the payload of a run-time error, so that the engine fills in the position of the call and
-//! the chain of script functions around it; the diagnostics unpack it at the end. Failures that a script must not catch (an interrupt,
-//! the end of a check) travel as terminations.
+//! A failure passes through the engine as the payload of a run-time error, so that the engine adds the position of the call and the chain
+//! of enclosing script functions; the diagnostics unpack the failure at the end. Failures that a script cannot catch (an interrupt, the end
+//! of a check) are passed as terminations.
 
 use std::ops::Deref;
 use std::rc::Rc;
@@ -15,12 +15,12 @@ use super::scan::Target;
 use super::sources::Place;
 use crate::dynamics::StepError;
 
-/// What kind of failure it is; decides the exit code.
+/// Class of a failure; determines the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Class {
     /// A check of the script does not hold.
     Check,
-    /// The script (or a file it reads, or an argument) is wrong.
+    /// The script, a file that it reads, or an argument is wrong.
     Script,
     /// The script is right, but the computation failed.
     Numerics,
@@ -35,7 +35,7 @@ pub enum Class {
 }
 
 impl Class {
-    /// The stable code of a failure of which no more is known than its class; empty where that says nothing.
+    /// Returns the stable code of a failure of this class without a code of its own; empty if the class is not specific enough.
     pub(super) fn usual_code(self) -> &'static str {
         match self {
             Class::Script => "C1020",
@@ -47,12 +47,12 @@ impl Class {
     }
 }
 
-/// An error raised by script code that the solver called, on its way through the kernels.
+/// Error of script code called by the solver, to be passed through the kernels.
 #[derive(Clone, Debug)]
 pub struct ScriptError {
-    /// The error as the engine gave it.
+    /// Error of the engine.
     pub error: Rc<EvalAltResult>,
-    /// Source in which the outermost of its positions lies.
+    /// Source of the error's outermost position.
     pub source: String,
 }
 
@@ -69,23 +69,23 @@ impl std::error::Error for ScriptError {}
 pub struct Details {
     /// Kind of failure.
     pub class: Class,
-    /// Its stable code, as `C0123`; empty where it has none.
+    /// Stable code of the message, such as `C0123`; empty without a code.
     pub code: String,
-    /// What is wrong, one sentence.
+    /// Description of the fault, one sentence.
     pub title: String,
-    /// What the message points at within the call.
+    /// Part of the call at which the message points.
     pub target: Target,
-    /// Whether the called function is a method.
+    /// True if the called function is a method.
     pub method: bool,
     /// A few words at the place itself.
     pub label: String,
-    /// The numbers that show it.
+    /// Numbers and causes that explain the fault.
     pub causes: Vec<String>,
-    /// How to mend it.
+    /// Hints how to mend the fault.
     pub hints: Vec<String>,
-    /// The error in script code that led to this one.
+    /// Error in script code that caused this failure.
     pub inner: Option<ScriptError>,
-    /// Where it happened, when that is known better than from the position the engine keeps.
+    /// Place of the failure, if more precise than the position of the engine.
     pub origin: Option<Place>,
 }
 
@@ -101,7 +101,7 @@ impl Deref for Failure {
 }
 
 impl Failure {
-    /// A failure of some class with its title.
+    /// Returns a failure of a class with a title.
     pub fn new(class: Class, title: impl Into<String>) -> Self {
         Failure(Box::new(Details {
             class,
@@ -122,55 +122,55 @@ impl Failure {
         Failure::new(Class::Script, title)
     }
 
-    /// The same as another kind of failure.
+    /// Returns the failure with the class `class`.
     pub(crate) fn of_class(mut self, class: Class) -> Self {
         self.0.class = class;
         self
     }
 
-    /// The same with its stable code.
+    /// Returns the failure with a stable code.
     pub fn code(mut self, code: impl Into<String>) -> Self {
         self.0.code = code.into();
         self
     }
 
-    /// The same, pointing at a part of the call.
+    /// Returns the failure, pointing at a part of the call.
     pub fn at(mut self, target: Target) -> Self {
         self.0.target = target;
         self
     }
 
-    /// The same, with a few words at the place.
+    /// Returns the failure with a short text at the place.
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.0.label = label.into();
         self
     }
 
-    /// The same with one more cause.
+    /// Returns the failure with one more cause.
     pub fn cause(mut self, cause: impl Into<String>) -> Self {
         self.0.causes.push(cause.into());
         self
     }
 
-    /// The same with one more hint.
+    /// Returns the failure with one more hint.
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.0.hints.push(hint.into());
         self
     }
 
-    /// The same, caused by an error in script code.
+    /// Returns the failure, caused by an error in script code.
     pub(crate) fn caused_by(mut self, inner: ScriptError) -> Self {
         self.0.inner = Some(inner);
         self
     }
 
-    /// The same, with a place that the engine must not choose.
+    /// Returns the failure with a given place, in place of the position that the engine adds.
     pub fn placed(mut self, place: Option<Place>) -> Self {
         self.0.origin = place;
         self
     }
 
-    /// The same, raised in a method.
+    /// Returns the failure, marked as raised in a method or not.
     pub(crate) fn in_method(mut self, method: bool) -> Self {
         self.0.method = method;
         self

@@ -1,8 +1,8 @@
-//! A function of the language, as it describes itself, and a call of it.
+//! Functions of the language with their description, and calls of them.
 //!
-//! Every function is one [`Function`]: name, topic, summary, parameters with dimension, range and default, an example, and its body. A
-//! field cannot be left out, so a function without documentation does not compile. From the same description come its registration
-//! (`registry.rs`), the checks of its arguments (`arguments.rs`), the names that errors suggest, and the reference.
+//! Every function is a [`Function`]: name, topic, summary, parameters with dimension, range and default, an example, and its body. All
+//! fields are required, so a function without documentation does not compile. The description determines its registration (`registry.rs`),
+//! the checks of its arguments (`arguments.rs`), the names that errors suggest, and the reference.
 
 use std::borrow::Cow;
 use std::rc::Rc;
@@ -16,7 +16,7 @@ use super::parameter::{Kind, Parameter};
 use super::scan::{self, Target};
 use super::sources::{Place, offset};
 
-/// Heading of the reference under which a function stands.
+/// Topic of a function, a heading of the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Topic {
     /// Generators, readers and transforms of meshes.
@@ -45,7 +45,7 @@ pub enum Topic {
     Arrays,
 }
 
-/// How a function is called.
+/// Form of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// `f(…)`.
@@ -59,7 +59,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// The object's type, if it has one.
+    /// Type of the object of a method or property.
     pub fn receiver(self) -> Option<Receiver> {
         match self {
             Form::Function => None,
@@ -68,7 +68,7 @@ impl Form {
     }
 }
 
-/// What a function computes.
+/// Native implementation of a function.
 pub type Body = Rc<dyn Fn(&Call) -> Result<Dynamic, Box<EvalAltResult>>>;
 
 /// A body from a closure.
@@ -81,26 +81,26 @@ pub fn body(closure: impl Fn(&Call) -> Result<Dynamic, Box<EvalAltResult>> + 'st
 pub struct Function {
     /// Name.
     pub name: &'static str,
-    /// How it is called.
+    /// Form of a call.
     pub form: Form,
-    /// Where it stands in the reference.
+    /// Topic in the reference.
     pub topic: Topic,
-    /// One sentence: what it is or does.
+    /// Summary, one sentence.
     pub summary: &'static str,
-    /// Parameters, the object of a method not among them; optional ones last.
+    /// Parameters without the object of a method; optional ones last.
     pub parameters: Vec<Parameter>,
-    /// Name of the type of its value; empty for none.
+    /// Name of the type of the returned value; empty for none.
     pub returns: &'static str,
-    /// A script that uses it and runs.
+    /// Script with an example, which runs.
     pub example: Cow<'static, str>,
     /// Names of related functions.
     pub see_also: &'static [&'static str],
-    /// What it computes.
+    /// Native implementation.
     pub body: Body,
 }
 
 impl Function {
-    /// As it is written, such as `model.fix(boundary, components)`.
+    /// Returns the signature, such as `model.fix(boundary, components)`.
     pub fn signature(&self) -> String {
         let object = self.form.receiver().map(|receiver| receiver.name.to_lowercase());
         let names: Vec<String> = self
@@ -126,26 +126,26 @@ impl Function {
         }
     }
 
-    /// How messages name it: `` `f` `` or `` `model.f` ``.
+    /// Returns the name in messages: `` `f` `` or `` `model.f` ``.
     pub fn title(&self) -> String {
         format!("`{}`", self.name)
     }
 }
 
-/// One call of a script function.
+/// A call of a script function.
 pub struct Call<'a> {
     /// The engine's context of the call.
     pub context: &'a NativeCallContext<'a>,
     /// The called function.
     pub function: &'a Function,
-    /// What the script may reach.
+    /// Data and services of the session.
     pub host: &'a Rc<Host>,
-    /// The values as the engine has them, the object of a method first.
+    /// Values of the engine, the object of a method first.
     pub(super) values: Vec<Dynamic>,
 }
 
 impl<'a> Call<'a> {
-    /// A call with its values, the object of a method first.
+    /// Returns a call with its values, the object of a method first.
     pub fn new(context: &'a NativeCallContext<'a>, function: &'a Function, values: Vec<Dynamic>, host: &'a Rc<Host>) -> Self {
         Call { context, function, host, values }
     }
@@ -165,7 +165,7 @@ impl<'a> Call<'a> {
         Failure::script(title).in_method(self.function.form.receiver().is_some())
     }
 
-    /// Position of the call in its source.
+    /// Position of the call in the source.
     pub fn position(&self) -> Position {
         self.context.call_position()
     }
@@ -175,12 +175,12 @@ impl<'a> Call<'a> {
         self.context.call_source().unwrap_or_default().to_string()
     }
 
-    /// Whether the value of the call, which stands at a dot or a bracket of this text, is indexed at once.
+    /// True if the value of the call, which is at a dot or bracket in `text`, is indexed immediately.
     pub fn is_indexed(&self, text: &str) -> bool {
         offset(text, self.position()).is_some_and(|start| scan::is_indexed(&scan::lexemes(self.engine(), text), start))
     }
 
-    /// The place of the call, or of a part of it.
+    /// Returns the place of the call, or of a part of the call.
     pub fn place(&self, target: &Target) -> Option<Place> {
         self.host.place(self.engine(), &self.source(), self.position(), target, self.function.form.receiver().is_some())
     }

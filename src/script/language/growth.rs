@@ -1,9 +1,8 @@
-//! `push` and `sort` of arrays in place of the engine's own.
+//! `push` and `sort` of arrays, replacing those of the engine.
 //!
-//! The engine measures an array again, with all of its entries, after every call that may have changed it, so that `n` pushes cost `n^2`.
-//! This `push` remembers what the arrays that were pushed to last measured, adds what is new, and measures again only what it does not
-//! know or what must move to grow: the limits hold as before. The engine sorts values of one type alone; here whole numbers and fractions
-//! are both numbers.
+//! The engine measures an array with all of its entries after every call that may have changed it, so that `n` pushes cost `n^2`. This
+//! `push` caches the sizes of the arrays that were pushed to last, adds the new entry, and measures only unknown or reallocated arrays: the
+//! limits hold as before. The engine sorts only values of one type; here whole numbers and fractions are both numbers.
 
 use std::cell::RefCell;
 use std::cmp::Ordering;
@@ -17,10 +16,10 @@ use super::wording::joined;
 
 type Outcome = Result<(), Box<EvalAltResult>>;
 
-/// Arrays that `push` remembers: what a loop fills side by side.
+/// Number of arrays whose size `push` caches.
 const REMEMBERED: usize = 32;
 
-/// What limits count of a value and of all inside of it.
+/// Size of a value including nested values, as counted by the limits.
 #[derive(Clone, Copy, Default)]
 struct Size {
     entries: usize,
@@ -57,7 +56,7 @@ impl Size {
     }
 }
 
-/// An array as the last push left it: where its entries are, how many, how many there may be before they move, and its size.
+/// An array after its last push: address, length, capacity and size of its entries.
 struct Known {
     address: usize,
     length: usize,
@@ -83,7 +82,7 @@ impl Memory {
         };
         let place = known.iter().rposition(|known| known.address == before.0);
         let last = place.map(|place| known.remove(place)).filter(|known| (known.address, known.length, known.capacity) == before);
-        // To measure what has moved costs no more than to move it.
+        // Measuring a moved array costs no more than moving it.
         let last = last.filter(|last| last.capacity == after.capacity).map(|last| last.size);
         let mut size = match last {
             Some(Size { entries, keys, letters }) => {
@@ -159,7 +158,7 @@ pub fn register(module: &mut Module) {
     let push = move |context: Option<NativeCallContext>, values: &mut [&mut Dynamic]| {
         if let (Some(context), [array, item]) = (context, &mut *values) {
             memory.push(context.engine(), array, std::mem::take(*item))?;
-            // The engine measures what now stands first, which is the empty place of the item.
+            // The engine measures the first argument, which is now the empty place of the item.
             std::mem::swap(array, item);
         }
         Ok(Dynamic::UNIT)

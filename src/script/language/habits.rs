@@ -1,8 +1,8 @@
-//! Words and signs that other languages have and this one writes otherwise.
+//! Words and operators of other languages, and their equivalents in this one.
 //!
-//! Consulted where a name means nothing here, before the nearest name is suggested.
+//! Used for unknown names, before the nearest name is suggested.
 
-/// Words that are no functions elsewhere, with what to do here.
+/// Words of other languages that are not functions, with hints.
 const WORDS: &[(&[&str], &str)] = &[
     (&["null", "None", "nil", "undefined", "NULL"], "the empty value is written `()`"),
     (&["and"], "write `&&`"),
@@ -15,7 +15,7 @@ const WORDS: &[(&[&str], &str)] = &[
     (&["var"], "write `let`"),
 ];
 
-/// Functions of other languages, with what to do here.
+/// Functions of other languages, with hints.
 const CALLS: &[(&[&str], &str)] = &[
     (&["pow", "power"], "write a power as `x ** y`"),
     (&["format", "sprintf"], "write values inside back-ticks, `` `t = ${t}` ``; `fmt(x, 3)` rounds a number"),
@@ -44,17 +44,17 @@ fn found(word: &str, among: &'static [(&[&str], &str)]) -> Option<&'static str> 
     among.iter().find(|(words, _)| words.contains(&word)).map(|(_, hint)| *hint)
 }
 
-/// How a word of another language is written here.
+/// Returns a hint for a word of another language.
 pub fn instead_of(word: &str) -> Option<&'static str> {
     found(word, WORDS)
 }
 
-/// What to write for a call of a function of another language.
+/// Returns a hint for a call of a function of another language.
 pub fn instead_of_call(name: &str) -> Option<&'static str> {
     found(name, CALLS).or_else(|| found(name, WORDS))
 }
 
-/// What a name in front of `rest` of the text was meant to begin, if that is written otherwise here.
+/// Returns a hint for a construct of another language that begins with the name in front of `rest`.
 pub fn meant(before: &str, name: &str, rest: &str) -> Option<String> {
     let (before, rest) = (before.trim_end(), rest.trim_start());
     if rest.starts_with("=>") || rest.starts_with("->") {
@@ -73,17 +73,17 @@ pub fn meant(before: &str, name: &str, rest: &str) -> Option<String> {
     None
 }
 
-/// How a list of computed values is made.
+/// Hint how to make an array of computed values.
 pub const LIST_BY_LOOP: &str = "fill the array in a loop: `let l = []; for i in 0..3 { l.push(2 * i); }`";
 
-/// Whether a name between these texts stands in `[… for … in …]`, as other languages write lists.
+/// True if the name between these texts is part of a list comprehension `[… for … in …]`.
 fn is_comprehension(before: &str, rest: &str) -> bool {
     let inside = rest.split([']', ';', '\n']).next().unwrap_or("");
     let opened = before.rsplit(['\n', ';']).next().unwrap_or("").contains('[');
     opened && inside.split_once(" for ").is_some_and(|(_, rest)| rest.contains(" in "))
 }
 
-/// What to say of an option that other programs have and this one does not.
+/// Returns a hint for an option that other programs have.
 pub fn option(name: &str) -> Option<&'static str> {
     match name {
         "mu" | "friction_coefficient" | "coefficient_of_friction" => Some("the coefficient of friction is the option `friction`"),
@@ -95,7 +95,7 @@ pub fn option(name: &str) -> Option<&'static str> {
     }
 }
 
-/// How an operator of another language, or between the wrong values, is written here.
+/// Returns a hint for an operator of another language, or between wrong values.
 pub fn operator(sign: &str) -> Option<&'static str> {
     match sign {
         "++" => Some("write `i += 1`"),

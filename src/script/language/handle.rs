@@ -1,30 +1,30 @@
-//! Objects of the language: what every type of objects must say of itself, and the table of all types.
+//! Objects of the language: the description that every type of objects provides, and the table of all types.
 //!
-//! The language knows no type of the API. A type joins the table when the session is made; messages, completion and `print` ask the
-//! table.
+//! The language is independent of the types of the API. A type is added to the table when the session is made; messages, completion and
+//! `print` use the table.
 
 use std::any::TypeId;
 
 use rhai::{Dynamic, Engine, FuncRegistration, ImmutableString};
 
-/// The object a method belongs to.
+/// Type of the object of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Receiver {
-    /// Name of its type.
+    /// Name of the type.
     pub name: &'static str,
-    /// The type behind it.
+    /// Rust type.
     pub id: TypeId,
 }
 
 /// An object of the language: a cheap handle that scripts pass around.
 pub trait Handle: Clone + 'static {
-    /// Name of its type in scripts.
+    /// Name of the type in scripts.
     const NAME: &'static str;
 
-    /// How a script gets one, for the message of a call that was given something else.
+    /// Hint how a script makes an object of this type, for the message of a call with another value.
     const MAKER: &'static str = "give an object of that type";
 
-    /// What `print` shows.
+    /// Returns the text that `print` shows.
     fn describe(&self) -> String;
 
     /// The object as the receiver of methods.
@@ -32,18 +32,18 @@ pub trait Handle: Clone + 'static {
         Receiver { name: Self::NAME, id: TypeId::of::<Self>() }
     }
 
-    /// What to write instead of a property of that name, which the type does not have.
+    /// Returns a hint for a property `_name` that the type does not have.
     fn instead_of_property(_name: &str) -> Option<String> {
         None
     }
 
-    /// What to write instead of an operator between an object of this type and something else.
+    /// Returns a hint for an operator between an object of this type and another value.
     fn instead_of_operator() -> Option<&'static str> {
         None
     }
 }
 
-/// What the language knows of one type of objects.
+/// Description of a type of objects.
 struct TypeRow {
     name: &'static str,
     id: TypeId,
@@ -86,12 +86,12 @@ impl Types {
         self.rows.iter().find(|row| row.name == name)
     }
 
-    /// Their names.
+    /// Names of all types.
     pub fn names(&self) -> &[&'static str] {
         &self.names
     }
 
-    /// Whether there is a type of that name.
+    /// True if a type of that name exists.
     pub fn contains(&self, name: &str) -> bool {
         self.names.contains(&name)
     }
@@ -101,23 +101,23 @@ impl Types {
         self.rows.iter().find(|row| row.id == value.type_id()).map(|row| row.name)
     }
 
-    /// What `print` shows of an object of the language.
+    /// Returns the text that `print` shows of an object of the language; `None` for other values.
     pub fn print(&self, value: &Dynamic) -> Option<String> {
         let row = self.rows.iter().find(|row| row.id == value.type_id())?;
         (row.print)(value)
     }
 
-    /// How a script gets an object of a type.
+    /// Returns a hint how a script makes an object of a type.
     pub(crate) fn maker(&self, name: &str) -> &'static str {
         self.row(name).map_or("give an object of that type", |row| row.maker)
     }
 
-    /// What to write instead of a property that a type does not have.
+    /// Returns a hint for a property that a type does not have.
     pub(crate) fn instead_of_property(&self, type_name: &str, name: &str) -> Option<String> {
         (self.row(type_name)?.instead_of_property)(name)
     }
 
-    /// What to write instead of an operator that a type does not have.
+    /// Returns a hint for an operator that a type does not have.
     pub(crate) fn instead_of_operator(&self, type_name: &str) -> Option<&'static str> {
         (self.row(type_name)?.instead_of_operator)()
     }

@@ -1,7 +1,7 @@
-//! What a session shares with the functions that its scripts call: files, texts, warnings, the interrupt, a slot for each topic of the API.
+//! Data that a session shares with the functions of its scripts: files, texts, warnings, the interrupt, a slot for each topic of the API.
 //!
-//! The host knows what holds for every script: whether it is only checked, whether it is to stop, what was already warned of. What a topic
-//! of the API must remember (simulations, values of `param`) stands in `slots`, which the host cannot look into.
+//! The host has the state common to all scripts: check or run, interrupt, warnings already given. State of a topic of the API (simulations,
+//! values of `param`) is stored in `slots`, whose types the host does not know.
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 
@@ -22,21 +22,21 @@ use super::slots::Slots;
 use super::sources::{Place, Sources, offset};
 use crate::machine::{consulted, watched};
 
-/// What script functions share with their session.
+/// Data that script functions share with their session.
 pub struct Host {
-    /// How the script is run.
+    /// Settings of the run.
     pub settings: Settings,
     /// Texts of the script and its modules.
     pub sources: Sources,
     /// Files.
     pub sandbox: Sandbox,
-    /// Who watches.
+    /// Observer of the session.
     pub observer: Rc<dyn Observer>,
     /// Name of the main source.
     pub main: RefCell<String>,
-    /// What the functions of the API share.
+    /// State of the API's topics.
     pub slots: Slots,
-    /// What `conserva check` found out.
+    /// Findings of `conserva check`.
     pub findings: RefCell<Vec<String>>,
     engine: RefCell<Weak<RefCell<Engine>>>,
     module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
@@ -45,7 +45,7 @@ pub struct Host {
     loading: RefCell<Vec<Vec<String>>>,
     /// Keys and texts of the warnings.
     warned: RefCell<Vec<(String, String)>>,
-    /// Keys of the checks that held, and what was said of them.
+    /// Keys of the checks that held, and their messages.
     passed: RefCell<Vec<(String, String)>>,
     effects: Cell<u64>,
     /// Changes after which the script is stopped.
@@ -77,7 +77,7 @@ impl Host {
         }
     }
 
-    /// Counts changes of objects that scripts share: a call that failed without one can be left out of a record of the session.
+    /// Counts changes of shared objects: a failed call without a change can be left out of a record of the session.
     pub(crate) fn count_effect(&self) {
         self.effects.set(self.effects.get() + 1);
     }
@@ -87,17 +87,17 @@ impl Host {
         self.effects.get()
     }
 
-    /// Stops the script after so many changes, until this is set otherwise; what held before.
+    /// Sets the number of changes after which the script stops; returns the earlier setting.
     pub(crate) fn stop_after(&self, changes: Option<u64>) -> Option<u64> {
         self.limit.replace(changes)
     }
 
-    /// Whether the changes are made after which the script stops.
+    /// True if the number of changes is reached after which the script stops.
     pub fn is_stopped(&self) -> bool {
         self.limit.get().is_some_and(|limit| self.effects.get() >= limit)
     }
 
-    /// Whether a simulation takes steps: closures between these are not stopped halfway.
+    /// True while a simulation takes steps; closures called within are not stopped halfway.
     pub(crate) fn is_stepping(&self) -> bool {
         self.stepping.get() > 0
     }
@@ -107,51 +107,51 @@ impl Host {
         self.stepping.set(self.stepping.get() + 1);
     }
 
-    /// Notes that a simulation has taken its steps.
+    /// Ends the steps of a simulation.
     pub(crate) fn end_steps(&self) {
         self.stepping.set(self.stepping.get().saturating_sub(1));
     }
 
-    /// The engine, while its session lives.
+    /// Returns the engine while its session exists.
     pub fn engine(&self) -> Option<Rc<RefCell<Engine>>> {
         self.engine.borrow().upgrade()
     }
 
-    /// Tells the host its engine.
+    /// Sets the engine.
     pub(crate) fn attach(&self, engine: &Rc<RefCell<Engine>>) {
         *self.engine.borrow_mut() = Rc::downgrade(engine);
     }
 
-    /// Whether this is `conserva check`.
+    /// True in `conserva check`.
     pub(crate) fn is_check(&self) -> bool {
         self.settings.mode == Mode::Check
     }
 
-    /// Whether the user asked to stop, or the script is to stop here.
+    /// True if the user has requested an interrupt, or the script has to stop here.
     pub fn is_interrupted(&self) -> bool {
         self.settings.interrupt.load(Ordering::Relaxed) || self.is_stopped()
     }
 
-    /// The failure of an interrupted run, if it is interrupted.
+    /// Returns an error if the run is interrupted.
     ///
     /// # Errors
-    /// The user asked to stop.
+    /// The user has requested an interrupt.
     pub(crate) fn go_on(&self) -> Result<(), Failure> {
         if self.is_interrupted() { Err(interrupted("interrupted")) } else { Ok(()) }
     }
 
-    /// The result of work that cannot look at the interrupt itself; it is left behind when the user asks to stop.
+    /// Returns the result of `work`, which cannot check the interrupt itself; on an interrupt, `work` is abandoned.
     ///
     /// # Errors
-    /// The user asked to stop.
+    /// The user has requested an interrupt.
     pub fn watched<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, Failure> {
         watched(&self.settings.interrupt, work).ok_or_else(|| interrupted("interrupted"))
     }
 
-    /// The same of work that asks questions, which are answered here.
+    /// Returns the result of `work`, whose queries are answered on this thread; on an interrupt, `work` is abandoned.
     ///
     /// # Errors
-    /// The user asked to stop.
+    /// The user has requested an interrupt.
     pub fn consulted<T: Send + 'static, Q: Send + 'static, A: Send + 'static>(
         &self,
         work: impl FnOnce(&dyn Fn(Q) -> Option<A>) -> T + Send + 'static,
@@ -160,7 +160,7 @@ impl Host {
         consulted(&self.settings.interrupt, work, answer).ok_or_else(|| interrupted("interrupted"))
     }
 
-    /// The place that a position and a target mean. An empty source is the main one.
+    /// Returns the place of a position and a target. An empty source is the main one.
     pub fn place(&self, engine: &Engine, source: &str, position: Position, target: &Target, method: bool) -> Option<Place> {
         let source = if source.is_empty() { self.main.borrow().clone() } else { source.to_string() };
         let text = self.sources.text(&source)?;
@@ -177,7 +177,7 @@ impl Host {
         let key = format!("{} {}", warning.title, warning.place.as_ref().map(ToString::to_string).unwrap_or_default());
         if !self.warned.borrow().iter().any(|(known, _)| *known == key) {
             self.observer.warn(&warning);
-            // For files, with the names of scripts only: folders differ between machines.
+            // For files, with the names of scripts without folders, which differ between machines.
             if let Some(place) = &mut warning.place {
                 place.source = place.source.rsplit(['/', '\\']).next().unwrap_or_default().into();
             }
@@ -185,12 +185,12 @@ impl Host {
         }
     }
 
-    /// What was warned of so far.
+    /// Returns the warnings so far.
     pub fn warnings(&self) -> Vec<String> {
         self.warned.borrow().iter().map(|(_, text)| text.clone()).collect()
     }
 
-    /// Reports a check that holds, the first time that it does: in a loop or after every step it is asked often.
+    /// Reports a check that holds, once per place: checks in a loop or after every step are evaluated often.
     pub fn passed(&self, line: &str, place: Option<&Place>) {
         let key = place.map_or_else(|| line.to_string(), ToString::to_string);
         let place = place.map(|place| self.sources.relocate(place.clone()));
@@ -198,7 +198,7 @@ impl Host {
         self.passed_as(&key, &format!("{line}{place}"));
     }
 
-    /// The same of a check that `key` tells from others, with all that is said of it.
+    /// Reports a check that holds as `line`, unless a check with the same `key` was reported before.
     pub(crate) fn passed_as(&self, key: &str, line: &str) {
         if !self.passed.borrow().iter().any(|(known, _)| known == key) {
             self.passed.borrow_mut().push((key.into(), line.into()));
@@ -242,7 +242,7 @@ impl Host {
         self.loading.borrow_mut().pop();
     }
 
-    /// Keeps the context of the module that is loading for its closures. Closures with the same text in two modules have the same name;
+    /// Stores the context of the module that is loading for its closures. Closures with equal texts in two modules have equal names;
     /// neither is bound then.
     pub(crate) fn keep_module_context(&self, context: NativeCallContextStore) {
         let context = Rc::new(context);

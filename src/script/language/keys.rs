@@ -72,7 +72,7 @@ impl Call<'_> {
         Ok(())
     }
 
-    /// Checks the keys of a map inside an options map; all of them are optional.
+    /// Checks the keys of a map inside an options map, all of which are optional.
     fn check_nested(&self, outer: &Parameter, keys: &[Parameter], map: &Map, target: Target) -> Result<(), Failure> {
         let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
         let Some(unknown) = map.keys().find(|key| !names.contains(&key.as_str())) else { return Ok(()) };

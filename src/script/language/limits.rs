@@ -1,6 +1,6 @@
-//! What a script may use at most; the engine refuses more, and messages name these numbers.
+//! Limits of a script, which the engine enforces and messages name.
 
-/// Calls that may be open at a time.
+/// Largest depth of nested calls.
 pub const MAX_CALL_LEVELS: usize = 64;
 /// Characters of a string.
 pub const MAX_STRING: usize = 16_000_000;

@@ -1,4 +1,4 @@
-//! What a text certainly does not mean, found before it runs.
+//! Warnings of certain mistakes in a text, before it runs.
 
 use rhai::Engine;
 
@@ -7,7 +7,7 @@ use super::host::Host;
 use super::scan;
 use super::sources::Place;
 
-/// Warns of what a text certainly does not mean: a division of two whole numbers that drops a remainder, `^` for a power.
+/// Warns of certain mistakes: a division of two whole numbers that drops a remainder, `^` for a power.
 pub fn lint(host: &Host, engine: &Engine, source: &str) {
     let Some(text) = host.sources.text(source) else { return };
     let lexemes = scan::lexemes(engine, &text);

@@ -1,4 +1,4 @@
-//! A message as plain data that can be kept: a [`Diagnostic`] whose place is a name and a stretch of bytes in place of the whole text.
+//! Messages as plain data for storage: a [`Diagnostic`] whose place is a source name and a range of bytes instead of the whole text.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::sources::{Place, Sources};
 pub struct Message {
     /// Kind of failure.
     pub class: Class,
-    /// Whether the script goes on.
+    /// True for a warning, after which the script goes on.
     is_warning: bool,
     code: String,
     title: String,
@@ -24,7 +24,7 @@ pub struct Message {
 }
 
 impl Message {
-    /// What a diagnostic says.
+    /// Returns the message of a diagnostic.
     pub fn of(diagnostic: &Diagnostic) -> Self {
         Message {
             class: diagnostic.class,
@@ -44,7 +44,7 @@ impl Message {
         (range.end <= text.len()).then_some(Place { source, text, range })
     }
 
-    /// The diagnostic; without a place where its text is not known.
+    /// Returns the diagnostic; without a place if its text is not known.
     pub fn diagnostic(&self, sources: &Sources) -> Diagnostic {
         let severity = if self.is_warning { Severity::Warning } else { Severity::Error };
         let place = self.place(sources);
@@ -52,20 +52,20 @@ impl Message {
         Diagnostic { severity, code, place, label, causes, hints, ..Diagnostic::error(self.class, self.title.clone()) }
     }
 
-    /// The failure that says the same.
+    /// Returns the failure with the texts of the message.
     pub fn failure(&self, sources: &Sources) -> Failure {
         let failure = self.failure_of(|title| Failure::new(self.class, title));
         if self.place.is_some() { failure.placed(self.place(sources)) } else { failure }
     }
 
-    /// The same of a failure that is made of its title.
+    /// Returns a failure with the texts of the message; `begin` makes the failure from its title.
     pub fn failure_of(&self, begin: impl FnOnce(String) -> Failure) -> Failure {
         let failure = begin(self.title.clone()).code(self.code.clone()).label(self.label.clone());
         let failure = self.causes.iter().fold(failure, |failure, cause| failure.cause(cause.clone()));
         self.hints.iter().fold(failure, |failure, hint| failure.hint(hint.clone()))
     }
 
-    /// All in one line: what is wrong, the numbers that show it, and the line in its file.
+    /// Returns the message in one line: fault, numbers, and the line in its file.
     pub fn line(&self, sources: &Sources) -> String {
         let file = |place: Place| {
             let line = place.line_column().0;

@@ -1,6 +1,6 @@
-//! The language itself: how functions describe themselves, how arguments are read, how messages are made.
+//! The language: descriptions of functions, reading of arguments, messages.
 //!
-//! Knows no object of the API: types come in through [`handle::Types`], what a topic shares through [`slots::Slots`].
+//! The language is independent of the API: types are added through [`handle::Types`], shared data of a topic through [`slots::Slots`].
 
 pub mod arguments;
 pub mod arrays;

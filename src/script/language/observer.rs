@@ -1,52 +1,52 @@
-//! Who watches a session: a terminal, a test that keeps what it hears, or nobody.
+//! Observers of a session: a terminal, a test that collects messages, or none.
 //!
-//! The session says what it prints, checks and warns of; how that looks is the watcher's business.
+//! The session passes printed lines, checks and warnings on; the observer decides on their presentation.
 
 use super::diagnostics::{Diagnostic, Ink};
 use crate::dynamics::LedgerRow;
 
-/// An accepted step, as an observer sees it.
+/// An accepted step, for observers.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
     /// Name of the model.
     pub model: &'a str,
     /// Time at which the current `run_to` began.
     pub from: f64,
-    /// Time at which it ends, if it is known.
+    /// Time at which stepping ends, if known.
     pub until: Option<f64>,
     /// The step.
     pub row: &'a LedgerRow,
     /// Largest `kinetic + strain + |potential|` so far, to relate the defect to.
     pub scale: f64,
-    /// Space dimension, by which the row has its columns.
+    /// Space dimension, which determines the columns of the row.
     pub dimension: usize,
 }
 
-/// What became of a contact.
+/// Change of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactChange {
-    /// The first of its nodes closed.
+    /// The first node of the contact became active.
     Closed,
-    /// The last of its nodes opened.
+    /// The last active node of the contact became inactive.
     Opened,
 }
 
-/// Something that happens in a run besides its steps.
+/// Event of a run besides its steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
     /// A step was halved.
     Halved {
         /// Name of the simulation.
         simulation: &'a str,
-        /// Why, as in `halvings_by_cause` of the summary, in words.
+        /// Cause in words, as in `halvings_by_cause` of the summary.
         cause: &'a str,
-        /// The contact whose motion was too large, where that is the cause.
+        /// Contact whose motion was too large, if that is the cause.
         contact: Option<&'a str>,
-        /// How often for this cause in this step.
+        /// Number of halvings by this cause in this step.
         count: usize,
-        /// The last accepted step before.
+        /// Last accepted step before the halved one.
         step: usize,
-        /// Its time.
+        /// Time of the last accepted step.
         time: f64,
     },
     /// A contact closed or opened as a whole.
@@ -57,49 +57,49 @@ pub enum Event<'a> {
         contact: &'a str,
         /// Which.
         change: ContactChange,
-        /// Its nodes in contact now.
+        /// Number of active nodes.
         active: usize,
         /// The accepted step.
         step: usize,
-        /// Its time.
+        /// Time of the step.
         time: f64,
     },
     /// `settle` has found equilibrium.
     Settled {
         /// Name of the simulation.
         simulation: &'a str,
-        /// Damped steps that it took.
+        /// Number of damped steps.
         steps: usize,
-        /// Their Newton iterations.
+        /// Number of Newton iterations of these steps.
         newton_iterations: usize,
-        /// The row of the history that it gave.
+        /// Row of the equilibrium in the history.
         row: &'a LedgerRow,
     },
 }
 
-/// Watches a session: what the script prints, what it checks, how far it is.
+/// Observer of a session: printed lines, checks, progress.
 pub trait Observer {
     /// A line that the script prints.
     fn print(&self, line: &str);
-    /// A check that holds, with what it measured.
+    /// Reports a check that holds, with its measured value.
     fn passed(&self, line: &str);
-    /// Something the user should know; the run goes on.
+    /// Reports a warning; the run goes on.
     fn warn(&self, warning: &Diagnostic);
     /// An accepted step.
     fn advanced(&self, progress: &Progress);
-    /// Something that happened besides a step; told right before the step that it belongs to.
+    /// Reports an event, right before the step to which it belongs.
     fn noticed(&self, _event: &Event) {}
-    /// A long computation without steps begins, such as `settle`.
+    /// Reports the start of a long computation without steps, such as `settle`.
     fn began(&self, what: &str);
     /// A computation that reported progress has ended.
     fn ended(&self);
-    /// Whether printed lines may have colors.
+    /// Returns the rendering of printed lines; plain by default.
     fn ink(&self) -> Ink {
         Ink::Plain
     }
 }
 
-/// An observer that looks away.
+/// Observer that ignores all reports.
 pub struct Silent;
 
 impl Observer for Silent {

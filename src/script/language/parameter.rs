@@ -1,12 +1,12 @@
-//! What a function of the language takes: kind, dimension, range and default of each parameter.
+//! Parameters of functions of the language: kind, dimension, range and default.
 //!
-//! A [`Parameter`] describes; what a script gave for it is read in `arguments.rs`.
+//! A [`Parameter`] is a description; values given by a script are read in `arguments.rs`.
 
 use super::digits::number_text;
 use super::wording::{joined, with_article};
 use crate::math::catalogue::{self, Interval};
 
-/// What a parameter takes.
+/// Kind of values that a parameter accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A number, whole or not.
@@ -17,7 +17,7 @@ pub enum Kind {
     Flag,
     /// A string.
     Text,
-    /// One of some strings.
+    /// One of several strings.
     Choice(&'static [&'static str]),
     /// An array of as many numbers as the space has dimensions.
     Vector,
@@ -33,7 +33,7 @@ pub enum Kind {
     Handle(&'static str),
     /// An object map with these keys.
     Options(Vec<Parameter>),
-    /// An object map with these keys and others, which the function looks at itself.
+    /// An object map with these keys and further ones, which the function checks itself.
     OpenOptions(Vec<Parameter>),
     /// One of several kinds, in words with their articles.
     Either(&'static str),
@@ -42,7 +42,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The keys of an object map, if it is one.
+    /// Returns the keys if the kind is an object map.
     pub fn keys(&self) -> Option<&[Parameter]> {
         match self {
             Kind::Options(keys) | Kind::OpenOptions(keys) => Some(keys),
@@ -50,7 +50,7 @@ impl Kind {
         }
     }
 
-    /// With its article, as messages name it.
+    /// Returns the kind with its article, for messages.
     pub(crate) fn phrase(&self) -> String {
         match self {
             Kind::Number => "a number".into(),
@@ -73,7 +73,7 @@ impl Kind {
         }
     }
 
-    /// One word, as signatures name it.
+    /// Returns the kind as one word, for signatures.
     pub fn word(&self) -> &'static str {
         match self {
             Kind::Number => "number",
@@ -90,20 +90,20 @@ impl Kind {
     }
 }
 
-/// What holds when a parameter is left out.
+/// Default of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Absent {
-    /// It must not be left out.
+    /// The parameter is required.
     Refused,
-    /// What is done instead, in words.
+    /// Behavior without the parameter, in words.
     Means(&'static str),
-    /// This number.
+    /// A number.
     Number(f64),
-    /// This whole number.
+    /// A whole number.
     Integer(i64),
-    /// This truth value.
+    /// A truth value.
     Flag(bool),
-    /// This string.
+    /// A string.
     Text(&'static str),
 }
 
@@ -125,15 +125,15 @@ impl std::fmt::Display for Absent {
 pub struct Parameter {
     /// Name.
     pub name: &'static str,
-    /// What it takes.
+    /// Kind of values.
     pub kind: Kind,
-    /// Physical dimension, `1` for a pure number, `any` where it depends on the use, empty for what is no number.
+    /// Physical dimension: `1` for a pure number, `any` if it depends on the use, empty for values other than numbers.
     pub dimension: &'static str,
     /// Admissible values of a number.
     pub range: Interval,
-    /// What holds when it is left out.
+    /// Default.
     pub absent: Absent,
-    /// One sentence: what it is.
+    /// Summary, one sentence.
     pub summary: &'static str,
 }
 
@@ -143,12 +143,12 @@ impl Parameter {
         Parameter { name, kind, dimension: "", range: Interval::Finite, absent: Absent::Refused, summary }
     }
 
-    /// A required number with its dimension and range.
+    /// Returns a required number with its dimension and range.
     pub fn number(name: &'static str, dimension: &'static str, range: Interval, summary: &'static str) -> Self {
         Parameter { dimension, range, ..Parameter::new(name, Kind::Number, summary) }
     }
 
-    /// The number that a row of a catalogue asks for, as a key of an options map.
+    /// Returns the key of an options map for a parameter of a catalogue's row.
     pub(crate) fn of_catalogue(row: &catalogue::Parameter) -> Self {
         let key = Parameter::number(row.name, row.dimension, row.range, row.summary);
         match row.default {
@@ -157,27 +157,27 @@ impl Parameter {
         }
     }
 
-    /// The same, which may be left out.
+    /// Returns the parameter with the default `absent`.
     pub fn or(self, absent: Absent) -> Self {
         Parameter { absent, ..self }
     }
 
-    /// The same with a dimension.
+    /// Returns the parameter with a dimension.
     pub fn of(self, dimension: &'static str) -> Self {
         Parameter { dimension, ..self }
     }
 
-    /// The same with a range.
+    /// Returns the parameter with a range.
     pub fn within(self, range: Interval) -> Self {
         Parameter { range, ..self }
     }
 
-    /// Whether it may be left out.
+    /// True if the parameter is optional.
     pub(crate) fn is_optional(&self) -> bool {
         self.absent != Absent::Refused
     }
 
-    /// What must be given, such as `a number greater than 0 [length]`.
+    /// Returns a description of accepted values, such as `a number greater than 0 [length]`.
     pub(crate) fn requirement(&self) -> String {
         let mut text = self.kind.phrase();
         if matches!(self.kind, Kind::Number | Kind::Integer) && self.range != Interval::Finite {

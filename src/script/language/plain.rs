@@ -1,4 +1,4 @@
-//! Values of scripts as plain data, which may go to another thread and into a file.
+//! Values of scripts as plain data, which may be sent to another thread and written to a file.
 //!
 //! Numbers, texts, truth values, arrays and maps are data; a mesh, a simulation or a closure belongs to the engine that made it.
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::values::as_number;
 
-/// Arrays and maps inside one another at most.
+/// Largest depth of nested arrays and maps.
 const DEPTH: usize = 64;
 
 /// A value without anything that belongs to an engine.
@@ -27,12 +27,12 @@ pub enum Plain {
     Text(String),
     /// An array.
     Array(Vec<Plain>),
-    /// A map, in the order of its keys.
+    /// A map, sorted by its keys.
     Map(Vec<(String, Plain)>),
 }
 
 impl Plain {
-    /// The data of a value; `None` where there is an object in it.
+    /// Converts a value; `None` if it contains an object.
     pub fn of(value: &Dynamic) -> Option<Plain> {
         Plain::within(value, DEPTH)
     }
@@ -88,7 +88,7 @@ impl Plain {
         })
     }
 
-    /// Whether both are the same to the last bit.
+    /// True if both values are bitwise equal.
     pub fn is_same(&self, other: &Plain) -> bool {
         match (self, other) {
             (Plain::Number(a), Plain::Number(b)) => a.to_bits() == b.to_bits(),
@@ -100,7 +100,7 @@ impl Plain {
         }
     }
 
-    /// As a field of a table: numbers with the fewest digits that read back as the same, arrays and maps as JSON.
+    /// Returns the value as a field of a table: numbers with the fewest digits that read back as the same number, arrays and maps as JSON.
     pub fn field(&self) -> String {
         match self {
             Plain::Nothing => String::new(),

@@ -1,6 +1,6 @@
-//! The table of all functions, and how a description becomes a function of the engine.
+//! The table of all functions, and the registration of functions in the engine.
 //!
-//! A function is registered with every number of arguments that its optional parameters allow. Its body sees a `Call` whose keys are
+//! A function is registered with every number of arguments that its optional parameters allow. Its body receives a `Call` whose keys are
 //! already checked.
 
 use std::any::TypeId;

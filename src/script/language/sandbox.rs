@@ -1,6 +1,6 @@
-//! What a script may read: files below its own folder and below the folders the user named.
+//! Read access of a script: files below its own folder and below the folders the user named.
 //!
-//! Paths are made canonical before they are compared, so that `..` and symbolic links lead nowhere. What it may write is kept by
+//! Paths are made canonical before they are compared, so that `..` and symbolic links do not lead outside. Write access is limited by
 //! [`RunFiles`](crate::output::RunFiles).
 
 use std::cell::RefCell;
@@ -16,9 +16,9 @@ use crate::output::Inputs;
 pub struct Sandbox {
     home: PathBuf,
     readable: Vec<PathBuf>,
-    /// Files that were asked for.
+    /// Files that were read.
     read: RefCell<BTreeSet<PathBuf>>,
-    /// These and all scripts.
+    /// Files that were read, and all scripts.
     inputs: Inputs,
 }
 
@@ -45,7 +45,7 @@ impl Sandbox {
         &self.home
     }
 
-    /// Files that the script has asked for and may read.
+    /// Files that the script has requested and may read.
     pub(crate) fn files_read(&self) -> Vec<PathBuf> {
         self.read.borrow().iter().cloned().collect()
     }
@@ -61,10 +61,10 @@ impl Sandbox {
         self.inputs.clone()
     }
 
-    /// The file that a script means by a path: below its own folder first, then below the working folder and the allowed folders.
+    /// Returns the file at a path of a script: below its own folder first, then below the working folder and the allowed folders.
     ///
     /// # Errors
-    /// There is no such file, or the script may not read it.
+    /// The file does not exist, or the script may not read it.
     pub(crate) fn readable(&self, path: &str) -> Result<PathBuf, Failure> {
         let given = Path::new(path);
         let bases = [self.home.clone(), PathBuf::from(".")].into_iter().chain(self.readable.iter().cloned());
@@ -97,10 +97,10 @@ impl Sandbox {
         })
     }
 
-    /// The file of an imported module.
+    /// Returns the file of an imported module.
     ///
     /// # Errors
-    /// There is no such file, or it lies outside of the script's folder.
+    /// The file does not exist, or lies outside of the script's folder.
     pub fn module(&self, path: &str) -> Result<PathBuf, Failure> {
         let file = self.home.join(format!("{path}.rhai"));
         match file.canonicalize() {
@@ -126,7 +126,7 @@ impl Sandbox {
     }
 }
 
-/// An operating system's error in lower case, without its number.
+/// Returns an error of the operating system in lower case, without its number.
 pub fn reason(error: &std::io::Error) -> String {
     let text = error.to_string();
     let text = text.split(" (os error").next().unwrap_or(&text);

@@ -1,7 +1,7 @@
-//! Finds places in a script's text: an argument, a key of an options map, the extent of a word.
+//! Finds places in the text of a script: an argument, a key of an options map, the extent of a word.
 //!
-//! The language's run-time errors know the beginning of a call at most. The text is read again from there with the language's own
-//! tokens, so that a message can point at the very key or value it speaks of.
+//! Run-time errors of the engine have at most the start of a call. From there, the text is scanned again with the tokens of the language,
+//! so that a message can point at a key or value.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -12,22 +12,22 @@ use rhai::{Engine, Token};
 
 use super::sources::Offsets;
 
-/// A token and the bytes it covers.
+/// A token and its range of bytes.
 #[derive(Clone, Debug)]
 pub struct Lexeme {
     /// The token.
     pub token: Token,
-    /// Its bytes.
+    /// Range of bytes.
     pub range: Range<usize>,
 }
 
-/// What a message about a call points at.
+/// Part of a call at which a message points.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Target {
     /// The name of the called function.
     #[default]
     Call,
-    /// The argument of that number, from 0, not counting the object in front of the dot.
+    /// The argument with this index (from 0), without the object in front of the dot.
     Argument(usize),
     /// A key of an options map.
     Key {
@@ -35,7 +35,7 @@ pub enum Target {
         argument: usize,
         /// The key.
         key: String,
-        /// Whether the key's value is meant.
+        /// True for the value of the key, false for the key itself.
         value: bool,
     },
 }
@@ -44,12 +44,12 @@ pub enum Target {
 type Read = (Arc<str>, Rc<[Lexeme]>);
 
 thread_local! {
-    /// The text that was read last, with its tokens.
+    /// Last text, with its tokens.
     static LAST: RefCell<Option<Read>> = const { RefCell::new(None) };
 }
 
-/// All tokens of the text of a source, as [`lexemes`] gives them; those of the text asked for last are kept, because checks in a loop ask
-/// for one text again and again.
+/// Returns all tokens of the text of a source, as [`lexemes`]; those of the last text are cached, because checks in a loop use one text
+/// repeatedly.
 pub fn lexemes_of_source(engine: &Engine, text: &Arc<str>) -> Rc<[Lexeme]> {
     let known = LAST.with_borrow(|last| last.as_ref().filter(|(known, _)| Arc::ptr_eq(known, text)).map(|(_, lexemes)| lexemes.clone()));
     known.unwrap_or_else(|| {
@@ -59,7 +59,7 @@ pub fn lexemes_of_source(engine: &Engine, text: &Arc<str>) -> Rc<[Lexeme]> {
     })
 }
 
-/// All tokens of a text, up to the first that is not one of the language.
+/// Returns all tokens of a text, up to the first invalid one.
 pub fn lexemes(engine: &Engine, text: &str) -> Vec<Lexeme> {
     let texts = [text];
     let (tokens, control) = engine.lex(&texts);
@@ -100,7 +100,7 @@ pub fn lexemes(engine: &Engine, text: &str) -> Vec<Lexeme> {
     found
 }
 
-/// The bytes of the token that begins at `start`, or one character when there is none.
+/// Returns the bytes of the token that begins at `start`, or of one character if there is none.
 pub fn word(lexemes: &[Lexeme], text: &str, start: usize) -> Range<usize> {
     match lexemes.iter().find(|lexeme| lexeme.range.start == start && !lexeme.range.is_empty()) {
         Some(lexeme) => lexeme.range.clone(),
@@ -108,7 +108,7 @@ pub fn word(lexemes: &[Lexeme], text: &str, start: usize) -> Range<usize> {
     }
 }
 
-/// Where a property's name begins, for a position at the dot in front of it.
+/// Returns the start of a property's name, for the position of the dot in front.
 pub fn name_after_dot(lexemes: &[Lexeme], start: usize) -> usize {
     let dot = lexemes.windows(2).find(|pair| pair[0].range.start == start && matches!(pair[0].token, Token::Period | Token::Elvis));
     dot.map_or(start, |pair| pair[1].range.start)
@@ -120,7 +120,7 @@ pub fn behind_bracket(lexemes: &[Lexeme], start: usize) -> Option<Range<usize>> 
     lexemes.windows(2).find(|pair| pair[0].range.start == start && opens(&pair[0])).map(|pair| pair[1].range.clone())
 }
 
-/// Whether the value of `.name` or `[index]` at `start` is indexed at once: `[` comes next.
+/// True if the value of `.name` or `[index]` at `start` is indexed immediately: `[` follows.
 pub fn is_indexed(lexemes: &[Lexeme], start: usize) -> bool {
     let Some(begin) = lexemes.iter().position(|lexeme| lexeme.range.start == start) else { return false };
     let opens = |token: &Token| matches!(token, Token::LeftBracket | Token::QuestionBracket);
@@ -146,7 +146,7 @@ pub fn end_before(lexemes: &[Lexeme], start: usize) -> Option<Range<usize>> {
     Some(last.range.clone())
 }
 
-/// The name of the method call `object.method(…)` whose arguments use `object` itself; nothing unless there is exactly one.
+/// Returns the name of the single method call `object.method(…)` whose arguments use `object` itself; `None` if there are none or several.
 pub fn self_use(lexemes: &[Lexeme], method: &str) -> Option<Range<usize>> {
     let is = |index: usize, name: &str| matches!(&lexemes[index].token, Token::Identifier(found) if found.as_str() == name);
     let mut found = (2..lexemes.len()).filter(|&index| {
@@ -160,9 +160,9 @@ pub fn self_use(lexemes: &[Lexeme], method: &str) -> Option<Range<usize>> {
     found.next().is_none().then(|| lexemes[only].range.clone())
 }
 
-/// The bytes of a call's argument or key, for the call whose name (or property) begins at `start`.
+/// Returns the bytes of a call's argument or key, for the call whose name (or property) begins at `start`.
 ///
-/// `method`: whether the function's object is not counted among the arguments; a call in the style `f(object, …)` is recognised.
+/// With `method`, the object of the function is not counted among the arguments; a call of the form `f(object, …)` is recognized.
 pub fn locate(lexemes: &[Lexeme], start: usize, target: &Target, method: bool) -> Option<Range<usize>> {
     let name = lexemes.iter().position(|lexeme| lexeme.range.start == start)?;
     let (index, key) = match target {
@@ -216,7 +216,7 @@ pub fn exclusive_ors(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)> {
     lexemes.windows(3).filter_map(found).collect()
 }
 
-/// The bytes of each `param` in a text, with the name it asks for where that is written as a string.
+/// Returns the bytes of each `param` in a text, with the name of the parameter if it is a literal.
 pub fn asked_parameters(lexemes: &[Lexeme]) -> Vec<(Range<usize>, Option<String>)> {
     let called = |window: &[Lexeme]| match (&window[0].token, &window[1].token, &window[2].token) {
         (Token::Identifier(name), Token::LeftParen, argument) if name.as_str() == "param" => match argument {
@@ -228,7 +228,7 @@ pub fn asked_parameters(lexemes: &[Lexeme]) -> Vec<(Range<usize>, Option<String>
     lexemes.windows(3).filter_map(called).collect()
 }
 
-/// Paths of the imports of a text; nothing for a path that is computed.
+/// Returns the paths of the imports of a text; `None` for a computed path.
 pub fn imports(lexemes: &[Lexeme]) -> Vec<Option<String>> {
     let path = |pair: &[Lexeme]| match (&pair[0].token, &pair[1].token) {
         (Token::Import, Token::StringConstant(path)) => Some(Some(path.to_string())),
@@ -238,7 +238,7 @@ pub fn imports(lexemes: &[Lexeme]) -> Vec<Option<String>> {
     lexemes.windows(2).filter_map(path).collect()
 }
 
-/// Functions that a text defines, each with its first byte.
+/// Returns the functions defined in a text, each with its first byte.
 pub fn functions(lexemes: &[Lexeme]) -> Vec<(String, usize)> {
     let name = |pair: &[Lexeme]| match (&pair[0].token, &pair[1].token) {
         (Token::Fn, Token::Identifier(name)) => Some((name.to_string(), pair[0].range.start)),
@@ -247,7 +247,7 @@ pub fn functions(lexemes: &[Lexeme]) -> Vec<(String, usize)> {
     lexemes.windows(2).filter_map(name).collect()
 }
 
-/// A loop in a function, or in a function that it calls: where a function that does not end may be running.
+/// Returns a loop in a function, or in a function called by it, in which the function may run endlessly.
 pub fn loop_in(lexemes: &[Lexeme], function: &str) -> Option<Range<usize>> {
     let mut waiting = vec![function.to_string()];
     let mut seen: Vec<String> = Vec::new();
@@ -288,7 +288,7 @@ pub fn declared(lexemes: &[Lexeme]) -> Vec<String> {
     names
 }
 
-/// Whether a text declares a variable of that name somewhere.
+/// True if a text declares a variable of that name.
 pub fn has_variable(lexemes: &[Lexeme], name: &str) -> bool {
     lexemes.windows(2).any(|pair| {
         matches!(pair[0].token, Token::Let | Token::Const | Token::For)
@@ -381,7 +381,7 @@ mod tests {
         let divisions = |text: &str| truncating_divisions(&lexemes(&Engine::new_raw(), text)).len();
         assert_eq!(divisions("let a = 1/2;"), 1);
         assert_eq!(divisions("f(-1 / 3)"), 1);
-        // The quotient is no number of 64 bits.
+        // The quotient exceeds 64 bits.
         assert_eq!(divisions("-9223372036854775808 / -1; 1/0"), 0);
         assert_eq!(divisions("4/2 + 1.0/2 + 2*1/2 + x/2 + 1/2**3"), 0);
     }

@@ -1,4 +1,4 @@
-//! How a session runs its scripts: the values that the command line or a test decides on.
+//! Settings of a session, from the command line or a test.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,27 +8,27 @@ use std::time::Duration;
 use super::limits::MAX_OPERATIONS;
 use crate::output::LiveReport;
 
-/// What a session does with a script.
+/// Mode of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
-    /// Runs it.
+    /// The script is run.
     Run,
-    /// Builds its models and reports what it would do; takes no step.
+    /// Models are built and described; no steps are taken.
     Check,
 }
 
-/// How often a run writes a checkpoint.
+/// Interval between checkpoints of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Checkpoints {
-    /// Never, not even when it is interrupted.
+    /// Never, not even on an interrupt.
     Never,
-    /// After so many steps and equilibria.
+    /// After this number of steps and equilibria.
     Steps(usize),
-    /// After so much time, or thirty times what the last one took, whichever is longer.
+    /// After this time, or thirty times the time spent on the last checkpoint, whichever is longer.
     Time(Duration),
 }
 
-/// How a session runs a script.
+/// Settings of a session.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Run or check.
@@ -37,25 +37,25 @@ pub struct Settings {
     pub overrides: Vec<(String, String)>,
     /// Folders that a script may read besides its own.
     pub allow_read: Vec<PathBuf>,
-    /// Folder of the results; none are written without it.
+    /// Folder of the results; without it, no results are written.
     pub output: Option<PathBuf>,
     /// Threads of the element loop.
     pub threads: usize,
-    /// Points of a study that are computed at a time, each on a thread, where the script does not say.
+    /// Default number of points of a study that are computed simultaneously, each on a thread.
     pub workers: usize,
     /// Operations after which a script counts as endless; time spent in native functions does not count.
     pub max_operations: u64,
-    /// Ends the run at the last accepted step when it becomes true.
+    /// Flag that ends the run at the last accepted step.
     pub interrupt: Arc<AtomicBool>,
-    /// Tells how far a long factorization is, in thousandths; 0 while none runs.
+    /// Progress of a long factorization in thousandths; 0 while none runs.
     pub factorization: Arc<AtomicU32>,
-    /// How often it writes a checkpoint.
+    /// Interval between checkpoints.
     pub checkpoints: Checkpoints,
     /// Time at which simulations stop, as if interrupted.
     pub until: Option<f64>,
-    /// Those who follow the run while it goes on.
+    /// Report for readers who follow the run.
     pub live: Option<Arc<LiveReport>>,
-    /// Whether somebody sits at a prompt, who can ask further.
+    /// True at a prompt, where the user can enter further statements.
     pub interactive: bool,
 }
 
@@ -79,7 +79,7 @@ impl Default for Settings {
     }
 }
 
-/// Threads that are worth their stacks and their engines where so many were asked for: more than a few for each processor gain nothing.
+/// Limits a requested number of threads to a few per processor: more gain nothing and cost stacks and engines.
 pub fn worthwhile(threads: usize) -> usize {
     threads.min((4 * processors()).max(16))
 }

@@ -1,32 +1,32 @@
-//! Values of which a session has one, kept by their type.
+//! Values of a session, one of each type.
 //!
-//! The API keeps with the session what its functions share: the simulations of a script, the models that were simulated, the values of
-//! `--set`. The host holds these without knowing their types, so that the language stands below the API.
+//! The API stores in the session the shared data of its functions: the simulations of a script, the models that were simulated, the values
+//! of `--set`. The host stores these without depending on their types, so that the language stays below the API.
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// One value of each type.
+/// A value of each type.
 #[derive(Default)]
 pub struct Slots(RefCell<BTreeMap<TypeId, Rc<dyn Any>>>);
 
 impl Slots {
-    /// The value of a type; its default the first time.
+    /// Returns the value of a type; its default on the first call.
     pub fn get<T: Default + 'static>(&self) -> Rc<T> {
         let mut slots = self.0.borrow_mut();
         let slot = slots.entry(TypeId::of::<T>()).or_insert_with(|| Rc::new(T::default()));
         slot.clone().downcast::<T>().unwrap_or_default()
     }
 
-    /// Puts a value in place of the one of its type.
+    /// Sets the value of a type.
     pub fn set<T: 'static>(&self, value: Rc<T>) {
         let before = self.0.borrow_mut().insert(TypeId::of::<T>(), value);
         drop(before);
     }
 
-    /// Lets go of all values. What they hold may ask for slots while it goes, so the table is free by then.
+    /// Drops all values. Drop implementations may access slots, so the table is unlocked by then.
     pub fn clear(&self) {
         let slots = self.0.take();
         drop(slots);

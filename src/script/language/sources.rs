@@ -1,7 +1,7 @@
-//! The texts that scripts came from, so that every message can show the line it speaks of.
+//! Texts of scripts and modules, from which messages show lines.
 //!
-//! One table, from the name of a source (the path as the user gave it, or the path of an import) to its text, shared by the engine,
-//! the module resolver and the diagnostics.
+//! A table from the name of a source (the path as given by the user, or the path of an import) to its text, shared by the engine, the
+//! module resolver and the diagnostics.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -10,14 +10,14 @@ use std::sync::Arc;
 
 use rhai::Position;
 
-/// Texts by the name of their source.
+/// Texts by source name.
 #[derive(Clone, Default)]
 pub struct Sources {
     texts: RefCell<BTreeMap<String, Arc<str>>>,
     segments: RefCell<Vec<Segment>>,
 }
 
-/// A text with a name of its own that was appended to a source.
+/// A text with its own name, appended to a source.
 #[derive(Clone)]
 struct Segment {
     source: String,
@@ -32,8 +32,8 @@ impl Sources {
         self.texts.borrow_mut().insert(name.to_string(), text.into());
     }
 
-    /// Appends a text with a name of its own to a source, on a new line: the engine numbers the lines of a session through, messages
-    /// show each text by itself (see [`Self::relocate`]).
+    /// Appends a text with its own name to a source, on a new line: the engine numbers the lines of a session consecutively, messages show
+    /// each text separately (see [`Self::relocate`]).
     pub fn append(&self, source: &str, name: &str, text: &str) {
         let whole = self.text(source).map_or(String::new(), |text| text.to_string());
         let start = whole.len();
@@ -41,7 +41,7 @@ impl Sources {
         self.segments.borrow_mut().push(Segment { source: source.into(), start, name: name.into(), text: text.into() });
     }
 
-    /// A place in the text that was appended there, if it was.
+    /// Converts a place in a source into a place in the appended text, if it lies in one.
     pub(crate) fn relocate(&self, place: Place) -> Place {
         let segments = self.segments.borrow();
         let inside = |segment: &&Segment| segment.source == place.source && segment.start <= place.range.start;
@@ -78,7 +78,7 @@ impl Sources {
 pub struct Place {
     /// Name of the source.
     pub source: String,
-    /// Its text.
+    /// Text of the source.
     pub text: Arc<str>,
     /// Bytes of the text.
     pub range: Range<usize>,
@@ -105,7 +105,7 @@ pub fn offset(text: &str, position: Position) -> Option<usize> {
     Offsets::new(text).of(position)
 }
 
-/// Byte offsets of positions in a text. Of many in their order, each is found from the one before it.
+/// Byte offsets of positions in a text. For ascending positions, each is found from the previous one.
 pub struct Offsets<'a> {
     text: &'a str,
     line: usize,
@@ -114,12 +114,12 @@ pub struct Offsets<'a> {
 }
 
 impl<'a> Offsets<'a> {
-    /// From the beginning of a text on.
+    /// Returns the offsets of positions in a text, from its beginning on.
     pub fn new(text: &'a str) -> Self {
         Offsets { text, line: 1, column: 1, byte: 0 }
     }
 
-    /// The offset of a position, as [`offset`] tells it.
+    /// Returns the offset of a position, as [`offset`].
     pub fn of(&mut self, position: Position) -> Option<usize> {
         let text = self.text;
         let (line, column) = (position.line()?, position.position().unwrap_or(1));

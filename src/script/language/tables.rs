@@ -1,8 +1,8 @@
-//! Objects as small tables, as the prompt and `print` show them.
+//! Objects as small tables, for the prompt and `print`.
 //!
-//! Columns are as wide as their widest entry; the first is set flush left, all others flush right.
+//! Columns are as wide as their widest entry; the first column is aligned left, all others right.
 
-/// A table with a header, indented by two spaces.
+/// Returns a table with a header, indented by two spaces.
 pub fn table<S: AsRef<str>>(header: &[&str], rows: &[Vec<S>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.as_ref().chars().count());

@@ -1,8 +1,8 @@
-//! A value that stays on its thread, behind a handle that may go to others.
+//! A value that stays on its thread, with a handle that may be sent to others.
 //!
-//! Models and simulations can be sent to other threads, values of the engine cannot. So a closure that the solver calls is kept by the
-//! thread of its engine, and what the solver holds is the number under which it is kept there. On any other thread the handle finds
-//! nothing, and the closure fails as one that has outlived its script does.
+//! Models and simulations can be sent to other threads, values of the engine cannot. A closure called by the solver is therefore stored by
+//! the thread of its engine, and the solver holds its number. On any other thread the handle finds no value, and the call fails as that of
+//! a closure whose script has ended.
 
 use std::any::Any;
 use std::cell::{Cell, RefCell};
@@ -16,7 +16,7 @@ thread_local! {
     static NEXT: Cell<u64> = const { Cell::new(0) };
 }
 
-/// A handle of a value of the thread that made it.
+/// Handle of a value that belongs to the thread of its creation.
 #[derive(Debug)]
 pub struct ThreadBound<T> {
     number: u64,
@@ -32,7 +32,7 @@ impl<T: 'static> ThreadBound<T> {
         ThreadBound { number, home: thread::current().id(), kind: PhantomData }
     }
 
-    /// The value; nothing on another thread.
+    /// Returns the value; `None` on another thread.
     pub fn get(&self) -> Option<Rc<T>> {
         let found = (thread::current().id() == self.home).then(|| KEPT.with_borrow(|kept| kept.get(&self.number).cloned()))?;
         found?.downcast().ok()
@@ -42,7 +42,8 @@ impl<T: 'static> ThreadBound<T> {
 impl<T> Drop for ThreadBound<T> {
     fn drop(&mut self) {
         if thread::current().id() == self.home {
-            // The value goes when nothing is borrowed any more: it may have such handles itself. At the end of a thread all have gone.
+            // The value is dropped outside of any borrow, since it may contain further handles. At the end of a thread all values have been
+            // dropped.
             let value = KEPT.try_with(|kept| kept.borrow_mut().remove(&self.number));
             drop(value);
         }

@@ -18,7 +18,7 @@ pub fn as_whole(value: &Dynamic) -> Option<i64> {
     value.as_int().ok().or(fraction.map(|number| number as i64))
 }
 
-/// A value in the words of the language, such as `the string "abc"`.
+/// Describes a value in terms of the language, such as `the string "abc"`.
 pub fn describe(engine: &Engine, value: &Dynamic) -> String {
     if value.is_unit() {
         "nothing, `()`".into()

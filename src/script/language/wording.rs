@@ -1,6 +1,6 @@
-//! Names as parts of sentences: lists, articles, and the names that a misspelt one may have been meant to be.
+//! Names in sentences: lists, articles, and suggestions for misspelt names.
 
-/// The names in `candidates` that `name` may have been meant to be, nearest first.
+/// Returns the names in `candidates` similar to `name`, nearest first.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let lower = name.to_lowercase();
     let mut scored: Vec<(f64, &str)> = candidates
@@ -30,7 +30,7 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     scored.into_iter().filter(|(score, _)| *score > best - 0.3).take(3).map(|(_, candidate)| candidate).collect()
 }
 
-/// ``did you mean `a` or `b`?``, or nothing when no name is near.
+/// Returns ``did you mean `a` or `b`?``, or `None` if no name is similar.
 pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let near = nearest(name, candidates);
     (!near.is_empty()).then(|| format!("did you mean {}?", listed(&near, "or")))

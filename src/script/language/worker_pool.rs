@@ -1,8 +1,8 @@
-//! What passes between a session and those that work for it on other threads: plain data, and how one is hired.
+//! Data exchanged between a session and its workers on other threads, and the creation of workers.
 //!
-//! Engines, closures and objects stay on their thread. A closure whose captured values are plain data can be carried over by its name: the
-//! other session compiles the same texts and finds it there. The language knows neither sessions nor studies, so who makes a session
-//! ([`NewWorker`]) is put into a slot by the room above.
+//! Engines, closures and objects stay on their thread. A closure whose captured values are plain data can be transferred by its name: the
+//! other session compiles equal texts and finds the closure in these. The language is independent of sessions and studies, so the session
+//! puts the function that makes workers ([`NewWorker`]) into a slot.
 
 use std::path::PathBuf;
 
@@ -17,12 +17,12 @@ use super::plain::Plain;
 use super::settings::Settings;
 use super::sources::Sources;
 
-/// A text whose functions a session knows, as it was compiled.
+/// A compiled text whose functions a session has.
 #[derive(Clone, Debug)]
 pub struct Unit {
     /// The text.
     pub text: String,
-    /// Variables that were there when it was compiled.
+    /// Variables in scope when the text was compiled.
     pub names: Vec<String>,
 }
 
@@ -30,10 +30,10 @@ pub struct Unit {
 #[derive(Default)]
 pub struct Program(pub std::cell::RefCell<Vec<Unit>>);
 
-/// What it takes to make a session that knows the same functions.
+/// Data to create a session with equal functions.
 #[derive(Clone)]
 pub struct Blueprint {
-    /// How it runs.
+    /// Settings of the run.
     pub settings: Settings,
     /// The folder of the script.
     pub home: PathBuf,
@@ -43,90 +43,90 @@ pub struct Blueprint {
     pub sources: Sources,
     /// The texts with the functions.
     pub program: Vec<Unit>,
-    /// Imported modules: the name that the script gives each, empty where it gives none, and its path.
+    /// Imported modules: the alias in the script (empty if there is none), and the path.
     pub imports: Vec<(String, String)>,
     /// Constants of the script.
     pub constants: Vec<(String, Plain)>,
 }
 
-/// A closure by its name, with what it captures.
+/// A closure by its name, with its captured values.
 #[derive(Clone, Debug)]
 pub struct Carried {
-    /// Its name.
+    /// Name of the closure.
     pub name: String,
     /// Values of captured variables.
     pub captured: Vec<Plain>,
-    /// How the value that it gives becomes data.
+    /// Conversion of the closure's value into data.
     pub reading: Reading,
 }
 
-/// Makes data of what a closure gave.
+/// Converts the value of a closure into data.
 ///
 /// # Errors
-/// It gave something that is none.
+/// The value cannot be converted.
 pub type Reading = fn(&Engine, &Dynamic) -> Result<Plain, Failure>;
 
-/// Something that a script said.
+/// Message of a script.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Told {
     /// A printed line.
     Line(String),
-    /// A check that holds: what tells it from others, and the line.
+    /// A check that holds: its key, and its message.
     Passed(String, String),
     /// A warning.
     Warning(Message),
 }
 
-/// How a call of a closure ended.
+/// Outcome of a call of a closure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
-    /// It gave this.
+    /// Value of the closure.
     Done(Plain),
-    /// It failed.
+    /// Error of the call.
     Failed(Message),
-    /// The closure is wrong in itself: it gives what is no result, or changes what is not its own.
+    /// Error of the closure itself: its value is no result, or it changes objects that are not its own.
     Refused(Message),
 }
 
-/// A call of a closure with everything that came of it.
+/// Outcome of a call of a closure, with its messages, parameters and files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Computed {
-    /// How it ended.
+    /// Outcome of the call.
     pub outcome: Outcome,
-    /// What it said.
+    /// Messages of the call.
     pub told: Vec<Told>,
-    /// Parameters that it asked for, with their values.
+    /// Parameters that the closure requested, with their values.
     pub asked: Vec<(String, Plain)>,
-    /// Files that it read.
+    /// Files that the closure read.
     pub read: Vec<PathBuf>,
-    /// Texts of modules that it imported, by name.
+    /// Texts of imported modules, by name.
     pub modules: Vec<(String, String)>,
 }
 
 impl Computed {
-    /// One that nothing came of but this.
+    /// Returns a result without messages, parameters and files.
     pub fn only(outcome: Outcome) -> Self {
         Computed { outcome, told: Vec::new(), asked: Vec::new(), read: Vec::new(), modules: Vec::new() }
     }
 }
 
-/// A session that calls closures for another one.
+/// Session that calls closures for another session.
 pub trait Hand {
-    /// Whether it knows a closure.
+    /// True if the session has the closure.
     fn knows(&self, closure: &Carried) -> bool;
 
-    /// Calls a closure as if nothing had been called before.
+    /// Calls a closure independently of earlier calls.
     fn compute(&mut self, closure: &Carried, arguments: &[Plain]) -> Computed;
 }
 
-/// Makes a session on the thread that calls it; `None` where the texts do not make one, such as a module that is gone by now.
+/// Makes a session on the calling thread; `None` if the texts cannot be compiled, or a module no longer exists.
 pub type NewWorker = fn(&Blueprint) -> Option<Box<dyn Hand>>;
 
-/// How a session hires, where it can.
+/// Function that creates workers; `None` where the session has none.
 #[derive(Default)]
 pub struct MakeWorker(pub Option<NewWorker>);
 
-/// What came of a call of a closure.
+/// Converts the value of a closure call into an outcome.
 pub fn outcome_of(host: &Host, engine: &Engine, value: Result<Result<Dynamic, Failure>, Box<EvalAltResult>>, reading: Reading) -> Outcome {
     match value.map(|value| value.and_then(|value| reading(engine, &value))) {
         Ok(Ok(plain)) => Outcome::Done(plain),

@@ -1,4 +1,4 @@
-//! How arguments are read, seen from a script: the title of the error that it ends with.
+//! Reading of arguments by scripts: the title of the resulting error.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use super::session::Session;
 use crate::script::language::observer::Silent;
 use crate::script::language::settings::Settings;
 
-/// The title of the error that a script ends with, or `ok`.
+/// Returns the title of the error with which a script ends, or `ok`.
 fn title(text: &str) -> String {
     let mut session = Session::new(Settings::default(), Path::new("."), Rc::new(Silent)).unwrap();
     session.evaluate("test.rhai", text).map_or_else(|error| error.title, |_| "ok".into())

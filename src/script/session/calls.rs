@@ -1,7 +1,7 @@
-//! Calls of single functions by a program in another language, with the checks and messages that scripts have.
+//! Calls of single functions by a program in another language, with the checks and messages of scripts.
 //!
 //! A call is a short text such as `a0.add_body(a1, a2)`, compiled once for each function and number of values; the values are the variables
-//! of its scope. So operators, checks and messages are those of the engine, and nothing about a function is written a second time.
+//! of its scope. Operators, checks and messages are thus those of the engine, and functions need no second description.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -15,8 +15,6 @@ use super::compile::compile;
 use super::reference::Reference;
 use super::session::{Report, Session};
 use super::shown::shown;
-use crate::mesh::Mesh;
-use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
 use crate::script::language::failure::interrupted;
@@ -25,10 +23,13 @@ use crate::script::language::observer::Observer;
 use crate::script::language::registry::Registry;
 use crate::script::language::settings::Settings;
 
-/// Functions of a session for a program that has no script.
+/// First letters of the names of the texts of calls.
+const CALL: &str = "call ";
+
+/// Functions of a session for a program without a script.
 pub struct Calls {
-    session: RefCell<Session>,
-    registry: Rc<Registry>,
+    pub(super) session: RefCell<Session>,
+    pub(super) registry: Rc<Registry>,
     /// Compiled calls by the number of the function in the registry and the number of values.
     prepared: RefCell<HashMap<(usize, usize), Rc<Prepared>>>,
 }
@@ -72,25 +73,25 @@ impl Calls {
         self.registry.types().names()
     }
 
-    /// A value as the prompt shows it.
+    /// True of a message about a text that the user has written, and not about the text of a call.
+    pub fn is_in_text(error: &Diagnostic) -> bool {
+        error.place.as_ref().is_some_and(|place| !place.source.starts_with(CALL))
+    }
+
+    /// Returns a value as shown at the prompt.
     pub fn shown(&self, value: &Dynamic) -> String {
         shown(&self.registry, value)
     }
 
-    /// A value as `print` shows it.
+    /// Returns a value as shown by `print`.
     pub fn printed(&self, value: &Dynamic) -> String {
         self.registry.types().print(value).unwrap_or_else(|| value.to_string())
-    }
-
-    /// The mesh behind an object of the type `Mesh`.
-    pub fn mesh(&self, value: &Dynamic) -> Option<std::sync::Arc<Mesh>> {
-        value.clone().try_cast::<MeshHandle>().map(|handle| handle.mesh())
     }
 
     /// Calls a function by its place in [`Self::functions`]; the object of a method is the first value.
     ///
     /// # Errors
-    /// The message that a script would end with.
+    /// The message with which a script would end.
     pub fn call(&self, function: usize, values: Vec<Dynamic>) -> Result<Dynamic, Box<Diagnostic>> {
         match catch_unwind(AssertUnwindSafe(|| self.evaluate(function, values))) {
             Ok(outcome) => outcome,
@@ -121,7 +122,7 @@ impl Calls {
         let description = &self.registry.functions()[function];
         let variables: Vec<String> = (0..count).map(|index| format!("a{index}")).collect();
         let text = text_of(description, &variables);
-        let source = format!("call {function} of {count}");
+        let source = format!("{CALL}{function} of {count}");
         let mut scope = Scope::new();
         for variable in &variables {
             scope.push(variable.as_str(), ());
@@ -140,7 +141,7 @@ impl Calls {
         interrupted("interrupted").into()
     }
 
-    /// Ends the session as a run ends: warnings, and the files of its folder, where it has one.
+    /// Ends the session like a run: warnings, and the files of its folder, if there is one.
     pub fn finish(&self, error: Option<Box<Diagnostic>>) -> Report {
         let finished = catch_unwind(AssertUnwindSafe(|| self.session.borrow_mut().finish(error)));
         finished.unwrap_or_else(|panic| Report::failed(*defect(&*panic)))

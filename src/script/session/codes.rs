@@ -1,16 +1,16 @@
-//! What the stable codes of messages mean: the page `docs/errors.md`, of which every section explains one code.
+//! Meaning of the stable codes of messages: the page `docs/errors.md`, in which every section explains one code.
 
 use serde_json::{Value, json};
 
-/// The page, which is part of the program.
+/// The page, which is compiled into the program.
 const PAGE: &str = include_str!("../../../docs/errors.md");
 
-/// What a code means, why it comes and how it is mended.
+/// Meaning, cause and remedy of a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Explanation {
-    /// The code, such as `C0123`.
+    /// Code, such as `C0123`.
     pub code: &'static str,
-    /// What it stands for, a few words.
+    /// Title of the code, a few words.
     pub title: &'static str,
     /// The explanation in Markdown.
     pub text: &'static str,
@@ -26,12 +26,12 @@ pub fn explanations() -> impl Iterator<Item = Explanation> {
     })
 }
 
-/// Whether a name is written as a code is.
+/// Returns the number of a code `C…`; `None` if the name is not a code.
 fn number_of(name: &str) -> Option<i32> {
     name.strip_prefix(['C', 'c']).filter(|digits| digits.len() >= 2)?.parse().ok()
 }
 
-/// The explanation of a code; the nearest code, where it has none. `None` of a name that is no code.
+/// Returns the explanation of a code, or the nearest code if it has none. `None` if the name is not a code.
 pub(super) fn explanation(name: &str) -> Option<Result<Explanation, String>> {
     let number = number_of(name)?;
     let distance = |known: &Explanation| number_of(known.code).map_or(u32::MAX, |known| known.abs_diff(number));
@@ -47,7 +47,7 @@ impl Explanation {
         format!("{}: {}\n{}", self.code, self.title, lines.join("\n"))
     }
 
-    /// The explanation as its section of the page.
+    /// Returns the explanation as a section of the page.
     pub(super) fn markdown(&self) -> String {
         format!("### {}: {}\n\n{}\n", self.code, self.title, self.text)
     }

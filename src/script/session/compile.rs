@@ -1,15 +1,15 @@
-//! How a text becomes a tree that the engine runs, and the scope in which it begins.
+//! Compilation of texts for the engine, and their initial scope.
 
 use rhai::{AST, Engine, EvalAltResult, Scope};
 
-/// A scope with the constants of the language.
+/// Returns a scope with the constants of the language.
 pub fn constants() -> Scope<'static> {
     let mut scope = Scope::new();
     scope.push_constant("PI", std::f64::consts::PI);
     scope
 }
 
-/// The tree of a text, which knows the name of its source.
+/// Compiles a text; the result has the name of its source.
 ///
 /// # Errors
 /// A text that does not parse.

@@ -1,6 +1,6 @@
-//! What can be written at the cursor: names, members by type, keys of options, names inside strings, files; and the signature of a call.
+//! Completions at the cursor: names, members by type, keys of options, names inside strings, files; and the signature of a call.
 //!
-//! Pure: reads the scope, the registry and the folder of the session, and evaluates nothing but properties of objects that already exist.
+//! Without side effects: reads the scope, the registry and the folder of the session, and evaluates only properties of existing objects.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,12 +22,12 @@ use crate::script::language::function::{Form, Function};
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::registry::Registry;
 
-/// Something that can be written at the cursor.
+/// A completion at the cursor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Candidate {
-    /// What is written.
+    /// Text that is inserted.
     pub text: String,
-    /// How it is listed.
+    /// Text in the list of candidates.
     pub display: String,
 }
 
@@ -37,7 +37,7 @@ pub const KEYWORDS: [&str; 20] = [
     "try", "catch", "throw", "switch",
 ];
 
-/// What the names at the cursor may mean.
+/// Names that are known at the cursor.
 pub struct Words<'a> {
     /// The engine.
     pub engine: &'a Engine,
@@ -53,7 +53,7 @@ pub struct Words<'a> {
     pub home: &'a Path,
 }
 
-/// What is known of an expression without evaluating it.
+/// Value or type of an expression, as far as known without evaluation.
 enum Known {
     Value(Dynamic),
     Type(&'static str),
@@ -61,7 +61,7 @@ enum Known {
 }
 
 impl Words<'_> {
-    /// Where the completed word begins, and what it can be completed to.
+    /// Returns the start of the completed word, and its completions.
     pub fn complete(&self, before: &str) -> (usize, Vec<Candidate>) {
         let cursor = Cursor::new(before);
         if cursor.in_comment {
@@ -119,7 +119,7 @@ impl Words<'_> {
         variables.chain(modules).chain(own).chain(language).chain(builtin).chain(keywords).collect()
     }
 
-    /// Members of what stands in front of the dot.
+    /// Returns the members of the expression in front of the dot.
     fn members(&self, cursor: &Cursor, dot: usize) -> Vec<Candidate> {
         let plain = |name: String| Candidate { text: name.clone(), display: name };
         let known = self.resolve(cursor, dot);
@@ -184,7 +184,7 @@ impl Words<'_> {
         self.registry.functions().iter().filter(takes_an_array).map(member)
     }
 
-    /// What is known of the expression that ends in front of piece `end`.
+    /// Returns the value or type of the expression that ends before token `end`.
     fn resolve(&self, cursor: &Cursor, end: usize) -> Known {
         let Some(last) = end.checked_sub(1) else { return Known::Nothing };
         match cursor.kind(last) {
@@ -241,7 +241,7 @@ impl Words<'_> {
         found.map_or(Known::Nothing, |function| Known::Type(function.returns))
     }
 
-    /// The function whose call is open at a level.
+    /// Returns the function whose call is open at a level.
     fn called_at(&self, cursor: &Cursor, level: &Level) -> Option<&Function> {
         let name = cursor.callee(level)?;
         let functions = self.registry.functions().iter().map(|function| &**function);
@@ -286,7 +286,7 @@ impl Words<'_> {
                 return words;
             }
         }
-        // The innermost call counts, whether an array stands around the string or not.
+        // The innermost call counts, also for a string inside an array.
         let call = cursor.levels.iter().rev().find(|level| level.bracket == '(');
         let Some((level, function)) = call.and_then(|level| Some((level, self.called_at(cursor, level)?))) else { return self.all_names() };
         if let Some(words) = function.parameters.get(level.commas).and_then(|parameter| choices(&parameter.kind)) {
@@ -326,7 +326,7 @@ impl Words<'_> {
         }
     }
 
-    /// Meshes in reach, with the names of the bodies they belong to.
+    /// Returns the meshes in scope, with the names of their bodies.
     fn meshes(&self) -> Vec<(String, Arc<Mesh>)> {
         let models = self.objects::<ModelHandle>();
         let mut found: Vec<_> = models
@@ -351,7 +351,7 @@ impl Words<'_> {
         names
     }
 
-    /// Files with an ending, and folders, below the session's folder; paths as they would be written.
+    /// Returns files with an extension, and folders, below the session's folder, with paths as written in a script.
     fn files(&self, written: &str, ending: &str) -> Vec<String> {
         let folder = written.rfind('/').map_or("", |slash| &written[..=slash]);
         let Ok(entries) = std::fs::read_dir(self.home.join(folder)) else { return Vec::new() };
@@ -370,8 +370,7 @@ impl Words<'_> {
         names
     }
 
-    /// What comes next in the call at the cursor, which stands at the end of the text: the rest of the signature, or what the value of a
-    /// key must be.
+    /// Returns the rest of the signature of the call at the end of the text `before`, or the description of values of a key.
     pub fn hint(&self, before: &str) -> Option<String> {
         let cursor = Cursor::new(before);
         if cursor.in_comment || cursor.in_string().is_some() {
@@ -413,7 +412,7 @@ fn parameter_name(parameter: &Parameter) -> String {
     if parameter.is_optional() { format!("{name}?") } else { name }
 }
 
-/// A function or property as it is written.
+/// Returns the completion of a function or property.
 fn called(function: &Function) -> Candidate {
     let signature = function.signature();
     let display =

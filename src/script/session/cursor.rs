@@ -1,24 +1,24 @@
-//! What the text in front of the cursor is about to say: inside which brackets, of which call, at which key, within a string or not.
+//! Context of the cursor in unfinished text: enclosing brackets, the call, the key, inside of a string or not.
 //!
-//! The language's own tokenizer stops at the first thing that is not yet whole, so unfinished input is cut by a small scanner of its own.
+//! The engine's tokenizer stops at the first incomplete token, so unfinished input is split by a small scanner.
 
 use std::ops::Range;
 
-/// Kinds of pieces of a text.
+/// Kinds of tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PieceKind {
     /// A name or a word of the language.
     Name,
     /// A number.
     Number,
-    /// A string, or the beginning of one.
+    /// A string, possibly incomplete.
     Text {
-        /// Whether its closing quote is there.
+        /// True if the closing quote is present.
         closed: bool,
     },
-    /// A comment, or the beginning of one.
+    /// A comment, possibly incomplete.
     Comment {
-        /// Whether it has ended.
+        /// True if the comment is closed.
         closed: bool,
     },
     /// An opening bracket: `(`, `[`, `{`, or `#` for `#{`.
@@ -33,12 +33,12 @@ pub enum PieceKind {
     Sign(char),
 }
 
-/// A piece of a text.
+/// A token of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Piece {
-    /// What it is.
+    /// Kind of the token.
     pub kind: PieceKind,
-    /// Its bytes.
+    /// Range of bytes.
     pub range: Range<usize>,
 }
 
@@ -88,7 +88,7 @@ pub fn pieces(text: &str) -> Vec<Piece> {
     found
 }
 
-/// Where the closing quote of a string stands, in the text after its opening quote.
+/// Returns the position of the closing quote in the text after the opening quote.
 fn string_end(text: &str, quote: char) -> Option<usize> {
     let mut escaped = false;
     for (index, letter) in text.char_indices() {
@@ -107,13 +107,13 @@ fn string_end(text: &str, quote: char) -> Option<usize> {
 pub struct Level {
     /// `(`, `[`, `{`, or `#` for `#{`.
     pub bracket: char,
-    /// Index of its piece.
+    /// Index of the bracket's token.
     pub piece: usize,
-    /// Commas in it so far.
+    /// Number of commas inside so far.
     pub commas: usize,
     /// For a map: the keys written so far.
     pub keys: Vec<String>,
-    /// For a map: the key whose value the cursor is at.
+    /// For a map: the key at whose value the cursor is.
     pub key: Option<String>,
 }
 
@@ -121,13 +121,13 @@ pub struct Level {
 pub struct Cursor<'a> {
     /// The text.
     pub text: &'a str,
-    /// Its pieces, comments not among them.
+    /// Tokens without comments.
     pub pieces: Vec<Piece>,
     /// Open brackets, the outermost first.
     pub levels: Vec<Level>,
-    /// Whether the cursor is in a comment.
+    /// True if the cursor is in a comment.
     pub in_comment: bool,
-    /// Whether a closing bracket does not belong to the opening one.
+    /// True if a closing bracket does not match the opening one.
     pub is_crossed: bool,
 }
 
@@ -188,24 +188,24 @@ impl<'a> Cursor<'a> {
         self.pieces.get(index).map(|piece| piece.kind)
     }
 
-    /// Where the content of the string begins in which the cursor is.
+    /// Returns the start of the content of the string at the cursor.
     pub fn in_string(&self) -> Option<usize> {
         let last = self.pieces.last()?;
         (last.kind == PieceKind::Text { closed: false }).then_some(last.range.start + 1)
     }
 
-    /// The piece that is the name of the function whose call is open at a level.
+    /// Returns the token with the name of the function whose call is open at a level.
     pub fn callee(&self, level: &Level) -> Option<usize> {
         let before = level.piece.checked_sub(1)?;
         (level.bracket == '(' && self.kind(before) == Some(PieceKind::Name)).then_some(before)
     }
 
-    /// Whether a name follows a dot.
+    /// True if the token is a name behind a dot.
     pub fn is_member(&self, index: usize) -> bool {
         index > 0 && self.kind(index - 1) == Some(PieceKind::Dot)
     }
 
-    /// The name the cursor is at the end of, with where it begins; empty in front of a name.
+    /// Returns the name that ends at the cursor, with its start; empty in front of a name.
     pub fn word(&self) -> (usize, &'a str) {
         match self.pieces.last() {
             Some(last) if last.kind == PieceKind::Name && last.range.end == self.text.len() => {
@@ -215,7 +215,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Index of the bracket that a closing one belongs to.
+    /// Returns the index of the bracket that matches a closing one.
     pub fn opening(&self, close: usize) -> Option<usize> {
         let mut depth = 0usize;
         for index in (0..=close).rev() {

@@ -1,4 +1,4 @@
-//! Makes the engine of a session: its limits, its types and functions, and what it asks the session while it runs.
+//! Creates the engine of a session: limits, types, functions, and callbacks into the session.
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 
@@ -56,11 +56,11 @@ fn functions() -> Vec<Function> {
     all
 }
 
-/// Strings of which an engine keeps one copy; as many as a default engine.
+/// Number of interned strings, as in a default engine.
 const STRINGS_INTERNED: usize = 256;
 
 thread_local! {
-    /// The functions that the engine brings with it. Describing them is most of the work of making an engine, and tests make many.
+    /// Functions of the engine, shared because their registration is most of the cost of making an engine, and tests make many.
     static STANDARD: Shared<Module> = StandardPackage::new().as_shared_module();
 }
 
@@ -70,7 +70,7 @@ pub fn engine(host: &Rc<Host>) -> Engine {
     engine.set_max_strings_interned(STRINGS_INTERNED);
     STANDARD.with(|standard| engine.register_global_module(standard.clone()));
     engine.set_optimization_level(OptimizationLevel::Simple);
-    // The operators of the language go before those of the engine.
+    // The operators of the language take precedence over those of the engine.
     engine.set_fast_operators(false);
     engine.set_strict_variables(true);
     engine.set_fail_on_invalid_map_property(true);
@@ -96,7 +96,7 @@ pub fn engine(host: &Rc<Host>) -> Engine {
     engine
 }
 
-/// What a script may use at most.
+/// Sets the limits of a script.
 fn limit(engine: &mut Engine, host: &Host) {
     engine.set_max_operations(host.settings.max_operations);
     engine.set_max_call_levels(MAX_CALL_LEVELS);
@@ -109,10 +109,10 @@ fn limit(engine: &mut Engine, host: &Host) {
 
 /// Operations after which the clock is looked at: each may make an array of [`MAX_ARRAY`] entries.
 const LOOK: u64 = 8;
-/// Time after which it is looked how much memory is left.
+/// Period at which the free memory is checked.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
 
-/// What a script fails with that holds more than there is, in all of its arrays, strings, meshes and simulations together.
+/// Returns the failure of a script whose arrays, strings, meshes and simulations exceed the memory limit.
 fn out_of_memory() -> Failure {
     let failure = Failure::script("there is no memory left for the script");
     let failure = match memory::limit() {
@@ -122,7 +122,7 @@ fn out_of_memory() -> Failure {
     failure.hint("keep less at a time, or allow more with `--memory`")
 }
 
-/// What the engine asks and tells the session: whether to stop, what is printed, where modules are.
+/// Connects the engine with the session: interrupts, printed lines, modules.
 fn connect(engine: &mut Engine, host: &Rc<Host>) {
     let interrupt = host.settings.interrupt.clone();
     let progress = Rc::downgrade(host);
@@ -179,7 +179,7 @@ fn types(engine: &mut Engine) -> Types {
     types
 }
 
-/// The hidden function by which a module leaves its context; not part of the language.
+/// Registers the hidden function by which a module stores its context; not part of the language.
 fn keep_context(module: &mut Module, host: &Rc<Host>) {
     let host = host.clone();
     FuncRegistration::new(KEEP_CONTEXT).in_global_namespace().set_into_module_raw(

@@ -1,6 +1,6 @@
-//! `help`: what the functions of the language say about themselves, in a script and at the prompt.
+//! `help`: descriptions of the functions of the language, in a script and at the prompt.
 //!
-//! The texts are those of the [reference](super::reference); only the overview, which is names alone, is made here.
+//! The texts are those of the [reference](super::reference); only the overview, a list of names, is made here.
 
 use rhai::Dynamic;
 
@@ -11,7 +11,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::registry::Registry;
 
-/// Entries that mention a name which has no entry, at most.
+/// Largest number of entries listed that mention an unknown name.
 const MENTIONS: usize = 8;
 
 /// Names of the topics.

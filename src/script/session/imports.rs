@@ -1,7 +1,6 @@
-//! Imports at the prompt, which last for the whole session.
+//! Imports at the prompt, which stay valid for the whole session.
 //!
-//! The engine forgets an import with the text that it stood in, so every import is written again into the blank lines in front of each
-//! entry, in its own place.
+//! An import of the engine is limited to its text, so every import is repeated in the blank lines in front of each entry, at its own place.
 
 use std::collections::BTreeMap;
 
@@ -12,16 +11,16 @@ use crate::machine::files;
 use crate::script::language::sandbox::Sandbox;
 use crate::script::language::scan;
 
-/// An import that lasts.
+/// An import of the session.
 struct Import {
-    /// Its line and column, from 0, in the whole session.
+    /// Line and column (from 0) in the whole session.
     line: usize,
     column: usize,
     text: String,
     alias: String,
 }
 
-/// The imports of a session, and what their modules offer.
+/// Imports of a session, and the functions of their modules.
 #[derive(Default)]
 pub struct Imports {
     imports: Vec<Import>,
@@ -34,7 +33,7 @@ impl Imports {
         &self.modules
     }
 
-    /// All imports in one line.
+    /// Returns all imports in one line.
     pub fn line(&self) -> String {
         self.imports.iter().map(|import| import.text.as_str()).collect()
     }
@@ -56,7 +55,7 @@ impl Imports {
         text
     }
 
-    /// Remembers the imports of an entry, outside of any block.
+    /// Adds the imports of an entry outside of any block.
     pub fn keep(&mut self, engine: &Engine, sandbox: &Sandbox, first_line: usize, text: &str) {
         let lexemes = scan::lexemes(engine, text);
         let mut depth = 0usize;

@@ -1,10 +1,10 @@
-//! The session behind the prompt: entries one after another in a scope that lasts. No terminal here.
+//! Session behind the prompt: entries are evaluated one after another in a lasting scope, independent of a terminal.
 //!
-//! The engine runs whole scripts. Three things make a session of it: the functions of all entries are merged into one tree; imports are
-//! written again in front of each entry (`imports.rs`); and every entry is compiled below as many blank lines as the session has, so that a
-//! position means one place in the whole session ([`Sources::append`](crate::script::language::sources::Sources::append)).
+//! The engine runs whole scripts. For a session, the functions of all entries are merged into one tree; imports are repeated in front of
+//! each entry (`imports.rs`); and every entry is compiled behind as many blank lines as the session has, so that a position is unique in
+//! the session ([`Sources::append`](crate::script::language::sources::Sources::append)).
 //!
-//! What was entered can be written as a script (`record.rs`).
+//! The entries can be written as a script (`record.rs`).
 
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -35,33 +35,33 @@ use crate::script::language::sources::offset;
 use crate::script::language::wording::listed;
 use crate::script::language::worker_pool::{Program, Unit};
 
-/// Name of the source in which all entries stand.
+/// Name of the source of all entries.
 const SOURCE: &str = "prompt";
 
-/// What each open bracket puts in front of a new line.
+/// Indentation of a new line per open bracket.
 const INDENTATION: &str = "    ";
 
-/// What an entry gave.
+/// Result of an entry.
 #[derive(Clone, Debug, Default)]
 pub struct Answer {
-    /// The value as the prompt shows it; nothing after a semicolon or without a value.
+    /// Value as shown at the prompt; `None` after a semicolon or without a value.
     pub shown: Option<String>,
-    /// How long it took.
+    /// Time of the evaluation.
     pub elapsed: Duration,
 }
 
 /// A variable of the session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Variable {
-    /// Its name.
+    /// Name of the variable.
     pub name: String,
-    /// The kind of its value.
+    /// Type of the variable's value.
     pub kind: String,
-    /// Its value in one line.
+    /// Value of the variable in one line.
     pub value: String,
 }
 
-/// How a stretch of a text is colored.
+/// Color class of a part of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
     /// A word of the language.
@@ -83,9 +83,9 @@ pub struct Interactive {
     imports: Imports,
     record: Record,
     count: usize,
-    /// What there was before the last entries, to go back to.
+    /// States of the session before the last entries, for undoing them.
     earlier: Vec<Earlier>,
-    /// When the last entry had been answered.
+    /// Moment at which the last entry was answered.
     answered: Instant,
 }
 
@@ -121,10 +121,10 @@ impl Interactive {
         })
     }
 
-    /// Evaluates what was typed.
+    /// Evaluates an entry.
     ///
     /// # Errors
-    /// What is wrong with it; all that was complete before stays.
+    /// The entry is wrong; changes by statements completed before the error are kept.
     pub fn evaluate(&mut self, text: &str) -> Result<Answer, Box<Diagnostic>> {
         self.count += 1;
         let name = format!("{SOURCE} {}", self.count);
@@ -134,7 +134,7 @@ impl Interactive {
     /// Evaluates the text of a file as an entry.
     ///
     /// # Errors
-    /// A file that cannot be read; what is wrong with it.
+    /// A file that cannot be read; an error of the entry.
     pub fn load(&mut self, path: &Path) -> Result<Answer, Box<Diagnostic>> {
         let name = path.display().to_string();
         let text = files::read_text(path).map_err(|error| unreadable(&name, &reason(&error)))?;
@@ -164,7 +164,7 @@ impl Interactive {
                 Ok(Answer { shown, elapsed: begun.elapsed() })
             }
             Err((None, error)) => {
-                // Nothing ran, so there is nothing to take back.
+                // No statement ran, so nothing has to be undone.
                 self.earlier.pop();
                 Err(error)
             }
@@ -185,10 +185,10 @@ impl Interactive {
         self.earlier.push(Earlier { scope, functions, units, recorded: self.record.len(), effects });
     }
 
-    /// Takes back the last entry: variables and functions are as they were before it.
+    /// Undoes the last entry: variables and functions are restored.
     ///
     /// # Errors
-    /// There is none, or it has changed objects, which are not taken back; in words.
+    /// There is no entry, or it has changed objects, which cannot be restored; in words.
     pub fn undo(&mut self) -> Result<(), String> {
         let Some(earlier) = self.earlier.pop() else { return Err("there is no entry to take back".into()) };
         if earlier.effects != self.session.host.effects() {
@@ -202,7 +202,7 @@ impl Interactive {
         Ok(())
     }
 
-    /// An error of an entry with what is left of the entry.
+    /// Adds to an error of an entry the changes that remain.
     fn told_what_stays(&self, error: Diagnostic) -> Diagnostic {
         let Some(earlier) = self.earlier.last() else { return error };
         let all: Vec<&str> = self.session.scope.iter_raw().map(|(name, ..)| name).collect();
@@ -214,7 +214,7 @@ impl Interactive {
         error.cause(format!("the entry ended there; what it had declared before stays: {}", listed(&new, "and")))
     }
 
-    /// Compiles and runs an entry; an error comes with where in the entry it was raised, unless nothing ran at all.
+    /// Compiles and runs an entry; an error has its position in the entry, unless no statement ran.
     fn run(&mut self, name: &str, text: &str) -> Result<Dynamic, (Option<usize>, Box<Diagnostic>)> {
         let host = self.session.host.clone();
         let engine_cell = self.session.engine.clone();
@@ -251,7 +251,7 @@ impl Interactive {
         }
     }
 
-    /// Whether a text is the beginning of an entry that needs more lines.
+    /// True if a text is the beginning of an entry that needs more lines.
     pub fn is_incomplete(&self, text: &str) -> bool {
         let cursor = Cursor::new(text);
         if cursor.in_comment && !text.trim_end().ends_with('\n') && text.rfind("/*") > text.rfind("//") {
@@ -296,7 +296,7 @@ impl Interactive {
         })
     }
 
-    /// Where the completed word begins, and what can be written at the cursor, which stands at the end of `before`.
+    /// Returns the start of the completed word, and the completions at the end of `before`.
     pub fn complete(&self, before: &str) -> (usize, Vec<Candidate>) {
         match before.strip_prefix('?') {
             Some(name) => {
@@ -320,7 +320,7 @@ impl Interactive {
         self.words(|words| words.hint(before))
     }
 
-    /// Help on a name: of a topic, a function, also one of the session's own, a type, or a variable of the session.
+    /// Returns help on a name: a topic, a function (also of the session), a type, or a variable of the session.
     pub fn help(&self, name: &str) -> String {
         let registry = Registry::of(&self.session.host);
         let own = name.trim().trim_end_matches("()");
@@ -345,7 +345,7 @@ impl Interactive {
         // The engine lists the newest first.
         all.reverse();
         let mut found: Vec<Variable> = Vec::new();
-        // Of several variables with one name the newest counts.
+        // The newest of several variables with one name counts.
         for (name, is_constant, value) in all {
             found.retain(|variable| variable.name != name);
             if name == "PI" || value.is_unit() {
@@ -382,20 +382,20 @@ impl Interactive {
         self.session.finish(None)
     }
 
-    /// The session as a script that runs from scratch to the same results.
+    /// Returns the session as a script that reproduces its results from scratch.
     pub fn script(&self) -> String {
         self.record.script(&self.session)
     }
 }
 
-/// What a new line begins with after a text with open brackets; nothing without any, or inside of a string.
+/// Returns the indentation of the line after a text with open brackets; empty without open brackets, or inside of a string or comment.
 pub fn indentation(text: &str) -> String {
     let cursor = Cursor::new(text);
     let is_plain = cursor.in_string().is_none() && !cursor.in_comment && !cursor.is_crossed;
     INDENTATION.repeat(if is_plain { cursor.levels.len() } else { 0 })
 }
 
-/// What a function of the session says of itself.
+/// Returns the help of a function of the session: its signature and doc comments.
 fn own_help(function: &ScriptFnMetadata) -> String {
     let comments = function.comments.iter().flat_map(|comment| comment.lines());
     let comments: Vec<String> = comments.map(|line| format!("\n  {}", line.trim().trim_start_matches('/').trim())).collect();

@@ -1,4 +1,4 @@
-//! The session without a terminal: entries, errors, completion, hints, and the record that runs again.
+//! Sessions without a terminal: entries, errors, completion, hints, and replay of the record.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use crate::script::language::diagnostics::{Diagnostic, Ink};
 use crate::script::language::observer::{Observer, Progress, Silent};
 use crate::script::language::settings::Settings;
 
-/// A folder of its own for a test.
+/// Returns a folder for a test.
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("conserva-prompt-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
@@ -234,7 +234,7 @@ fn objects_are_shown_as_tables() {
     assert!(shown(&mut session, "sim.why()").contains("no step of simulation \"press\" has failed"));
 }
 
-/// The history of the simulation that was made as that one, as text: every bit counts.
+/// Returns the history of the simulation with an index, as text with all bits.
 fn history_of(session: &Interactive, number: usize) -> Vec<String> {
     let simulations = Simulations::of(&session.session.host);
     let simulations = simulations.0.borrow();
@@ -273,7 +273,7 @@ fn steps_can_be_changed_on_the_way() {
     assert!(message(&mut session, "sim.set(#{ dt: -1 })").contains("greater than 0"));
 }
 
-/// Interrupts after so many steps.
+/// Observer that interrupts after a number of steps.
 struct Stopper {
     after: RefCell<usize>,
     interrupt: std::sync::Arc<std::sync::atomic::AtomicBool>,

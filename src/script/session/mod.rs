@@ -8,6 +8,7 @@ pub mod compile;
 pub mod completion;
 pub mod cursor;
 pub mod engine;
+pub mod exchange;
 pub mod help;
 pub mod imports;
 pub mod interactive;

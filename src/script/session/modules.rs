@@ -1,7 +1,7 @@
 //! Imports: `import "lib/rings" as rings` loads `lib/rings.rhai` below the folder of the script that was started, and nothing else.
 //!
-//! A module is compiled and run once. Its text goes into the table of sources, and its context is kept, so that closures made inside it
-//! can be called by the solver.
+//! A module is compiled and run once. Its text is added to the table of sources, and its context is kept, so that the solver can call
+//! closures made inside the module.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -17,7 +17,7 @@ use crate::script::language::host::Host;
 use crate::script::language::lint::lint;
 use crate::script::language::sandbox::reason;
 
-/// The hidden function that a module calls at its end, to leave its context with the host.
+/// Hidden function that a module calls at its end, to store its context in the host.
 pub const KEEP_CONTEXT: &str = "module_context__";
 
 /// Finds modules for the engine.

@@ -1,24 +1,24 @@
-//! Pages on the language itself: what its engine brings along and no registered function tells, in as many words as a scenario needs.
+//! Pages on the language itself: features of its engine that no registered function describes, as far as scenarios need them.
 
 use serde_json::{Value, json};
 
-/// Letters of a line on a terminal.
+/// Characters per line on a terminal.
 const WIDTH: usize = 100;
 
-/// A page on one thing of the language.
+/// A page on a subject of the language.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Page {
-    /// What it is called; all of these find it.
+    /// Names under which the page is found.
     pub names: &'static [&'static str],
-    /// What it is about.
+    /// Title of the page.
     pub title: &'static str,
-    /// What is to be known.
+    /// Content of the page.
     pub about: &'static str,
-    /// A script that shows it and runs.
+    /// Script with an example, which runs.
     pub example: &'static str,
 }
 
-/// All pages, in the order in which one learns.
+/// All pages, in the order of learning.
 pub const PAGES: &[Page] = &[
     Page {
         names: &["let", "const", "variable", "variables"],
@@ -155,7 +155,7 @@ impl Page {
         format!("### {}\n\n{}\n\n```rhai\n{}\n```\n\n", self.heading(), self.about, self.example)
     }
 
-    /// Its title as a heading.
+    /// Returns the title as a heading.
     pub fn heading(&self) -> String {
         self.title[..1].to_uppercase() + &self.title[1..]
     }

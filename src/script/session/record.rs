@@ -1,7 +1,7 @@
-//! The record of a session: what was entered, as a script that runs from scratch to the same results.
+//! The record of a session: its entries as a script that reproduces the results from scratch.
 //!
-//! Statements that failed are left out, unless they had changed something before; of those that were interrupted the steps are kept that
-//! were taken, and the values of their variables.
+//! Failed statements are left out unless they had made changes; of interrupted ones, the completed steps are kept, and the values of their
+//! variables.
 
 use std::ops::Range;
 
@@ -14,17 +14,17 @@ use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Class;
 use crate::script::language::scan::{self, Lexeme};
 
-/// The variable that holds the last value.
+/// Name of the variable with the last value.
 pub const ANSWER: &str = "ans";
 
-/// How an entry ended.
+/// Outcome of an entry.
 #[derive(Clone, Debug, PartialEq)]
 enum Fate {
-    /// Without an error; whether it had a value.
+    /// Completed without error; `value` is true if the entry had a value.
     Done { value: bool },
-    /// With an error, after it had changed something.
+    /// Ended with an error after changes.
     Failed,
-    /// By the user, with what brings the simulations to where it left them.
+    /// Ended by the user; `steps` are statements that restore the state of the simulations.
     Interrupted { steps: Vec<String> },
 }
 
@@ -46,7 +46,7 @@ impl Record {
         self.entries.len()
     }
 
-    /// Forgets the entries after the first ones.
+    /// Drops the entries after the first `count`.
     pub fn truncate(&mut self, count: usize) {
         self.entries.truncate(count);
     }
@@ -56,7 +56,7 @@ impl Record {
         self.entries.push(Recorded { text: text.trim().into(), fate: Fate::Done { value: has_value } });
     }
 
-    /// Records an entry that ended with an error in the statement at `position`: what stood before that statement was done.
+    /// Records an entry that ended with an error in the statement at `position`: earlier statements were completed.
     pub fn keep_part(
         &mut self,
         session: &Session,
@@ -71,7 +71,7 @@ impl Record {
         let bytes = |statement: &Range<usize>| lexemes[statement.start].range.start..lexemes[statement.end - 1].range.end;
         let at = statements.iter().rposition(|statement| bytes(statement).start <= position).unwrap_or(0);
         let Some(failed) = statements.get(at).cloned() else { return };
-        // Functions of later statements are kept too, because the engine knows them wherever they stand.
+        // Functions in later statements are kept too, because the engine finds functions independently of their position.
         let is_function = |statement: &&Range<usize>| matches!(lexemes[statement.start].token, Token::Fn | Token::Private);
         let later = statements[at + 1..].iter().filter(is_function);
         let done: Vec<&str> = statements[..at].iter().chain(later).map(|statement| &text[bytes(statement)]).collect();
@@ -95,7 +95,7 @@ impl Record {
         }
     }
 
-    /// The session as a script that runs from scratch to the same results.
+    /// Returns the session as a script that reproduces its results from scratch.
     pub fn script(&self, session: &Session) -> String {
         let uses_answer = |text: &str| {
             lexemes(session, text).iter().any(|lexeme| matches!(&lexeme.token, Token::Identifier(name) if name.as_str() == ANSWER))
@@ -136,23 +136,23 @@ impl Record {
     }
 }
 
-/// Whether a token assigns.
+/// True if a token assigns.
 fn assigns(token: &Token) -> bool {
     token.is_op_assignment() || matches!(token, Token::Equals)
 }
 
-/// Whether a statement has others inside, of which some may be done when it fails.
+/// True if a statement contains others, of which some may be completed when it fails.
 fn is_compound(tokens: &[Lexeme]) -> bool {
     tokens.iter().any(|lexeme| matches!(lexeme.token, Token::LeftBrace))
 }
 
-/// Whether a text only looks at variables and properties.
+/// True if a text only reads variables and properties.
 fn is_look(session: &Session, text: &str) -> bool {
     let acts = |token: &Token| assigns(token) || matches!(token, Token::LeftParen | Token::LeftBrace | Token::Let | Token::Const);
     !lexemes(session, text).iter().any(|lexeme| acts(&lexeme.token))
 }
 
-/// Assignments that give the variables named in an interrupted statement the values they have now, where these can be written.
+/// Returns assignments of the present values to the variables named in an interrupted statement, where the values can be written.
 fn values_of(session: &Session, tokens: &[Lexeme]) -> Vec<String> {
     let mut names: Vec<&str> = Vec::new();
     for lexeme in tokens {
@@ -169,14 +169,14 @@ fn values_of(session: &Session, tokens: &[Lexeme]) -> Vec<String> {
     names.iter().filter_map(written).collect()
 }
 
-/// Where every simulation stands.
+/// Returns step and time of every simulation.
 pub fn positions(session: &Session) -> Vec<(usize, f64)> {
     let simulations = Simulations::of(&session.host);
     let simulations = simulations.0.borrow();
     simulations.iter().map(|simulation| simulation.position()).collect()
 }
 
-/// Statements that bring the simulations from where they stood to where they are.
+/// Returns statements that bring the simulations from an earlier to the present state.
 fn steps_since(session: &Session, before: &[(usize, f64)]) -> Vec<String> {
     let simulations = Simulations::of(&session.host);
     let simulations = simulations.0.borrow();
@@ -195,7 +195,7 @@ fn steps_since(session: &Session, before: &[(usize, f64)]) -> Vec<String> {
         .collect()
 }
 
-/// An entry with a semicolon at its end.
+/// Returns an entry with a semicolon at its end.
 fn terminated(session: &Session, text: &str) -> String {
     match lexemes(session, text).last() {
         Some(last) if !matches!(last.token, Token::SemiColon) => {
@@ -206,7 +206,7 @@ fn terminated(session: &Session, text: &str) -> String {
     }
 }
 
-/// An entry whose last value gets the name of the last value.
+/// Returns an entry whose last value is assigned to `ANSWER`.
 fn with_named_value(session: &Session, text: &str) -> String {
     let mut lexemes = lexemes(session, text);
     while lexemes.last().is_some_and(|last| matches!(last.token, Token::SemiColon)) {

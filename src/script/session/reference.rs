@@ -1,8 +1,7 @@
 //! The reference of the language, from the registered functions and the catalogues, as text, Markdown or JSON.
 //!
-//! Nothing is written here about a function: sentence, parameters, example and relations come from its description in the registry. Words
-//! that are no functions (update rules, cell kinds, fields, columns of the history, keys of `summary.json`, findings) come from their
-//! catalogues.
+//! Functions are described only in the registry: summary, parameters, example and related functions. Words other than functions (update
+//! rules, cell kinds, fields, columns of the history, keys of `summary.json`, findings) are described in their catalogues.
 
 use std::fmt::Write;
 use std::rc::Rc;
@@ -35,7 +34,7 @@ pub const TOPICS: [(Topic, &str); 12] = [
     (Topic::Arrays, "Arrays"),
 ];
 
-/// What the reference knows under a name.
+/// Entry of the reference.
 #[derive(Clone)]
 pub enum Entry {
     /// A function, method or property.
@@ -80,17 +79,17 @@ impl Reference {
         names
     }
 
-    /// A type with its members, if it has any.
+    /// Returns a type with its members, if it has any.
     pub fn members(&self, type_name: &str) -> Option<Entry> {
         let name = self.types().into_iter().find(|known| *known == type_name)?;
         let members = self.functions.iter().filter(|function| function.form.receiver().is_some_and(|receiver| receiver.name == name));
         Some(Entry::Type(name, members.cloned().collect()))
     }
 
-    /// Everything of that name: functions (also written `Type.name`, `object.name` or `name()`), words, a topic, a type.
+    /// Returns all entries with a name: functions (also written `Type.name`, `object.name` or `name()`), words, a topic, a type.
     ///
     /// # Errors
-    /// There is nothing of that name; a suggestion, where a name is near.
+    /// No entry of that name; with a suggestion if a name is similar.
     pub fn find(&self, name: &str) -> Result<Vec<Entry>, Option<String>> {
         let wanted = name.trim().trim_end_matches("()").trim_end();
         match explanation(wanted) {
@@ -130,7 +129,7 @@ impl Reference {
         if longer.is_empty() { Err(did_you_mean(last, names)) } else { Err(Some(format!("did you mean {}?", listed(&longer, "or")))) }
     }
 
-    /// Everything whose name or text has all words of a text.
+    /// Returns all entries whose name or text has all words of a text.
     pub fn search(&self, text: &str) -> Vec<Entry> {
         let wanted: Vec<String> = text.to_lowercase().split_whitespace().map(Into::into).collect();
         let has_all = |text: String| !wanted.is_empty() && wanted.iter().all(|word| text.contains(word.as_str()));
@@ -142,7 +141,7 @@ impl Reference {
         functions.chain(pages.map(Entry::Page)).chain(words.cloned().map(Entry::Word)).chain(codes.map(Entry::Code)).collect()
     }
 
-    /// One line for each function and word, topic by topic.
+    /// Returns the list of functions and words by topic, one per line.
     pub(crate) fn overview(&self) -> String {
         let mut text = String::new();
         for (topic, title) in TOPICS {
@@ -209,7 +208,7 @@ impl Reference {
         page
     }
 
-    /// One entry in Markdown.
+    /// Returns an entry in Markdown.
     pub(crate) fn entry_markdown(&self, entry: &Entry) -> String {
         match entry {
             Entry::Function(function) => self.function_markdown(function),
@@ -260,7 +259,7 @@ impl Reference {
         }
     }
 
-    /// Everything as JSON.
+    /// Returns the whole reference as JSON.
     pub fn json(&self) -> String {
         let functions: Vec<Value> = self.functions.iter().map(|function| function_json(function)).collect();
         let words: Vec<Value> = self.words.iter().map(word_json).collect();
@@ -287,7 +286,7 @@ impl Reference {
 }
 
 impl Entry {
-    /// Name and first sentence in one line.
+    /// Returns name and first sentence in one line.
     pub fn line(&self) -> String {
         match self {
             Entry::Function(function) => format!("{}: {}", heading(function), function.summary),
@@ -330,7 +329,7 @@ fn function_text(function: &Function) -> String {
     lines.join("\n")
 }
 
-/// Parameters with the keys of options after their map, each under its full name.
+/// Returns the parameters, with the keys of options after their map, each under its full name.
 fn parameters(function: &Function) -> Vec<(String, &Parameter)> {
     fn keys<'a>(of: &'a Parameter, prefix: &str, rows: &mut Vec<(String, &'a Parameter)>) {
         if let Some(inner) = of.kind.keys() {
@@ -378,7 +377,7 @@ fn formula(function: &Function) -> Option<&'static str> {
     row.map(|row| row.formula)
 }
 
-/// With a capital letter at its beginning.
+/// Capitalizes the first letter.
 fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
@@ -460,7 +459,7 @@ fn pretty(value: &Value) -> String {
 const LONGER: usize = 6;
 const BEGINNING: usize = 3;
 
-/// Whether a name begins so, in lowercase.
+/// True if a name begins with `with` (at least `BEGINNING` bytes), in lower case.
 fn begins(name: &str, with: &str) -> bool {
     with.len() >= BEGINNING && name.to_lowercase().starts_with(with)
 }
@@ -468,7 +467,7 @@ fn begins(name: &str, with: &str) -> bool {
 const LANGUAGE: &str = "The language itself";
 const WORDS: &str = "Words";
 
-/// What a heading of Markdown is called in a link.
+/// Returns the anchor of a Markdown heading.
 fn anchor(heading: &str) -> String {
     let kept = heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | ' ')).collect::<String>();
     kept.replace(' ', "-")

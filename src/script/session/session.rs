@@ -37,38 +37,39 @@ use crate::script::language::scan;
 use crate::script::language::settings::Settings;
 use crate::script::language::worker_pool::{MakeWorker, Program, Unit};
 
-/// How a script ended.
+/// Outcome of a script.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// The error it ended with, if it did.
+    /// Error with which the script ended.
     pub error: Option<Diagnostic>,
-    /// What `conserva check` found out.
+    /// Findings of `conserva check`.
     pub findings: Vec<String>,
     /// Number of checks that held.
     pub checks: usize,
-    /// Where energy came from and went to, a line for each simulation where it did.
+    /// Energy changes, one line for each simulation with a change.
     pub energy: Vec<String>,
-    /// Whether all simulations kept their energy but for what loads and contact did.
+    /// True if all simulations conserved their energy, apart from loads and contact.
     pub is_conserving: bool,
-    /// Whether what was computed should not be trusted, as a warning tells.
+    /// True if a warning says that the results should not be trusted.
     pub is_doubtful: bool,
 }
 
 impl Report {
-    /// That of a session which could not begin.
+    /// Returns the report of a session that could not begin.
     pub fn failed(error: Diagnostic) -> Self {
         Report { error: Some(error), findings: Vec::new(), checks: 0, energy: Vec::new(), is_conserving: true, is_doubtful: false }
     }
 }
 
-/// What a text consists of.
+/// Functions, statements and parameters of a script's text.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    /// Name, least number of parameters and first byte of each function, in the order in which they are written.
+    /// Name, least number of parameters and first byte of each function, in the order of the text.
     pub functions: Vec<(String, usize, usize)>,
-    /// Whether there are statements outside of functions.
+    /// True if there are statements outside of functions.
     pub has_statements: bool,
-    /// Names of the parameters that it asks for; none where only a run tells, because names are computed or other files imported.
+    /// Names of the parameters that the text reads; `None` if only a run can determine them, because names are computed or other files
+    /// imported.
     pub parameters: Option<Vec<String>>,
 }
 
@@ -98,7 +99,7 @@ pub struct Session {
     pub(super) scope: Scope<'static>,
     pub(super) host: Rc<Host>,
     begun: Instant,
-    /// Time that a prompt waited for entries, which is nobody's time.
+    /// Time for which a prompt waited for entries, which is not counted.
     pub(super) idle: Duration,
 }
 
@@ -123,29 +124,29 @@ impl Session {
         Registry::of(&self.host)
     }
 
-    /// The definition file of the language for its language server.
+    /// Returns the definition file for the language server of the language.
     pub fn definitions(&self) -> String {
         let all = self.engine.borrow().definitions().include_standard_packages(false).single_file();
         let is_internal = |block: &&str| [KEEP_CONTEXT, CELL_INDEXER].iter().any(|internal| block.contains(internal));
         all.split("\n\n").filter(|block| !is_internal(block)).collect::<Vec<_>>().join("\n\n")
     }
 
-    /// Sixteen digits that other texts of the scripts, or of the files that they have read so far, do not share.
+    /// Returns a digest (sixteen digits) of the scripts and of the files read so far.
     pub fn digest(&self) -> String {
         let texts = self.host.sources.all().into_iter().map(|(_, text)| Sha256::digest(text.as_bytes()));
         let files = self.host.sandbox.files_read().into_iter().filter_map(|path| files::read(&path).ok()).map(Sha256::digest);
-        // Where files stand differs between machines; what is in them does not.
+        // Paths differ between machines; contents do not.
         let mut all: Vec<_> = texts.chain(files).collect();
         all.sort();
         Sha256::digest(all.concat()).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
     }
 
-    /// What the script has yielded with `result`, in its order.
+    /// Returns the results that the script has named with `result`, in the order of the calls.
     pub fn results(&self) -> Vec<(String, serde_json::Value)> {
         Results::of(&self.host)
     }
 
-    /// Takes what an earlier program has computed for what the script asks for first.
+    /// Begins with the results of an earlier process for the first computations of the script.
     ///
     /// # Errors
     /// The journal of the run cannot be read.
@@ -155,8 +156,8 @@ impl Session {
         Ok(())
     }
 
-    /// Runs a script file to its end and writes the files of the run in place of those of an earlier run there, unless it is resumed. A
-    /// script that cannot be read or does not parse leaves the folder as it is.
+    /// Runs a script file to its end and writes the files of the run; files of an earlier run are removed unless that is resumed. A script
+    /// that cannot be read or parsed leaves the folder unchanged.
     pub fn run_file(&mut self, path: &Path) -> Report {
         let name = path.display().to_string();
         *self.host.main.borrow_mut() = name.clone();
@@ -173,7 +174,7 @@ impl Session {
         }
     }
 
-    /// Runs a script as a test: its statements and then, if one is named, one of its functions.
+    /// Runs a script as a test: its statements and then, if named, one of its functions.
     pub fn run_test(&mut self, name: &str, text: &str, function: Option<&str>) -> Report {
         let error = self.guarded(|session| match function {
             None => session.evaluate(name, text),
@@ -182,7 +183,7 @@ impl Session {
         self.finish(error)
     }
 
-    /// Functions of a text and whether it has statements, without running it.
+    /// Returns the functions of a text, and if it has statements, without running it.
     ///
     /// # Errors
     /// A text that does not parse.
@@ -209,17 +210,17 @@ impl Session {
         }
     }
 
-    /// Makes a text the one that runs.
+    /// Makes a text the main source.
     fn begin(&self, name: &str, text: &str) {
         *self.host.main.borrow_mut() = name.to_string();
         self.host.sources.insert(name, text);
         self.host.slots.set(Rc::new(Program(RefCell::new(vec![Unit { text: text.into(), names: Vec::new() }]))));
     }
 
-    /// Runs a text under a name.
+    /// Evaluates a text as the source `name`.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The text does not compile, or its evaluation fails.
     pub fn evaluate(&mut self, name: &str, text: &str) -> Result<Dynamic, Box<Diagnostic>> {
         self.begin(name, text);
         let engine = self.engine.borrow();
@@ -229,7 +230,7 @@ impl Session {
         outcome.map_err(|error| Box::new(explain(&self.host, &engine, &error, name)))
     }
 
-    /// Runs the statements of a text under a name, then one of its functions, which has no parameters.
+    /// Runs the statements of a text as the source `name`, then one of its functions without parameters.
     fn call(&mut self, name: &str, text: &str, function: &str) -> Result<Dynamic, Box<Diagnostic>> {
         self.begin(name, text);
         let engine = self.engine.borrow();
@@ -237,7 +238,7 @@ impl Session {
         let outcome =
             compile(&engine, &self.scope, name, text).and_then(|tree| engine.call_fn::<Dynamic>(&mut self.scope, &tree, function, ()));
         let outcome = outcome.map_err(|mut error| {
-            // What ends a run at once comes without a place: the function is known at least.
+            // Failures that end a run at once have no place; at least the function is known.
             let defined = scan::functions(&scan::lexemes(&engine, text)).into_iter().find(|(name, _)| name == function);
             if let (true, Some((_, start))) = (error.position().is_none(), defined) {
                 error.set_position(position_of_name(text, start));
@@ -252,8 +253,8 @@ impl Session {
         Some(Box::new(explain_failure(&output_failure(&error))))
     }
 
-    /// Writes what an interrupted run goes on from. The frame of the moment at which it is interrupted comes after it: where it replaces
-    /// one on which the checkpoint counts, that one is kept.
+    /// Writes the last checkpoint of an interrupted run. The frame of the interrupt is written afterwards; if it replaces a frame to which
+    /// the checkpoint refers, the latter is kept.
     fn close_journal(&self) -> Option<Diagnostic> {
         Journal::of(&self.host).close(&self.host).err().map(|failure| explain_failure(&failure))
     }
@@ -264,14 +265,15 @@ impl Session {
         Some(Box::new(explain_failure(&output_failure(&error))))
     }
 
-    /// Ends the run: refuses unknown `--set` names, warns of what never acted and of what was found, writes the files.
+    /// Ends the run: refuses unknown `--set` names, gives warnings of unused definitions and of findings, writes the files.
     pub fn finish(&mut self, error: Option<Box<Diagnostic>>) -> Report {
         let host = &self.host;
         let stopped = error.as_ref().is_some_and(|error| error.class == Class::ResultUsed);
         let error = error.map(|error| *error).filter(|error| error.class != Class::ResultUsed || !self.stopped_at(error));
         let unused = || check_overrides(host, &self.engine.borrow(), !stopped).err().map(|failure| explain_failure(&failure));
         let error = error.or_else(unused);
-        // A load that never acted may be why a check fails; any other error cut the run short, so that it means nothing.
+        // A load that never acted may be the cause of a failed check; after any other error the run is incomplete, so the warning would
+        // mislead.
         if error.as_ref().is_none_or(|error| error.class == Class::Check) {
             for simulation in Simulations::of(host).0.borrow().iter() {
                 simulation.warn_of_idle_parts(host);
@@ -296,7 +298,7 @@ impl Session {
         };
         let written = ending::finish(host, self.begun + self.idle, &outcome).err().map(|failure| explain_failure(&failure));
         let error = error.or(written);
-        // A run that came to its end needs nothing any more to go on from.
+        // A completed run needs no checkpoint.
         let is_over = error.as_ref().is_none_or(|error| error.class == Class::Check);
         let removed = if is_over { self.remove_checkpoints() } else { None };
         let closed = removed.or_else(|| self.close_record()).map(|error| *error);

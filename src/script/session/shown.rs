@@ -1,4 +1,4 @@
-//! Values as the prompt shows them: short ones as they are written, long ones cut, objects as small tables.
+//! Values as shown at the prompt: short ones as literals, long ones shortened, objects as small tables.
 
 use rhai::{Array, Dynamic, Engine, Map};
 
@@ -9,7 +9,7 @@ use crate::script::language::registry::Registry;
 use crate::script::language::tables::table;
 use crate::script::language::values::as_number;
 
-/// Entries of an array that are shown at most.
+/// Largest number of array entries shown.
 const SHOWN: usize = 24;
 
 /// The kind of a value in the words of the language.
@@ -48,7 +48,7 @@ pub fn shown(registry: &Registry, value: &Dynamic) -> String {
     short(registry, value)
 }
 
-/// A value in one line where that is possible.
+/// Returns a value in one line if possible.
 fn short(registry: &Registry, value: &Dynamic) -> String {
     if let Some(text) = registry.types().print(value) {
         return text;

@@ -1,4 +1,4 @@
-//! Statements of a text, and values as they would be written, for the record of a session.
+//! Statements of a text, and values as literals, for the record of a session.
 
 use std::ops::Range;
 
@@ -6,7 +6,8 @@ use rhai::{Dynamic, Token};
 
 use crate::script::language::scan::Lexeme;
 
-/// Whether a statement is `object.run_to(…)` or `object.step(…)` without a call inside: a `run_to` repeats as much of it as was done.
+/// True if a statement is `object.run_to(…)` or `object.step(…)` without a call inside; after an interrupt, a `run_to` to the time reached
+/// repeats its completed part.
 pub fn is_plain_stepping(tokens: &[Lexeme]) -> bool {
     let name = |lexeme: &Lexeme| matches!(&lexeme.token, Token::Identifier(name) if matches!(name.as_str(), "run_to" | "step"));
     matches!(tokens, [object, dot, method, open, ..]
@@ -14,7 +15,7 @@ pub fn is_plain_stepping(tokens: &[Lexeme]) -> bool {
         && tokens.iter().filter(|lexeme| matches!(lexeme.token, Token::LeftParen | Token::LeftBrace)).count() == 1
 }
 
-/// The statements of a text outside of any bracket, as ranges of lexemes without the semicolons between them.
+/// Returns the statements of a text outside of any bracket, as ranges of tokens without the semicolons between.
 pub fn statements(lexemes: &[Lexeme]) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let (mut start, mut blocks) = (0, Vec::new());
@@ -71,7 +72,7 @@ fn begins_a_statement(token: &Token) -> bool {
     )
 }
 
-/// A value as it would be written, if it is short and consists of numbers, truth values and strings.
+/// Returns a value as a literal, if it is short and consists of numbers, truth values and strings.
 pub fn literal(value: &Dynamic) -> Option<String> {
     const LONGEST: usize = 10_000;
     if value.is_unit() {

@@ -1,4 +1,4 @@
-//! What other programs and textbooks call something that has another name here.
+//! Terms of other programs and textbooks, and the corresponding names in this language.
 
 /// Words, and the entries of the reference that are meant.
 const SYNONYMS: &[(&[&str], &[&str])] = &[
@@ -20,7 +20,7 @@ const SYNONYMS: &[(&[&str], &[&str])] = &[
     (&["optimization", "optimisation", "calibration", "identification"], &["minimize", "fit"]),
 ];
 
-/// What a text asks for in our words: each of its words that is known, with the names that are meant.
+/// Returns the known terms in a text, each with the corresponding names.
 pub fn meant(text: &str) -> Vec<(&'static str, &'static [&'static str])> {
     let text = text.to_lowercase();
     let known = |words: &[&'static str]| words.iter().copied().find(|word| text.contains(word));

@@ -1,12 +1,12 @@
-//! Script tests: what is a test in a file, and one test run in an engine of its own.
+//! Script tests: discovery of tests in a file, and execution of a test in its own engine.
 //!
-//! Every function `test_…` without parameters is a test; one with parameters is warned of, because nobody calls it. A file without such
-//! functions but with statements is one test as a whole, so
-//! scenarios and tutorials are tests of their own checks. A file with neither (a module) has no tests.
+//! Every function `test_…` without parameters is a test; one with parameters gives a warning, because it is never called. A file without
+//! such functions but with statements is one test as a whole, so that scenarios and tutorials test their own checks. A file with neither (a
+//! module) has no tests.
 //!
-//! What a test should say can stand beside the line that says it: `//~ error: text` (the test ends there with an error that contains the
-//! text), `//~ warning: text` (the line is warned of), `//~ prints: text` (the test prints exactly these lines, in this order). Results
-//! are not written to disk.
+//! The expected output of a test can be given beside the line that causes it: `//~ error: text` (the test ends at this line with an error
+//! that contains the text), `//~ warning: text` (the line gives a warning), `//~ prints: text` (the test prints exactly these lines, in
+//! this order). Results are not written to disk.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -21,10 +21,10 @@ use crate::script::language::observer::{Observer, Progress};
 use crate::script::language::settings::Settings;
 use crate::script::language::sources::Place;
 
-/// One test of a file.
+/// A test of a file.
 #[derive(Clone, Debug)]
 pub struct TestCase {
-    /// The file, as it was named.
+    /// Path of the file as given.
     pub file: PathBuf,
     /// The function; none when the whole file is the test.
     pub function: Option<String>,
@@ -32,24 +32,24 @@ pub struct TestCase {
     marks: Vec<Mark>,
 }
 
-/// How a test ended.
+/// Outcome of a test.
 #[derive(Clone, Debug)]
 pub struct TestOutcome {
-    /// Why it failed, if it did.
+    /// Error with which the test failed.
     pub error: Option<Diagnostic>,
-    /// What it printed, checked and was warned of.
+    /// Printed lines, checks and warnings of the test.
     pub output: Vec<String>,
-    /// How long it took, its engine included.
+    /// Time of the test, including the creation of its engine.
     pub time: Duration,
 }
 
-/// What should happen at a line.
+/// Expectation at a line.
 #[derive(Clone, Debug, PartialEq)]
 struct Mark {
     kind: MarkKind,
     line: usize,
     text: String,
-    /// Bytes of the mark in its file.
+    /// First byte of the mark in its file.
     start: usize,
 }
 
@@ -61,7 +61,7 @@ enum MarkKind {
 }
 
 impl TestCase {
-    /// File and function, such as `rings.rhai::test_mass`.
+    /// Returns file and function, such as `rings.rhai::test_mass`.
     pub fn title(&self) -> String {
         match &self.function {
             Some(function) => format!("{}::{function}", self.file.display()),
@@ -69,7 +69,7 @@ impl TestCase {
         }
     }
 
-    /// Runs the test in a session of its own.
+    /// Runs the test in its own session.
     pub fn run(&self, settings: &Settings) -> TestOutcome {
         let begun = Instant::now();
         let capture = Rc::new(Capture::default());
@@ -124,7 +124,7 @@ impl TestCase {
         }
     }
 
-    /// Whether a message speaks of the marked line and contains the marked text.
+    /// True if the message refers to the marked line and contains the marked text.
     fn fits(&self, mark: &Mark, message: &Diagnostic) -> bool {
         let source = self.file.display().to_string();
         let places = message.place.iter().chain(message.frames.iter().filter_map(|frame| frame.place.as_ref()));
@@ -153,12 +153,12 @@ pub fn home(script: &Path) -> &Path {
     script.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// What a file has to test.
+/// Tests of a file.
 #[derive(Clone, Debug, Default)]
 pub struct TestFile {
-    /// Its tests, in the order in which they are written.
+    /// Tests, in the order of the file.
     pub cases: Vec<TestCase>,
-    /// What looks like a test and is none.
+    /// Warnings of functions that look like tests but are not.
     pub warnings: Vec<Diagnostic>,
 }
 
@@ -241,7 +241,7 @@ fn marks(text: &str) -> Vec<Mark> {
     found
 }
 
-/// Keeps what a test says.
+/// Observer that collects the output of a test.
 #[derive(Default)]
 struct Capture {
     all: RefCell<Vec<String>>,

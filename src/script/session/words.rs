@@ -9,13 +9,13 @@ use crate::output::{Field, KEYS};
 pub struct Word {
     /// The word.
     pub name: &'static str,
-    /// Catalogue to which it belongs, such as `update rule of a contact pair`.
+    /// Catalogue of the word, such as `update rule of a contact pair`.
     pub group: &'static str,
-    /// One sentence.
+    /// Description, one sentence.
     pub summary: String,
 }
 
-/// What each column of the history is.
+/// Descriptions of the columns of the history.
 const COLUMNS: &[(&str, &str)] = &[
     ("step", "the number of the accepted step, 0 for the beginning; a step that is halved counts as two"),
     ("time", "the time at the end of the step [time]"),
@@ -60,7 +60,7 @@ const COLUMNS: &[(&str, &str)] = &[
     ("reserve", "what closings under the update rule velocity took and keep until the contact opens, part of `potential` [energy]"),
 ];
 
-/// All of them, catalogue by catalogue.
+/// Returns all words, catalogue by catalogue.
 pub fn words() -> Vec<Word> {
     let mut all = Vec::new();
     let mut add = |name, group, summary: String| all.push(Word { name, group, summary });

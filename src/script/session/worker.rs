@@ -1,8 +1,8 @@
-//! A session that calls closures for another one, on a thread of its own.
+//! A session that calls closures for another session, on its own thread.
 //!
-//! It compiles the texts of the other session and runs none of their statements, but for the imports. So it knows every function and
-//! closure that is written there; what a closure captures comes along as data. Before every call it forgets what the calls before have
-//! left, so that nothing depends on who computed what.
+//! The worker compiles the texts of the other session and runs only their imports, so that it has every function and closure written there;
+//! captured values are transferred as data. Before every call it discards all data of earlier calls, so that results do not depend on the
+//! worker.
 
 #![allow(deprecated)] // the engine marks its persistent call context as volatile, not as obsolete
 
@@ -29,10 +29,10 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::Sandbox;
 use crate::script::language::worker_pool::{Blueprint, Carried, Computed, Hand, MakeWorker, Outcome, Program, Told, Unit, outcome_of};
 
-/// Under what the host keeps the context of the program itself.
+/// Key under which the host stores the context of the program.
 const PROGRAM: &str = "the program";
 
-/// A session that works for another one.
+/// A session that calls closures for another session.
 struct Worker {
     engine: Rc<RefCell<Engine>>,
     host: Rc<Host>,
@@ -42,7 +42,7 @@ struct Worker {
     aside: Option<NestedRun>,
 }
 
-/// Makes a session on this thread that works for another one; `None` where its folder or an import cannot be read any more.
+/// Makes a worker on this thread; `None` if its folder or an import can no longer be read.
 pub fn start_worker(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
     let notes = Rc::new(Notes::default());
     let sandbox = Sandbox::new(&blueprint.home, &blueprint.settings.allow_read).ok()?;
@@ -55,7 +55,7 @@ pub fn start_worker(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
     Some(Box::new(Worker { engine, host, program: blueprint.program.clone(), notes, context, aside: None }))
 }
 
-/// Makes the functions of the texts known; what a call of one of them needs.
+/// Compiles the functions of the texts; returns the context of their calls.
 fn context(host: &Rc<Host>, engine: &Engine, blueprint: &Blueprint) -> Option<Rc<NativeCallContextStore>> {
     let mut tree = AST::empty();
     for unit in &blueprint.program {
@@ -90,7 +90,7 @@ impl Worker {
         here.or_else(|| Callback::named(&self.host, self.host.module_context(name)?, name))
     }
 
-    /// Forgets what calls before have left, but for what the functions of the language themselves need.
+    /// Discards the data of earlier calls, except those that functions of the language need.
     fn forget(&mut self) {
         self.aside = None;
         let slots = &self.host.slots;
@@ -117,7 +117,7 @@ impl Worker {
         outcome_of(&self.host, &engine, value, closure.reading)
     }
 
-    /// What was said, with what tells checks from others.
+    /// Returns the messages of a call, with the keys that identify checks.
     fn told(&self) -> Vec<Told> {
         let mut keys = self.host.forget_told().into_iter().map(|(key, _)| key);
         let named = |told| match told {
@@ -158,7 +158,7 @@ impl Drop for Worker {
     }
 }
 
-/// Takes down what a call says.
+/// Observer that records the messages of a call.
 #[derive(Default)]
 struct Notes {
     told: RefCell<Vec<Told>>,

@@ -1,4 +1,4 @@
-//! Ties: the gap stays zero, whichever way the multiplier pulls.
+//! Ties: zero gap with a multiplier of any sign.
 
 use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
 

@@ -1,35 +1,35 @@
-//! What the law of a constraint row is.
+//! Law of a constraint.
 //!
-//! A row has a constraint function `Phi` (a weighted gap) and a multiplier `lambda`, which presses with `lambda grad Phi`. The law says
-//! what a step demands of the two, by how much an iterate is off, and which equation a row that holds has in Newton's system,
+//! A constraint has a function `Phi` (a weighted gap) and a multiplier `lambda` with the force `lambda grad Phi`. The law gives the
+//! conditions on both in a step, the residual at an iterate, and the equation of an active constraint in Newton's system,
 //!
 //! ```text
 //! A G_1 dq + B lambda + N lambda_n = r,
 //! ```
 //!
-//! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment; `lambda_n` is there for tangential rows
-//! (`friction_rows.rs`) alone. In space these come in groups of two (`slip_vector.rs`), of which each also has the other one's slip and
-//! multiplier in its equation. A law knows neither methods nor surfaces.
+//! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment; `lambda_n` enters tangential constraints
+//! (`friction_rows.rs`) alone. In space these form groups of two (`slip_vector.rs`), whose equations also contain the slip and multiplier
+//! of the other one. A law is independent of contact methods and surfaces.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What a constraint row is in a step.
+/// Contact state of a constraint in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum RowState {
-    /// Its multiplier is zero.
+    /// Inactive: zero multiplier.
     #[default]
     Open,
-    /// Its condition holds, its multiplier may press; a tangential row sticks.
+    /// Active: the constraint holds and the multiplier may be nonzero; a tangential constraint sticks.
     Closed,
-    /// A tangential row slides, its multiplier is positive; in space a group of them slides in whatever direction.
+    /// Slip with a positive multiplier; in space slip of the group in any direction.
     Forward,
-    /// A tangential row slides, its multiplier is negative.
+    /// Slip with a negative multiplier.
     Backward,
-    /// A tangential row comes to rest: at the end of the step it has no speed.
+    /// Slip that ends within the step: zero slip rate at its end.
     Stops,
-    /// A tangential row turns around within the step, without dry friction.
+    /// Slip that reverses within the step, without dry friction.
     Turns,
 }
 
@@ -39,32 +39,32 @@ impl RowState {
         if is_closed { RowState::Closed } else { RowState::Open }
     }
 
-    /// Whether it is closed.
+    /// True if the state is [`Self::Closed`].
     pub fn is_closed(self) -> bool {
         self == RowState::Closed
     }
 
-    /// Whether its multiplier follows from an equation of its gap or slip.
+    /// True if the multiplier follows from an equation of the gap or slip.
     pub fn holds(self) -> bool {
         matches!(self, RowState::Closed | RowState::Stops)
     }
 
-    /// Whether it is a tangential row that has a speed at the end of the step.
+    /// True if a tangential constraint slips at the end of the step.
     pub fn slides(self) -> bool {
         matches!(self, RowState::Forward | RowState::Backward | RowState::Turns)
     }
 
-    /// Whether its multiplier may differ from zero.
+    /// True if the multiplier may be nonzero.
     pub fn acts(self) -> bool {
         self != RowState::Open
     }
 
-    /// The state of a tangential row that slides against a multiplier of that sign.
+    /// State of a tangential constraint that slips against a multiplier of that sign.
     pub fn sliding(multiplier: f64) -> Self {
         if multiplier > 0.0 { RowState::Forward } else { RowState::Backward }
     }
 
-    /// Sign of the multiplier of a tangential row that slides.
+    /// Sign of the multiplier of a slipping tangential constraint.
     pub fn sense(self) -> Option<f64> {
         match self {
             RowState::Forward => Some(1.0),
@@ -73,41 +73,41 @@ impl RowState {
         }
     }
 
-    /// The other state of a row that presses or is open.
+    /// Opposite state of a normal constraint.
     pub fn switched(self) -> Self {
         RowState::closed_if(!self.is_closed())
     }
 }
 
-/// A row where a step starts.
+/// Constraint at the start of a step.
 pub struct RowStart {
-    /// `Phi` there.
+    /// `Phi` at the start.
     pub gap: f64,
-    /// `Phi` as the row's potential had it at the end of the step before.
+    /// `Phi` in the penalty potential at the end of the previous step.
     pub penalty_gap: f64,
-    /// `Phi` of a closed row.
+    /// `Phi` of an active constraint.
     pub held: f64,
-    /// `Phi` above that which counts as closed.
+    /// Excess of `Phi` over `held` up to which the constraint counts as closed.
     pub closed: f64,
-    /// Whether the update rule keeps what is closed as it is.
+    /// True if the update rule keeps the gaps of active constraints.
     pub keeps: bool,
-    /// Whether forces are those of the end of the step.
+    /// True if forces are those of the end of the step.
     pub end_point: bool,
 }
 
-/// What a step demands of a row.
+/// Condition of a step on a constraint.
 pub struct Demand {
-    /// `Phi` at the start of the step as the law takes it.
+    /// `Phi` at the start of the step, as used by the law.
     pub gap: f64,
-    /// `Phi` of the row at the end of the step where it holds.
+    /// `Phi` of an active constraint at the end of the step.
     pub target: f64,
-    /// Whether it takes part in the step.
+    /// True if the constraint takes part in the step.
     pub is_member: bool,
-    /// By how much the law takes `Phi` larger than it is at the end.
+    /// Offset that the law adds to `Phi` at the end of the step.
     pub shift: f64,
 }
 
-/// A row at an iterate.
+/// Constraint at an iterate.
 pub struct Row {
     /// `Phi`.
     pub gap: f64,
@@ -115,27 +115,27 @@ pub struct Row {
     pub lambda: f64,
     /// `Phi` at the start of the step, as [`Demand::gap`].
     pub gap_n: f64,
-    /// `Phi` at the end of the step where the row holds.
+    /// `Phi` at the end of the step if the constraint is active.
     pub target: f64,
-    /// By how much the law takes `gap` larger than it is.
+    /// Offset that the law adds to `gap`.
     pub shift: f64,
-    /// Whether forces are those of the end of the step.
+    /// True if forces are those of the end of the step.
     pub end_point: bool,
     /// `Phi` per change of the multiplier within an iteration.
     pub compliance: f64,
     /// Pressure per `Phi`, which compares the two.
     pub c: f64,
-    /// Stiffness of the row's potential, if it has one.
+    /// Stiffness of the penalty potential; 0 without one.
     pub stiffness: f64,
     /// `Phi` that counts as zero.
     pub tolerance: f64,
 }
 
-/// The equation of a row: `A G_1 dq + B lambda + N lambda_n = r`, with the pressing multiplier `lambda_n` of a tangential row; in space
-/// `+ A' G'_1 dq + B' lambda'` of the other tangential row of its group.
+/// Equation of a constraint: `A G_1 dq + B lambda + N lambda_n = r`, with the normal multiplier `lambda_n` beside a tangential constraint;
+/// in space `+ A' G'_1 dq + B' lambda'` of the other tangential constraint of its group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equation {
-    /// Whether its multiplier presses.
+    /// True if the multiplier may be nonzero.
     pub acts: bool,
     /// `A`.
     pub gradient: f64,
@@ -147,8 +147,8 @@ pub struct Equation {
     pub beside: [f64; 2],
     /// `r`.
     pub right: f64,
-    /// Compliance of a tangential row within the iteration: its state is that of the slip `u + compliance (lambda - lambda_k)`, with the
-    /// multiplier `lambda_k` of the iterate.
+    /// Tangential compliance within the iteration: the state is that of the slip `u + compliance (lambda - lambda_k)`, with the multiplier
+    /// `lambda_k` of the iterate.
     pub compliance: f64,
 }
 
@@ -163,39 +163,39 @@ impl Equation {
     }
 }
 
-/// The law of constraint rows.
+/// Law of constraints.
 pub trait RowLaw: fmt::Debug + Send + Sync {
-    /// Whether the multiplier is an unknown that a condition determines; else it is a function of `Phi`, the derivative of a potential.
+    /// True if the multiplier is an unknown; false if it is a function of `Phi`, the derivative of a potential.
     fn has_multiplier(&self) -> bool {
         true
     }
 
-    /// Whether the row holds always and may pull.
+    /// True if the constraint is always active and its multiplier has any sign.
     fn is_bilateral(&self) -> bool {
         false
     }
 
-    /// What a step demands.
+    /// Condition of the step on the constraint.
     fn demand(&self, start: &RowStart) -> Demand;
 
-    /// The state with which an iteration begins.
+    /// State at the first iteration.
     fn first_state(&self, row: &Row) -> RowState;
 
-    /// Natural residual: by how much the row is off, as a length of `Phi`, and the energy that goes with it.
+    /// Natural residual as a length of `Phi`, and its energy.
     fn residual(&self, row: &Row) -> (f64, f64);
 
-    /// The equation of the row where it holds.
+    /// Equation of an active constraint.
     fn equation(&self, row: &Row) -> Equation;
 
-    /// Whether the row is to change its state, and how strongly it asks for that; `row` is what the frozen linearization makes of it.
+    /// Magnitude of the violation that requires a change of the state, or `None`; `row` has the values of the frozen linearization.
     fn change(&self, state: RowState, row: &Row) -> Option<f64>;
 
-    /// The multiplier that belongs to `Phi` where a potential gives it.
+    /// Multiplier as a function of `Phi` for a potential.
     fn pressure(&self, _row: &Row) -> f64 {
         0.0
     }
 
-    /// Energy that the row's potential stores where it has this `Phi`.
+    /// Energy of the penalty potential at `_gap`.
     fn energy(&self, _stiffness: f64, _gap: f64) -> f64 {
         0.0
     }

@@ -1,4 +1,4 @@
-//! Laws of constraint rows: when a row holds, what its equation is, what it does. One file and one row each.
+//! Laws of constraints: active set, equation, residual. One file and one row each.
 
 mod bilateral;
 mod law;
@@ -31,7 +31,7 @@ mod tests {
         }
     }
 
-    /// Where a row solves the equation of its state, nothing is left of its residual unless it asks for another state.
+    /// A constraint that solves the equation of its state has no residual unless its state must change.
     #[test]
     fn the_solution_of_the_equation_has_no_residual() {
         for law in LAWS {

@@ -11,8 +11,7 @@ impl RowLaw for Penalty {
         false
     }
 
-    /// An overlap that no motion has made, but that pairs find which take part in this step and took none in the one before, has no
-    /// potential.
+    /// Overlap found by newly admitted facet pairs, not caused by motion, has no potential.
     fn demand(&self, start: &RowStart) -> Demand {
         let shift = if start.end_point { 0.0 } else { (start.penalty_gap.min(0.0) - start.gap.min(0.0)).max(0.0) };
         Demand { gap: if start.end_point { start.gap } else { start.gap + shift }, target: 0.0, is_member: true, shift }

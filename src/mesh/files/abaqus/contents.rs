@@ -18,7 +18,7 @@ type Owned = (usize, u64);
 
 /// Contents of an input file.
 pub(super) struct Contents {
-    /// What stands outside of parts, then the instances of parts; the parts themselves where there is no assembly.
+    /// Scope of the content outside of parts, then one scope per part instance (per part in a file without an assembly).
     pub scopes: Vec<Scope>,
     pub definitions: Definitions,
     pub notes: Vec<FileNote>,
@@ -51,13 +51,13 @@ impl Contents {
         (0..self.scopes.len()).filter(|&scope| self.scopes[scope].has_content()).collect()
     }
 
-    /// A name such as `instance.rest` where what is before a dot is an instance of the file.
+    /// Splits a name such as `instance.rest` if the text before a dot is an instance of the file.
     fn of_instance<'n>(&self, name: &'n str) -> Option<(usize, &'n str)> {
         let cuts = name.match_indices('.').map(|(at, _)| (&name[..at], &name[at + 1..]));
         cuts.filter_map(|(instance, rest)| Some((self.instance(&key_of(instance))?, rest))).next()
     }
 
-    /// The set of that name as a scope sees it, with the scope to which it belongs.
+    /// Finds the set of a name that is visible in a scope, with the scope to which it belongs.
     fn find(&self, kind: Kind, scope: usize, name: &str) -> Option<(usize, usize)> {
         let own = |scope: usize, name: &str| Some((scope, self.scopes[scope].sets(kind).find(name)?));
         own(scope, name).or_else(|| self.of_instance(name).and_then(|(scope, rest)| own(scope, rest)))
@@ -255,7 +255,7 @@ impl Contents {
 /// Tables of some scopes. Where there are several, their nodes and elements get new numbers.
 struct Merged {
     tables: Tables,
-    /// New numbers by scope and number; none where the numbers of one scope stay.
+    /// New numbers by scope and number; `None` if the numbers of a single scope are kept.
     new: HashMap<(Kind, usize, u64), u64>,
     alone: Option<usize>,
 }

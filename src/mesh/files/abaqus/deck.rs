@@ -50,11 +50,11 @@ pub struct Deck {
     pub pairs: Vec<DeckPair>,
     /// Boundaries that are held in all directions.
     pub held: Vec<DeckBoundary>,
-    /// Changes that were made to what the file holds.
+    /// Changes made to the content of the file.
     pub notes: Vec<FileNote>,
 }
 
-/// The mesh of all parts and instances of a file, and what was done to what the file holds.
+/// The mesh of all parts and instances of a file, and the changes made to the content.
 pub(in crate::mesh::files) fn read_whole(
     content: &[u8],
     options: ReadOptions,

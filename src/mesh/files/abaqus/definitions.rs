@@ -9,7 +9,7 @@ pub struct DeckProperty {
     pub keyword: String,
     /// Names and values of its parameters in capitals, such as `("N", "3")`.
     pub parameters: Vec<(String, String)>,
-    /// All numbers of its lines; not a number for an entry that is none.
+    /// All numbers of the data lines; NaN for an entry that is not a number.
     pub numbers: Vec<f64>,
 }
 

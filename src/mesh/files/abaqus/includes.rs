@@ -1,4 +1,4 @@
-//! `*INCLUDE` and `INPUT=`: the lines of other files put in their places before the text is read, and places in that text told as lines of
+//! `*INCLUDE` and `INPUT=`: lines of other files are inserted before the text is read, and places in that text are mapped back to lines of
 //! the files.
 
 use std::borrow::Cow;
@@ -23,7 +23,7 @@ struct Stretch {
     file: Option<usize>,
 }
 
-/// Where the lines of a text come from.
+/// Origins of the lines of a text.
 #[derive(Default)]
 pub(super) struct Origins {
     stretches: Vec<Stretch>,

@@ -9,12 +9,12 @@ pub(super) struct Keyword {
     /// In capitals, without the star, words separated by one space.
     pub name: String,
     parameters: Vec<(String, String)>,
-    /// Its line.
+    /// Line of the keyword.
     pub at: Place,
 }
 
 impl Keyword {
-    /// The value of a parameter, without quotation marks; empty when it has none.
+    /// The value of a parameter, without quotation marks; empty for a parameter without value.
     pub fn value(&self, parameter: &str) -> Option<&str> {
         self.parameters.iter().find(|(name, _)| name == parameter).map(|(_, value)| value.as_str())
     }
@@ -38,7 +38,7 @@ impl Keyword {
     }
 }
 
-/// What a file consists of.
+/// Item of an input file.
 pub(super) enum Item<'a> {
     /// A keyword.
     Keyword(Keyword),
@@ -50,23 +50,23 @@ pub(super) enum Item<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Data<'a> {
     text: &'a str,
-    /// Its place.
+    /// Place of the line in the file.
     pub at: Place,
 }
 
 impl<'a> Data<'a> {
-    /// Its fields without surrounding space; what a comma at the end is followed by is no field.
+    /// Comma-separated fields without surrounding space; a trailing comma adds no field.
     pub fn fields(&self) -> impl Iterator<Item = &'a str> + use<'a> {
         let text = self.text.strip_suffix(',').unwrap_or(self.text);
         text.split(',').map(str::trim_ascii)
     }
 
-    /// Whether the next line goes on with it.
+    /// True if the line ends with a comma, so that the next line continues the record.
     pub fn goes_on(&self) -> bool {
         self.text.ends_with(',')
     }
 
-    /// The line does not hold what it should.
+    /// Returns the error of a malformed line.
     pub fn malformed<T>(&self, expected: &'static str) -> Result<T, MeshError> {
         Err(FileError { at: self.at, problem: FileProblem::Malformed { expected, found: shortened(self.text) } }.into())
     }

@@ -25,7 +25,7 @@ const REFUSED: &[(&str, &str)] = &[
     ("PARAMETER", "it computes values of the file"),
 ];
 
-/// Which scope keywords speak of.
+/// Scope that keywords refer to.
 #[derive(Clone, Copy)]
 enum Current {
     Rest,
@@ -33,7 +33,7 @@ enum Current {
     Instance(usize),
 }
 
-/// What lines of data belong to.
+/// Keyword block that the current data lines belong to.
 enum Open {
     /// Nothing that is read.
     Other,

@@ -18,7 +18,7 @@ pub(super) struct Sides {
     pub sides: Vec<(String, String, Place)>,
 }
 
-/// Which of two kinds of sets.
+/// Kind of a set.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Kind {
     Nodes,
@@ -43,7 +43,7 @@ pub(super) struct Scope {
     pub node_sets: Sets,
     pub element_sets: Sets,
     pub surfaces: Vec<Sides>,
-    /// Where each element stands in the tables.
+    /// Position of each element in the tables.
     pub elements: HashMap<u64, (Shape, u32)>,
     /// Elements that are no cells, without their nodes.
     pub structural: HashSet<u64>,

@@ -6,7 +6,7 @@ use super::lines::{Data, Keyword};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::Place;
 
-/// What a set names.
+/// Member of a set.
 #[derive(Clone)]
 pub(super) enum Member {
     Number(u64),
@@ -19,11 +19,11 @@ pub(super) enum Member {
 /// A set of nodes or elements.
 #[derive(Clone)]
 pub(super) struct Set {
-    /// As it was written first.
+    /// Name as written at the first occurrence.
     pub name: String,
-    /// Where it was begun.
+    /// Place of the first definition.
     pub at: Place,
-    /// Whether the file keeps it for its own use.
+    /// True if the set is internal to the input file: marked `INTERNAL`, or a name with a leading underscore.
     pub is_internal: bool,
     /// Members of the set, each with the scope that the keyword names; `None`: the scope of the set.
     pub members: Vec<(Option<usize>, Member)>,
@@ -55,7 +55,7 @@ impl Sets {
         place
     }
 
-    /// One more number for a set.
+    /// Adds a number to a set.
     pub fn add(&mut self, set: usize, number: u64) {
         self.list[set].members.push((None, Member::Number(number)));
     }

@@ -3,7 +3,7 @@
 use super::super::tables::Shape;
 use crate::elements::CellKind;
 
-/// Family of element types, by what a mesh takes of them.
+/// Family of element types, by their use in a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Family {
     /// Plane or solid cells.
@@ -61,7 +61,7 @@ const STRUCTURAL: &[&str] = &[
     "F2D", "F3D", "FAX", "ASI", "LS", "FLINK", "PC3D",
 ];
 
-/// What the type of that name is, such as a quadrilateral of four nodes for `CPE4R`; nothing when it is not read.
+/// Returns the element type of a name, such as a quadrilateral of four nodes for `CPE4R`; `None` if the type is not read.
 pub(super) fn type_of(name: &str) -> Option<ElementType> {
     let name = name.to_ascii_uppercase();
     if let Some((shape, family)) = shape_of(&name) {

@@ -6,10 +6,10 @@ use crate::elements::CellKind;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::FileProblem;
 
-/// What an entry of an element holds.
+/// Description of an element entry for messages.
 pub(super) const ELEMENT: &str = "an element with its number, tags and nodes";
 
-/// The shape with that number in Gmsh's files; nothing when it is not read.
+/// Shape of an element type number in Gmsh files; `None` if the type is not read.
 fn shape_of(gmsh_type: u64) -> Option<Shape> {
     let cell = || CellKind::ALL.iter().find(|kind| kind.row().gmsh_type == gmsh_type).map(|&kind| Shape::Cell(kind));
     match gmsh_type {

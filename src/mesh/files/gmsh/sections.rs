@@ -9,7 +9,7 @@ use super::{version_2, version_4};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// What a Gmsh file holds.
+/// Reads the tables of a Gmsh file.
 pub(in crate::mesh::files) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let mut source = Source::new(content);
     let mut version = None;

@@ -9,7 +9,7 @@ use super::super::text::shortened;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
-/// How numbers are written.
+/// Encoding of numbers.
 #[derive(Clone, Copy, PartialEq)]
 enum Encoding {
     Text,
@@ -29,7 +29,7 @@ pub(super) struct Source<'a> {
 pub(super) struct Section {
     /// Name with its dollar sign.
     pub name: &'static str,
-    /// Where it begins.
+    /// Start of the section.
     pub begin: Place,
     /// Entries that it announces.
     pub announced: usize,
@@ -60,7 +60,7 @@ impl<'a> Source<'a> {
         Source { rest, length: content.len(), line: 0, encoding: Encoding::Text }
     }
 
-    /// Where it is: the line that was given last, or the byte that comes next.
+    /// Current place: the line that was returned last, or the next byte.
     pub fn place(&self) -> Place {
         match self.encoding {
             Encoding::Text => Place::Line(self.line),
@@ -192,7 +192,7 @@ pub(super) struct Entry<'s, 'a> {
 }
 
 impl<'a> Entry<'_, 'a> {
-    /// Where it begins.
+    /// Start of the entry.
     pub fn place(&self) -> Place {
         self.at
     }
@@ -218,7 +218,7 @@ impl<'a> Entry<'_, 'a> {
         Ok(found)
     }
 
-    /// A number with a sign, of four bytes; `expected` says what the whole entry should hold.
+    /// A signed number of four bytes; `expected` describes the whole entry.
     pub fn int(&mut self, expected: &'static str) -> Result<i64, MeshError> {
         match self.source.encoding {
             Encoding::Text => self.word(expected),
@@ -287,7 +287,7 @@ impl<'a> Entry<'_, 'a> {
         self.text
     }
 
-    /// The entry does not hold what it should; when the file ends with it, it was cut off.
+    /// Returns the error of a malformed entry, or of a truncated file if the file ends with the entry.
     pub fn malformed(&self, expected: &'static str) -> MeshError {
         if self.source.rest.is_empty() {
             return self.section.truncated(self.source.place());

@@ -155,7 +155,7 @@ pub(super) fn read_elements(source: &mut Source, tables: &mut Tables, entities: 
     complete(source, &section)
 }
 
-/// The blocks together hold what the section announces.
+/// Checks that the blocks together have the announced number of entries.
 fn complete(source: &mut Source, section: &Section) -> Result<(), MeshError> {
     source.close(section)?;
     match *section {

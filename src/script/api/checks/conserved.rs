@@ -1,4 +1,4 @@
-//! `expect_conserved`: energy, momenta, or the balance of every step.
+//! `expect_conserved`: energy, linear and angular momentum, or the balance of every step.
 
 use rhai::{Dynamic, EvalAltResult};
 
@@ -15,7 +15,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// What can be conserved, and what it is called.
+/// Quantities that can be conserved, by name.
 const QUANTITIES: &[&str] = &["energy", "momentum", "angular_momentum", "ledger"];
 
 /// `expect_conserved`: a quantity that must not drift.
@@ -123,8 +123,8 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
     x.hypot(y).hypot(z)
 }
 
-/// Largest drift of a quantity over the rows from the one of index `begin` on, relative to its scale: the largest energy, or the
-/// momentum that the bodies would have if all their kinetic energy were translation.
+/// Returns the largest drift of a quantity over the rows from index `begin` on, relative to its scale: the largest energy, or the momentum
+/// of the bodies if all their kinetic energy were translational.
 fn worst_drift<R: Rows + ?Sized>(quantity: &str, rows: &R, begin: usize, kinetic: f64, inertia: Inertia) -> Drift {
     let bound = (2.0 * inertia.mass * kinetic).max(0.0).sqrt();
     let difference = |a: [f64; 3], b: [f64; 3]| length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
@@ -144,7 +144,7 @@ fn worst_drift<R: Rows + ?Sized>(quantity: &str, rows: &R, begin: usize, kinetic
             _ if is_first => 0.0,
             _ => row.energy_defect.abs(),
         };
-        // A value that is no number counts as the largest here, so that a broken run cannot pass.
+        // NaN counts as the largest value, so that a diverged run cannot pass.
         if worst.is_none_or(|worst| change.total_cmp(&worst).is_ge()) {
             (worst, drift.step, drift.time) = (Some(change), row.step, row.time);
         }

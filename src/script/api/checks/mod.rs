@@ -1,4 +1,4 @@
-//! Checks: what a script expects of its results. One that holds says what it measured; one that does not ends the script.
+//! Checks: expectations of a script on its results. A check that holds reports what it measured; one that fails ends the script.
 //!
 //! Checks that run a scenario several times stand in `studies/`.
 

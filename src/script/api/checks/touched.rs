@@ -1,4 +1,4 @@
-//! `expect_contact`: whether a contact pair was ever closed, or is closed now.
+//! `expect_contact`: requires that a contact pair was ever active, or is active now.
 
 use rhai::{Dynamic, EvalAltResult};
 

@@ -45,7 +45,7 @@ pub fn expect() -> Function {
     }
 }
 
-/// `expect_close`: two numbers, or two arrays of them.
+/// `expect_close`: two numbers, or two arrays of numbers.
 pub fn expect_close() -> Function {
     Function {
         name: "expect_close",

@@ -1,4 +1,4 @@
-//! What every check does with its result: says what it measured, ends the script, or only lists itself in `conserva check`.
+//! Common end of all checks: reports the measured value, ends the script, or only lists the check in `conserva check`.
 
 use rhai::{Dynamic, EvalAltResult};
 
@@ -6,7 +6,7 @@ use crate::script::language::failure::{Class, Failure};
 use crate::script::language::function::Call;
 use crate::script::language::scan::Target;
 
-/// The failure of a check.
+/// Returns the failure of a check.
 pub fn failed(call: &Call, title: impl Into<String>) -> Failure {
     Failure::new(Class::Check, title).in_method(call.function.form.receiver().is_some())
 }
@@ -17,7 +17,7 @@ pub fn passed(call: &Call, line: &str) -> Result<Dynamic, Box<EvalAltResult>> {
     Ok(Dynamic::UNIT)
 }
 
-/// In `conserva check`: lists the check instead of evaluating it.
+/// Lists the check instead of evaluating it in `conserva check`; returns true if so.
 pub fn only_listed(call: &Call, line: &str) -> bool {
     if call.host.is_check() {
         let place = call.place(&Target::Call).map(|place| format!("{place}: ")).unwrap_or_default();

@@ -18,18 +18,18 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 
-/// Speeds at which a closure is asked for its coefficient: those in this range of powers of ten, so many for each, and 0.
+/// Powers of ten of the slip speeds at which a closure is sampled, and number of samples per decade; 0 is added.
 const DECADES: [i32; 2] = [-12, 12];
 const SPEEDS: i32 = 128;
 
 /// Largest coefficient of friction without a warning: clean metals in vacuum and soft rubber reach 2 to 3.
 const LARGEST: f64 = 3.0;
 
-/// A law of friction with its coefficient.
+/// Friction law with its coefficient.
 #[derive(Clone)]
 pub struct FrictionHandle {
     friction: Friction,
-    /// How it would be written.
+    /// Friction law as written in a script.
     written: String,
 }
 
@@ -123,7 +123,7 @@ fn coulomb() -> Function {
     }
 }
 
-/// How a coefficient would be written.
+/// Returns a coefficient as written in a script.
 fn written(coefficient: &Coefficient) -> String {
     match coefficient {
         Coefficient::Constant(value) => number_text(*value),
@@ -176,7 +176,7 @@ fn friction_curve() -> Function {
     }
 }
 
-/// What a closure of the speed gives at many speeds.
+/// Samples a closure of the slip speed at many speeds.
 fn sampled(argument: &Argument, closure: &Callback) -> Result<Vec<(f64, f64)>, Box<EvalAltResult>> {
     let powers = (DECADES[0] * SPEEDS..=DECADES[1] * SPEEDS).map(|k| 10f64.powf(f64::from(k) / f64::from(SPEEDS)));
     let coefficient = |speed: f64| {
@@ -220,7 +220,7 @@ pub fn friction_parameter() -> Parameter {
     .or(Absent::Means("none: surfaces slide freely"))
 }
 
-/// The friction that options ask for.
+/// Returns the friction law in the options.
 pub fn friction_of(options: &Options) -> Result<Option<Friction>, Failure> {
     let argument = options.argument("friction");
     if !argument.is_given() {
@@ -240,7 +240,7 @@ pub fn friction_of(options: &Options) -> Result<Option<Friction>, Failure> {
     coefficient_of(&argument).map(plain).map(Some)
 }
 
-/// Coulomb's law with its coefficient alone.
+/// Returns Coulomb's law with a coefficient.
 fn plain(coefficient: Coefficient) -> Friction {
     Friction { law: Arc::new(Coulomb::default()), coefficient }
 }

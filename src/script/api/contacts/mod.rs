@@ -1,4 +1,4 @@
-//! Contact in a model: methods, rigid obstacles, pairs. What a simulation says about contact stands in `simulations/contact_state.rs`.
+//! Contact in a model: methods, rigid obstacles, pairs. Results on contact are in `simulations/contact_state.rs`.
 
 use crate::script::language::function::Function;
 

@@ -19,9 +19,9 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 pub struct ObstacleHandle {
     /// Shape and place.
     pub obstacle: Obstacle,
-    /// Its displacement in each direction over time.
+    /// Displacement over time for each direction.
     pub motion: [Option<Amplitude>; 3],
-    /// The angle by which it has turned about its center over time.
+    /// Rotation angle about the center over time.
     pub turn: Option<Amplitude>,
 }
 
@@ -35,16 +35,16 @@ impl Handle for ObstacleHandle {
     }
 }
 
-/// How an obstacle may move.
+/// Possible motions of an obstacle.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Moves {
     /// Along x and y.
     InPlane,
-    /// So, and turning about its center.
+    /// Along x and y, and rotating about its center.
     Round,
     /// Along x, y and z.
     InSpace,
-    /// So, and turning about its axis.
+    /// Along x, y and z, and rotating about its axis.
     AboutAxis,
 }
 
@@ -71,7 +71,7 @@ fn motion_parameter(moves: Moves) -> Parameter {
     Parameter::new("motion", Kind::Options(components), summary).or(Absent::Means("at rest"))
 }
 
-/// What else there is in the plane and in space.
+/// Alternatives in the plane and in space, for messages.
 const IN_PLANE: &[&str] = &["add_contact", "rigid_plane", "rigid_disk", "rigid_ring", "rigid_polyline"];
 const IN_SPACE: &[&str] =
     &["add_contact", "rigid_plane", "rigid_sphere", "rigid_cylinder", "rigid_cone", "rigid_torus", "rigid_box", "rigid_surface"];
@@ -81,7 +81,7 @@ pub fn functions() -> Vec<Function> {
     vec![rigid_plane(), rigid_disk(), rigid_ring(), rigid_polyline()]
 }
 
-/// A function that makes an obstacle of a shape; every one may be displaced.
+/// Returns a function that makes an obstacle of a shape, with a prescribed motion.
 pub fn shape(
     name: &'static str,
     summary: &'static str,

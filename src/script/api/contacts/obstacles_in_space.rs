@@ -1,4 +1,4 @@
-//! Rigid obstacles that bodies in space touch.
+//! Rigid obstacles in space.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// Radius of the edges of a cylinder with ends over its own, or over half its length where that is less.
+/// Radius of a finite cylinder's edges relative to its radius, or to half its length if smaller.
 const EDGE: f64 = 0.01;
 
 /// The functions of this file.
@@ -83,7 +83,7 @@ fn rigid_cylinder() -> Function {
     )
 }
 
-/// A cylinder with ends, by its middle, axis and radius.
+/// Returns a cylinder with ends from its center, axis and radius.
 fn finite_cylinder(options: &Options, (center, axis, radius): ([f64; 3], [f64; 3], f64)) -> Result<Obstacle, Failure> {
     let inside = options.argument("inside");
     if options.flag("inside")? {

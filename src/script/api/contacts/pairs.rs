@@ -1,7 +1,7 @@
-//! What touches what: pairs of surfaces, obstacles, surfaces that touch themselves, ties.
+//! Interactions of surfaces: contact pairs, obstacles, self-contact, ties.
 //!
-//! Every call that adds a pair checks the model at once. What is only suspicious (a surface that faces away, a tie that holds nothing) is
-//! told by `model.check()` and warned of by `simulate`.
+//! Every call that adds a pair checks the model at once. Suspicious definitions (a surface that faces away, a tie without nodes) are
+//! reported by `model.check()` and are warnings of `simulate`.
 
 use rhai::{Array, Dynamic};
 
@@ -211,7 +211,7 @@ fn partner_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<P
     Ok(Partner::Surfaces(boundaries_of(call, argument, model)?))
 }
 
-/// The side of a contact that has one body's boundaries.
+/// Returns the secondary side of a contact: boundaries of one body.
 fn secondary_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<BodyBoundary, Failure> {
     if let Some(boundary) = argument.value().try_cast::<BoundaryHandle>() {
         return body_boundary(argument, boundary, model);
@@ -226,7 +226,7 @@ fn secondary_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result
     Ok(BodyBoundary { body, boundary: Boundary::union(&boundaries) })
 }
 
-/// The boundaries in an array, at least one.
+/// Returns the boundaries in an array, at least one.
 fn boundaries_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<Vec<BodyBoundary>, Failure> {
     let value = argument.value();
     let Some(entries) = value.read_lock::<Array>() else { return Err(argument.wrong_type()) };

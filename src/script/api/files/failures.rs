@@ -8,7 +8,7 @@ pub fn output_failure(error: &OutputError) -> Failure {
     Failure::new(output_class(error), error.to_string()).code(error.code()).hint(error.hint())
 }
 
-/// Whose fault it is: a name that cannot be is the script's, a full disk is not.
+/// Class of a failed write: an invalid name is an error of the script, a full disk is not.
 pub fn output_class(error: &OutputError) -> Class {
     if matches!(error, OutputError::Write { .. } | OutputError::Gone { .. }) { Class::Output } else { Class::Script }
 }

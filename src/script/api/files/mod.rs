@@ -1,4 +1,4 @@
-//! The files of a run: its output folder, files at paths that a script gives, and what the script yields for its summary.
+//! The files of a run: its output folder, files at paths given by a script, and results for its summary.
 
 pub mod failures;
 pub mod results;

@@ -1,4 +1,4 @@
-//! `result(name, value)`: what a script yields, for the summary of the run and the table of a study.
+//! `result(name, value)`: results of a script, for the summary of the run and the table of a study.
 
 use std::cell::RefCell;
 
@@ -15,12 +15,12 @@ use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
 
-/// What the script has yielded, in the order in which it named it first.
+/// Results of the script, in the order in which they were first named.
 #[derive(Default)]
 pub struct Results(RefCell<Vec<(String, Value)>>);
 
 impl Results {
-    /// Those of a session.
+    /// Returns the results of a session.
     pub fn of(host: &Host) -> Vec<(String, Value)> {
         host.slots.get::<Results>().0.borrow().clone()
     }
@@ -79,7 +79,8 @@ fn refused(call: &Call, value: &Dynamic) -> Failure {
         .hint("give one number that tells it, such as the last of a column: `sim.history.total[-1]`")
 }
 
-/// A value for a file; none for what no file can hold. JSON has no numbers that are not finite: these are written as words.
+/// Converts a value for a file; `None` for values that no file can hold. JSON has no numbers that are not finite: these are written as
+/// words.
 fn plain(value: &Dynamic) -> Option<Value> {
     if let Some(array) = value.read_lock::<Array>() {
         return array.iter().map(plain).collect::<Option<Vec<_>>>().map(Value::Array);

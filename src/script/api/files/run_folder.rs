@@ -1,7 +1,7 @@
-//! The output folder of a run: where it is, and when it becomes this run's own.
+//! The output folder of a run: its path, and the moment at which this run takes it over.
 //!
-//! Until a run writes its first file, the folder keeps what an earlier one left there: a script that cannot be read, or fails before it has
-//! simulated anything, destroys nothing. With the first file, the files of the earlier run go, and its checkpoints.
+//! Until a run writes its first file, the folder keeps the files of an earlier run: a script that cannot be read, or fails before any
+//! simulation, removes no files. With the first file, the files and checkpoints of the earlier run are removed.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -18,43 +18,43 @@ use crate::script::language::settings::Mode;
 pub struct RunFolder {
     files: RefCell<Option<RunFiles>>,
     lock: RefCell<Option<RunLock>>,
-    /// The process that had the folder when this one asked for it: what was refused once is no more this run's when the other has ended.
+    /// Process that held the folder at the first request; a folder that was refused once stays refused for this run.
     refused: RefCell<Option<String>>,
-    /// Files on which the checkpoints of an earlier program count, where this one goes on with its run.
+    /// Files to which the checkpoints of an earlier process refer, if this run resumes it.
     resumed: RefCell<Option<Vec<Vec<CountedFile>>>>,
 }
 
 impl RunFolder {
-    /// That of a session.
+    /// Returns the folder of a session.
     pub fn of(host: &Host) -> Rc<RunFolder> {
         host.slots.get()
     }
 
-    /// Says that an earlier program has begun this run: its files stay. The folder is locked already.
+    /// Marks the run as resumed: files of the earlier process are kept. The folder is locked already.
     pub fn resume(&self, run: &Path, checkpoint: &Checkpoint, lock: RunLock) {
         self.lock.replace(Some(lock));
         self.resumed.replace(Some(checkpoint.promises(run)));
     }
 
-    /// Whether this run has written into it.
+    /// True if this run has written into the folder.
     pub fn is_begun(&self) -> bool {
         self.files.borrow().is_some()
     }
 
-    /// Refuses a folder in which another process writes, without touching it.
+    /// Refuses a folder in which another process writes, without changing it.
     ///
     /// # Errors
-    /// A run is under way there.
+    /// A run is under way in the folder.
     pub fn refuse_if_taken(&self, host: &Host) -> Result<(), OutputError> {
         let is_ours = self.lock.borrow().is_some();
         output_folder(host).filter(|_| !is_ours).map_or(Ok(()), |folder| RunLock::refuse_if_taken(folder))
     }
 
-    /// The files of the run; none where the session writes none. The first time, the folder is locked, and the files of an earlier run are
-    /// removed.
+    /// Returns the files of the run; `None` if the session writes no files. On the first call, the folder is locked, and the files of an
+    /// earlier run are removed.
     ///
     /// # Errors
-    /// Another process writes there; the operating system refused.
+    /// Another process writes to the folder; the operating system refused.
     pub fn files(&self, host: &Host) -> Result<Option<RunFiles>, OutputError> {
         let Some(folder) = output_folder(host) else { return Ok(None) };
         if !self.is_begun() {
@@ -83,7 +83,7 @@ impl RunFolder {
         Ok(self.files.borrow().clone())
     }
 
-    /// Removes the checkpoints of this run, which has come to its end.
+    /// Removes the checkpoints of this run at its end.
     ///
     /// # Errors
     /// The operating system refused.

@@ -1,4 +1,7 @@
-//! Files at the paths that a script gives: below the run's output folder, with the endings of their formats.
+//! Files at paths given by a script: below the run's output folder, with the extensions of their formats.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
 
 use rhai::Dynamic;
 
@@ -11,13 +14,45 @@ use crate::script::language::function::Call;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::wording::joined;
 
-/// What has a folder of its own for its files.
+/// Object whose files go to a folder of its own.
 pub trait Destination {
-    /// Writes a file there; `None` where the session writes none.
+    /// Writes a file to the folder; `None` if the session writes no files.
     fn put(&self, path: &str, bytes: &[u8]) -> Option<Result<(), OutputError>>;
 }
 
-/// Writes a drawing below the output folder, as SVG or PNG as the ending says.
+/// Bytes of the file that the next call would write, for a program that shows the file in place of writing it.
+#[derive(Default)]
+pub struct Wanted {
+    is_asked: Cell<bool>,
+    bytes: RefCell<Option<Vec<u8>>>,
+}
+
+impl Wanted {
+    /// Keeps the bytes of the next file.
+    pub fn ask(&self) {
+        self.is_asked.set(true);
+    }
+
+    /// The bytes of the file, if one was made. Files are written again.
+    pub fn take(&self) -> Option<Vec<u8>> {
+        self.is_asked.set(false);
+        self.bytes.take()
+    }
+
+    /// Place for the bytes of the file of a call, where they are asked for.
+    pub fn of(call: &Call) -> Option<Rc<Wanted>> {
+        let wanted: Rc<Wanted> = call.host.slots.get();
+        wanted.is_asked.get().then_some(wanted)
+    }
+
+    /// Keeps the bytes of a file.
+    pub fn put(&self, bytes: Vec<u8>) -> Dynamic {
+        self.bytes.replace(Some(bytes));
+        Dynamic::UNIT
+    }
+}
+
+/// Writes a drawing below the output folder, as SVG or PNG according to the extension.
 pub fn write_drawing(
     call: &Call,
     into: Option<&dyn Destination>,
@@ -32,7 +67,7 @@ pub fn write_drawing(
     write(call, into, &[".svg", ".png"], content)
 }
 
-/// Writes a file with one of the endings into the folder of a simulation, or of the run; without an output folder nothing is written.
+/// Writes a file with one of the extensions into the folder of a simulation, or of the run; without an output folder, no file is written.
 pub fn write(
     call: &Call,
     into: Option<&dyn Destination>,
@@ -44,11 +79,14 @@ pub fn write(
         call.host.findings.borrow_mut().push(format!("would write {path}"));
         return Ok(Dynamic::UNIT);
     }
+    if let Some(wanted) = Wanted::of(call) {
+        return Ok(wanted.put(content()?));
+    }
     write_at(call, into, &path, &content()?)?;
     Ok(Dynamic::UNIT)
 }
 
-/// The path of the call, which must have one of the endings.
+/// Returns the path in the call, which must have one of the extensions.
 pub fn checked_path(call: &Call, endings: &[&str]) -> Result<String, Failure> {
     let argument = call.argument("path");
     let path = argument.text()?;
@@ -57,7 +95,7 @@ pub fn checked_path(call: &Call, endings: &[&str]) -> Result<String, Failure> {
     }
     let quoted: Vec<String> = endings.iter().map(|ending| format!("`{ending}`")).collect();
     let failure = argument.fail(format!("{} must end with {}", argument.title(), joined(&quoted, "or")));
-    // What looks like another ending gives way.
+    // Another extension in the name is replaced.
     let stem = path.rsplit_once('.').filter(|(stem, ending)| !stem.is_empty() && !ending.contains('/')).map_or(&*path, |(stem, _)| stem);
     let is_video = [".mp4", ".webm", ".avi", ".mov", ".mkv"].iter().any(|ending| path.ends_with(ending));
     Err(match endings.contains(&".gif") && is_video {
@@ -68,7 +106,7 @@ pub fn checked_path(call: &Call, endings: &[&str]) -> Result<String, Failure> {
     })
 }
 
-/// Writes a file at a path that may not be the one of the call; a failure points at that one.
+/// Writes a file at `path`, which may differ from the path in the call; a failure points at the latter.
 pub fn write_at(call: &Call, into: Option<&dyn Destination>, path: &str, bytes: &[u8]) -> Result<(), Failure> {
     let written = match into {
         Some(destination) => destination.put(path, bytes),
@@ -77,7 +115,7 @@ pub fn write_at(call: &Call, into: Option<&dyn Destination>, path: &str, bytes: 
     told(call, path, written)
 }
 
-/// What became of a file; `None` where the session writes none.
+/// Converts the result of writing a file; prints a remark if the session writes no files (`None`).
 pub fn told(call: &Call, path: &str, written: Option<Result<(), OutputError>>) -> Result<(), Failure> {
     let argument = call.argument("path");
     match written {

@@ -1,4 +1,4 @@
-//! What a material does: checks of its law, stresses of test pieces, curves of them.
+//! Behavior of a material: checks of its law, stresses in homogeneous tests, curves of these.
 
 use rhai::{Array, Dynamic};
 
@@ -16,7 +16,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 const RUBBER: &str = "let rubber = mooney_rivlin(#{ c10: 0.16, c01: 0.02, bulk_modulus: 100.0, density: 1e-9 });\n";
 
-/// Stretches of a plot unless the script says otherwise, and points on each side of 1.
+/// Default range of stretches in a plot, and number of points on each side of 1.
 const STRETCHES: [f64; 2] = [0.5, 3.0];
 const POINTS: usize = 60;
 
@@ -98,7 +98,7 @@ fn unreached(call: &Call, material: &Material, stretch: f64, last: f64) -> Failu
     failure.hint("choose a stretch nearer to 1; `material.check()` tells where the law fails")
 }
 
-/// Stretches from 1 to another one, the last included: steps of a few percent, `points` at least.
+/// Returns stretches from 1 to `stretch`, inclusive, in steps of a few percent, at least `points`.
 fn way(stretch: f64, points: usize) -> Vec<f64> {
     let steps = ((stretch.ln().abs() / 0.05).ceil() as usize).clamp(points, 1000);
     (1..=steps).map(|k| if k == steps { stretch } else { (stretch.ln() * k as f64 / steps as f64).exp() }).collect()

@@ -1,6 +1,6 @@
 //! `hyperelastic`: a material from a stored energy that the script writes as text.
 //!
-//! A mistake in the text is shown in the text itself, where that stands in the script as it is.
+//! A mistake is shown within the energy's text, if the text is a literal of the script.
 
 use rhai::{Array, Dynamic};
 
@@ -74,7 +74,7 @@ fn text_of(argument: &Argument) -> Result<EnergyText, Failure> {
     EnergyText::parse(&argument.text()?).map_err(|error| refused(argument, &error))
 }
 
-/// The failure of a text with a mistake: points into the text where it stands in the script as it is.
+/// Returns the failure of an energy with a mistake; it points into the text if that is a literal of the script.
 pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
     let failure = argument.fail(error.title.clone()).code(error.code()).label(error.label.clone());
     let place = argument.call().place(&argument.target()).and_then(|place| inside(place, error));
@@ -98,12 +98,13 @@ fn inside(place: Place, error: &EnergyError) -> Option<Place> {
         return None;
     }
     let start = place.range.start + 1 + error.span.start;
-    // The end of the text is shown at the quote behind it.
+    // An error at the end of the text is shown at the closing quote.
     let end = start + error.span.len().max(1);
     Some(Place { range: start..end, ..place })
 }
 
-/// Values of the constants: every key that is no option must be named in a text. What a text names without a value is told by the kernels.
+/// Returns the values of the constants: every key that is no option must be named in a text. Constants without a value are reported by the
+/// kernels.
 fn constants_of(
     call: &Call,
     options: &Options,

@@ -15,7 +15,7 @@ use crate::script::language::sandbox::reason;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
-/// Tests by the names of their options, with what plots call them.
+/// Options of tests, with their names in plots.
 const TESTS: [(&str, &str, Piece); 3] = [
     ("uniaxial", "uniaxial", Piece::Uniaxial),
     ("equibiaxial", "equibiaxial", Piece::Equibiaxial),
@@ -92,14 +92,14 @@ fn described(free: &[&String], fixed: &[(String, f64)], found: &Fit) -> Map {
     ])
 }
 
-/// The law that is fitted, and the names of its constants.
+/// The law to be fitted, and the names of its constants.
 struct Law {
     title: String,
     names: Vec<String>,
     form: Source,
 }
 
-/// Where its energy comes from.
+/// Source of the law's energy.
 enum Source {
     Row(&'static crate::materials::MaterialRow),
     Text(EnergyText),

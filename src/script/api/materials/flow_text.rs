@@ -1,9 +1,9 @@
-//! An elastic-plastic material as the script that makes it.
+//! Description of an elastic-plastic material as a script.
 
 use crate::materials::{ElasticPlastic, Hardening, RateDependence};
 use crate::script::language::digits::number_text;
 
-/// The script that makes a material of these constants.
+/// Returns the script text that makes a material with these constants.
 pub(super) fn describe(constants: &ElasticPlastic) -> String {
     let number = |name: &str, value: f64| format!("{name}: {}", number_text(value));
     let mut entries = vec![

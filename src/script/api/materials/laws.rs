@@ -12,10 +12,10 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::wording::{did_you_mean, joined};
 
-/// The key that chooses the form of the volumetric part.
+/// Option that selects the form of the volumetric part.
 const VOLUMETRIC: &str = "volumetric";
 
-/// The options of a law: its constants, and its form where there are several.
+/// Options of a law: its constants, and its form if there are several.
 fn options_of(row: &MaterialRow) -> Vec<Parameter> {
     let form = row.volumetric.map(|VolumetricForm { all, .. }| {
         Parameter::new(VOLUMETRIC, Kind::Choice(all), "the form of the energy's part that depends on the volume alone")
@@ -24,7 +24,7 @@ fn options_of(row: &MaterialRow) -> Vec<Parameter> {
     row.parameters.iter().map(Parameter::of_catalogue).chain(form).collect()
 }
 
-/// The row of the same law with a form of that name.
+/// Returns the row of the law with the form `name`.
 fn of_form(row: &'static MaterialRow, name: &str) -> &'static MaterialRow {
     let is_wanted = |other: &&MaterialRow| other.name == row.name && other.volumetric.is_some_and(|form| form.name == name);
     CATALOGUE.iter().find(is_wanted).unwrap_or(row)

@@ -1,4 +1,4 @@
-//! Materials in scripts: laws of the catalogue, energies as text, what they do, how they are fitted.
+//! Materials in scripts: laws of the catalogue, energies as text, their behavior, fits.
 
 mod behavior;
 pub mod energies;

@@ -1,4 +1,4 @@
-//! Materials that flow plastically: `elastic_plastic`, its back stresses and its dependence on rates, and hardening curves of tests.
+//! Elastic-plastic materials: `elastic_plastic`, its back stresses and rate dependence, and hardening curves from tests.
 
 use rhai::{Array, Dynamic, Map};
 
@@ -84,7 +84,7 @@ fn elastic_plastic() -> Function {
     }
 }
 
-/// Warns of a yield stress that falls: bands of cells then flow alone, as narrow as the mesh lets them.
+/// Warns of a decreasing yield stress: plastic flow then localizes in bands as narrow as the mesh allows.
 fn warn_of_softening(argument: &Argument, law: &Hardening) {
     let Hardening::Table(points) = law else { return };
     if let Some(pair) = points.windows(2).find(|pair| pair[1][1] < pair[0][1]) {
@@ -99,7 +99,7 @@ fn warn_of_softening(argument: &Argument, law: &Hardening) {
     }
 }
 
-/// The material of some constants; `argument` is what is to blame.
+/// Returns the material with some constants; a failure points at `argument`.
 fn made(constants: &ElasticPlastic, argument: &Argument) -> Result<Dynamic, Box<rhai::EvalAltResult>> {
     let material = Material::elastic_plastic(constants).map_err(|error| {
         let failure = argument.fail(error.to_string()).code(error.code());

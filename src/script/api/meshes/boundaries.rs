@@ -1,4 +1,4 @@
-//! Boundaries of meshes by name, and new ones from a condition.
+//! Named boundaries of meshes, and new ones from a condition.
 
 use rhai::{Array, Dynamic, EvalAltResult};
 
@@ -13,18 +13,18 @@ use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::scan::Target;
 use crate::script::language::values::describe;
 
-/// The boundary of that name in a mesh, or the union of several.
+/// Returns the boundary that a call names in a mesh, or the union of several.
 ///
 /// # Errors
-/// There is none of that name; the message lists those that there are.
+/// No boundary of that name; the message lists the existing ones.
 pub fn named_boundary(call: &Call, mesh: &Mesh) -> Result<Boundary, Failure> {
     boundary_named(&call.argument("name"), mesh)
 }
 
-/// The boundary that an argument names, or the union of several.
+/// Returns the boundary that an argument names, or the union of several.
 ///
 /// # Errors
-/// As those of [`named_boundary`].
+/// As [`named_boundary`].
 pub fn boundary_named(argument: &Argument, mesh: &Mesh) -> Result<Boundary, Failure> {
     let value = argument.value();
     let Some(entries) = value.read_lock::<Array>() else { return one_boundary(argument, argument.text()?, mesh) };
@@ -56,7 +56,7 @@ fn one_boundary(argument: &Argument, name: String, mesh: &Mesh) -> Result<Bounda
     })
 }
 
-/// What `boundary_where` of a mesh and of a body take.
+/// Parameters of `boundary_where` of meshes and bodies.
 pub fn condition_parameters() -> Vec<Parameter> {
     let condition = "asked at the nodes of the hull (with z in space); gives `true` or `false`";
     vec![
@@ -65,10 +65,10 @@ pub fn condition_parameters() -> Vec<Parameter> {
     ]
 }
 
-/// What a condition gives.
+/// Returns the truth value of a condition.
 ///
 /// # Errors
-/// No truth value.
+/// The value is no truth value.
 pub fn truth(argument: &Argument, value: &Dynamic) -> Result<bool, Box<EvalAltResult>> {
     value.as_bool().map_err(|_| {
         let failure = argument.fail("the condition must give `true` or `false`");
@@ -77,7 +77,7 @@ pub fn truth(argument: &Argument, value: &Dynamic) -> Result<bool, Box<EvalAltRe
     })
 }
 
-/// A mesh with one more boundary, found by the closure `condition` of a call. Warns when it has no facets.
+/// Adds a boundary to a mesh by the closure `condition` of a call. Warns if the boundary has no facets.
 ///
 /// # Errors
 /// The name is taken, or the closure fails or does not give a truth value.

@@ -1,4 +1,4 @@
-//! Decks of Abaqus and CalculiX: a mesh for each body, its materials, and what touches what.
+//! Decks of Abaqus and CalculiX: a mesh for each body, its materials, and interactions.
 
 use rhai::{Array, Dynamic, Map};
 
@@ -15,7 +15,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// Bulk over shear modulus of a material that the file gives as incompressible.
+/// Ratio of bulk to shear modulus that replaces the incompressibility of a material.
 const HARDLY_COMPRESSIBLE: f64 = 1000.0;
 
 /// `read_deck`.
@@ -94,14 +94,14 @@ fn value_of(call: &Call, options: &Options, deck: Deck) -> Result<Map, Failure> 
     Ok(entries.into_iter().map(|(name, value)| (name.into(), value)).collect())
 }
 
-/// A law with its constants but the density.
+/// A law with its constants except the density.
 struct Constants {
     law: &'static str,
     values: Vec<f64>,
     is_incompressible: bool,
 }
 
-/// The material of a deck; none, with a warning, where its law is not read.
+/// Returns the material of a deck; `None`, with a warning, if its law is not supported.
 fn material_of(call: &Call, options: &Options, material: &DeckMaterial) -> Result<Option<Material>, Failure> {
     let warn = |title: String, code: &'static str, hint: &str| {
         call.host.warn(Diagnostic::warning(title, call.place(&Target::Argument(0))).code(code).hint(hint));
@@ -150,8 +150,8 @@ fn elastic(property: &DeckProperty) -> Option<Constants> {
     }
 }
 
-/// Constants of a hyperelastic law: those of its potential, then `D1` with the bulk modulus `2/D1` (Abaqus Analysis User's Guide, section
-/// 22.5.1). Ogden's potential is `2 mu/alpha^2 (…)` there and `mu/alpha (…)` here.
+/// Returns the constants of a hyperelastic law: those of its potential, then `D1` with the bulk modulus `2/D1` (Abaqus Analysis User's
+/// Guide, section 22.5.1). Ogden's potential is `2 mu/alpha^2 (…)` in Abaqus and `mu/alpha (…)` here.
 fn hyperelastic(property: &DeckProperty) -> Option<Constants> {
     let has = |name: &str| property.parameters.iter().any(|(known, _)| known.replace(['-', ' '], "") == name);
     if has("TESTDATAINPUT") || has("USER") {

@@ -285,7 +285,7 @@ fn half_disk() -> Function {
     }
 }
 
-/// The outer radius is the greater one.
+/// Checks that the outer radius is larger than the inner one.
 pub(super) fn radii_in_order(options: &Options, inner: f64, outer: f64) -> Result<(), Failure> {
     if inner >= outer {
         let argument = options.argument("outer_radius");
@@ -300,7 +300,7 @@ pub(super) fn grading(summary: &'static str, absent: &'static str) -> Parameter 
     Parameter::new("grading", Kind::Array, summary).of("1").within(Interval::Positive).or(Absent::Means(absent))
 }
 
-/// The ratios of the option `grading`, 1 where it is left out.
+/// Returns the ratios of the option `grading`; 1 by default.
 pub(super) fn ratios(options: &Options, count: usize) -> Result<[f64; 3], Failure> {
     let argument = options.argument("grading");
     let mut ratios = [1.0; 3];

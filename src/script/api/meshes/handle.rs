@@ -1,6 +1,6 @@
 //! A mesh as an object of the language.
 //!
-//! Transforms give a new mesh and leave the old one as it is; only `boundary_where` changes the mesh it is called on.
+//! Transforms return a new mesh and leave the original unchanged; only `boundary_where` changes its mesh.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -24,10 +24,15 @@ pub struct MeshHandle(Rc<RefCell<Arc<Mesh>>>);
 impl MeshHandle {
     /// A handle of a mesh.
     pub fn new(mesh: Mesh) -> Self {
-        MeshHandle(Rc::new(RefCell::new(Arc::new(mesh))))
+        Self::shared(Arc::new(mesh))
     }
 
-    /// The mesh as it is now.
+    /// A handle of a shared mesh; [`Self::replace`] changes the handle alone.
+    pub fn shared(mesh: Arc<Mesh>) -> Self {
+        MeshHandle(Rc::new(RefCell::new(mesh)))
+    }
+
+    /// Returns the present mesh.
     pub fn mesh(&self) -> Arc<Mesh> {
         self.0.borrow().clone()
     }
@@ -48,7 +53,7 @@ impl MeshHandle {
         std::iter::once(title).chain(tables).collect::<Vec<_>>().join("\n")
     }
 
-    /// Puts another mesh in place of this one, for everybody who holds the handle.
+    /// Replaces the mesh for all holders of the handle.
     pub fn replace(&self, mesh: Mesh) {
         *self.0.borrow_mut() = Arc::new(mesh);
     }
@@ -67,7 +72,7 @@ impl Handle for MeshHandle {
     }
 }
 
-/// Kind, counts, boundaries and parts of a mesh in one line.
+/// Describes a mesh in one line: element type, counts, boundaries and parts.
 pub fn describe_mesh(mesh: &Mesh) -> String {
     let boundaries: Vec<String> =
         mesh.boundaries.iter().map(|boundary| format!("\"{}\" {}", boundary.name, boundary.facets.len())).collect();
@@ -92,7 +97,7 @@ pub fn mesh_value(call: &Call, made: Result<Mesh, MeshError>) -> Result<Dynamic,
     made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| mesh_failure(call, &error).into())
 }
 
-/// A mesh that may take long to make; it is left behind when the user asks to stop.
+/// Makes a mesh, which may take long; on an interrupt, the work is abandoned.
 pub fn made(call: &Call, make: impl FnOnce() -> Result<Mesh, MeshError> + Send + 'static) -> Result<Dynamic, Box<EvalAltResult>> {
     mesh_value(call, call.host.watched(make)?)
 }

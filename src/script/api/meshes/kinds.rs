@@ -1,4 +1,4 @@
-//! The kinds of cells that a mesh can be made of, by their names.
+//! Element types of meshes by name.
 
 use super::handle::{MeshHandle, made};
 use crate::elements::CellKind;
@@ -8,13 +8,13 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// Kinds in the plane, the usual one first.
+/// Element types in the plane, the default first.
 pub const PLANE: &[&str] = &["quad4", "tri3", "tri6", "quad8", "quad9"];
-/// Kinds in space, the usual one first.
+/// Element types in space, the default first.
 pub const SOLID: &[&str] = &["hex8", "tet4", "tet10", "hex20", "hex27"];
 const ALL: &[&str] = &["tri3", "quad4", "tri6", "quad8", "quad9", "tet4", "hex8", "tet10", "hex20", "hex27"];
 
-/// The option `element` with these choices, of which the first is taken when it is left out.
+/// Returns the option `element` with these choices, of which the first is the default.
 pub fn element(kinds: &'static [&'static str]) -> Parameter {
     Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(Absent::Text(kinds[0]))
 }
@@ -24,10 +24,10 @@ fn kind_named(name: &str) -> CellKind {
     CellKind::ALL.iter().copied().find(|kind| kind.name() == name).unwrap_or(CellKind::Quad4)
 }
 
-/// What the option `element` asks for.
+/// Reads the option `element`.
 ///
 /// # Errors
-/// Another name.
+/// The name is unknown.
 pub fn kind_of(options: &Options) -> Result<CellKind, Failure> {
     options.text("element").map(|name| kind_named(&name))
 }

@@ -1,4 +1,4 @@
-//! The option `layers` of what fills outlines: strips of thin cells along boundaries.
+//! The option `layers` of regions: strips of thin cells along boundaries.
 
 use rhai::Array;
 
@@ -32,10 +32,10 @@ pub fn parameter() -> Parameter {
     Parameter::new("layers", Kind::Options(keys), summary).or(Absent::Means("none"))
 }
 
-/// What the option `layers` asks for.
+/// Reads the option `layers`.
 ///
 /// # Errors
-/// Other types, numbers out of range, keys that are missing.
+/// Wrong types, numbers out of range, missing keys.
 pub fn layers_of(options: &Options) -> Result<Option<Layers>, Failure> {
     if !options.argument("layers").is_given() {
         return Ok(None);
@@ -60,7 +60,7 @@ pub fn layers_of(options: &Options) -> Result<Option<Layers>, Failure> {
     Ok(Some(Layers { boundaries, first, count, growth: given.number("growth")?, along: given.optional_number("along")? }))
 }
 
-/// The failure of a mesh that options describe: what is wrong with layers is shown there.
+/// Returns the failure of a mesh described by options; errors of layers point at the option `layers`.
 pub fn failure(options: &Options, error: &MeshError) -> Failure {
     use MeshError::{LayerCorner, LayersCollide, LayersCramped, OddLayers, UnknownLayers};
     let argument = options.argument("layers");

@@ -1,4 +1,4 @@
-//! Meshes without names: their connected pieces, boundaries by normal, by a seed and by distance, parts by place.
+//! Meshes without names: connected components, boundaries by normal, by a seed and by distance, parts by position.
 
 use rhai::{Array, Dynamic, EvalAltResult};
 
@@ -15,7 +15,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// Angle from a direction up to which facets look that way, and angle at an edge up to which a side goes on: 5 and 20 degrees.
+/// Largest angle between a normal and a direction, and largest angle across an edge of a side: 5 and 20 degrees.
 const SAME_DIRECTION: f64 = std::f64::consts::PI / 36.0;
 const SAME_SIDE: f64 = std::f64::consts::PI / 9.0;
 
@@ -97,7 +97,7 @@ fn part_where() -> Function {
     }
 }
 
-/// Adds a boundary of facets to the mesh of a call; warns when there are none.
+/// Adds a boundary of the facets found to the mesh of a call; warns if there are none.
 fn added(call: &Call, find: impl FnOnce(&Mesh) -> Vec<Facet>, hint: &str) -> Result<Dynamic, Box<EvalAltResult>> {
     let handle = call.receiver::<MeshHandle>();
     let (name, mesh) = (call.name("name")?, handle.mesh());
@@ -205,7 +205,7 @@ fn boundary_near() -> Function {
     }
 }
 
-/// Surface by whose distance nodes are chosen.
+/// Surface for the selection of nodes by distance.
 enum Shape {
     Plane { point: [f64; 3], normal: [f64; 3] },
     Sphere { center: [f64; 3], radius: f64 },

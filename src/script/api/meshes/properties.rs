@@ -1,4 +1,4 @@
-//! What a mesh says about itself: counts, names, quality.
+//! Properties of a mesh: counts, names, quality.
 
 use rhai::{Array, Dynamic, Map};
 

@@ -1,4 +1,4 @@
-//! Meshes from files and into files; when a file is wrong, with its line or byte in the message.
+//! Reads and writes mesh files; messages on a faulty file show the line or byte.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -73,16 +73,16 @@ pub fn read_options(options: &Options) -> Result<ReadOptions, Failure> {
     })
 }
 
-/// Path of a file that a mesh file includes: relative to the folder of the mesh file, and one that the script may read.
+/// Returns the path of a file that a mesh file includes, relative to the folder of the mesh file.
 ///
 /// # Errors
-/// There is no such file, or the script may not read it.
+/// The file does not exist, or the script may not read it.
 pub fn included(call: &Call, file: &Path, name: &str) -> Result<PathBuf, String> {
     let beside = file.parent().unwrap_or(file).join(name);
     call.host.sandbox.readable(&beside.to_string_lossy()).map_err(|failure| failure.title.clone())
 }
 
-/// Warns of what was done to what a mesh file holds.
+/// Warns of changes made to the content of a mesh file.
 pub fn notes_warned(call: &Call, path: &str, notes: &[FileNote]) {
     for note in notes {
         let warning = Diagnostic::warning(note.to_string(), call.place(&Target::Argument(0))).code(note.code());
@@ -95,10 +95,10 @@ pub fn notes_warned(call: &Call, path: &str, notes: &[FileNote]) {
     }
 }
 
-/// The file that an argument names by a path, if the script may read it.
+/// Returns the file named by a path in an argument, if the script may read it.
 ///
 /// # Errors
-/// It may not, or there is none.
+/// The script may not read the file, or it does not exist.
 pub fn readable(argument: &Argument, path: &str) -> Result<PathBuf, Failure> {
     argument.call().host.sandbox.readable(path).map_err(|failure: Failure| {
         let Details { title, code, causes, hints, .. } = &*failure;
@@ -107,7 +107,7 @@ pub fn readable(argument: &Argument, path: &str) -> Result<PathBuf, Failure> {
     })
 }
 
-/// What is wrong with a file, with its place.
+/// Returns the failure of reading a mesh file, with the place in the file.
 pub fn read_failure(argument: &Argument, path: &str, file: &Path, error: &MeshError) -> Failure {
     let file = error.included_file().unwrap_or(file);
     let failure = argument.fail(error.to_string()).code(error.code()).label(format!("in the file \"{path}\""));

@@ -1,4 +1,4 @@
-//! Regions that curves bound: lines, arcs and splines, and the function that fills what is inside with cells.
+//! Regions bounded by curves: lines, arcs and splines, and the function that fills the inside with cells.
 
 use rhai::{Array, Dynamic, EvalAltResult, FnPtr};
 
@@ -25,7 +25,7 @@ pub fn functions() -> Vec<Function> {
 
 type Point = [f64; 2];
 
-/// How a curve goes on from where the one before it ends.
+/// Kind of a boundary curve that starts at the end of the previous one.
 #[derive(Clone)]
 enum CurveKind {
     Line { to: Point },
@@ -60,7 +60,7 @@ impl Handle for CurveHandle {
 }
 
 impl CurveHandle {
-    /// The curve, begun at a point; a circle begins where it likes.
+    /// Returns the curve from a point on; a circle has its own starting point.
     fn side(&self, from: Point) -> Result<Side, MeshError> {
         let curve = match &self.kind {
             CurveKind::Line { to } => Curve::line(from, *to),
@@ -132,7 +132,7 @@ fn region() -> Function {
                     let made = call.host.watched(make)?;
                     made.map_err(|error| layers::failure(&options, &error))?
                 }
-                // A closure belongs to this thread, and is asked often enough.
+                // A closure belongs to this thread, and is called often enough to check the interrupt.
                 None => with_size(&options, |size| mesh::layered_region(&outline, &holes, size, kind, layers.as_ref()))?,
             };
             Ok(Dynamic::from(MeshHandle::new(made)))
@@ -140,13 +140,13 @@ fn region() -> Function {
     }
 }
 
-/// What a closure of the script fails with, or what the mesh refuses.
+/// Error of a size function: the script's closure fails, or the mesh refuses the size.
 type SizeError = SelectionError<Box<EvalAltResult>>;
 
-/// Makes a mesh with the size that an argument gives.
+/// Makes a mesh with the cell size given by an argument.
 ///
 /// # Errors
-/// Neither a number nor a closure, what the closure fails with, and what the mesh refuses.
+/// Neither a number nor a closure, an error of the closure, or a refusal by the mesh generator.
 fn with_size<T>(options: &Options, make: impl FnOnce(CellSize<SizeError>) -> Result<T, SizeError>) -> Result<T, Box<EvalAltResult>> {
     let argument = options.argument("size");
     if !argument.is_given() {

@@ -103,7 +103,7 @@ fn extrude() -> Function {
     }
 }
 
-/// A factor for both directions, or one for each.
+/// Returns a factor for both directions, or one for each.
 fn scale_of(options: &Options) -> Result<[f64; 2], Failure> {
     let argument = options.argument("scale");
     if !argument.is_given() {

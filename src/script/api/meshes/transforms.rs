@@ -151,10 +151,10 @@ fn join() -> Function {
     }
 }
 
-/// What a closure gives for a point: a vector of as many components.
+/// Returns the vector that a closure gives for a point, with as many components as `point`.
 ///
 /// # Errors
-/// The closure fails, or gives something else.
+/// The closure fails, or gives another value.
 pub fn vector_from(call: &Call, closure: &Callback, parameter: &str, point: &[f64]) -> Result<[f64; 3], Box<EvalAltResult>> {
     let value = closure.call(point.iter().map(|&coordinate| Dynamic::from(coordinate)))?;
     let numbers: Option<Vec<f64>> = value.read_lock::<Array>().and_then(|array| array.iter().map(as_number).collect());

@@ -1,4 +1,4 @@
-//! Bodies and boundaries as arguments: they must belong to the model that a call adds to.
+//! Bodies and boundaries as arguments: they must belong to the model of the call.
 
 use std::rc::Rc;
 
@@ -10,7 +10,7 @@ use crate::script::language::failure::Failure;
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// The boundary an argument means, which must be one of a body of this model.
+/// Returns the boundary in an argument, which must belong to a body of this model.
 ///
 /// # Errors
 /// Another type, a boundary of a mesh, or of another model.
@@ -18,7 +18,7 @@ pub fn boundary_of(argument: &Argument, model: &ModelHandle) -> Result<BodyBound
     body_boundary(argument, argument.handle()?, model)
 }
 
-/// A boundary that an argument contains, which must be one of a body of this model.
+/// Returns the boundary of a handle in an argument, which must belong to a body of this model.
 ///
 /// # Errors
 /// A boundary of a mesh, or of another model.
@@ -32,7 +32,7 @@ pub fn body_boundary(argument: &Argument, handle: BoundaryHandle, model: &ModelH
     Ok(BodyBoundary { body: body.index, boundary: handle.boundary })
 }
 
-/// The body an argument means, which must be one of this model.
+/// Returns the body in an argument, which must belong to this model.
 ///
 /// # Errors
 /// Another type, or a body of another model.
@@ -42,7 +42,7 @@ pub fn body_of(argument: &Argument, model: &ModelHandle) -> Result<BodyHandle, F
     Ok(body)
 }
 
-/// The body of an argument that must deform, because forces go by the mass of its cells.
+/// Returns the body in an argument, which must be deformable: forces are proportional to the mass of its cells.
 ///
 /// # Errors
 /// As [`body_of`], or a rigid body.
@@ -69,18 +69,18 @@ fn check_model(argument: &Argument, model: &ModelHandle, body: &BodyHandle) -> R
         .hint("add the mesh to this model too: `model.add_body(name, mesh, material)`"))
 }
 
-/// The node of a body nearest to the point that an argument means, which must not be farther than a cell's size.
+/// Returns the node of a body nearest to the point in an argument, at most one cell size away.
 ///
 /// # Errors
-/// No point, or one outside the body.
+/// No point, or a point outside the body.
 pub fn node_at(argument: &Argument, body: &BodyHandle) -> Result<u32, Failure> {
     node_at_point(argument, body, argument.vector(body.definition().mesh.dimension())?)
 }
 
-/// The node of a body nearest to a point that an argument contains.
+/// Returns the node of a body nearest to a point in an argument.
 ///
 /// # Errors
-/// One outside the body.
+/// A point outside the body.
 pub fn node_at_point(argument: &Argument, body: &BodyHandle, point: [f64; 3]) -> Result<u32, Failure> {
     let definition = body.definition();
     let (mesh, dimension) = (&definition.mesh, definition.mesh.dimension());

@@ -18,7 +18,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// What a body offers.
+/// Functions of bodies.
 pub fn functions() -> Vec<Function> {
     vec![
         boundary_of_body(),
@@ -29,7 +29,7 @@ pub fn functions() -> Vec<Function> {
             call.receiver::<BodyHandle>().definition().name.into()
         }),
         member(BodyHandle::receiver(), "mesh", "the mesh of the body at rest", MeshHandle::NAME, |call| {
-            Dynamic::from(MeshHandle::new((*call.receiver::<BodyHandle>().definition().mesh).clone()))
+            Dynamic::from(MeshHandle::shared(call.receiver::<BodyHandle>().definition().mesh))
         }),
         member(BodyHandle::receiver(), "material", "the material of the body", MaterialHandle::NAME, |call| {
             Dynamic::from(MaterialHandle(call.receiver::<BodyHandle>().definition().material))
@@ -52,7 +52,7 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-/// What a boundary says about itself.
+/// Properties of boundaries.
 pub fn boundary_functions() -> Vec<Function> {
     vec![
         of_boundary("name", "the name of the boundary", "String", |boundary| boundary.boundary.name.clone().into()),

@@ -1,4 +1,4 @@
-//! Forces per mass that a closure of position, velocity and time gives.
+//! Forces per unit mass, given by a closure of position, velocity and time.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! A model from its beginning: bodies, gravity, initial velocities, the check of all.
+//! Construction of a model: bodies, gravity, initial velocities, the check of the model.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -95,7 +95,7 @@ pub fn add_body() -> Function {
     }
 }
 
-/// Refuses a mesh whose surface goes through itself, and warns of what else is wrong with its surface.
+/// Refuses a mesh whose surface intersects itself, and warns of other faults of the surface.
 pub(super) fn refuse_or_warn_of_surface(call: &Call, mesh: &Mesh) -> Result<(), Failure> {
     for defect in mesh.surface_defects() {
         if matches!(defect, MeshError::CrossingSurface { .. }) {
@@ -111,7 +111,7 @@ pub(super) fn refuse_or_warn_of_surface(call: &Call, mesh: &Mesh) -> Result<(), 
     Ok(())
 }
 
-/// Words for [`Plane`], the usual one first.
+/// Names of [`Plane`] in scripts, the default first.
 const PLANES: [&str; 3] = ["strain", "stress", "axisymmetric"];
 
 /// Words for [`Dilatation`].
@@ -198,7 +198,7 @@ pub fn gravity() -> Function {
     }
 }
 
-/// `initial_velocity`: how a body starts.
+/// `initial_velocity`: initial translation and rotation of a body.
 pub fn initial_velocity() -> Function {
     Function {
         name: "initial_velocity",
@@ -265,7 +265,7 @@ pub fn initial_displacement() -> Function {
     }
 }
 
-/// `check`: what can be said without computing.
+/// `check`: faults and remarks that require no computation.
 pub fn check() -> Function {
     Function {
         name: "check",

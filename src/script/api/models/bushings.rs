@@ -72,7 +72,7 @@ pub fn add_bushing() -> Function {
     }
 }
 
-/// A square matrix by its diagonal or its rows, row by row.
+/// Returns a square matrix, given by its diagonal or its rows, row by row.
 fn matrix_of(argument: &Argument, count: usize) -> Result<Vec<f64>, Failure> {
     let rows = argument.value().try_cast::<Array>().unwrap_or_default();
     let number = |value: &Dynamic| value.as_float().ok().or_else(|| value.as_int().ok().map(|whole| whole as f64));

@@ -84,7 +84,7 @@ pub fn add_chamber() -> Function {
     }
 }
 
-/// One boundary, or an array of them.
+/// Returns one boundary, or an array of boundaries.
 fn boundaries_of(argument: &Argument, model: &ModelHandle) -> Result<Vec<BodyBoundary>, Failure> {
     if !argument.is_given() {
         return Err(argument.missing());

@@ -1,6 +1,6 @@
-//! Changes of a model: each is checked at once, so that a defect is reported where it was written.
+//! Changes of a model: each is checked at once, so that a fault is reported where it was written.
 //!
-//! A simulation is one of the model as it was at `simulate`; a change that no simulation has seen is warned of at the end.
+//! A simulation has the model as of `simulate`; later changes without a simulation are warned of at the end.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -15,10 +15,10 @@ use crate::script::language::function::Call;
 use crate::script::language::host::Host;
 use crate::script::language::scan::Target;
 
-/// Changes the model and checks it; a change that makes it wrong is taken back.
+/// Changes the model and checks it; an invalid change is undone.
 ///
 /// # Errors
-/// What the change makes wrong.
+/// The changed model is invalid.
 pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Failure> {
     let before = handle.0.borrow().clone();
     apply(&mut handle.0.borrow_mut());
@@ -39,7 +39,7 @@ pub fn change(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelDa
     }
 }
 
-/// A change that makes sense before there are bodies.
+/// Changes a model that may have no bodies yet.
 pub fn change_without_bodies(call: &Call, handle: &ModelHandle, apply: impl FnOnce(&mut ModelData)) -> Result<(), Failure> {
     if handle.0.borrow().model.bodies.is_empty() {
         apply(&mut handle.0.borrow_mut());
@@ -53,7 +53,7 @@ pub fn change_without_bodies(call: &Call, handle: &ModelHandle, apply: impl FnOn
 #[derive(Default)]
 struct Simulated(RefCell<Vec<ModelHandle>>);
 
-/// Notes that a simulation was made of a model as it is now.
+/// Records that a simulation was made of the present model.
 pub fn keep_model(host: &Host, model: &ModelHandle) {
     let mut data = model.0.borrow_mut();
     (data.is_simulated, data.unseen) = (true, None);

@@ -1,4 +1,4 @@
-//! What takes energy: dampers between ends, drag on boundaries, the damping of Rayleigh of bodies.
+//! Dissipation: dampers between ends, drag on boundaries, Rayleigh damping of bodies.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// The keys of a force by a speed.
+/// Parameters of a force as a function of a speed.
 fn law_parameters(of_coefficient: &'static str) -> [Parameter; 5] {
     [
         Parameter::number("coefficient", "any", Interval::Positive, of_coefficient).or(Absent::Means("`force` is given")),
@@ -156,7 +156,7 @@ pub fn add_damping() -> Function {
             let (body, options) = (deformable_of(&call.argument("body"), &model)?, call.options("options")?);
             let (rate, time) = (options.number("mass")?, options.number("stiffness")?);
             let mut definition = body.definition();
-            // The moduli of Lame at rest, of Young's modulus and the bulk over the shear modulus.
+            // Lame moduli at rest, from Young's modulus and the ratio of bulk to shear modulus.
             let (material, ratio) = (definition.material.clone(), definition.material.bulk_over_shear());
             let shear = material.youngs_modulus() * (3.0 * ratio + 1.0) / (9.0 * ratio);
             let viscosity = material.viscosity().clone();

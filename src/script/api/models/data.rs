@@ -1,4 +1,4 @@
-//! A model under construction, with the places in the script of what it consists of.
+//! A model under construction, with the places of its definitions in the script.
 //!
 //! The places serve the warnings at the end of a run: a load that never acted, contact that never closed.
 
@@ -8,34 +8,34 @@ use crate::dynamics::Model;
 use crate::script::api::time_functions::Watched;
 use crate::script::language::sources::Place;
 
-/// A load with its place in the script, for the warning that it never acted.
+/// A load with its place in the script, for the warning about a load that never acted.
 #[derive(Clone)]
 pub struct LoadNote {
-    /// What it is, such as `torque on "inner ring.inner"`.
+    /// Description of the load, such as `torque on "inner ring.inner"`.
     pub title: String,
-    /// Where it was written.
+    /// Place of the definition.
     pub place: Option<Place>,
-    /// Its time function.
+    /// Time function of the load.
     pub amplitude: Arc<Watched>,
 }
 
-/// A model under construction, with the places of what it consists of.
+/// A model under construction, with the places of its definitions.
 #[derive(Clone, Default)]
 pub struct ModelData {
     /// The model.
     pub model: Model,
-    /// One for each load.
+    /// Loads with their places.
     pub loads: Vec<LoadNote>,
-    /// One for each contact pair: its name, and where it was written.
+    /// Contact pairs by name, with their places.
     pub contacts: Vec<(String, Option<Place>)>,
-    /// Whether a simulation was made of it.
+    /// True if a simulation was made of the model.
     pub is_simulated: bool,
-    /// Name and place of the first change that no simulation has seen, once there is one.
+    /// Name and place of the first change after the last simulation.
     pub unseen: Option<(String, Option<Place>)>,
 }
 
 impl ModelData {
-    /// Where the contact pair of that name was written.
+    /// Returns the place of the definition of a contact pair.
     pub fn place_of_contact(&self, name: &str) -> Option<Place> {
         self.contacts.iter().find(|(known, _)| known == name).and_then(|(_, place)| place.clone())
     }

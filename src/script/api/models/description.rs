@@ -1,4 +1,4 @@
-//! A model in words, as `print` shows it.
+//! Description of a model in words, as `print` shows it.
 
 use super::data::ModelData;
 use crate::contact::{FacetShape, Obstacle, ObstacleInSpace};
@@ -10,7 +10,7 @@ use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::wording::joined;
 
-/// Name, bodies, supports, loads and contact of a model, one line each.
+/// Describes a model: name, bodies, supports, loads and contact, one line each.
 pub fn describe_model(data: &ModelData) -> String {
     let model = &data.model;
     let mut lines = vec![format!("model \"{}\"", model.name)];
@@ -48,7 +48,7 @@ pub fn describe_model(data: &ModelData) -> String {
     lines.join("\n")
 }
 
-/// What is prescribed, and how it changes, such as `x` and `ramp(0, 1, 0.1)`.
+/// Returns the prescribed directions or angles with their functions of time, such as `x` and `ramp(0, 1, 0.1)`.
 pub fn prescribed(given: &Prescription) -> Vec<(String, String)> {
     let along = ["x", "y", "z"].into_iter().zip(&given.displacement);
     let along = along.filter_map(|(name, function)| Some((name.to_string(), function.as_ref()?.describe())));
@@ -60,7 +60,7 @@ pub fn prescribed(given: &Prescription) -> Vec<(String, String)> {
     along.chain(turn).collect()
 }
 
-/// What a coupling holds.
+/// Returns the description of a coupling.
 fn describe_coupling(model: &Model, Coupling { name, kind }: &Coupling) -> String {
     let dimension = model.dimension();
     match kind {
@@ -79,7 +79,7 @@ fn describe_coupling(model: &Model, Coupling { name, kind }: &Coupling) -> Strin
     }
 }
 
-/// One line for each contact, obstacle or tie.
+/// Describes contacts, obstacles and ties, one line each.
 fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
     let named = |on: &BodyBoundary| format!("\"{}\"", model.boundary_name(on));
     model.interactions.iter().map(move |interaction| {

@@ -1,4 +1,4 @@
-//! What springs and dampers have in common in scripts: their ends, and laws as text with constants.
+//! Options common to springs and dampers: their ends, and laws as text with constants.
 
 use rhai::Map;
 
@@ -16,7 +16,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::did_you_mean;
 
-/// The word for what does not move.
+/// Name of the ground as an end.
 pub const GROUND: &str = "ground";
 
 /// The keys of two ends.
@@ -30,10 +30,10 @@ pub fn end_parameters() -> Vec<Parameter> {
     vec![end("from", "what is at one end"), point("from_point"), end("to", "what is at the other end"), point("to_point")]
 }
 
-/// The two ends.
+/// Returns the two ends.
 ///
 /// # Errors
-/// What is no end, or a point that is missing or outside.
+/// A value is not an end, or a point is missing or outside of the body.
 pub fn ends_of(options: &Options, model: &ModelHandle) -> Result<[End; 2], Failure> {
     let ends = [end_of(options, model, "from", "from_point")?, end_of(options, model, "to", "to_point")?];
     match ends.iter().all(|end| end.body().is_none()) {
@@ -81,7 +81,7 @@ fn end_of(options: &Options, model: &ModelHandle, key: &str, point_key: &str) ->
     Ok(End::Ground(point.vector(dimension)?))
 }
 
-/// A point that a rigid body carries by the shares of its masters, if it is none of its nodes.
+/// Returns a point on a rigid body by the weights of its masters, if the point is no node.
 fn on_rigid(argument: &Argument, body: &BodyHandle) -> Result<Option<Vec<(u32, f64)>>, Failure> {
     let definition = body.definition();
     let Some(frame) = definition.rigid.and_then(|_| Frame::new(&definition.mesh)) else { return Ok(None) };
@@ -97,10 +97,11 @@ pub fn constants_parameter() -> Parameter {
     Parameter::new("constants", Kind::Either("an object map of numbers"), "values of the names in the text").or(Absent::Means("none"))
 }
 
-/// A function of one variable that an argument writes as text, with the constants of the options; `what` it is, such as `the energy`.
+/// Returns a function of one variable that an argument gives as text, with the constants in the options; `what` describes it, such as `the
+/// energy`.
 ///
 /// # Errors
-/// A text with a mistake, shown in the text, or constants that are none.
+/// A mistake, shown within the text, or invalid constants.
 pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &str) -> Result<ScalarText, Failure> {
     let text = argument.text()?;
     let names: Vec<String> = ScalarText::constants_of(&text, variable).into_iter().map(|(name, _)| name).collect();
@@ -136,10 +137,10 @@ pub fn text_of(options: &Options, argument: &Argument, variable: &str, what: &st
     }
 }
 
-/// Exactly one of these keys must be given: its place among them.
+/// Requires exactly one of these keys; returns its index among them.
 ///
 /// # Errors
-/// None or two are given.
+/// No key or several are given.
 pub fn one_of(options: &Options, keys: &[&str]) -> Result<usize, Failure> {
     let listed = keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
     let given: Vec<usize> = (0..keys.len()).filter(|&k| options.argument(keys[k]).is_given()).collect();

@@ -48,7 +48,7 @@ pub fn rotating_frame() -> Function {
     }
 }
 
-/// The frame that options describe: how its axis lies follows from the bodies.
+/// Returns the rotating frame in the options; the direction of its axis follows from the bodies.
 fn frame_of(options: &Options, model: &ModelHandle) -> Result<RotatingFrameDefinition, Failure> {
     let (dimension, is_round) = {
         let data = model.0.borrow();

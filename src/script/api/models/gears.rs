@@ -60,7 +60,7 @@ pub fn add_gear() -> Function {
     }
 }
 
-/// The joints of those names.
+/// Returns the joints with the names in an argument.
 fn joints_of(argument: &Argument, model: &Model) -> Result<[usize; 2], Failure> {
     let names = argument.value().try_cast::<Array>().unwrap_or_default();
     let names: Vec<ImmutableString> = names.into_iter().filter_map(Dynamic::try_cast).collect();

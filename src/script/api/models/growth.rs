@@ -1,4 +1,4 @@
-//! Bodies that are larger or smaller without stress than where they are: shrink fits, uniform warming.
+//! Eigenstrain of bodies: shrink fits, uniform thermal expansion.
 
 use std::sync::Arc;
 
@@ -62,7 +62,7 @@ pub fn grow() -> Function {
     }
 }
 
-/// Lets a body grow by a factor that a closure gives at its nodes; what is there already grows with it.
+/// Applies a swelling factor, given by a closure at the nodes of a body, in addition to earlier swelling.
 fn grow_by(call: &Call, body: &BodyHandle, closure: &Callback) -> Result<Dynamic, Box<EvalAltResult>> {
     let (mesh, model) = (body.definition().mesh, body.model.clone());
     let before = model.0.borrow().model.growth(body.index).map(<[f64]>::to_vec);
@@ -82,12 +82,12 @@ fn grow_by(call: &Call, body: &BodyHandle, closure: &Callback) -> Result<Dynamic
     Ok(Dynamic::UNIT)
 }
 
-/// Makes the mesh of a body larger about its center.
+/// Scales the stress-free mesh of a body about its center.
 fn grow_evenly(call: &Call, body: &BodyHandle, factor: f64) -> Result<(), Failure> {
     let definition = body.definition();
     let (mesh, model) = (definition.mesh.clone(), body.model.clone());
     let dimension = mesh.dimension();
-    // Around an axis the hoop grows with the radius, in the plane the thickness does not.
+    // In axial symmetry the hoop direction is scaled, too; in the plane the thickness is not.
     let is_round = definition.formulation.plane == Plane::Axisymmetric;
     let mut center = [0.0; 3];
     mesh.points.iter().for_each(|x| (0..dimension).for_each(|i| center[i] += x[i] / mesh.points.len() as f64));

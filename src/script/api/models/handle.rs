@@ -20,20 +20,20 @@ pub struct ModelHandle(pub Rc<RefCell<ModelData>>);
 /// A body of a model.
 #[derive(Clone)]
 pub struct BodyHandle {
-    /// Its model.
+    /// Model of the body.
     pub model: ModelHandle,
-    /// Its index there.
+    /// Index of the body in the model.
     pub index: usize,
 }
 
-/// A boundary of a mesh, or of a body when it belongs to one.
+/// A boundary of a mesh or of a body.
 #[derive(Clone)]
 pub struct BoundaryHandle {
-    /// Its body, if it belongs to one.
+    /// Body of the boundary; `None` for the boundary of a mesh.
     pub body: Option<BodyHandle>,
-    /// The mesh it is a boundary of.
+    /// Mesh of the boundary.
     pub mesh: Arc<Mesh>,
-    /// Its facets.
+    /// Name and facets.
     pub boundary: Boundary,
 }
 
@@ -86,7 +86,7 @@ impl BoundaryHandle {
 }
 
 impl BodyHandle {
-    /// The body as the model has it.
+    /// Returns the definition of the body in the model.
     pub fn definition(&self) -> BodyDefinition {
         self.model.0.borrow().model.bodies[self.index].clone()
     }

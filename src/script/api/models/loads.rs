@@ -1,4 +1,4 @@
-//! Loads on boundaries: tractions, forces, pressures, torques, each with its size over time.
+//! Loads on boundaries: tractions, forces, pressures, torques, each as a function of time.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! What drives by a force or a torque over time: actuators between points, motors between rigid bodies.
+//! Prescribed forces and torques over time: actuators between points, motors between rigid bodies.
 
 use std::sync::Arc;
 
@@ -88,10 +88,10 @@ pub fn add_motor() -> Function {
     }
 }
 
-/// A rigid body by its index, with its masters.
+/// Index of a rigid body, with its masters.
 pub type Mastered = (usize, Vec<u32>);
 
-/// Two rigid bodies with their masters, or one and the ground; `what` is done to them.
+/// Returns two rigid bodies with their masters, or one and the ground; `what` describes the element for messages.
 pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[Option<Mastered>; 2], Failure> {
     let (from, to) = (options.argument("from"), options.argument("to"));
     let is_ground = to.value().read_lock::<ImmutableString>().is_some_and(|word| *word == GROUND);
@@ -103,7 +103,7 @@ pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[
     Ok([Some(first), second])
 }
 
-/// A rigid body with its masters.
+/// Returns a rigid body with its masters.
 fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Mastered, Failure> {
     if !argument.is_given() {
         return Err(argument.missing());

@@ -1,4 +1,4 @@
-//! What a model says about itself.
+//! Properties of a model.
 
 use rhai::{Array, Dynamic};
 

@@ -24,7 +24,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// Poisson's ratio of the material that stands for a rigid body's: of it only the density counts.
+/// Poisson's ratio of the material of a rigid body, of which only the density is used.
 const ANY_RATIO: f64 = 0.3;
 
 /// `add_rigid_body`.
@@ -89,7 +89,7 @@ fn material_of(argument: &Argument, density: f64) -> Result<Material, Failure> {
     made.map_err(|error| argument.fail(error.to_string()).code(error.code()))
 }
 
-/// Mass and inertia of a rigid body, and the material that has its density.
+/// Returns material (for the density) and inertia of a rigid body.
 fn mass_of(options: &Options, mesh: &Mesh) -> Result<(Material, Inertia), Failure> {
     let (density, mass) = (options.optional_number("density")?, options.optional_number("mass")?);
     let argument = options.argument("mass");
@@ -121,7 +121,7 @@ fn mass_of(options: &Options, mesh: &Mesh) -> Result<(Material, Inertia), Failur
     Ok((material, inertia))
 }
 
-/// The inertia that numbers tell.
+/// Returns the inertia given by numbers.
 fn moments_of(argument: &Argument, of_mesh: &Inertia, dimension: usize) -> Result<Inertia, Failure> {
     let value = argument.value();
     let array = value.clone().try_cast::<Array>();
@@ -283,7 +283,7 @@ fn limits_of(options: &Options) -> Result<Option<[f64; 2]>, Failure> {
     }
 }
 
-/// Gives a cable its length.
+/// Sets the length of a cable.
 fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Failure> {
     let given = options.optional_number("length")?;
     let argument = options.argument("length");
@@ -298,7 +298,7 @@ fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Fail
     }
 }
 
-/// Puts an end on the node that it means, if its body deforms.
+/// Moves an end to the nearest node if its body is deformable.
 fn snap(argument: &Argument, model: &Model, end: &mut Anchor) -> Result<(), Failure> {
     let Some(index) = end.body.filter(|&body| model.bodies[body].rigid.is_none()) else { return Ok(()) };
     let (body, (node, distance), start) = (&model.bodies[index], model.nearest_node(index, end.point), model.start(index));

@@ -18,7 +18,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// Which elongations a spring may feel.
+/// Signs of the elongation for which a spring acts.
 const SIDES: &[&str] = &["both", "tension", "compression"];
 
 /// `add_spring`.
@@ -113,7 +113,7 @@ pub fn add_torsion_spring() -> Function {
             let mut directions = vec![direction_of(&options, &model, "from", "from_points")?];
             let to = options.argument("to");
             if to.value().read_lock::<rhai::ImmutableString>().is_some_and(|word| *word == GROUND) {
-                // What turns against the ground turns forward.
+                // A spring to the ground has one direction, with positive sense of rotation.
                 directions.truncate(1);
             } else {
                 directions.push(direction_of(&options, &model, "to", "to_points")?);
@@ -125,7 +125,7 @@ pub fn add_torsion_spring() -> Function {
     }
 }
 
-/// A body and two of its nodes.
+/// Returns a body and two of its nodes.
 fn direction_of(options: &Options, model: &ModelHandle, key: &str, points_key: &str) -> Result<(usize, [u32; 2]), Failure> {
     let (body, argument) = (body_of(&options.argument(key), model)?, options.argument(points_key));
     if !argument.is_given() {

@@ -1,4 +1,4 @@
-//! Supports: boundaries that are held, or moved as time functions say.
+//! Supports: boundaries that are fixed, or move by prescribed functions of time.
 
 use rhai::Dynamic;
 
@@ -15,7 +15,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// `fix`: holds nodes where they are.
+/// `fix`: fixes nodes at their positions.
 pub fn fix() -> Function {
     Function {
         name: "fix",
@@ -74,7 +74,7 @@ pub fn prescribe() -> Function {
     }
 }
 
-/// What `prescribe` takes.
+/// Options of `prescribe`.
 fn motion_options() -> Vec<Parameter> {
     let along = ["x", "y", "z"].map(|name| {
         let free = Parameter::new(name, Kind::Amplitude, "the displacement in this direction over time");
@@ -91,10 +91,10 @@ fn motion_options() -> Vec<Parameter> {
     along.into_iter().chain(turn).collect()
 }
 
-/// What options say over time along the axes: `x`, `y`, `z`.
+/// Returns the functions of time for the axes `x`, `y`, `z` from options.
 ///
 /// # Errors
-/// A `z` in a plane model, or what is no function of time.
+/// `z` in a plane model, or a value that is no function of time.
 pub(super) fn along_axes(options: &Options, dimension: usize) -> Result<[Option<Amplitude>; 3], Failure> {
     let mut along = [const { None }; 3];
     for (component, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -111,11 +111,11 @@ pub(super) fn along_axes(options: &Options, dimension: usize) -> Result<[Option<
     Ok(along)
 }
 
-/// A point of the axis and its unit vector about which options turn, `about` and `axis`; nothing without an `angle`, which is written as
-/// `such_as`.
+/// Returns a point and the unit vector of the rotation axis in the options `about` and `axis`; `None` without `angle`. `such_as` is an
+/// example of `angle` for messages.
 ///
 /// # Errors
-/// An axis without an angle or a length, or one that a plane model has not.
+/// An axis without an angle or of zero length, or an axis in a plane model.
 pub(super) fn axis_of_turn(options: &Options, dimension: usize, such_as: &str) -> Result<Option<[[f64; 3]; 2]>, Failure> {
     let [about, axis] = ["about", "axis"].map(|name| options.argument(name));
     if !options.argument("angle").is_given() {

@@ -1,5 +1,5 @@
-//! How to mend what the kernels refuse or find, as a script does it. Kernels say it in plain words, for they know of no script; here stand
-//! the sentences that a script has other words for.
+//! Hints of the kernels' refusals and findings in terms of scripts. Kernels give hints in plain words, since they are independent of
+//! scripts; this folder has the hints that need terms of scripts.
 
 mod meshes;
 mod models;

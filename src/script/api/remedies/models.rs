@@ -1,4 +1,4 @@
-//! Remedies for models: what cannot be simulated, and what is found in them.
+//! Hints on models: refusals and findings.
 
 use super::words::ScriptWords;
 use crate::bodies::FormulationError;

@@ -1,4 +1,4 @@
-//! Remedies for runs: steps that failed, and what was found afterwards.
+//! Hints on runs: failed steps, and findings.
 
 use super::words::ScriptWords;
 use crate::dynamics::{Ease, Remedy, RunFinding, RunFindingKind, StepError};
@@ -90,7 +90,7 @@ impl ScriptWords for RunFinding {
     }
 }
 
-/// The numbers that show a finding; an integrator is called as the script calls it.
+/// Describes a finding by its numbers, with integrators named as in scripts.
 pub fn explained(finding: &RunFinding) -> String {
     match (finding.kind, finding.explanation.split_once(' ')) {
         (RunFindingKind::NotConserved, Some((integrator, rest))) => format!("{integrator}() {rest}"),

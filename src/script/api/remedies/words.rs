@@ -1,7 +1,7 @@
-//! What has a remedy in the words of the language.
+//! Hints of the kernels' refusals and findings in terms of the language.
 
 /// A refusal or a finding of the kernels.
 pub trait ScriptWords {
-    /// How to mend it in a script, one sentence.
+    /// Returns a hint for scripts, one sentence.
     fn remedy(&self) -> String;
 }

@@ -1,8 +1,8 @@
 //! The files of a simulation, written as it runs.
 //!
-//! The first simulation of a script writes into the run's output folder itself, every further one into a subfolder that has its name
-//! (`bearing-2` for the second one of a model `bearing`). `history.csv` grows with every accepted step; what belongs to the end of a run
-//! is written in `ending.rs`.
+//! The first simulation of a script writes into the run's output folder, every further one into a subfolder with the name of the simulation
+//! (`bearing-2` for the second one of a model `bearing`). `history.csv` grows with every accepted step; files at the end of a run are
+//! written in `ending.rs`.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -19,14 +19,14 @@ use crate::script::language::digits::brief;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 
-/// What is kept of a run.
+/// Intervals and limits of the frames and stills that are kept of a run.
 #[derive(Clone, Copy)]
 pub struct Keeping {
     /// Time between two frames of the fields.
     pub fields_every: Option<f64>,
-    /// Stills of the recording at most.
+    /// Largest number of stills of the recording.
     pub stills: Option<usize>,
-    /// Whether they have the inside of bodies in space.
+    /// True if stills include the inside of bodies in space.
     pub stills_inside: bool,
 }
 
@@ -35,26 +35,26 @@ pub struct Artifacts {
     files: RunFiles,
     csv: HistoryCsv,
     series: FieldWriter,
-    /// Where there are rigid obstacles, their frames and the extent of the bodies beside them.
+    /// Frames of rigid obstacles, and the extent of the bodies; `None` without obstacles.
     obstacles: Option<(FieldSeries, Surroundings)>,
-    /// Where there are contacts, the frames of their secondary surfaces.
+    /// Frames of the secondary surfaces of contacts; `None` without contacts.
     contacts: Option<FieldSeries>,
     recording: Recording,
-    /// Those who follow the run.
+    /// Updates for readers who follow the run.
     live: Option<LiveSimulation>,
     model: Model,
     every: Option<f64>,
-    /// Whether the steps are those of an earlier program, which has written their frames.
+    /// True while the steps are those of an earlier process, which has written their frames.
     recalls: bool,
     spent: Duration,
 }
 
-/// Whose steps come first.
+/// Origin of the first steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// This program's: files begin anew.
+    /// Steps computed by this process; files begin anew.
     Anew,
-    /// Those of an earlier program, which has written its files.
+    /// Steps computed by an earlier process, which has written their files.
     Recalled,
 }
 
@@ -96,7 +96,7 @@ impl Artifacts {
         open().map_err(|error: OutputError| output_failure(&error))
     }
 
-    /// Before steps, until `end` if that is known: the first frame of the fields.
+    /// Writes the first frame of the fields before steps that end at `end`, if known.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -109,7 +109,7 @@ impl Artifacts {
         if self.series.last().is_none() { self.frame(simulation) } else { Ok(()) }
     }
 
-    /// After an accepted step: its row, and a frame when its time has come.
+    /// Writes the row of an accepted step, and a frame if due.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -119,7 +119,7 @@ impl Artifacts {
         self.csv.append(row, &further).map_err(|error| output_failure(&error))?;
         self.show_row(self.csv.rows() - 1, row);
         self.series.check().map_err(|error| output_failure(&error))?;
-        // Only the last of several pieces of a step has fields, because the simulation stands there.
+        // Only the last of several substeps has fields, because the simulation is at its end.
         if row.time == simulation.time() && !self.recalls {
             self.recording.advanced(simulation, self.csv.rows() - 1);
             self.show_stills();
@@ -128,12 +128,12 @@ impl Artifacts {
         if row.time == simulation.time() { self.frame_if_due(simulation) } else { Ok(()) }
     }
 
-    /// After an equilibrium whose row is in the history: a frame when its time has come.
+    /// Writes a frame after an equilibrium, whose row is in the history, if due.
     ///
     /// # Errors
     /// A file that cannot be written.
     pub fn settled(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
-        // That of the start comes with the first step, or at the end.
+        // The frame of the start is written with the first step, or at the end.
         if self.series.last().is_none() && simulation.row().step == 0 { Ok(()) } else { self.frame_if_due(simulation) }
     }
 
@@ -152,7 +152,7 @@ impl Artifacts {
         self.frame(simulation)
     }
 
-    /// Puts another history in place of the one on disk; `simulation` stands at its last row.
+    /// Replaces the history on disk; the state of `simulation` belongs to the last row.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -166,7 +166,7 @@ impl Artifacts {
             }
         });
         rewritten.map_err(|error| output_failure(&error))?;
-        // A probe that was added has changed the last row, and no field.
+        // Adding a probe has changed the last row, but no field.
         let without = |row: &LedgerRow| LedgerRow { probes: Vec::new(), ..row.clone() };
         let shown = before.alike(after, same, |a, b| without(a) == without(b));
         self.each_series(|series| series.cut(shown)).map_err(|error| output_failure(&error))?;
@@ -185,7 +185,7 @@ impl Artifacts {
         Ok(())
     }
 
-    /// Adds columns to the history; rows that are there get empty fields.
+    /// Adds columns to the history, with empty fields in existing rows.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -205,7 +205,7 @@ impl Artifacts {
         Ok(())
     }
 
-    /// The same for a file that shows the steps so far, which a run that is resumed does not know.
+    /// Writes a file that shows earlier steps, which a resumed run does not compute again.
     ///
     /// # Errors
     /// The path leads outside, or the file cannot be written.
@@ -216,7 +216,7 @@ impl Artifacts {
         Ok(())
     }
 
-    /// Waits until all frames are in their files; without that they may come a little later than the steps.
+    /// Waits until all frames are written; otherwise they may be written later than the steps.
     ///
     /// # Errors
     /// A file that could not be written.
@@ -227,16 +227,16 @@ impl Artifacts {
         waited
     }
 
-    /// Does something with the series of the fields and those beside it.
+    /// Calls `work` with the series of the fields, obstacles and contacts.
     fn each_series(&mut self, mut work: impl FnMut(&mut FieldSeries) -> Result<(), OutputError>) -> Result<(), OutputError> {
         self.series.with(&mut work)?;
         self.obstacles.iter_mut().map(|(series, _)| series).chain(&mut self.contacts).try_for_each(work)
     }
 
-    /// From here on steps are computed: the rows so far are written as the history, and frames are written again.
+    /// Ends recalling: the rows so far are written as the history, and further frames are written.
     ///
     /// # Errors
-    /// A file that cannot be written; a frame that is not that of its moment.
+    /// A file that cannot be written; a frame of another moment.
     pub fn go_on(&mut self, recording: Recording, history: &History, known: Option<(u64, u32)>) -> Result<(), Failure> {
         if !std::mem::take(&mut self.recalls) {
             return Ok(());
@@ -267,13 +267,13 @@ impl Artifacts {
         self.csv.digest()
     }
 
-    /// Whether the steps so far are those of an earlier program.
+    /// True if the steps so far are those of an earlier process.
     pub fn recalls(&self) -> bool {
         self.recalls
     }
 
-    /// Whether a file is there that an earlier program has written at this step or a later one. What it shows of the course so far is not
-    /// known before steps are computed again.
+    /// True if an earlier process has written the file at this step or a later one. The steps shown in it are not available until steps are
+    /// computed again.
     pub fn has_written(&self, path: &str) -> bool {
         self.recalls && self.files.place(path).is_ok_and(|place| place.is_file())
     }
@@ -302,7 +302,7 @@ impl Artifacts {
         Ok(())
     }
 
-    /// Makes sure that the last frame is that of the simulation's state, and waits until every frame is in its file.
+    /// Writes the frame of the present state unless written, and waits until all frames are written.
     ///
     /// # Errors
     /// A file that could not be written.
@@ -319,20 +319,20 @@ impl Artifacts {
         refused.and(frame).and(waited).and(kept.map_err(|error| output_failure(&error)))
     }
 
-    /// Goes on from what was kept before: that of the simulation from which this one branched off.
+    /// Continues a recording of the simulation from which this one branched off.
     pub fn record_behind(&mut self, recording: Recording) {
         self.recording = recording;
         self.show_stills();
     }
 
-    /// Shows everything from here on to those who follow the run; `history` is what there is so far.
+    /// Passes further data to readers who follow the run, after `history` as the data so far.
     pub fn show_to(&mut self, live: LiveSimulation, history: &History) {
         self.live = Some(live);
         self.show_rows(history, 0);
         self.show_stills();
     }
 
-    /// Those who follow the run.
+    /// Returns the updates for readers who follow the run.
     pub fn live(&mut self) -> Option<&mut LiveSimulation> {
         self.live.as_mut()
     }
@@ -358,12 +358,12 @@ impl Artifacts {
         }
     }
 
-    /// What is kept for the animation.
+    /// Returns the stills for the animation.
     pub fn recording(&self) -> &Recording {
         &self.recording
     }
 
-    /// The stills so far, that of the present state included, whose row of the history is `row`.
+    /// Returns the stills, including one of the present state, whose row of the history is `row`.
     pub fn stills(&self, simulation: &Simulation, row: usize) -> Vec<Arc<Still>> {
         let mut stills = self.recording.stills().to_vec();
         if stills.last().is_none_or(|still| still.row != row) {
@@ -372,21 +372,21 @@ impl Artifacts {
         stills
     }
 
-    /// Counts time that was spent on a file before it was written.
+    /// Adds time spent on a file.
     pub fn count(&mut self, spent: Duration) {
         self.spent += spent;
     }
 
-    /// Time spent on them.
+    /// Time spent on files.
     pub fn spent(&self) -> Duration {
         self.spent
     }
 }
 
-/// How a series is opened.
+/// Function that opens a series.
 type Open = fn(&RunFiles, &str) -> Result<FieldSeries, OutputError>;
 
-/// The series of a model's rigid obstacles, if it has any.
+/// Returns the series of a model's rigid obstacles; `None` without obstacles.
 fn obstacle_series(files: &RunFiles, model: &Model, open: Open) -> Result<Option<(FieldSeries, Surroundings)>, OutputError> {
     let has_any = model.interactions.iter().any(|interaction| matches!(interaction.partner, Partner::Obstacle { .. }));
     if !has_any {
@@ -396,12 +396,12 @@ fn obstacle_series(files: &RunFiles, model: &Model, open: Open) -> Result<Option
     Ok(Some((open(files, "obstacles.pvd")?, Surroundings::of(points))))
 }
 
-/// Whether a model has contacts with a secondary surface to look at: all but ties.
+/// True if a model has contacts, apart from ties, whose secondary surface is written.
 pub fn has_surfaces(model: &Model) -> bool {
     model.interactions.iter().any(|interaction| !interaction.is_tie())
 }
 
-/// A name as a folder: what is no letter, digit, `-`, `_` or `.` becomes `_`.
+/// Converts a name into a folder name: characters other than letters, digits, `-`, `_` and `.` become `_`.
 fn file_name(name: &str) -> String {
     let plain: String = name.chars().map(|letter| if letter.is_alphanumeric() || "-_".contains(letter) { letter } else { '_' }).collect();
     if plain.is_empty() { "simulation".into() } else { plain }

@@ -23,7 +23,7 @@ use crate::script::language::scan::Target;
 /// Factors at most.
 const MOST: f64 = 200.0;
 
-/// Linear buckling of a simulation under the load of one of its states.
+/// Linear buckling of a simulation under the load of a state.
 #[derive(Clone)]
 pub struct BucklingHandle {
     buckling: Rc<Buckling>,
@@ -82,7 +82,7 @@ fn buckling() -> Function {
     }
 }
 
-/// Tells where the way to the state, or on to the first factor, is not straight.
+/// Warns of load factors that may be missing, and of a nonlinear path to the state, or from there to the first factor.
 fn warn(call: &Call, buckling: &Buckling) {
     let warning = |title: String| Diagnostic::warning(title, call.place(&Target::Call));
     if !buckling.is_complete {

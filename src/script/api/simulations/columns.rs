@@ -3,25 +3,25 @@
 
 use crate::dynamics::{ContactTotals, JointTotals, LedgerRow, Model, PartTotals, ProbeValues, Reaction};
 
-/// A material point that is followed.
+/// A material point whose motion is recorded.
 #[derive(Clone)]
 pub struct Probe {
-    /// Its name.
+    /// Name of the probe.
     pub name: String,
-    /// Index of its body.
+    /// Index of the body.
     pub body: usize,
-    /// Its node in the body's mesh.
+    /// Node in the mesh of the body.
     pub node: usize,
 }
 
 /// Column of models with contacts between rigid sides: energy that impacts lost to restitution in a step.
 const IMPACT_LOSS: &str = "impact_loss";
 
-/// Column of bodies whose material flows: heat of plastic flow since the start.
+/// Column of bodies with plasticity: heat of plastic flow since the start `[energy]`.
 const PLASTIC_WORK: &str = "plastic_work";
 
-/// Names of the history's columns of all contact pairs, then of the boundaries that supports hold, of parts such as springs, of
-/// joints, and of impacts of rigid bodies.
+/// Returns the names of the history's columns: contact pairs, boundaries with supports, force elements such as springs, joints, and impacts
+/// of rigid bodies.
 pub fn model_columns(model: &Model) -> Vec<String> {
     let contacts = ContactTotals::columns(model.dimension());
     let mut names: Vec<String> =
@@ -43,11 +43,11 @@ pub fn probe_columns(model: &Model, probes: &[Probe]) -> Vec<String> {
     probes.iter().flat_map(|probe| columns.iter().map(move |column| format!("{}.{column}", probe.name))).collect()
 }
 
-/// Values of a row's columns behind those of the ledger.
+/// Returns the values of a row's columns behind those of the ledger.
 pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     let dimension = model.dimension();
     let mut values: Vec<f64> = row.contacts.iter().flat_map(|totals| totals.values(dimension)).collect();
-    // Before the first step nothing is known of contact.
+    // Before the first step, contact has no values.
     let contacts = model.contact_names().len() * ContactTotals::columns(dimension).len();
     values.resize(contacts, f64::NAN);
     values.extend(row.reactions.iter().flat_map(|reaction| reaction.values(dimension)));

@@ -1,4 +1,4 @@
-//! A contact pair of a simulation as it is at a time: forces, gaps, pressures, nodes in contact.
+//! State of a contact pair at a time: forces, gaps, pressures, active nodes.
 
 use std::rc::Rc;
 
@@ -13,14 +13,14 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// A contact pair of a simulation at the time when it was asked for.
+/// State of a contact pair at the time of its creation.
 #[derive(Clone)]
 pub struct ContactHandle {
     name: String,
     time: f64,
     dimension: usize,
     fields: Rc<ContactFields>,
-    /// Nodes whose state kept changing in the step that failed.
+    /// Nodes whose contact state cycled in the failed step.
     cycling: Vec<CyclingNode>,
 }
 
@@ -177,7 +177,7 @@ fn power() -> Function {
             };
             let row = handle.0.script_row(handle.with_row(call, |simulation| simulation.row().clone())?);
             let work = row.contacts.get(index).map_or(0.0, |contact| contact.friction_work);
-            // Before the first step and at rest no time passes, and nothing slides.
+            // Before the first step and at rest, no time passes, and there is no slip.
             Ok(if work == 0.0 || row.dt == 0.0 { 0.0 } else { work / row.dt }.into())
         }),
     }

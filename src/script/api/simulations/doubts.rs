@@ -1,4 +1,4 @@
-//! Warnings of what a model means by its numbers, units and degrees, and of stresses that leave something out.
+//! Warnings of suspicious numbers in a model, of units and degrees, and of stresses that are incomplete.
 
 use super::handle::SimulationHandle;
 use crate::dynamics::{JointKind, Model};
@@ -17,10 +17,10 @@ const SLOW: f64 = 12.0;
 /// Extent from which on a length is rather in millimetres than in metres, if sound is that slow.
 const LARGE: f64 = 4.0;
 
-/// Angles in degrees that are hardly meant as radians when a prescribed turn ends exactly there.
+/// Angles in degrees that are hardly meant in radians if a prescribed rotation ends at exactly this value.
 const DEGREES: [f64; 8] = [45.0, 60.0, 90.0, 120.0, 135.0, 180.0, 270.0, 360.0];
 
-/// Warns of densities in kg/m^3 beside lengths in mm and stresses in N/mm^2, of a model whose inertia counts.
+/// Warns of densities in kg/m^3 together with lengths in mm and stresses in N/mm^2, in a model whose inertia matters.
 pub(super) fn warn_of_mixed_units(call: &Call, model: &Model) {
     for body in model.bodies.iter().filter(|body| body.rigid.is_none()) {
         let (density, modulus) = (body.material.density(), body.material.youngs_modulus());

@@ -1,4 +1,4 @@
-//! What is written when a run ends, however it ends: the last frames, the picture of the energies, the summaries.
+//! Files at the end of a run, whatever its outcome: the last frames, the picture of the energies, the summaries.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ use crate::script::api::parameters::Overrides;
 use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 
-/// Writes the last frames of all simulations and waits until every frame is in its file.
+/// Writes the last frames of all simulations and waits until all frames are written.
 ///
 /// # Errors
 /// The first file that could not be written.
@@ -31,22 +31,22 @@ pub fn last_frames(host: &Host) -> Result<(), Failure> {
     Simulations::of(host).0.borrow().iter().map(write).fold(Ok(()), Result::and)
 }
 
-/// Writes what belongs to the end of a run after the last frames: the picture of the energies, the summaries.
+/// Writes the picture of the energies and the summaries, after the last frames.
 ///
-/// `begun`: when the program began; `outcome`: `completed`, `interrupted` or the title of the error.
+/// `begun` is the start of the program, `outcome` is `completed`, `interrupted` or the title of the error.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn finish(host: &Host, begun: Instant, outcome: &str) -> Result<(), Failure> {
     let Some(folder) = output_folder(host) else { return Ok(()) };
     let run = RunFolder::of(host);
-    // What fails before it has come to write anything leaves an earlier run as it is, or one that is under way.
+    // A failure before the first file leaves the files of an earlier run, or of a run under way, unchanged.
     if outcome != COMPLETED && !run.is_begun() && RunFiles::are_in(folder) {
         return Ok(());
     }
     let simulations = Simulations::of(host);
     let simulations = simulations.0.borrow();
-    // All that can be written is, whatever cannot.
+    // Remaining files are written even if some cannot be.
     let mut written = Ok(());
     for handle in simulations.iter() {
         written = written.and(finish_simulation(host, handle, begun, outcome, &simulations));
@@ -70,7 +70,7 @@ fn finish_simulation(
     let (Ok(simulation), history) = (data.simulation.try_borrow(), data.history.borrow()) else { return Ok(()) };
     let drawn = {
         let mut artifacts = data.artifacts.borrow_mut();
-        // Before it has come to where the interrupted run was, nothing is to be told of it.
+        // Until the recalled steps are passed, nothing is written.
         let Some(artifacts) = artifacts.as_mut().filter(|artifacts| !artifacts.recalls()) else { return Ok(()) };
         let picture = svg(&energies(&data.name, &*history).draw());
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))
@@ -112,7 +112,7 @@ fn common(host: &Host, outcome: &str) -> Summary {
     }
 }
 
-/// Where the time of the whole program went.
+/// Returns the wall-clock time of the program by phase.
 fn wall(begun: Instant, simulations: &[SimulationHandle]) -> WallSeconds {
     let (mut phases, mut output) = (PhaseTimes::default(), Duration::ZERO);
     for handle in simulations {

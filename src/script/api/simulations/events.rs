@@ -1,4 +1,4 @@
-//! What happens in a run besides its steps, for those who watch: halvings, contacts that close and open, equilibria.
+//! Events of a run besides its steps, for observers: halvings, contacts that become active or inactive, equilibria.
 
 use super::handle::SimulationHandle;
 use crate::dynamics::{Halving, LedgerRow, SettleReport, Simulation};
@@ -6,7 +6,7 @@ use crate::script::language::host::Host;
 use crate::script::language::observer::{ContactChange, Event};
 
 impl SimulationHandle {
-    /// Tells of the halvings of the step after `row`; `before`: what was counted then.
+    /// Reports the halvings of the step after `row`; `before` are the earlier counts.
     pub(super) fn tell_halvings(&self, host: &Host, simulation: &Simulation, before: &[Halving], row: &LedgerRow) {
         for (index, halving) in simulation.halvings().iter().enumerate() {
             let count = halving.count - before.get(index).map_or(0, |before| before.count);
@@ -19,15 +19,15 @@ impl SimulationHandle {
         }
     }
 
-    /// Tells of an equilibrium and of the contacts that closed or opened on the way.
+    /// Reports an equilibrium, and contacts that became active or inactive on the way.
     pub(super) fn tell_settled(&self, host: &Host, row: &LedgerRow, report: &SettleReport) {
         self.tell_contacts(host, row);
         let &SettleReport { steps, newton_iterations, .. } = report;
         host.observer.noticed(&Event::Settled { simulation: &self.0.name, steps, newton_iterations, row });
     }
 
-    /// Tells which contacts a row finds closed that were open in the row before, and the other way round. Before the first step all are
-    /// open, and ties are no contacts.
+    /// Reports contacts that became active or inactive between two rows. Before the first step, all contacts count as inactive; ties are
+    /// not reported.
     pub(super) fn tell_contacts(&self, host: &Host, row: &LedgerRow) {
         let (model, history) = (&self.0.model.model, self.0.history.borrow());
         for (index, (name, totals)) in model.contact_names().into_iter().zip(&row.contacts).enumerate() {

@@ -1,4 +1,4 @@
-//! Explicit steps in scripts: `central_differences`, and `stable_step`, which tells how long its steps may be.
+//! Explicit steps in scripts: `central_differences`, and `stable_step`, the largest stable time step size.
 
 use rhai::{Dynamic, Map};
 
@@ -15,7 +15,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// Names of the ways to put the mass to the nodes.
+/// Names of the lumping methods.
 const MASSES: &[&str] = &[Lumping::ALL[0].0, Lumping::ALL[1].0, Lumping::ALL[2].0];
 
 /// The functions of this file.

@@ -15,7 +15,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// What a field is, and where it is known.
+/// Value of a field, by the places where it is available.
 #[derive(Clone, Copy)]
 enum Value {
     /// A number at each node.
@@ -24,7 +24,7 @@ enum Value {
     Vector(fn(&BodyFields, usize) -> [f64; 3]),
     /// The position of each node, or place inside of a cell.
     Position,
-    /// A number of the stress, wherever that is known.
+    /// A number of the stress, at nodes or inside of cells.
     Stress(fn(&[f64; 6]) -> f64),
     /// A number of the strain.
     Strain(fn(&[f64; 6]) -> f64),
@@ -59,10 +59,10 @@ static FIELDS: &[(&str, Value)] = &[
     ("back_stress", Value::Kept(|body, node| body.back_stress[node], |cell| cell.back_stress)),
 ];
 
-/// Where values are taken, as a script names it.
+/// Places of values by their names in scripts.
 static PLACES: &[(&str, Option<CellPlaces>)] = &[("nodes", None), ("cells", Some(CellPlaces::Cells)), ("points", Some(CellPlaces::Points))];
 
-/// Values of a field with the positions where they are.
+/// Values of a field with their positions.
 enum Chosen {
     Numbers(Vec<([f64; 3], f64)>),
     Vectors(Vec<([f64; 3], [f64; 3])>),
@@ -91,7 +91,7 @@ impl Value {
         }
     }
 
-    /// The same inside of cells, where that is known.
+    /// Returns the values inside of cells, where available.
     fn in_cells(self, cells: &[CellStress]) -> Option<Chosen> {
         match self {
             Value::Stress(read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(&cell.stress))).collect())),
@@ -177,7 +177,7 @@ fn extremes() -> Function {
         body: body(|call| {
             let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
             let sizes = chosen(call)?.sizes();
-            // A gap is not a number where nothing lies opposite.
+            // A gap is NaN where no surface lies opposite.
             let sizes = || sizes.iter().filter(|(_, size)| !size.is_nan());
             let ends = sizes().min_by(|a, b| a.1.total_cmp(&b.1)).zip(sizes().max_by(|a, b| a.1.total_cmp(&b.1)));
             let mut found = Map::new();
@@ -227,7 +227,7 @@ fn chosen(call: &Call) -> Result<Chosen, Failure> {
     })
 }
 
-/// A body as a whole at the time when it was asked for.
+/// State of a body at the time of its creation.
 #[derive(Clone)]
 pub struct BodyStateHandle {
     name: String,

@@ -1,4 +1,4 @@
-//! A run while it goes on: what those who follow it are told of a simulation besides its rows and stills.
+//! Updates for readers who follow a run, besides rows and stills of the simulations.
 
 use super::columns::{model_columns, probe_columns};
 use super::handle::SimulationHandle;
@@ -7,7 +7,7 @@ use crate::dynamics::LedgerRow;
 use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation};
 use crate::script::language::host::Host;
 
-/// Shows a simulation that was just made, if anybody follows the run.
+/// Passes a new simulation to readers, if any.
 pub fn begin(host: &Host, handle: &SimulationHandle) {
     let data = &handle.0;
     let (Some(live), mut artifacts) = (&host.settings.live, data.artifacts.borrow_mut()) else { return };
@@ -26,14 +26,14 @@ pub fn begin(host: &Host, handle: &SimulationHandle) {
     tell_problem(host, handle, artifacts.live());
 }
 
-/// Tells how the problem is now, unless it was told a moment ago.
+/// Updates the problem, unless it was updated a moment ago.
 pub fn tell_now_and_then(host: &Host, handle: &SimulationHandle) {
     if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
         tell_problem(host, handle, artifacts.live().filter(|live| live.wants_problem()));
     }
 }
 
-/// Tells how the problem is now: a script may have read a parameter or a module since.
+/// Updates the problem: a script may have read a parameter or a module since.
 pub fn tell(host: &Host, handle: &SimulationHandle) {
     if let Some(artifacts) = handle.0.artifacts.borrow_mut().as_mut() {
         tell_problem(host, handle, artifacts.live());
@@ -47,7 +47,7 @@ fn tell_problem(host: &Host, handle: &SimulationHandle, live: Option<&mut LiveSi
     }
 }
 
-/// Shows how a simulation ended.
+/// Passes the outcome of a simulation to readers.
 pub fn end(host: &Host, handle: &SimulationHandle, outcome: &str, is_well: bool) {
     let data = &handle.0;
     let (Ok(simulation), mut artifacts) = (data.simulation.try_borrow(), data.artifacts.borrow_mut()) else { return };

@@ -1,4 +1,4 @@
-//! Why a step failed: its iterations as a table, the cause, and the iterate at which it was given up as a file.
+//! Report on a failed step: its iterations as a table, the cause, and the last iterate as a file.
 
 use std::rc::Rc;
 
@@ -15,7 +15,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::tables::table;
 
-/// The report on the last step that failed, if one has.
+/// Report on the last failed step.
 #[derive(Clone)]
 pub struct FailedStepHandle {
     report: Option<Rc<FailureReport>>,

@@ -1,6 +1,6 @@
-//! A simulation as an object of the language: the kernels with what the script layer keeps beside them.
+//! Simulations as objects of the language: the kernels and the data of the script layer.
 //!
-//! The kernels are borrowed for as long as a step lasts, so whoever asks in the middle of one (a closure of time) is refused by [`busy`].
+//! The kernels are borrowed during a step; access within a step (by a closure of time) is refused by [`busy`].
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -30,35 +30,35 @@ use crate::script::language::host::Host;
 use crate::script::language::scan::Target;
 use crate::script::language::sources::Place;
 
-/// A running simulation with what the script layer keeps about it.
+/// A running simulation with the data of the script layer.
 pub struct SimulationData {
-    /// The model as it was when the simulation was made.
+    /// Model at the creation of the simulation.
     pub model: ModelData,
-    /// Name of the simulation: that of the model, with a number when there are several.
+    /// Name of the simulation: that of the model, numbered if there are several.
     pub name: String,
-    /// Where it was made.
+    /// Place of the creation in the script.
     pub place: Option<Place>,
-    /// What overlaps at the start, until `settle` has pressed it apart or the script has accepted it.
+    /// Overlaps at the start, until `settle` has removed them or the script has accepted them.
     pub overlaps: RefCell<Vec<Overlap>>,
-    /// Whether the script has accepted it.
+    /// True if the script has accepted the overlaps at the start.
     pub accepts_overlap: Cell<bool>,
     /// The kernels.
     pub simulation: RefCell<Simulation>,
-    /// One row for each accepted step, after the row of the beginning.
+    /// Rows of the start and of each accepted step.
     pub history: RefCell<History>,
     /// Columns of the history that the script has read.
     pub columns: RefCell<KnownColumns>,
     /// Files of the run.
     pub artifacts: RefCell<Option<Artifacts>>,
-    /// For each contact pair of the model: the time at which it was first seen closed.
+    /// Time at which each contact pair of the model was first active.
     pub closed_since: RefCell<Vec<Option<f64>>>,
-    /// How the model was moved when the simulation was made; only a check that compares moved runs does that.
+    /// Motion applied to the model when the simulation was made; only used by checks that compare moved runs.
     pub motion: Option<Motion>,
     /// Time spent in the kernels.
     pub spent: Cell<Duration>,
-    /// What is kept of its run.
+    /// Frames and stills that are kept of the run.
     pub keeping: Keeping,
-    /// How the failure of the last step that failed is mended.
+    /// Hint for the last step that failed.
     pub hint: RefCell<String>,
     /// States before the last steps, to go back to.
     pub past: RefCell<VecDeque<Past>>,
@@ -66,34 +66,34 @@ pub struct SimulationData {
     pub probes: RefCell<Vec<Probe>>,
     /// Closures that run after every step.
     pub callbacks: RefCell<Vec<Callback>>,
-    /// Number of causes of halvings when they were last looked at.
+    /// Number of causes of halvings at the last check.
     pub causes_seen: Cell<usize>,
     /// Largest energy so far that defects are related to.
     pub scale: Cell<f64>,
-    /// How often equilibrium was asked for since anything has changed.
+    /// Number of requests for equilibrium since the last change.
     pub standing: Cell<u32>,
-    /// Whether it takes steps now.
+    /// True while steps are taken.
     pub advancing: Cell<bool>,
-    /// Whether the kernels know the row of the last step alone, because an earlier program has computed it.
+    /// True if the kernels have only the row of the last step, because an earlier process has computed the step.
     pub is_behind: Cell<bool>,
-    /// The journal of the run and the number of the simulation in it; none for those of a check for itself.
+    /// Journal of the run and index of the simulation in it; `None` for simulations of checks and studies.
     pub journal: Option<(Rc<Journal>, usize)>,
-    /// Whether a run that is resumed knows the state as it is now.
+    /// True if a resumed run has the present state.
     pub is_known: Cell<bool>,
 }
 
 /// A state before a step, with the rows that the history had.
 #[derive(Clone)]
 pub struct Past {
-    /// The state; none where an earlier program has computed it.
+    /// State; `None` if an earlier process has computed it.
     pub state: Option<Arc<State>>,
     /// Rows of the history.
     pub rows: usize,
-    /// Whether a run that is resumed knows the state.
+    /// True if a resumed run has the state.
     pub is_known: bool,
 }
 
-/// The simulations of a script, in the order in which it made them; those of a check for itself are not among them.
+/// Simulations of a script in the order of their creation, except those of checks and studies.
 #[derive(Default)]
 pub struct Simulations(pub RefCell<Vec<SimulationHandle>>);
 
@@ -113,7 +113,7 @@ impl Handle for SimulationHandle {
     const MAKER: &'static str = "make one with `simulate(model, #{ integrator, dt })`";
 
     fn describe(&self) -> String {
-        // What cannot be looked at is told by whoever asks for more.
+        // Errors are reported by the caller's next access.
         let _ = self.looked();
         let data = &self.0;
         let Ok(simulation) = data.simulation.try_borrow() else {
@@ -154,7 +154,7 @@ pub fn angular_text(row: &LedgerRow, dimension: usize) -> String {
 }
 
 impl SimulationData {
-    /// A time of the kernels on the clock of the script; they differ only in other units ([`Motion`]).
+    /// Converts a time of the kernels to the clock of the script; the two differ only in units ([`Motion`]).
     pub fn script_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time / motion.units.time)
     }
@@ -164,7 +164,7 @@ impl SimulationData {
         self.motion.map_or(time, |motion| time * motion.units.time)
     }
 
-    /// Where energy came from and went to so far, and what else is remarkable about the run, a line each.
+    /// Describes the energy changes so far, and the findings of the run, one line each.
     pub fn remarks(&self, simulation: &Simulation) -> Vec<String> {
         let history = self.history.borrow();
         let account = EnergyAccount::of(&*history).to_string();
@@ -183,7 +183,7 @@ impl SimulationData {
 }
 
 impl SimulationHandle {
-    /// Whether both are the same simulation.
+    /// True if both handles refer to one simulation.
     pub fn is(&self, other: &SimulationHandle) -> bool {
         Rc::ptr_eq(&self.0, &other.0)
     }
@@ -215,21 +215,21 @@ impl SimulationHandle {
         Err(result_used(call.function.name).placed(call.place(&Target::Call)))
     }
 
-    /// What is found about the present state, which the user sees going on as `what` of the simulation, unless a step is running.
+    /// Runs a search on the present state, announced to the user as `what` of the simulation.
     ///
     /// # Errors
-    /// A step is running, or the user has interrupted.
+    /// A step is running, or the user has interrupted the search.
     pub fn found<T>(&self, call: &Call, what: &str, search: impl FnOnce(&mut Simulation) -> T) -> Result<T, Failure> {
         call.host.go_on()?;
         call.host.observer.began(&format!("{what} of \"{}\"", self.0.name));
         let found = self.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut simulation| search(&mut simulation));
         call.host.observer.ended();
-        // A closure of time that an interrupt ended may have been taken for one without a value.
+        // An interrupted closure of time may have been taken for one without a value.
         call.host.go_on()?;
         found
     }
 
-    /// What the kernels say, unless a step is running.
+    /// Reads from the kernels.
     ///
     /// # Errors
     /// A step is running; or this is `conserva check`, which has no results.
@@ -239,7 +239,7 @@ impl SimulationHandle {
         self.with_row(call, read)
     }
 
-    /// The same for what is read from the row of the last step alone, which a run that is resumed always knows.
+    /// Reads from the kernels data that depend only on the row of the last step, which a resumed run always has.
     ///
     /// # Errors
     /// A step is running; or this is `conserva check`, which has no results.
@@ -266,10 +266,10 @@ impl SimulationHandle {
         }
     }
 
-    /// Refuses steps inside a closure that runs after every step: they would never end.
+    /// Refuses steps inside a closure that runs after every step: the recursion would never end.
     ///
     /// # Errors
-    /// The simulation takes steps now.
+    /// The simulation is taking steps.
     pub fn refuse_nested(&self, call: &Call) -> Result<(), Failure> {
         if !self.0.advancing.get() {
             return Ok(());

@@ -1,4 +1,4 @@
-//! `sim.harmonic_response`: steady vibrations under a force or on a base that swings, as an object with columns over the frequency.
+//! `sim.harmonic_response`: steady vibrations under a force or a base excitation, as an object with columns over the frequency.
 
 use std::f64::consts::TAU;
 use std::rc::Rc;
@@ -22,12 +22,12 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 use crate::script::language::values::as_number;
 
-/// Steady vibrations of a simulation about one of its states.
+/// Steady vibrations of a simulation about a state.
 #[derive(Clone)]
 pub struct ResponseHandle {
     response: Rc<HarmonicResponse>,
     simulation: SimulationHandle,
-    /// Units of time of the kernels in one of the script.
+    /// Ratio of the script's unit of time to that of the kernels.
     unit: f64,
 }
 

@@ -92,7 +92,7 @@ fn column() -> Function {
 }
 
 impl SimulationHandle {
-    /// Refuses a history whose older rows the disk has lost.
+    /// Refuses a history whose older rows could not be read back from disk.
     ///
     /// # Errors
     /// Rows could not be read back.
@@ -102,24 +102,24 @@ impl SimulationHandle {
         Err(failure.hint("see that the disk of the output folder is sound, and run the script again"))
     }
 
-    /// Names of the columns of its history: those of the ledger, of each contact pair, and of each probe.
+    /// Names of the columns of the history: those of the ledger, of each contact pair, and of each probe.
     pub fn columns(&self) -> Vec<String> {
         let ledger = LedgerRow::columns(self.0.model.model.dimension()).into_iter().map(String::from);
         ledger.chain(model_columns(&self.0.model.model)).chain(self.probe_columns(0)).collect()
     }
 
-    /// A column of its history; NaN where it had no value yet.
+    /// Returns a column of the history; NaN where it has no value.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         self.column_of(&*self.0.history.borrow(), 0, name)
     }
 
-    /// A column of its history as a script reads it, again and again while the history grows.
+    /// Returns a column of the history for a script, cached while the history grows.
     fn known_column(&self, name: &str) -> Option<Rc<Vec<f64>>> {
         let (history, mut known) = (self.0.history.borrow(), self.0.columns.borrow_mut());
         known.read(name, history.len(), |from| self.column_of(&*history, from, name))
     }
 
-    /// All columns of its history; NaN where one had no value yet.
+    /// Returns all columns of the history; NaN for missing values.
     pub(super) fn all_columns(&self) -> Vec<(String, Vec<f64>)> {
         let (names, model, history) = (self.columns(), &self.0.model.model, self.0.history.borrow());
         let own = LedgerRow::columns(model.dimension());
@@ -132,7 +132,7 @@ impl SimulationHandle {
         names.into_iter().zip(columns).collect()
     }
 
-    /// A column of rows from the one of index `from` on.
+    /// Returns a column of rows from index `from` on.
     pub(super) fn column_of<R: Rows + ?Sized>(&self, rows: &R, from: usize, name: &str) -> Option<Vec<f64>> {
         let columns = self.columns();
         let index = columns.iter().position(|column| column == name)?;
@@ -146,7 +146,7 @@ impl SimulationHandle {
         Some(values)
     }
 
-    /// Names of the columns of its probes from the one of that index on.
+    /// Names of the columns of probes from index `from` on.
     pub(super) fn probe_columns(&self, from: usize) -> Vec<String> {
         probe_columns(&self.0.model.model, &self.0.probes.borrow()[from..])
     }

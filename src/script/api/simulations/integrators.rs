@@ -25,7 +25,7 @@ impl Handle for IntegratorHandle {
     }
 }
 
-/// An integrator as tables show it: its name, or the call that makes it where its numbers are not the defaults.
+/// Returns the title of an integrator: its name, or the call that makes it if its numbers differ from the defaults.
 pub fn title(integrator: &Scheme) -> String {
     if integrators::CATALOGUE.iter().chain(integrators::EXPLICIT).chain(integrators::STATIC).any(|row| *row == integrator) {
         return integrator.name.into();

@@ -1,4 +1,4 @@
-//! What joints exert, and where they are.
+//! Forces, torques and positions of joints.
 
 use rhai::{Array, Dynamic};
 
@@ -11,7 +11,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// A joint at the time when it was asked for.
+/// State of a joint at the time of its creation.
 #[derive(Clone)]
 pub struct JointHandle {
     name: String,
@@ -67,7 +67,7 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-/// The coordinate of a joint by its name.
+/// Returns the property of a joint for a coordinate.
 fn coordinate(name: &'static str, summary: &'static str) -> Function {
     let (joint, options) = match name {
         "travel" => ("rail", "kind: \"slider\", axis: [1.0, 0.0], drive: |t| 0.5 * t * t"),

@@ -1,11 +1,11 @@
-//! What a run has computed, kept so that an interrupted one goes on to the same bytes.
+//! Results of a run's computations, kept so that an interrupted run is resumed with byte-identical results.
 //!
-//! A script cannot be stopped in its middle and gone on with: its variables and closures live in the engine. But all it does follows from
-//! its text and from what its simulations answer. So a run that is resumed runs the script again, and every step and equilibrium that was
-//! computed before comes from the [journal](crate::output::journal). It has the rows of all steps, and the states that the script asked for
-//! anything but the row of their step; in between, the kernels know that row alone (`is_behind`). Ways back to kept states are in it, too,
-//! so that the end of the journal is a moment at which nothing has happened to a state since. A checkpoint has what the simulations are
-//! then. Frames of the fields are on the disk already ([`Artifacts`](super::artifacts::Artifacts)).
+//! A script cannot be suspended and continued: its variables and closures live in the engine. But the script's behavior follows from its
+//! text and from the results of its simulations. A resumed run therefore executes the script again, and takes every step and equilibrium
+//! computed before from the [journal](crate::output::journal). The journal has the rows of all steps, and those states from which the
+//! script read more than the row of the step; in between, the kernels have only that row (`is_behind`). Returns to kept states are
+//! recorded, too, so that the state at the end of the journal is unambiguous. A checkpoint has the simulations at that moment. Frames of
+//! the fields are already on disk ([`Artifacts`](super::artifacts::Artifacts)).
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -26,11 +26,11 @@ use crate::script::language::failure::Failure;
 use crate::script::language::host::Host;
 use crate::script::language::settings::Checkpoints;
 
-/// Bytes that the states in a journal may take. A script that looks at a large simulation after each of many steps comes to it; what
-/// follows is then computed again.
+/// Largest size of the states in a journal `[bytes]`, which a script reaches that reads a large simulation after each of many steps; a
+/// resumed run computes later steps again.
 const MOST_BYTES: usize = 1 << 30;
 
-/// How many times what the last checkpoint took must have passed until the next one.
+/// Least time between checkpoints, relative to the time spent on the last checkpoint.
 const PATIENCE: u32 = 30;
 
 /// The journal of a session.
@@ -39,43 +39,43 @@ pub struct Journal(pub(super) RefCell<Pages>);
 
 #[derive(Default)]
 pub(super) struct Pages {
-    /// What an earlier program has computed and the script has not asked for yet.
+    /// Computations of an earlier process that the script has not requested yet.
     pub(super) earlier: Option<JournalReader>,
-    /// Computations and ways back in it.
+    /// Number of computations and returns to kept states that are left in `earlier`.
     pub(super) left: u64,
-    /// What that program knew of its simulations at its end.
+    /// Simulations of the earlier process at its end.
     pub(super) simulations: Vec<SavedSimulation>,
-    /// Where its journal ends.
+    /// End of the journal of the earlier process.
     pub(super) mark: Mark,
     pub(super) writer: Option<JournalWriter>,
     /// Bytes of the states.
     pub(super) bytes: usize,
-    /// Whether nothing is added any more.
+    /// True if no further entries are added.
     pub(super) is_full: bool,
-    /// Why, if it could not be written.
+    /// Reason why the journal could not be written.
     pub(super) problem: Option<OutputError>,
-    /// Whether the computation that failed is made again, and is in the journal already.
+    /// True while the failed computation is repeated, which is already in the journal.
     pub(super) repeats: bool,
     /// Computations since the last checkpoint.
     pub(super) new: usize,
-    /// When that was, and what it took.
+    /// Moment of the last checkpoint, and the time spent on writing it.
     pub(super) last: Option<(Instant, Duration)>,
     /// Length and checksum of the files that the script has read.
     pub(super) files: BTreeMap<PathBuf, (u64, u32)>,
-    /// Whether an earlier program has begun this run.
+    /// True if an earlier process has begun this run.
     pub(super) is_resumed: bool,
-    /// Whether it was told that checkpoints cannot be written.
+    /// True if the user was warned that checkpoints cannot be written.
     pub(super) is_told: bool,
 }
 
-/// Notes the files that the script has read since it was asked last.
+/// Records the files that the script has read since the last call.
 fn note_files(host: &Host, files: &mut BTreeMap<PathBuf, (u64, u32)>) {
     for path in host.sandbox.files_read() {
         files.entry(path.clone()).or_insert_with(|| read(&path).map_or((0, 0), |bytes| Origin::digest(&bytes)));
     }
 }
 
-/// What results of a session depend on.
+/// Returns the scripts, files, settings and program version on which results of a session depend.
 fn origin(host: &Host, files: &BTreeMap<PathBuf, (u64, u32)>) -> Origin {
     Origin {
         program: env!("CARGO_PKG_VERSION").into(),
@@ -117,19 +117,19 @@ impl Pages {
         let writer = self.writer.get_or_insert_with(|| JournalWriter::new(files, mark));
         if writer.is_empty() {
             let folder = std::env::current_dir().unwrap_or_default().display().to_string();
-            // It waits with what comes next.
+            // The entry stays in the buffer until the next write.
             let _ = writer.add(&Entry::Run(host.main.borrow().clone(), folder, host.settings.overrides.clone()));
         }
         writer
     }
 
-    /// Adds an entry, unless nobody will ask for it; the bytes that it takes.
+    /// Adds an entry, unless no resumed run can use it; returns its size in bytes.
     fn add(&mut self, entry: &Entry) -> usize {
         let Some(writer) = self.writer.as_mut().filter(|_| !self.is_full && self.left == 0) else { return 0 };
         match writer.add(entry) {
             Ok(size) => size,
             Err(error) => {
-                // Told with the next checkpoint.
+                // The next checkpoint reports the error.
                 self.is_full = true;
                 self.problem = Some(error);
                 0
@@ -139,7 +139,7 @@ impl Pages {
 
     pub(super) fn write(&mut self, host: &Host, files: &RunFiles, simulations: Vec<SavedSimulation>) -> Result<(), OutputError> {
         if self.is_full {
-            // The journal has no more of the run, so that the checkpoint before is the last one.
+            // The journal is incomplete from here on, so the previous checkpoint is the last one.
             return self.problem.take().map_or(Ok(()), Err);
         }
         note_files(host, &mut self.files);
@@ -157,17 +157,17 @@ impl Journal {
         host.slots.get()
     }
 
-    /// The journal of a run in a folder that an earlier program has begun.
+    /// Opens the journal of a run that an earlier process has begun.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The journal cannot be read.
     pub fn resumed(run: &Path, checkpoint: Checkpoint) -> io::Result<Self> {
         let Checkpoint { journal: mark, simulations, .. } = checkpoint;
         let earlier = Some(JournalReader::open(run, &mark)?);
         Ok(Journal(RefCell::new(Pages { earlier, left: mark.events, mark, simulations, is_resumed: true, ..Pages::default() })))
     }
 
-    /// Before a simulation is made: what it computes is taken down, if checkpoints are wanted.
+    /// Begins recording before a simulation is made, if checkpoints are enabled.
     ///
     /// # Errors
     /// The folder of the run cannot be written to.
@@ -180,17 +180,17 @@ impl Journal {
         Ok(())
     }
 
-    /// Whether computations still come from an earlier program.
+    /// True while computations are taken from an earlier process.
     pub fn is_recalling(&self) -> bool {
         self.0.borrow().left > 0
     }
 
-    /// Whether an earlier program has begun this run.
+    /// True if an earlier process has begun this run.
     pub fn is_resumed(&self) -> bool {
         self.0.borrow().is_resumed
     }
 
-    /// The next entry, if it is a state; of this simulation, if one is given.
+    /// Returns the next entry if it is a state (of `simulation`, if given).
     pub(super) fn next_state(&self, simulation: Option<usize>) -> Result<Option<(usize, Arc<State>)>, Failure> {
         let mut pages = self.0.borrow_mut();
         let Some(reader) = &mut pages.earlier else { return Ok(None) };
@@ -223,7 +223,7 @@ impl Journal {
         pages.is_full |= pages.bytes > MOST_BYTES;
     }
 
-    /// Whether it is time for a checkpoint.
+    /// True if a checkpoint is due.
     pub(super) fn is_due(&self, host: &Host) -> bool {
         let mut pages = self.0.borrow_mut();
         if pages.new == 0 || pages.left > 0 || !is_kept(host) {
@@ -239,7 +239,7 @@ impl Journal {
     }
 }
 
-/// Whether a journal is kept: the run writes files, and wants checkpoints.
+/// True if a journal is kept: the run writes files and checkpoints are enabled.
 pub fn is_kept(host: &Host) -> bool {
     output_folder(host).is_some() && host.settings.checkpoints != Checkpoints::Never
 }

@@ -1,7 +1,7 @@
-//! Columns of a history that were read last, and access to single cells, so that loops over cells are linear in the number of cells.
+//! Cache of the columns of a history read last, and access to single cells, so that loops over cells are linear in the number of cells.
 //!
-//! The engine copies an array and measures its size at each use. So where a script indexes a column at once, `sim.history.total[k]`, the
-//! column is an object with an indexer in place of an array.
+//! The engine copies an array and measures its size at each use. Therefore a column that a script indexes immediately,
+//! `sim.history.total[k]`, is an object with an indexer in place of an array.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -20,7 +20,7 @@ const KEPT: usize = 4;
 pub struct KnownColumns(Vec<(String, Rc<Vec<f64>>)>);
 
 impl KnownColumns {
-    /// A column of a history with `count` rows; `further` reads the rows from an index on, `None` if there is no column of that name.
+    /// Returns a column of a history with `count` rows; `further` reads the rows from an index on, `None` for an unknown column.
     pub fn read(&mut self, name: &str, count: usize, further: impl FnOnce(usize) -> Option<Vec<f64>>) -> Option<Rc<Vec<f64>>> {
         let place = self.0.iter().position(|(column, _)| column == name);
         let (column, mut values) = match place {
@@ -38,13 +38,13 @@ impl KnownColumns {
         Some(values)
     }
 
-    /// Forgets all columns, because the history is replaced.
+    /// Clears the cache, because the history is replaced.
     pub fn forget(&mut self) {
         self.0.clear();
     }
 }
 
-/// A column of which a script takes one cell.
+/// A column of which a script reads single cells.
 #[derive(Clone)]
 pub struct ColumnCells {
     values: Rc<Vec<f64>>,
@@ -67,7 +67,7 @@ impl ColumnCells {
     }
 }
 
-/// Beginning of the indexers of columns in a definition file, which knows arrays without them.
+/// Start of the indexers of columns in a definition file, which describes arrays without indexers.
 pub const CELL_INDEXER: &str = "fn index$get$(_: array";
 
 /// Registers the indexers of columns.
@@ -85,7 +85,7 @@ struct Found {
     is_indexed: bool,
 }
 
-/// Calls that give a column, by source and position.
+/// Calls whose value is a column, by source and position.
 #[derive(Default)]
 pub struct CellPlaces(RefCell<HashMap<(String, Position), Found>>);
 

@@ -1,4 +1,4 @@
-//! Simulations: made of models, stepped, asked for results, with the files they write.
+//! Simulations: creation from models, steps, results, files.
 
 use crate::script::language::function::Function;
 
@@ -44,7 +44,7 @@ pub mod tables;
 pub mod warnings;
 pub mod writing;
 
-/// The functions of this topic, in the order of the reference; those of probes and results stand beside them.
+/// The functions of this topic, in the order of the reference, with those of probes and results.
 pub fn functions() -> Vec<Function> {
     let mut all = integrators::functions();
     all.extend(explicit::functions());

@@ -26,25 +26,25 @@ use crate::script::language::scan::Target;
 /// Modes at most: each takes a vector of the model, several times.
 const MOST: f64 = 1000.0;
 
-/// Largest deflection of a picture over the extent of the bodies, if the script gives none.
+/// Default of the largest deflection in a picture relative to the extent of the bodies.
 const DEFLECTION: f64 = 0.1;
 
 /// Pictures of a period in a movie.
 const PICTURES: usize = 24;
 
-/// Vibrations of a simulation at one of its states.
+/// Natural vibrations of a simulation at a state.
 pub struct ModesData {
     modes: Modes,
-    /// Where files go.
+    /// Simulation, in whose folder files are written.
     simulation: SimulationHandle,
-    /// The bodies as they are there, with no displacement, and the obstacles.
+    /// Bodies at that state, with zero displacement, and the obstacles.
     bodies: Vec<BodyFields>,
     obstacles: Vec<PlacedObstacle>,
-    /// Units of time of the kernels in one of the script.
+    /// Ratio of the script's unit of time to that of the kernels.
     unit: f64,
 }
 
-/// The same in a script.
+/// Natural vibrations as an object of the language.
 #[derive(Clone)]
 pub struct ModesHandle(Rc<ModesData>);
 
@@ -66,7 +66,7 @@ impl Handle for ModesHandle {
             format!("  mode   frequency     angular{axes}"),
         ];
         for (number, mode) in modes.iter().enumerate() {
-            // What is left of symmetry is round-off.
+            // Small values due to symmetry are round-off.
             let moved = |share: &f64| if *share > EFFECTIVE_MASS * mass { brief(*share) } else { "0".into() };
             let masses = mode.effective_mass.iter().map(|share| format!("{:>12}", moved(share))).collect::<String>();
             let [frequency, angular] = [mode.frequency(), mode.angular_frequency()].map(|value| brief(value * self.0.unit));
@@ -113,7 +113,7 @@ impl ModesHandle {
         self.0.bodies.iter().zip(&mode.shape).map(with_shape).collect()
     }
 
-    /// What pictures show, and the largest deflection in them.
+    /// Returns the options of pictures, and the largest deflection in them.
     fn shown(&self, options: &Options) -> Result<(PictureOptions, f64), Failure> {
         let mut shown = shown(options, &self.0.simulation.0.model)?;
         if !options.argument("field").is_given() {
@@ -198,7 +198,7 @@ fn sliding(row: &LedgerRow) -> usize {
     row.contacts.iter().map(|contact| contact.sliding).sum()
 }
 
-/// Takes the present place of a body for its undeformed one.
+/// Takes the present position of a body as its undeformed one.
 fn at_place(body: &mut BodyFields) {
     let mut mesh = (*body.mesh).clone();
     mesh.points = (0..mesh.points.len()).map(|node| body.position(node)).collect();
@@ -206,7 +206,7 @@ fn at_place(body: &mut BodyFields) {
     body.mesh = Arc::new(mesh);
 }
 
-/// The failure of `modes`, and of what else is searched in their matrix.
+/// Returns the failure of `modes`, or of other searches in its matrix.
 pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure {
     let (title, code) = (error.to_string(), error.code());
     let failure = match error {
@@ -222,7 +222,7 @@ pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError)
     failure.code(code)
 }
 
-/// Tells what the modes leave out or do not know.
+/// Warns of effects that the modes neglect.
 fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
     let warning = |title: String| Diagnostic::warning(title, call.place(&Target::Call));
     let unstable = modes.modes.iter().filter(|mode| mode.eigenvalue < 0.0).count();
@@ -261,7 +261,7 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
     }
 }
 
-/// Tells which damping of the model is left out.
+/// Warns of damping in the model that is neglected.
 pub(super) fn warn_of_damping(call: &Call, handle: &SimulationHandle, cause: &str, hint: &str) {
     let model = &handle.0.model.model;
     let viscous = model.bodies.iter().find(|body| !body.material.viscosity().is_none());
@@ -272,7 +272,7 @@ pub(super) fn warn_of_damping(call: &Call, handle: &SimulationHandle, cause: &st
     }
 }
 
-/// Tells that forces across velocities are left out.
+/// Warns of neglected gyroscopic (Coriolis) forces.
 pub(super) fn warn_of_turning(call: &Call, handle: &SimulationHandle) {
     if let Some(part) = handle.0.model.model.parts.iter().find(|part| part.is_gyroscopic()) {
         let title = format!("the Coriolis forces of the {} are left out", part.name());

@@ -48,7 +48,7 @@ pub(super) fn movie_function() -> Function {
     }
 }
 
-/// The bytes of the movie; none where no files are written, because nothing is recorded then.
+/// Returns the bytes of the movie; `None` if the session writes no files, so that there is no recording.
 fn drawn(call: &Call, handle: &SimulationHandle, mut shown: PictureOptions, title: Option<&str>, seconds: f64) -> Result<Vec<u8>, Failure> {
     let format = if call.text("path")?.ends_with(".gif") { MovieFormat::Gif } else { MovieFormat::Png };
     let row = handle.0.history.borrow().len() - 1;

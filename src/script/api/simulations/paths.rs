@@ -1,4 +1,4 @@
-//! `sim.follow_load`: equilibria along a load as an object with the columns of a history, states, and where stability is lost.
+//! `sim.follow_load`: equilibria along a load as an object with the columns of a history, states, and points where stability is lost.
 
 use std::rc::Rc;
 
@@ -21,7 +21,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// Increments to the end, if the script does not say how large they are.
+/// Default number of increments to the end.
 const INCREMENTS: f64 = 20.0;
 
 /// Points at most.
@@ -31,7 +31,7 @@ const MOST: f64 = 100_000.0;
 #[derive(Clone)]
 pub struct PathHandle {
     path: Rc<Path>,
-    /// Their rows on the clock of the script, and the history before them.
+    /// Rows of the path on the clock of the script, and the history before.
     rows: Rc<Vec<LedgerRow>>,
     before: History,
     simulation: SimulationHandle,
@@ -254,7 +254,7 @@ fn state() -> Function {
             push_equilibrium(&mut history, path.rows[0].clone());
             path.rows[1..=index].iter().for_each(|row| history.push(row.clone()));
             let state = path.path.points[index].state.clone();
-            Ok(Dynamic::from(StateHandle { state, history, simulation: path.simulation }))
+            Ok(Dynamic::from(StateHandle::of(path.simulation, state, history)))
         }),
     }
 }

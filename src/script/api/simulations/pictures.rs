@@ -20,7 +20,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 
-/// Names of the axes that may point to the sky.
+/// Names of the axes that may point up.
 const AXES: &[&str] = &["x", "y", "z"];
 
 /// Names of a table's first column, for choices.
@@ -130,7 +130,7 @@ pub(super) fn picture_function() -> Function {
     }
 }
 
-/// Refuses a section that leaves nothing of the bodies that are shown.
+/// Refuses a section that removes all bodies.
 fn refuse_empty_section(options: &Options, fields: &[BodyFields], shown: &PictureOptions) -> Result<(), Failure> {
     let Some(section) = &shown.section else { return Ok(()) };
     let is_shown = |body: &&BodyFields| shown.only.is_empty() || shown.only.contains(&body.name);
@@ -143,7 +143,7 @@ fn refuse_empty_section(options: &Options, fields: &[BodyFields], shown: &Pictur
     Err(failure.hint("give a `point` within the bodies: what is on the viewer's side of the plane is taken away"))
 }
 
-/// What the options say of pictures of a model.
+/// Reads the options of pictures of a model.
 pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptions, Failure> {
     let dimension = model.model.dimension();
     let text = |name: &str| {
@@ -251,7 +251,7 @@ fn section(options: &Options, view: &View, dimension: usize) -> Result<Option<Cu
     Ok(Some(plane))
 }
 
-/// Names of the bodies that are shown; none where all of them are.
+/// Names of the bodies that are shown; empty for all.
 fn bodies(argument: &Argument, model: &ModelData) -> Result<Vec<String>, Failure> {
     if !argument.is_given() {
         return Ok(Vec::new());
@@ -268,7 +268,7 @@ fn bodies(argument: &Argument, model: &ModelData) -> Result<Vec<String>, Failure
     names.filter(|names| !names.is_empty()).ok_or_else(wrong)
 }
 
-/// From where bodies in space are seen.
+/// Returns the view of bodies in space.
 fn view(options: &Options, dimension: usize) -> Result<View, Failure> {
     let (argument, up) = (options.argument("view"), options.argument("up"));
     for given in [&argument, &up] {

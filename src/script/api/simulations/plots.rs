@@ -1,7 +1,6 @@
 //! Plots: columns of a history over a column, and any arrays over arrays.
 //!
-//! Labels are words where the script gives none; the zero of a potential energy is chosen so that nothing is hidden
-//! ([`above_lowest_potential`]).
+//! Default labels are words; the zero of a potential energy is chosen so that no curve is flattened ([`above_lowest_potential`]).
 
 use rhai::{Array, Dynamic, Map};
 
@@ -20,14 +19,14 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, joined, listed};
 
-/// Keys of a curve.
+/// Keys of a curve's map.
 const CURVE_KEYS: [&str; 5] = ["of", "x", "y", "label", "style"];
 
 fn optional(name: &'static str, kind: Kind, summary: &'static str, absent: &'static str) -> Parameter {
     Parameter::new(name, kind, summary).or(Absent::Means(absent))
 }
 
-/// What every plot can be told.
+/// Options common to all plots.
 fn plot_options() -> Vec<Parameter> {
     let size =
         |name, default, summary| Parameter::number(name, "pixels", Interval::Closed(240.0, 10000.0), summary).or(Absent::Number(default));
@@ -148,7 +147,7 @@ pub(super) fn plot_curves() -> Function {
     }
 }
 
-/// Title, axes and size of a plot; `labels` are those of the axes where none are given.
+/// Returns title, axes and size of a plot; `labels` are the default labels of the axes.
 fn look(options: &Options, title: &str, labels: [String; 2]) -> Result<Plot, Failure> {
     let given = |name: &str, otherwise: String| {
         let argument = options.argument(name);
@@ -172,7 +171,7 @@ fn look(options: &Options, title: &str, labels: [String; 2]) -> Result<Plot, Fai
     Ok(Plot { title: given("title", title.into())?, x, y, curves: Vec::new(), size })
 }
 
-/// Two ascending numbers, if they were given.
+/// Returns two ascending numbers, if given.
 pub(super) fn ascending(argument: &Argument) -> Result<Option<[f64; 2]>, Failure> {
     if !argument.is_given() {
         return Ok(None);
@@ -191,7 +190,7 @@ pub(super) fn ascending(argument: &Argument) -> Result<Option<[f64; 2]>, Failure
     }
 }
 
-/// The labels of the legend, if they were given, one for each of `count` columns.
+/// Returns the labels of the legend, if given, one for each of `count` columns.
 fn labels(options: &Options, count: usize) -> Result<Option<Vec<String>>, Failure> {
     let argument = options.argument("labels");
     if !argument.is_given() {
@@ -211,7 +210,7 @@ fn labels(options: &Options, count: usize) -> Result<Option<Vec<String>>, Failur
     Ok(Some(texts))
 }
 
-/// A curve from its map.
+/// Returns a curve from its map.
 fn curve(call: &Call, argument: &Argument, index: usize, entry: &Dynamic) -> Result<Curve, Failure> {
     let fail = |what: String| argument.fail(format!("curve {} of `plot_curves` {what}", index + 1));
     let Some(map) = entry.read_lock::<Map>() else {
@@ -245,7 +244,7 @@ fn curve(call: &Call, argument: &Argument, index: usize, entry: &Dynamic) -> Res
             });
         }
         let array = value.read_lock::<Array>().map(|array| array.clone());
-        // A value that is none leaves a gap, so NaN is allowed here.
+        // A missing value is a gap, so NaN is allowed here.
         let number = |value: &Dynamic| value.as_float().ok().or_else(|| as_number(value));
         let numbers: Option<Vec<f64>> = array.and_then(|array| array.iter().map(number).collect());
         numbers.ok_or_else(|| {

@@ -47,7 +47,7 @@ impl ProbeHandle {
         self.simulation.0.probes.borrow()[self.index].clone()
     }
 
-    /// The values now; nothing in the middle of a step.
+    /// Returns the present values; `None` during a step.
     fn values(&self) -> Option<ProbeValues> {
         self.simulation.0.simulation.try_borrow().ok()?.row().probes.get(self.index).cloned()
     }
@@ -91,7 +91,7 @@ pub fn functions() -> Vec<Function> {
         see_also: &["probe", "history"],
         body: body(move |call| {
             let handle = call.receiver::<ProbeHandle>();
-            // In `conserva check` there are no results to look at.
+            // In `conserva check` there are no results.
             handle.simulation.with_row(call, |_| ())?;
             let (Some(values), probe) = (handle.values(), handle.probe()) else { return Err(busy(call).into()) };
             let model = &handle.simulation.0.model.model;
@@ -145,7 +145,7 @@ fn probe() -> Function {
     }
 }
 
-/// Warns of a point that is farther from its node than the cells around that are large.
+/// Warns of a point whose distance from its node exceeds the size of the adjacent cells.
 fn warn_of_distance(call: &Call, body: &BodyDefinition, node: usize, point: [f64; 3]) {
     let mesh = &body.mesh;
     let distance = |other: &[f64; 3]| (0..3).map(|i| (mesh.points[node][i] - other[i]).powi(2)).sum::<f64>().sqrt();

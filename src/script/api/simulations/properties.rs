@@ -1,4 +1,4 @@
-//! What a simulation says about its state: time, energy, momenta, contact.
+//! Properties of a simulation's state: time, energy, linear and angular momentum, contact.
 
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -1,4 +1,4 @@
-//! Reactions of supports: what `fix` and `prescribe` exert on a boundary.
+//! Reactions of supports: forces and torques of `fix` and `prescribe` on a boundary.
 
 use rhai::{Array, Dynamic, ImmutableString};
 
@@ -12,7 +12,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// The reaction of a boundary's supports at the time when it was asked for.
+/// Reaction of a boundary's supports at the time of its creation.
 #[derive(Clone)]
 pub struct ReactionHandle {
     boundary: String,

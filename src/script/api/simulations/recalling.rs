@@ -34,7 +34,7 @@ impl Journal {
         self.write(host)
     }
 
-    /// The next computation, which must be this one.
+    /// Returns the next computation of the journal, which must be `computation`.
     fn next(&self, host: &Host, simulation: usize, computation: Computation) -> Result<(Outcome, Tally), Failure> {
         match self.next_event(host)? {
             Some(Entry::Computed { simulation: known, computation: asked, outcome, tally })
@@ -47,7 +47,7 @@ impl Journal {
         }
     }
 
-    /// The next computation or way back; the simulations whose states come before it stand at these.
+    /// Returns the next computation or return to a state; states before it are set in their simulations.
     fn next_event(&self, host: &Host) -> Result<Option<Entry>, Failure> {
         while let Some((other, state)) = self.next_state(None)? {
             let handle = Simulations::of(host).0.borrow().get(other).cloned().ok_or_else(something_else)?;
@@ -58,7 +58,7 @@ impl Journal {
         pages.earlier.as_mut().map_or(Ok(None), |reader| reader.take().map_err(|error| unreadable(&error)))
     }
 
-    /// Writes a checkpoint of all simulations as they stand. One that cannot be written is told once, and the run goes on.
+    /// Writes a checkpoint of all simulations. A checkpoint that cannot be written is reported once, and the run goes on.
     ///
     /// # Errors
     /// A result that cannot be written.
@@ -74,13 +74,13 @@ impl Journal {
         drop(pages);
         told.iter().for_each(|error| {
             let warning = Diagnostic::warning("the run cannot be resumed from here: a checkpoint could not be written", None);
-            // Not in the files of the run: what it computes is as it would be.
+            // The warning is not written to the files of the run, whose results are unaffected.
             host.observer.warn(&warning.code(error.code()).cause(error.to_string()).hint(format!("the run goes on; {}", error.hint())));
         });
         Ok(())
     }
 
-    /// Writes a last checkpoint of a run that was interrupted, if there is something new in it.
+    /// Writes a last checkpoint of an interrupted run, if there are new computations.
     ///
     /// # Errors
     /// A result that cannot be written.
@@ -90,13 +90,13 @@ impl Journal {
     }
 }
 
-/// What is known of the simulations now; `None` in the middle of a step.
+/// Returns the present data of the simulations; `None` during a step.
 fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
     let goes_back = host.sources.all().iter().any(|(_, text)| text.contains(GOES_BACK));
     let mut simulations = Vec::new();
     for handle in Simulations::of(host).0.borrow().iter() {
         let Ok(simulation) = handle.0.simulation.try_borrow() else { return Ok(None) };
-        // Frames that the checkpoint counts on are on the disk before it.
+        // Frames to which the checkpoint refers must be on disk before it.
         handle.0.artifacts.borrow_mut().as_mut().map_or(Ok(()), |artifacts| artifacts.wait())?;
         let rows = handle.0.artifacts.borrow_mut().as_mut().and_then(Artifacts::digest);
         let (row, past) = (simulation.row(), handle.0.past.borrow());
@@ -114,7 +114,7 @@ fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
     Ok(Some(simulations))
 }
 
-/// The states before the last steps, the newest last, as far as they are known without a gap.
+/// Returns the states before the last steps, the newest last, up to the first unknown one.
 fn known_states(past: &VecDeque<Past>) -> Vec<Arc<State>> {
     let mut known: Vec<Arc<State>> = past.iter().rev().map_while(|past| past.state.clone()).collect();
     known.reverse();
@@ -133,10 +133,11 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// How a computation ended that an earlier program has made; the kernels then know its row. `None` when it is to be made.
+    /// Returns the outcome of a computation made by an earlier process, whose row the kernels then have. `None` if the computation has to
+    /// be made.
     ///
     /// # Errors
-    /// The script asks for another one than in the run that is resumed.
+    /// The computation differs from the one in the run that is resumed.
     pub fn recalled(&self, call: &Call, computation: Computation) -> Result<Option<Outcome>, Failure> {
         if !Journal::of(call.host).is_recalling() {
             go_on(call.host)?;
@@ -145,7 +146,7 @@ impl SimulationHandle {
         let Some((journal, number)) = self.0.journal.clone() else { return Ok(None) };
         let (outcome, tally) = journal.next(call.host, number, computation)?;
         if outcome == Outcome::Failed {
-            // It is made again, from the state that came before it.
+            // A failed computation is repeated from the state before.
             return Ok(None);
         }
         self.0.is_behind.set(true);
@@ -154,7 +155,7 @@ impl SimulationHandle {
         simulation.count_from(&tally);
         if let Outcome::Stepped(rows) = &outcome {
             rows.last().into_iter().for_each(|row| simulation.recall(row));
-            // Loads note whether they acted, when they are asked.
+            // Evaluating the loads marks those that acted.
             let asked = || rows.iter().flat_map(|row| [row.time - 0.5 * row.dt, row.time]);
             let idle = self.0.model.loads.iter().filter(|load| !load.amplitude.has_acted());
             idle.for_each(|load| asked().for_each(|time| drop(load.amplitude.value(time))));
@@ -162,7 +163,7 @@ impl SimulationHandle {
         Ok(Some(outcome))
     }
 
-    /// Takes down a computation; one that failed begins at a state that is kept.
+    /// Records a computation; a failed one begins at a state that is kept.
     pub fn take_down(&self, computation: Computation, outcome: Outcome, before: &Arc<State>, tally: Tally) {
         let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return };
         let has_failed = outcome == Outcome::Failed;
@@ -173,10 +174,10 @@ impl SimulationHandle {
         self.0.is_known.set(has_failed);
     }
 
-    /// Takes down that the simulation has gone to a state that the script had kept, or takes it from what an earlier program has done.
+    /// Records that the simulation has returned to a kept state, or takes the return from an earlier process.
     ///
     /// # Errors
-    /// The script asks for something else than in the run that is resumed; a file that cannot be written.
+    /// The script requests another computation than in the run that is resumed; a file that cannot be written.
     pub fn take_down_way_back(&self, host: &Host) -> Result<(), Failure> {
         let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return Ok(()) };
         let event = Entry::WentBack { simulation };
@@ -189,10 +190,10 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// Before the script learns more of the state than the row of its step: a run that is resumed must know it, too.
+    /// Records the state before the script reads more from it than the row of its step: a resumed run needs it, too.
     ///
     /// # Errors
-    /// The script asks for something else than in the run that is resumed.
+    /// The script requests another computation than in the run that is resumed.
     pub fn looked(&self) -> Result<(), Failure> {
         let data = &self.0;
         let Some((journal, number)) = data.journal.as_ref().filter(|_| !data.is_known.get()) else { return Ok(()) };
@@ -200,7 +201,7 @@ impl SimulationHandle {
             let (_, state) = journal.next_state(Some(*number))?.ok_or_else(something_else)?;
             return self.stand_at(&state);
         }
-        // In the middle of a step there is nothing to look at.
+        // During a step, there is no state to record.
         if let Ok(simulation) = data.simulation.try_borrow() {
             journal.keep(*number, simulation.shared_state());
             data.is_known.set(true);
@@ -208,10 +209,10 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// The state before one of the last steps, to which the script goes back.
+    /// Returns the state before one of the last steps.
     ///
     /// # Errors
-    /// It was not kept.
+    /// The state was not kept.
     pub fn past_state(&self, call: &Call, index: usize) -> Result<Arc<State>, Failure> {
         let past = self.0.past.borrow()[index].clone();
         match (past.state, self.0.journal.as_ref().filter(|_| !past.is_known)) {
@@ -229,7 +230,7 @@ impl SimulationHandle {
         }
     }
 
-    /// Prepares the state for the script, which may look at it from now on.
+    /// Prepares the present state for access by the script.
     pub fn show(&self) {
         if let Ok(mut simulation) = self.0.simulation.try_borrow_mut()
             && !self.0.is_behind.get()
@@ -238,7 +239,7 @@ impl SimulationHandle {
         }
     }
 
-    /// Writes a checkpoint where it is time for one.
+    /// Writes a checkpoint if due.
     ///
     /// # Errors
     /// A result that cannot be written.
@@ -248,8 +249,8 @@ impl SimulationHandle {
     }
 }
 
-/// From here on everything is computed, unless it was before: the simulations are what they were where the journal ends, count on from what
-/// they had counted, and their files grow again. It comes after all that an earlier program had computed has gone into the files.
+/// Ends recalling: sets the simulations and their counters to the end of the journal; their files grow again. Called after all computations
+/// of an earlier process have been written to the files.
 ///
 /// # Errors
 /// A file that cannot be written; a state of another model.

@@ -1,4 +1,4 @@
-//! `report.html`: what a simulation, its model and its script are, put together for the page, and `report(sim, path)`.
+//! `report.html`: data of a simulation, its model and its script for the page, and `report(sim, path)`.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ use crate::script::language::host::Host;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::wording::joined;
 
-/// `report`: the page of a simulation as it is now.
+/// `report`: the page of the present simulation.
 pub(super) fn report_function() -> Function {
     Function {
         name: "report",
@@ -57,11 +57,11 @@ pub(super) fn report_function() -> Function {
     }
 }
 
-/// How a run ended.
+/// Outcome of a run.
 pub struct Ending {
-    /// In words.
+    /// Outcome in words.
     pub outcome: String,
-    /// Whether as it should.
+    /// True if the run ended as intended.
     pub is_well: bool,
 }
 
@@ -97,7 +97,7 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
     })
 }
 
-/// What is remarkable about a run, in words.
+/// Returns the findings of a run in words.
 pub fn findings(simulation: &Simulation, history: &History) -> Vec<String> {
     simulation.findings(history).iter().map(|finding| format!("{finding}: {}", explained(finding))).collect()
 }
@@ -117,7 +117,7 @@ pub fn json(value: &Dynamic) -> Value {
     }
 }
 
-/// The texts of the script and its modules by the names of their files: folders differ between machines.
+/// Returns the texts of the script and its modules by file name, without folders, which differ between machines.
 pub fn scripts(host: &Host) -> Vec<(String, String)> {
     let main = host.main.borrow();
     let file = |name: &str| name.rsplit(['/', '\\']).next().unwrap_or(name).to_string();
@@ -149,7 +149,7 @@ fn columns(data: &SimulationData, history: &History, rows: &[usize]) -> Vec<(Str
     own.chain(extra).collect()
 }
 
-/// The different shapes of rigid obstacles where they are defined.
+/// Returns the different shapes of rigid obstacles at their initial positions.
 pub fn placed(model: &Model) -> Vec<PlacedObstacle> {
     let named = |shape| {
         let touching =
@@ -164,7 +164,7 @@ fn table(title: &str, head: &[&str], rows: Vec<Vec<String>>) -> ReportTable {
     ReportTable { title: title.into(), head: head.iter().map(|name| name.to_string()).collect(), rows }
 }
 
-/// Tables of what there is, how it is held and loaded, how it is integrated.
+/// Returns the tables of the model: bodies, supports, loads, time integration.
 pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable> {
     let model = &data.model.model;
     let bodies = model.bodies.iter().map(|body| {

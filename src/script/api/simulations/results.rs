@@ -1,4 +1,4 @@
-//! Results that a script asks for by name, written below the run's output folder, and drawings with letters.
+//! Results at paths given by a script, below the run's output folder, and drawings with letters.
 
 use rhai::Dynamic;
 

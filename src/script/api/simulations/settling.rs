@@ -1,4 +1,4 @@
-//! `settle`: static equilibrium, which takes the place of a step.
+//! `settle`: static equilibrium in place of a step.
 
 use std::time::Instant;
 
@@ -17,10 +17,10 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// How often equilibrium may be asked for at one time without any change.
+/// Largest number of requests for equilibrium at one time without any change in between.
 const STANDSTILL: u32 = 100;
 
-/// What `settle` takes first.
+/// Description of the first argument of `settle`.
 const TIME: &str = "an object map of options, or a number";
 
 /// `settle`: equilibrium now or at a later time.
@@ -63,7 +63,7 @@ fn friction_parameter() -> Parameter {
     Parameter::new("friction", Kind::Flag, "whether friction acts; without it surfaces slide freely").or(Absent::Flag(true))
 }
 
-/// Whether friction acts, by the options, which may stand in the place of the time.
+/// Returns the option `friction`; the options may be given in place of the time.
 fn friction_of(call: &Call) -> Result<bool, Failure> {
     let first = call.argument("time");
     let Some(map) = first.value().try_cast::<Map>() else { return call.options("options")?.flag("friction") };
@@ -81,8 +81,8 @@ fn friction_of(call: &Call) -> Result<bool, Failure> {
     })
 }
 
-/// Adds the row of an equilibrium to a history. It replaces the only row of a history if this is the row of the start, which is no
-/// equilibrium, or of an equilibrium at the same time.
+/// Adds the row of an equilibrium to a history. A single earlier row is replaced if it is that of the start (no equilibrium), or of an
+/// equilibrium at the same time.
 pub(super) fn push_equilibrium(rows: &mut History, row: LedgerRow) {
     if rows.len() == 1 && rows.last().is_some_and(|only| only.time == 0.0 || only.time == row.time) {
         rows.clear();
@@ -91,7 +91,7 @@ pub(super) fn push_equilibrium(rows: &mut History, row: LedgerRow) {
 }
 
 impl SimulationHandle {
-    /// Computes equilibrium, or takes it from what an earlier program has computed.
+    /// Computes equilibrium, or takes it from an earlier process.
     fn settled(&self, call: &Call, time: Option<f64>, friction: bool) -> Result<SettleReport, Box<EvalAltResult>> {
         let data = &self.0;
         let state = || data.simulation.try_borrow().map(|simulation| simulation.shared_state()).map_err(|_| busy(call));
@@ -115,7 +115,7 @@ impl SimulationHandle {
         settled.map_err(|error| self.step_failure(call, error).into())
     }
 
-    /// Refuses to go on where equilibria at one time follow each other without any change, as in a loop that waits for a later time.
+    /// Refuses repeated equilibria at one time without any change, as in a loop that waits for a later time.
     fn refuse_standstill(&self, call: &Call, before: &LedgerRow, now: &LedgerRow) -> Result<(), Failure> {
         let count = if (before.time, before.strain) == (now.time, now.strain) { self.0.standing.get() + 1 } else { 0 };
         self.0.standing.set(count);
@@ -171,11 +171,11 @@ impl SimulationHandle {
     }
 }
 
-/// What `settle` gives in `conserva check`: nothing is known of it, but most scripts do not ask.
+/// Value of `settle` in `conserva check`, without known properties.
 #[derive(Clone)]
 struct SettleToCome;
 
-/// Lets a script ask what `settle` found in `conserva check`, which ends there.
+/// Registers access to the result of `settle` in `conserva check`, which ends there.
 pub fn register_settle_to_come(engine: &mut Engine) {
     engine.register_type_with_name::<SettleToCome>("Map");
     engine.register_indexer_get(|_: &mut SettleToCome, name: ImmutableString| -> Result<Dynamic, Box<EvalAltResult>> {

@@ -179,7 +179,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     Ok(handle)
 }
 
-/// Warns of bodies whose cells lock, whose laws are not sound at rest, or that gravity moves for ever.
+/// Warns of bodies whose elements lock, whose laws are unsound at rest, or which gravity accelerates without bound.
 fn warn_of_bodies(call: &Call, model: &Model) {
     for body in model.locking() {
         call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).code(body.code()).hint(body.remedy()));
@@ -201,10 +201,10 @@ fn warn_of_bodies(call: &Call, model: &Model) {
     }
 }
 
-/// Warns of constraints that follow from others, and of velocities that do not fit joints.
+/// Warns of redundant constraints, and of velocities incompatible with joints.
 ///
 /// # Errors
-/// A drive of what is held already.
+/// A drive of a coordinate that is already constrained.
 fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Result<(), Failure> {
     for found in simulation.redundant_constraints() {
         let RedundantConstraints { name, is_joint, is_driven, count, of, node } = found;
@@ -250,10 +250,10 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
     Ok(())
 }
 
-/// How often sound may cross a body in a step at most, before its density counts as a mistake of units.
+/// Largest number of times that sound may cross a body within a step; beyond, the density is taken for a mistake of units.
 const CROSSINGS: f64 = 1e9;
 
-/// Warns of bodies so light that no choice of `dt` explains it.
+/// Warns of bodies whose mass is so small that no choice of `dt` explains it.
 fn warn_of_units(call: &Call, model: &Model, dt: f64) {
     for body in model.bodies.iter().filter(|body| body.rigid.is_none()) {
         let (density, modulus) = (body.material.density(), body.material.youngs_modulus());
@@ -281,19 +281,19 @@ fn warn_of_held(call: &Call, model: &Model) {
     }
 }
 
-/// The kernels of a model, which is moved before if a motion is given.
+/// Returns the kernels of a model, which is moved if a motion is given.
 ///
 /// # Errors
-/// A model that cannot be moved that way, or that the kernels refuse.
+/// A model that cannot be moved in this way, or that the kernels refuse.
 pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Options) -> Result<Simulation, Failure> {
     let moved = motion.map(|motion| motion.model(model)).transpose().map_err(|cause| call.fail(cause))?;
     let simulation = Simulation::new(moved.as_ref().unwrap_or(model), options);
     simulation.map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))
 }
 
-/// What a simulation has behind it when it is made.
+/// Data of a simulation at its creation: its past.
 pub struct SoFar {
-    /// Its rows so far, that of the beginning at least.
+    /// Rows so far; at least that of the beginning.
     pub history: History,
     /// Points that are followed.
     pub probes: Vec<Probe>,
@@ -301,7 +301,7 @@ pub struct SoFar {
     pub spent: Duration,
 }
 
-/// A history that begins with a row; older rows are kept in the folder of the run, if there is one.
+/// Returns a history that begins with a row; older rows are kept in the folder of the run, if there is one.
 fn new_history(host: &Host, row: &LedgerRow) -> Result<History, Failure> {
     let files = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))?;
     let store = match files {
@@ -315,7 +315,7 @@ fn new_history(host: &Host, row: &LedgerRow) -> Result<History, Failure> {
     Ok(History::new(store, vec![row.clone()]))
 }
 
-/// The kernels' simulation of a model, as an object of the language with its history so far.
+/// Makes the object of the language for a simulation, with its history so far.
 pub fn create(
     call: &Call,
     model: ModelData,
@@ -325,7 +325,7 @@ pub fn create(
     SoFar { history, probes, spent }: SoFar,
 ) -> Result<SimulationHandle, Failure> {
     let name = unique_name(call.host, &model.model.name);
-    // The first one writes into the folder of the run itself.
+    // The first simulation writes into the folder of the run itself.
     let below = Some(name.as_str()).filter(|_| !Simulations::of(call.host).0.borrow().is_empty());
     let journal = Journal::of(call.host);
     journal.begin(call.host).map_err(|error| output_failure(&error))?;
@@ -378,7 +378,8 @@ pub fn create(
     Ok(handle)
 }
 
-/// The model's name, with a number when the script made simulations of that name before; one aside has its model's.
+/// Returns the name of the model, numbered if earlier simulations of the script have it; simulations of checks and studies have the plain
+/// name.
 fn unique_name(host: &Host, model: &str) -> String {
     if is_study(host) {
         return model.to_string();
@@ -388,7 +389,7 @@ fn unique_name(host: &Host, model: &str) -> String {
     std::iter::once(model.to_string()).chain(numbered).find(|name| !taken.contains(name)).unwrap_or_default()
 }
 
-/// What `conserva check` says of a simulation.
+/// Returns the description of a simulation in `conserva check`.
 fn described_for_check(handle: &SimulationHandle) -> String {
     let simulation = handle.0.simulation.borrow();
     let options = simulation.options();

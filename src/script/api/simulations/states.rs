@@ -1,6 +1,6 @@
-//! States as values: save and restore, step back, branch, change how the next steps are taken.
+//! States as values: save and restore, step back, branch, change options of the next steps.
 //!
-//! A simulation keeps the states before its last steps as far as memory allows. Going on from a state gives the same bytes as before.
+//! A simulation keeps the states before its last steps as far as memory allows. Continuing from a state gives byte-identical results.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -28,10 +28,37 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 pub struct StateHandle {
     /// The state.
     pub state: Arc<State>,
-    /// The history up to it.
+    /// History up to the state.
     pub history: History,
-    /// Its simulation.
-    pub simulation: SimulationHandle,
+    /// Name of its simulation.
+    pub name: String,
+    /// Its simulation; `None` for a state that another process has saved.
+    pub simulation: Option<SimulationHandle>,
+}
+
+impl StateHandle {
+    /// A state of a simulation.
+    pub fn of(simulation: SimulationHandle, state: Arc<State>, history: History) -> Self {
+        StateHandle { state, history, name: simulation.0.name.clone(), simulation: Some(simulation) }
+    }
+
+    /// Refuses the state of another simulation, and a state of another process whose model differs.
+    fn refuse_for(&self, call: &Call, handle: &SimulationHandle) -> Result<(), Failure> {
+        match &self.simulation {
+            Some(own) if Rc::ptr_eq(&own.0, &handle.0) => Ok(()),
+            Some(_) => {
+                let failure = call.argument("state").fail("the state belongs to another simulation");
+                let failure = failure.label(format!("this is a {}", self.describe()));
+                Err(failure.hint("restore it where it was saved"))
+            }
+            None if handle.0.simulation.try_borrow().map_err(|_| busy(call))?.fits(&self.state) => Ok(()),
+            None => {
+                let failure = call.argument("state").fail("the state does not fit this simulation");
+                let failure = failure.cause("a model with other bodies, meshes, contacts or time integrator has saved it");
+                Err(failure.hint("restore it in a simulation of an equal model"))
+            }
+        }
+    }
 }
 
 impl Handle for StateHandle {
@@ -39,7 +66,7 @@ impl Handle for StateHandle {
     const MAKER: &'static str = "make one with `sim.save()`";
 
     fn describe(&self) -> String {
-        format!("state of simulation \"{}\" at t = {}", self.simulation.0.name, brief(self.state.row.time))
+        format!("state of simulation \"{}\" at t = {}", self.name, brief(self.state.row.time))
     }
 }
 
@@ -66,7 +93,7 @@ fn save() -> Function {
                 Err(_) => return Err(busy(call).into()),
             };
             let history = handle.0.history.borrow().clone();
-            Ok(Dynamic::from(StateHandle { state, history, simulation: handle }))
+            Ok(Dynamic::from(StateHandle::of(handle, state, history)))
         }),
     }
 }
@@ -83,11 +110,7 @@ fn restore() -> Function {
         see_also: &["save", "back"],
         body: body(|call| {
             let (handle, state) = (call.receiver::<SimulationHandle>(), call.handle::<StateHandle>("state")?);
-            if !Rc::ptr_eq(&state.simulation.0, &handle.0) {
-                let failure = call.argument("state").fail("the state belongs to another simulation");
-                let failure = failure.label(format!("this is a {}", state.describe()));
-                return Err(failure.hint("restore it where it was saved").into());
-            }
+            state.refuse_for(call, &handle)?;
             handle.go_to(call, &state.state, state.history)?;
             Ok(Dynamic::UNIT)
         }),
@@ -223,7 +246,7 @@ fn dt() -> Function {
 }
 
 impl SimulationHandle {
-    /// Goes to a state; the history is what it was then.
+    /// Restores a state, with its history.
     pub fn go_to(&self, call: &Call, state: &State, history: History) -> Result<(), Failure> {
         self.refuse_nested(call)?;
         self.take_down_way_back(call.host)?;
@@ -234,7 +257,7 @@ impl SimulationHandle {
         let common = self.0.history.borrow().common(&history);
         self.0.past.borrow_mut().retain(|past| past.rows < history.len() && past.rows <= common);
         self.replace_history(history)?;
-        // After the last event of an earlier program.
+        // After the last computation of an earlier process.
         go_on(call.host)
     }
 }

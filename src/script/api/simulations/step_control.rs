@@ -1,4 +1,4 @@
-//! `auto`: steps that choose their size.
+//! `auto`: adaptive time step size.
 
 use rhai::Dynamic;
 
@@ -13,10 +13,10 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// What `dt` may be.
+/// Kind of the argument `dt`.
 pub const STEP_SIZE: Kind = Kind::Either("a number greater than 0, or `auto()` for steps that choose their size");
 
-/// How steps choose their size, in a script, with the size of the first one if that is given.
+/// Control of the time step size as an object of the language, with the size of the first step if given.
 #[derive(Clone)]
 pub struct StepControlHandle {
     control: StepControl,
@@ -35,20 +35,20 @@ impl Handle for StepControlHandle {
     }
 }
 
-/// A step size as a script gives it.
+/// Time step size as given by a script.
 #[derive(Clone)]
 pub enum StepSize {
-    /// The same for all steps.
+    /// Constant time step size.
     Fixed(f64),
     /// Chosen step by step.
     Chosen(StepControlHandle),
 }
 
 impl StepSize {
-    /// What an argument of the kind [`STEP_SIZE`] means.
+    /// Reads an argument of the kind [`STEP_SIZE`].
     ///
     /// # Errors
-    /// Something else, or a number out of range.
+    /// The argument is of another type or out of range.
     pub fn of(argument: &Argument) -> Result<StepSize, Failure> {
         match argument.value().try_cast::<StepControlHandle>() {
             Some(handle) => Ok(StepSize::Chosen(handle)),
@@ -56,7 +56,7 @@ impl StepSize {
         }
     }
 
-    /// The same on another clock, whose unit is so many times smaller.
+    /// Returns the step size on a clock whose unit of time is `unit` times smaller.
     pub fn on_clock(self, unit: f64) -> StepSize {
         match self {
             StepSize::Fixed(dt) => StepSize::Fixed(unit * dt),
@@ -68,7 +68,7 @@ impl StepSize {
         }
     }
 
-    /// Puts it into the options of a simulation; of steps that choose their size, `first` is that of the first one where none is given.
+    /// Sets the step size in the options of a simulation; `first` is the default of the first step for adaptive step sizes.
     pub fn put_into(&self, options: &mut Options, first: f64) {
         (options.dt, options.control) = match self {
             StepSize::Fixed(dt) => (*dt, None),
@@ -86,7 +86,7 @@ impl std::fmt::Display for StepSize {
     }
 }
 
-/// The step size of a simulation, as its descriptions show it.
+/// Describes the step size of a simulation.
 pub fn step_size(options: &Options) -> String {
     let chosen = |control: StepControl| StepControlHandle { control, first: None }.describe();
     options.control.map_or_else(|| number_text(options.dt), chosen)

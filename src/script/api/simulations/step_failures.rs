@@ -1,4 +1,4 @@
-//! A step that failed, in the words of the script: where, why, and how to mend it.
+//! Message of a failed step, in terms of the script: place, cause, hint.
 
 use super::handle::SimulationHandle;
 use crate::dynamics::{BodyBoundary, FailureCause, Interaction, LoadKind, Missing, PERSISTENCY, StepError, default_rule};
@@ -14,7 +14,7 @@ pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
     format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(at))
 }
 
-/// Stress over Young's modulus from which on a load crushes a body, whatever its law.
+/// Ratio of stress to Young's modulus above which a load crushes a body, whatever its law.
 const CRUSHES: f64 = 0.5;
 
 impl SimulationHandle {
@@ -54,7 +54,7 @@ impl SimulationHandle {
         failure.code(code)
     }
 
-    /// The failure of a run that has come to its end with sides of a contact inside each other, although the script has not accepted that.
+    /// Returns the failure of a completed run with a remaining overlap that the script has not accepted.
     pub fn overlap_left(&self) -> Option<Failure> {
         let has_stepped = self.0.history.borrow().len() > 1;
         if !has_stepped || self.0.accepts_overlap.get() {
@@ -117,13 +117,13 @@ impl SimulationHandle {
         None
     }
 
-    /// A failure of the numerics; how it is mended is kept for `sim.why()`.
+    /// Returns a numerical failure; its hint is kept for `sim.why()`.
     fn not_converged(&self, title: String, cause: String, hint: String) -> Failure {
         *self.0.hint.borrow_mut() = hint.clone();
         Failure::new(Class::Numerics, title).cause(cause).hint(hint)
     }
 
-    /// A contact between rigid bodies whose depths stay from step to step.
+    /// Returns the name of a contact between rigid bodies with the update rule `PERSISTENCY`, which keeps penetrations from step to step.
     fn keeps_depth(&self) -> Option<&str> {
         let model = &self.0.model.model;
         let by_default = default_rule(&self.0.simulation.try_borrow().ok()?.options().integrator);
@@ -135,7 +135,7 @@ impl SimulationHandle {
         model.interactions.iter().find(keeps).map(|interaction| interaction.name.as_str())
     }
 
-    /// Whether the iterations of the last failure went astray, while supports and loads seem to be in order.
+    /// True if the iterations of the last failure diverged, stalled or cycled, while supports and loads seem to be in order.
     fn is_lost(&self) -> bool {
         use FailureCause::{CyclingContact, Divergence, InvertedCell, NoEquilibrium, SlowConvergence};
         let simulation = self.0.simulation.try_borrow();

@@ -1,6 +1,6 @@
-//! Taking steps: what a simulation does before, between and after them, and the functions that a script calls for it.
+//! Steps: actions of a simulation before, between and after them, and the script functions for steps.
 //!
-//! A step is taken whole or not at all, so that a run that was stopped can be gone on with exactly.
+//! A step is either completed or undone, so that an interrupted run can be continued exactly.
 
 use std::time::Instant;
 
@@ -27,7 +27,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::observer::Progress;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// `step`: so many steps.
+/// `step`: a number of steps.
 pub fn step() -> Function {
     Function {
         name: "step",
@@ -94,7 +94,7 @@ pub fn on_step() -> Function {
 }
 
 impl SimulationHandle {
-    /// Keeps the state before a step, and forgets the oldest ones when they take too much memory.
+    /// Keeps the state before a step; drops the oldest states if they exceed the memory limit.
     fn keep_past(&self, before: Past) {
         let mut past = self.0.past.borrow_mut();
         let size = self.0.simulation.try_borrow().map_or(0, |simulation| simulation.state_size());
@@ -105,12 +105,12 @@ impl SimulationHandle {
         past.push_back(before);
     }
 
-    /// Bodies that overlap at the start are an error: they are hardly ever meant, and contact would hold them as they are.
+    /// Refuses bodies that overlap at the start: this is rarely intended, and contact would keep them as they are.
     fn refuse_overlaps(&self, call: &Call) -> Result<(), Failure> {
         self.refuse(call, |_| true)
     }
 
-    /// What `settle` would only press farther in is an error there, too: bodies behind an obstacle that looks the wrong way.
+    /// Refuses overlaps that `settle` would increase: bodies behind an obstacle whose normal points the wrong way.
     pub(super) fn refuse_wrong_way(&self, call: &Call) -> Result<(), Failure> {
         self.refuse(call, |overlap| matches!(overlap.kind, OverlapKind::Obstacle { whole: true, .. }))
     }
@@ -127,7 +127,7 @@ impl SimulationHandle {
         Err(call.fail(worst.to_string()).code(worst.code()).cause(cause).hint(worst.remedy()))
     }
 
-    /// Takes steps until `count` of them are taken or `end` is reached.
+    /// Takes steps until `count` are taken or `end` is reached.
     fn advance(&self, call: &Call, end: Option<f64>, count: usize) -> Result<(), Box<EvalAltResult>> {
         self.refuse_overlaps(call)?;
         if call.host.is_check() {
@@ -163,7 +163,7 @@ impl SimulationHandle {
         outcome
     }
 
-    /// Takes one step, and keeps what it computed: its rows, its state, the memory of the state before.
+    /// Takes one step, and records its rows, its state, and the state before.
     fn take_step(&self, call: &Call, from: f64, end: Option<f64>) -> Result<(), Box<EvalAltResult>> {
         let data = &self.0;
         let stopped = |how: &str| {
@@ -181,11 +181,11 @@ impl SimulationHandle {
         for row in rows {
             self.accept(call, row, from, end)?;
         }
-        // After the last step of an earlier program: what the script draws or restores now goes on from its recording.
+        // After the last step of an earlier process: pictures and restored states continue from its recording.
         go_on(call.host)?;
         self.warn_of_large_motion(call.host);
         stepped.map_err(|error| self.step_failure(call, error))?;
-        // No borrow is held here, because a closure may look at everything and hand over further closures.
+        // No borrow is held here, because a closure may access all data and register further closures.
         let callbacks = data.callbacks.borrow().clone();
         if !callbacks.is_empty() {
             self.show();
@@ -197,20 +197,20 @@ impl SimulationHandle {
         if call.host.is_interrupted() { Err(stopped("interrupted").into()) } else { Ok(()) }
     }
 
-    /// Where a step ends at the latest: where steps choose their size, at the next frame of the fields.
+    /// Returns the latest end of a step: for adaptive step sizes, the next frame of the fields.
     fn landing(&self, end: Option<f64>) -> Option<f64> {
         let (data, simulation) = (&self.0, self.0.simulation.borrow());
         let every = data.keeping.fields_every.filter(|_| simulation.options().control.is_some());
         let frame = every.map(|every| {
             let every = data.kernel_time(every);
             let frame = ((simulation.time() / every + SAME_MOMENT).floor() + 1.0) * every;
-            // One at the end but for round-off is that of the end.
+            // A frame at the end up to round-off is that of the end.
             end.filter(|end| (frame - end).abs() <= SAME_MOMENT * every).unwrap_or(frame)
         });
         end.into_iter().chain(frame).reduce(f64::min)
     }
 
-    /// Computes a step, or takes it from what an earlier program has computed: the rows of its pieces, and how it ended.
+    /// Computes a step, or takes it from an earlier process; returns the rows of its substeps, and its outcome.
     fn computed(&self, call: &Call, end: Option<f64>) -> Result<Step, Box<EvalAltResult>> {
         let data = &self.0;
         let state = || data.simulation.try_borrow().map(|simulation| simulation.shared_state()).map_err(|_| busy(call));
@@ -230,7 +230,7 @@ impl SimulationHandle {
             self.tell_halvings(call.host, &simulation, tally.causes(), &start.row);
             match &stepped {
                 Err(StepError::Interrupted { .. }) => {
-                    // Only whole steps are kept, because going on from between two pieces of a step would not give the same bytes.
+                    // Only whole steps are kept, because continuing from a substep would not give identical bytes.
                     simulation.restore(&start);
                     simulation.count_from(&tally);
                     let stopped = interrupted(format!("interrupted at t = {}", brief(start.row.time)));
@@ -247,13 +247,13 @@ impl SimulationHandle {
         Ok((rows, stepped))
     }
 
-    /// What comes before the first step: the first frame of the fields.
+    /// Prepares the first step: writes the first frame of the fields.
     fn begin(&self, call: &Call, end: Option<f64>) -> Result<(), Failure> {
         if let Some(artifacts) = self.0.artifacts.borrow_mut().as_mut() {
             let simulation = self.0.simulation.try_borrow().map_err(|_| busy(call))?;
             artifacts.begin(&simulation, end)?;
         }
-        // Single steps are many.
+        // There may be many single steps.
         if end.is_some() {
             following::tell(call.host, self);
         } else {
@@ -274,14 +274,14 @@ impl SimulationHandle {
             let mut simulation = data.simulation.try_borrow_mut().map_err(|_| busy(call))?;
             artifacts.accepted(&row, &mut simulation)?;
         }
-        // Every piece of a halved step is looked at, because a contact may have opened again at the end of the step.
+        // Every substep of a halved step is checked, because a contact may be inactive again at the end of the step.
         self.note_closed(row.time, row.contacts.iter().map(|contact| contact.active));
         data.history.borrow_mut().push(row);
         Ok(())
     }
 }
 
-/// The rows of the pieces of a nominal step, and how it ended.
+/// Rows of the substeps of a nominal step, and its outcome.
 type Step = (Vec<LedgerRow>, Result<(), StepError>);
 
 /// Bytes of memory that the states before the last steps of a simulation may take.
@@ -289,7 +289,7 @@ const PAST_BYTES: usize = 64 << 20;
 /// States before the last steps of a simulation at most.
 const PAST_STATES: usize = 1000;
 
-/// An error of a closure that a step called, with its own place first.
+/// Converts an error of a closure that a step called, with the closure's place first.
 fn passed_on(callback: &Callback, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
     if error.is_catchable() { Failure::script("in a step that this call took").caused_by(callback.wrap(*error)).into() } else { error }
 }

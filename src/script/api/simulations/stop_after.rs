@@ -1,7 +1,7 @@
 //! `stop_after`: how the record of a session repeats an entry that was interrupted.
 //!
-//! What an entry does before an interrupt depends on nothing but the script, so the number of changes of objects that it had made says
-//! where it stopped. A step is one change; making or changing a model or a simulation is one, too.
+//! The actions of an entry before an interrupt depend only on the script, so the number of changes to objects determines where the entry
+//! stopped. A step is one change; making or changing a model or a simulation is one, too.
 
 use rhai::{Dynamic, EvalAltResult};
 
@@ -44,7 +44,7 @@ pub fn functions() -> Vec<Function> {
     }]
 }
 
-/// Whether an error is an interrupt, in whatever chain of calls.
+/// True if an error is an interrupt, within any chain of calls.
 fn is_interrupt(error: &EvalAltResult) -> bool {
     match error {
         EvalAltResult::ErrorInFunctionCall(_, _, inner, _) | EvalAltResult::ErrorInModule(_, inner, _) => is_interrupt(inner),
@@ -55,7 +55,7 @@ fn is_interrupt(error: &EvalAltResult) -> bool {
     }
 }
 
-/// An error of the closure, with its own place first.
+/// Converts an error of the closure, with the closure's place first.
 fn passed_on(call: &Call, action: &Callback, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
     if error.is_catchable() { call.fail("in the closure of `stop_after`").caused_by(action.wrap(*error)).into() } else { error }
 }

@@ -1,4 +1,4 @@
-//! `sim.table`: columns of the history as a file for other programs, CSV or Parquet as its ending says.
+//! `sim.table`: columns of the history as a file for other programs, CSV or Parquet according to the extension.
 
 use super::handle::SimulationHandle;
 use super::writing::chosen_columns;
@@ -12,7 +12,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// `table`: chosen columns as they are now.
+/// `table`: selected columns of the present history.
 pub fn table() -> Function {
     Function {
         name: "table",

@@ -1,4 +1,4 @@
-//! Warnings of what a run did or never did.
+//! Warnings about a run, and about unused definitions.
 
 use super::handle::{SimulationHandle, Simulations};
 use crate::dynamics::{EnergyAccount, RunFinding, RunFindingKind};
@@ -50,25 +50,25 @@ impl SimulationHandle {
         host.warn(Diagnostic::warning(title, self.0.model.place_of_contact(open[0])).code("C0642").cause(cause).hint(hint));
     }
 
-    /// Warns of what is remarkable about the run so far. What an integrator loses that promises nothing is a warning where it shows.
+    /// Warns of findings of the run so far; of missing conservation only above `LOST`.
     pub fn warn_of_findings(&self, host: &Host) {
         let found = self.0.simulation.try_borrow().map(|simulation| simulation.findings(&*self.0.history.borrow()));
         let shows = |finding: &&RunFinding| finding.kind != RunFindingKind::NotConserved || finding.value > LOST;
         found.iter().flatten().filter(shows).for_each(|finding| self.warn_of(host, finding));
     }
 
-    /// Where energy came from and went to in the run so far, in one line; `None` where none did beyond round-off.
+    /// Describes the energy changes of the run so far in one line; `None` if below round-off.
     pub fn energy_line(&self, host: &Host) -> Option<String> {
         let account = EnergyAccount::of(&*self.0.history.borrow()).to_string();
         (!account.is_empty()).then(|| format!("energy: {}{account}", self.prefix(host)))
     }
 
-    /// Whether the run so far should not be trusted.
+    /// True if the results so far should not be trusted.
     pub fn is_doubtful(&self) -> bool {
         self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_doubtful(&*self.0.history.borrow()))
     }
 
-    /// Whether the run so far kept its energy.
+    /// True if the run so far has conserved its energy.
     pub fn is_conserving(&self) -> bool {
         self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_conserving(&*self.0.history.borrow()))
     }
@@ -78,7 +78,7 @@ impl SimulationHandle {
         if Simulations::of(host).0.borrow().len() > 1 { format!("simulation \"{}\", ", self.0.name) } else { String::new() }
     }
 
-    /// Warns of one finding, at the contact pair it speaks of or where the simulation was made.
+    /// Warns of a finding, at its contact pair or where the simulation was made.
     pub(super) fn warn_of(&self, host: &Host, finding: &RunFinding) {
         let RunFinding { contact, step, time, .. } = finding;
         let place = contact.as_ref().map_or(self.0.place.clone(), |name| self.0.model.place_of_contact(name));
@@ -96,7 +96,7 @@ impl SimulationHandle {
         if simulation.row().step > 0 || simulation.options().integrator.is_static() {
             return;
         }
-        // What a time function fails with is told by the step.
+        // Errors of a time function are reported by the step.
         let Ok(Some((boundary, jump))) = simulation.prescribed_jump() else { return };
         let title = format!("the prescribed motion of \"{boundary}\" jumps by {} in the first step", brief(jump));
         let warning = Diagnostic::warning(title, call.place(&Target::Call)).code("C0643");

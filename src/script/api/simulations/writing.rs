@@ -1,11 +1,11 @@
-//! What results of a simulation have in common: its folder, files that show the run so far, columns by their names.
+//! Common parts of results of a simulation: its folder, files that show the run so far, columns by name.
 
 use rhai::{Array, Dynamic};
 
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use crate::output::OutputError;
-use crate::script::api::files::writing::{Destination, checked_path, told, write};
+use crate::script::api::files::writing::{Destination, Wanted, checked_path, told, write};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -18,7 +18,7 @@ impl Destination for SimulationHandle {
     }
 }
 
-/// Writes a file that shows the run so far: while steps come from the journal, the file is that which an earlier program has written.
+/// Writes a file that shows the run so far; while steps come from the journal, the file of an earlier process is kept.
 pub fn write_course(
     call: &Call,
     into: &SimulationHandle,
@@ -30,6 +30,9 @@ pub fn write_course(
         return write(call, Some(into), endings, content);
     }
     into.looked()?;
+    if let Some(wanted) = Wanted::of(call) {
+        return Ok(wanted.put(content()?));
+    }
     if into.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {
         return Ok(Dynamic::UNIT);
     }

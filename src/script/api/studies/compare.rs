@@ -1,7 +1,6 @@
-//! `compare`: how far two curves are apart.
+//! `compare`: the distance between two curves.
 //!
-//! A curve is measured, computed by a simulation, or made by the script. What is between its points is taken as linear
-//! (`math/curves.rs`).
+//! A curve is measured, computed by a simulation, or made by the script, and is linear between its points (`math/curves.rs`).
 
 use rhai::{Array, Dynamic, EvalAltResult, Map};
 
@@ -18,7 +17,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::listed;
 
-/// What a curve may be, in words.
+/// Forms of a curve, for messages.
 const CURVE: &str = "an array of pairs `[x, y]`, a map of arrays `#{ x, y }`, or a column `#{ of: sim, y: \"total\" }`";
 
 /// Keys of a curve.
@@ -143,7 +142,7 @@ fn columns(call: &Call, chosen: &Argument, a: &SimulationHandle, b: &SimulationH
     chosen.array()?.iter().map(name).collect()
 }
 
-/// A column of a history over another one.
+/// Returns a column of a history over another one.
 fn column(argument: &Argument, handle: &SimulationHandle, x: &str, y: &str) -> Result<Vec<[f64; 2]>, Failure> {
     let call = argument.call();
     handle.refuse_in_check(call)?;
@@ -189,7 +188,7 @@ fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     }
 }
 
-/// Points without gaps, of several at one place the last one.
+/// Returns points without gaps; of several points at one position, the last one.
 fn rising(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, Failure> {
     let mut curve: Vec<[f64; 2]> = Vec::new();
     for [x, y] in points {

@@ -28,7 +28,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::plain::Plain;
 use crate::script::language::values::{as_number, describe};
 
-/// Of the smallest step, the one by which the run is made that others are measured by.
+/// Ratio of the smallest step size to the step size of the reference run.
 const FINER: f64 = 8.0;
 /// Colors of the curves in a plot.
 const COLORS: usize = 7;
@@ -77,7 +77,7 @@ pub fn compare_integrators() -> Function {
     }
 }
 
-/// What is compared.
+/// Parameters of a comparison.
 struct Task<'a> {
     call: &'a Call<'a>,
     model: Callback,
@@ -86,12 +86,12 @@ struct Task<'a> {
     max_halvings: usize,
 }
 
-/// What became of a run.
+/// Result of a run with one integrator and step size.
 struct Course {
     integrator: Scheme,
     dt: f64,
     rows: Vec<LedgerRow>,
-    /// Positions at its end.
+    /// Positions at the end of the run.
     positions: Vec<f64>,
     factorizations: usize,
     spent: Duration,
@@ -130,7 +130,7 @@ fn run(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     Ok(courses.iter().map(|course| Dynamic::from(course.map())).collect::<Array>().into())
 }
 
-/// The integrators that options give.
+/// Returns the integrators in the options.
 fn integrators_of(options: &Options) -> Result<Vec<Scheme>, Failure> {
     let argument = options.argument("integrators");
     let entries = argument.array()?;
@@ -151,7 +151,7 @@ fn integrators_of(options: &Options) -> Result<Vec<Scheme>, Failure> {
     entries.iter().enumerate().map(one).collect()
 }
 
-/// The step sizes, the largest first, then those that are chosen.
+/// Returns the step sizes, the largest first, then adaptive ones.
 fn sizes_of(options: &Options) -> Result<Vec<StepSize>, Failure> {
     let argument = options.argument("dt");
     let value = argument.value();
@@ -175,7 +175,7 @@ fn sizes_of(options: &Options) -> Result<Vec<StepSize>, Failure> {
 }
 
 impl Task<'_> {
-    /// One run; that it fails is a result, that the model cannot be made is none.
+    /// Runs the model once; a failed run is a result, but a model that cannot be made is an error.
     fn run(&self, integrator: Scheme, size: &StepSize) -> Result<Course, Box<EvalAltResult>> {
         let call = self.call;
         let value = {
@@ -247,7 +247,7 @@ impl Course {
         self.rows.iter().map(|row| row.kinetic + row.strain.abs() + row.potential.abs()).fold(NO_ENERGY, f64::max)
     }
 
-    /// What the integrator has added to the energy up to each row, over the largest energy.
+    /// Returns the accumulated energy defect up to each row, relative to the largest energy.
     fn drifts(&self) -> Vec<f64> {
         let scale = self.scale();
         let mut sum = 0.0;
@@ -270,7 +270,7 @@ impl Course {
         self.rows[1..].iter().map(of).sum::<usize>() as f64
     }
 
-    /// Its columns but for the clock's: those that come with several step sizes only where they are known.
+    /// Returns the columns of the run except wall-clock times; `error` and `order` only if known.
     fn columns(&self) -> Vec<(&'static str, f64)> {
         let mut columns = vec![
             ("dt", self.dt),
@@ -299,7 +299,7 @@ impl Course {
         map
     }
 
-    /// Its fields in the order of the columns.
+    /// Returns the fields of the run in the order of the columns `names`.
     fn fields(&self, names: &[&str], text: fn(f64) -> String) -> Vec<String> {
         let columns = self.columns();
         let field = |name: &&str| match *name {
@@ -339,13 +339,13 @@ fn write(
     Ok(())
 }
 
-/// Curves of which those that would have the color of another one are dashed.
+/// Makes curves distinguishable: curves whose color repeats are dashed.
 fn told_apart(curves: impl Iterator<Item = Curve>) -> Vec<Curve> {
     let styles = std::iter::repeat_n(CurveStyle::Line, COLORS).chain(std::iter::repeat(CurveStyle::Dashed));
     curves.zip(styles).map(|(curve, style)| Curve { style, ..curve }).collect()
 }
 
-/// Plots over time of the runs with the largest step, and work against precision where there are several.
+/// Returns plots over time of the runs with the largest step size, and a work-precision diagram if there are several step sizes.
 fn plots(courses: &[Course], labels: &[String], sizes: &[StepSize]) -> Vec<(&'static str, Drawing)> {
     let first: Vec<&Course> = courses.iter().step_by(sizes.len()).collect();
     let over_time = |title: &str, is_logarithmic: bool, of: &dyn Fn(&Course) -> Vec<f64>| {

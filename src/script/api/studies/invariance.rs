@@ -1,4 +1,4 @@
-//! `expect_invariant`: a scenario runs again moved, turned or in other units, and must move the same.
+//! `expect_invariant`: repeats a scenario moved, rotated or in other units, and requires the equivalent motion.
 
 use rhai::{Dynamic, EvalAltResult};
 
@@ -89,7 +89,7 @@ fn run_invariance(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     for motion in motions {
         let moved = scenario(call, Some(motion))?;
         let (size, difference) = compare(call, &original, &moved, &motion)?;
-        // A difference that is no number does not pass, because the comparison is written this way round.
+        // The comparison is written such that NaN does not pass.
         if size <= tolerance {
             worst.push(significant(size, 2));
             continue;
@@ -141,7 +141,7 @@ fn scenario(call: &Call, motion: Option<Motion>) -> Result<SimulationHandle, Box
     }
 }
 
-/// The largest relative difference of two runs, and it in words.
+/// Returns the largest relative difference of two runs, and its description.
 fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, motion: &Motion) -> Result<(f64, String), Failure> {
     let read =
         |handle: &SimulationHandle| handle.with(call, |simulation| (simulation.row().clone(), simulation.fields(), simulation.dimension()));
@@ -153,7 +153,7 @@ fn compare(call: &Call, original: &SimulationHandle, moved: &SimulationHandle, m
         let failure = call.argument("action").fail("the closure gives another model when it is called again");
         return Err(failure.label("not the same bodies").hint("build the same model on every call"));
     }
-    // Differences of positions by no more than that are round-off, and of velocities by as much in a step.
+    // Smaller differences of positions, and of velocities by as much in a step, are round-off.
     let model = &original.0.model.model;
     let farthest = model.bodies.iter().flat_map(|body| &body.mesh.points).fold(0.0f64, |farthest, point| farthest.max(length(*point)));
     let round_off = STILL_AT * motion.reach(farthest);

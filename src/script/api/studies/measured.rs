@@ -1,4 +1,4 @@
-//! `read_csv`: what was measured, or computed by another program.
+//! `read_csv`: measured data, or results of another program.
 
 use rhai::{Array, Dynamic, Map};
 
@@ -71,7 +71,7 @@ fn without_unit(header: &str) -> Option<&str> {
     (!name.is_empty()).then_some(name)
 }
 
-/// Numbers, or strings where one is none.
+/// Returns numbers, or strings if a field is no number.
 fn values(fields: &[String]) -> Array {
     let number = |field: &String| if field.is_empty() { Some(f64::NAN) } else { field.parse::<f64>().ok() };
     match fields.iter().map(number).collect::<Option<Vec<f64>>>() {

@@ -1,7 +1,7 @@
-//! `minimize`: the point at which a closure gives the least number, between bounds.
+//! `minimize`: the point at which a closure has its minimum, between bounds.
 //!
-//! The search itself is `math/minimize.rs`. Its first points do not depend on what they give, so they are computed side by side; all
-//! others come one after another. Where a point fails, the search is told a value that is worse than all others.
+//! The search method is in `math/minimize.rs`. Its first points do not depend on values, and are computed in parallel; all others one after
+//! another. A failed point counts as worse than all others.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, Map};
 
@@ -24,7 +24,7 @@ use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::listed;
 use crate::script::language::worker_pool::{Computed, Outcome};
 
-/// Most evaluations, for each variable, where the script does not say.
+/// Default of the largest number of evaluations per variable.
 const EVALUATIONS: usize = 100;
 
 /// `minimize`.
@@ -91,7 +91,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     }
     let observer = call.host.observer.clone();
     let searched = search.clone();
-    // Between two points the method itself takes seconds where there are hundreds of variables.
+    // Between two points the search method takes seconds if there are hundreds of variables.
     let method = move |ask: &dyn Fn(Vec<f64>) -> Option<Option<f64>>| searched.minimize(|point| ask(point.to_vec()).flatten());
     let end = call.host.consulted(method, |point| {
         if evaluations.value(&point).is_none() {
@@ -180,7 +180,7 @@ fn start(argument: &Argument, names: &[String], lower: &[f64], upper: &[f64]) ->
     names.iter().enumerate().map(number).collect()
 }
 
-/// What a closure gave, which must be a number.
+/// Converts the value of a closure, which must be a number.
 fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     as_number(value).map(Plain::Number).ok_or_else(|| {
         let failure = Failure::script("the closure must give a number").label(format!("it gives {}", describe(engine, value)));
@@ -195,7 +195,7 @@ fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
 /// An evaluation.
 struct Row {
     point: Vec<f64>,
-    /// Not a number where it failed.
+    /// Value of the closure; NaN if it failed.
     value: f64,
     failure: String,
     class: Class,
@@ -253,12 +253,12 @@ impl Evaluations<'_> {
         number.chain(self.named(&row.point)).chain([("value".to_string(), value)]).collect()
     }
 
-    /// The row with the least value, the first one of several.
+    /// Returns the row with the least value, the first of several.
     fn best(&self) -> Option<&Row> {
         self.rows.iter().filter(|row| !row.value.is_nan()).reduce(|best, row| if row.value < best.value { row } else { best })
     }
 
-    /// The value of a point for the search, if it was computed; where it failed, one worse than all others.
+    /// Returns the value of a computed point for the search; for a failed point, a value worse than all others.
     fn value(&self, point: &[f64]) -> Option<f64> {
         let row = self.rows.iter().find(|row| row.point == point)?;
         if !row.value.is_nan() {
@@ -269,7 +269,7 @@ impl Evaluations<'_> {
         Some(if largest > least { largest + (largest - least) } else { largest + largest.abs().max(1.0) })
     }
 
-    /// The failure of a search whose first points all fail.
+    /// Returns the failure of a search whose first points all fail.
     fn failure(&self) -> Failure {
         let failure = self.call.argument("run").fail(format!("all {} points with which `minimize` begins fail", self.rows.len()));
         let failure = match self.rows.first() {
@@ -306,7 +306,7 @@ impl Evaluations<'_> {
         }
     }
 
-    /// What a script gets.
+    /// Returns the result as a map for the script.
     fn found(&self, end: End, search: &Search) -> Map {
         let Some(best) = self.best() else { return Map::new() };
         let reason = match end {

@@ -1,7 +1,7 @@
-//! Studies: from one run to many.
+//! Studies: many runs from one script.
 //!
-//! Checks that run a scenario several times, closures for many points (`sweep`), searches for the best one (`minimize`), and what curves
-//! have in common (`compare`). The simulations of a study are aside of the run: they write no files and stand in no summary.
+//! Checks that run a scenario several times, closures for many points (`sweep`), minimization (`minimize`), and comparison of curves
+//! (`compare`). The simulations of a study write no files and are not in the summary.
 
 use crate::script::api::files::results;
 use crate::script::language::function::Function;
@@ -23,7 +23,7 @@ pub fn functions() -> Vec<Function> {
     vec![order::expect_order(), invariance::expect_invariant(), results::result()]
 }
 
-/// Its other functions.
+/// Functions of studies, apart from the checks.
 pub fn studies() -> Vec<Function> {
     let mut all = vec![sweep::sweep(), minimize::minimize(), compare::compare(), integrators::compare_integrators(), measured::read_csv()];
     all.extend(tables::functions());

@@ -1,4 +1,4 @@
-//! `expect_order`: a closure runs with smaller and smaller steps, and its result must converge with an order.
+//! `expect_order`: runs a closure with decreasing step sizes, and requires an order of convergence of its result.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult};
 
@@ -100,10 +100,10 @@ fn exact_of(options: &Options) -> Result<Option<Vec<f64>>, Failure> {
     numbers.map(Some).ok_or_else(|| exact.fail("`exact` of `expect_order` must be a number or an array of numbers"))
 }
 
-/// What the results for smaller and smaller steps show.
+/// Results for decreasing step sizes, with errors and orders of convergence.
 struct Convergence {
     sizes: Vec<f64>,
-    /// Errors, or differences to the next result where the exact one is not known.
+    /// Errors, or differences from the next result if the exact result is unknown.
     errors: Vec<f64>,
     orders: Vec<f64>,
     is_exact_known: bool,
@@ -131,7 +131,7 @@ impl Convergence {
         self.orders.iter().map(|order| format!("{order:.2}")).collect()
     }
 
-    /// The failure of another order than the expected one.
+    /// Returns the failure if the order differs from the expected one.
     fn failure(&self, call: &Call, expected: f64, tolerance: f64) -> Failure {
         let (last, shown) = (self.order(), self.shown_orders());
         let title = format!("the closure converges with order {}, not {}", significant(last, 3), number_text(expected));
@@ -163,7 +163,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0_f64, |largest, (a, b)| largest.max((a - b).abs()))
 }
 
-/// The results for the first step sizes, computed side by side where that can be, up to the first one that is none.
+/// Returns the results for the first step sizes, computed in parallel if possible, up to the first failed one.
 fn side_by_side(call: &Call, sizes: &[f64], length: Option<usize>) -> Result<Vec<Vec<f64>>, Failure> {
     let mut worker_pool = WorkerPool::new(call, call.callback("action")?, read, call.host.settings.workers.min(sizes.len()));
     let mut found = Found { results: Vec::new(), length, is_over: false };
@@ -177,12 +177,12 @@ fn side_by_side(call: &Call, sizes: &[f64], length: Option<usize>) -> Result<Vec
     Ok(found.results)
 }
 
-/// The results that came side by side.
+/// Results that were computed in parallel.
 struct Found {
     results: Vec<Vec<f64>>,
-    /// Numbers that there must be, if that is known.
+    /// Expected length of the results, if known.
     length: Option<usize>,
-    /// Whether one was none, so that it is asked for again in the session itself, where the error has its chain of calls.
+    /// True after a failed result; the point is computed again in the session itself, where the error has its chain of calls.
     is_over: bool,
 }
 
@@ -220,7 +220,7 @@ impl Results for Found {
     }
 }
 
-/// Numbers of what the closure gave.
+/// Converts the value of a closure into numbers.
 fn read(_: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     let positions = |handle: SimulationHandle| handle.0.simulation.try_borrow().ok().map(|simulation| simulation.state().positions);
     let numbers = value.clone().try_cast::<SimulationHandle>().and_then(positions).or_else(|| numbers_in(value));
@@ -228,7 +228,7 @@ fn read(_: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     Ok(Plain::Array(numbers.into_iter().map(Plain::Number).collect()))
 }
 
-/// What the closure gives for a step size, as long as another result.
+/// Returns the closure's result for a step size; its length must equal that of `like`.
 fn result_of(call: &Call, dt: f64, like: Option<&[f64]>) -> Result<Vec<f64>, Box<EvalAltResult>> {
     let action = call.callback("action")?;
     let value = {

@@ -1,7 +1,7 @@
-//! The files of a study: its points as a table, and what a run that is resumed takes over.
+//! The files of a study: its points as a table, and results for a resumed run.
 //!
-//! `studies/sweep.csv` in the folder of the run has a row for each point, in their order. Beside the checkpoints stands what every point
-//! gave, as soon as it is known; it goes when the run is complete.
+//! `studies/sweep.csv` in the folder of the run has a row for each point, in their order. Results of points are kept beside the checkpoints
+//! as soon as they are computed, and removed when the run is complete.
 
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
@@ -18,7 +18,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::plain::Plain;
 use crate::script::language::worker_pool::Computed;
 
-/// Name of the column, and of the key, that says why a point failed.
+/// Name of the column, and of the key, for the cause of a point's failure.
 pub const FAILURE: &str = "failure";
 
 /// Names of the studies of a session.
@@ -31,10 +31,10 @@ pub fn name_parameter(absent: &'static str) -> Parameter {
         .or(Absent::Text(absent))
 }
 
-/// The name that options give to a study, with a number where an earlier study of the session has it.
+/// Returns the name of a study from its options, numbered if an earlier study of the session has that name.
 ///
 /// # Errors
-/// A name that is no name of a file.
+/// A name that is invalid for a file.
 pub fn free_name(call: &Call, options: &Options) -> Result<String, Failure> {
     let argument = options.argument("name");
     let name = argument.text()?;
@@ -58,10 +58,10 @@ pub struct Record {
 }
 
 impl Record {
-    /// The files of a study with the name that its options give; none where the session writes none.
+    /// Begins the files of a study with the name in its options; no files if the session writes none.
     ///
     /// # Errors
-    /// A name that is no name of a file, a file that cannot be written.
+    /// A name that is invalid for a file, a file that cannot be written.
     pub fn begin(call: &Call, options: &Options) -> Result<Self, Failure> {
         let host = call.host;
         let files = RunFolder::of(host).files(host).map_err(|error| output_failure(&error))?;
@@ -83,12 +83,12 @@ impl Record {
         Ok(record)
     }
 
-    /// What an earlier program knew of a point.
+    /// Returns the result of a point that an earlier process has computed.
     pub fn known(&self, point: &[Plain]) -> Option<Computed> {
         if self.known.is_empty() { None } else { self.known.get(&encoded(point)).cloned() }
     }
 
-    /// Keeps what a point gave, for a run that is resumed.
+    /// Keeps the result of a point for a resumed run.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -100,7 +100,7 @@ impl Record {
             computed.modules.iter().filter(|(name, _)| host.sources.text(name).is_none()).collect::<Vec<_>>(),
         );
         if !files.is_empty() || !modules.is_empty() {
-            // What a resumed run depends on stands in the checkpoint.
+            // The inputs of a resumed run are recorded in the checkpoint.
             files.into_iter().for_each(|file| host.sandbox.note(file.clone()));
             modules.into_iter().for_each(|(name, text)| host.sources.insert(name, text));
             Journal::of(host).secure(host)?;

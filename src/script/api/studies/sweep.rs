@@ -75,18 +75,18 @@ pub fn threads_parameter() -> Parameter {
         .or(Absent::Means("one for each processor; `conserva test` shares them among the tests"))
 }
 
-/// How many threads options ask for.
+/// Returns the number of threads from the options.
 pub fn threads(call: &Call, options: &Options) -> Result<usize, Failure> {
     let argument = options.argument("threads");
     if argument.is_given() { Ok(worthwhile(argument.integer()? as usize)) } else { Ok(call.host.settings.workers) }
 }
 
-/// The closure of one point that options give under a name.
+/// Returns the closure of one point in the options.
 pub fn closure(call: &Call, options: &Options, name: &str) -> Result<Callback, Failure> {
     closure_of(call, options, name, "|p|")
 }
 
-/// The closure that options give under a name, with its parameters.
+/// Returns the closure in the options with the given parameters.
 pub fn closure_of(call: &Call, options: &Options, name: &str, parameters: &str) -> Result<Callback, Failure> {
     let argument = options.argument(name);
     let function = argument.value().read_lock::<FnPtr>().map(|function| function.clone());
@@ -95,7 +95,7 @@ pub fn closure_of(call: &Call, options: &Options, name: &str, parameters: &str) 
     Ok(Callback::new(call, function))
 }
 
-/// In `conserva check`: says what would be computed, and ends there.
+/// Lists the computation in `conserva check`, and ends there.
 pub fn not_in_check(call: &Call, line: String) -> Result<(), Failure> {
     if !call.host.is_check() {
         return Ok(());
@@ -128,7 +128,7 @@ fn run_sweep(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     Ok(rows.value())
 }
 
-/// What a closure gave, which must be data.
+/// Converts the value of a closure, which must be data.
 fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     let plain = Plain::of(value).filter(|plain| *plain != Plain::Nothing);
     plain.ok_or_else(|| {
@@ -151,7 +151,7 @@ struct Rows<'a> {
     record: Record,
     is_apart: bool,
     stops: bool,
-    /// What the points gave, or why they failed.
+    /// Results of each point, and the cause of its failure; the cause is empty without a failure.
     rows: Vec<(Point, String)>,
     /// Points that failed, with the messages.
     failed: Vec<(usize, Message)>,
@@ -209,7 +209,7 @@ impl Rows<'_> {
         self.call.host.warn(warning.hint("rows say why in `failure`; `failures: \"stop\"` ends the script at the first one"));
     }
 
-    /// The rows as a script has them, all with the same keys: `()` where a point gave none.
+    /// Returns the rows for the script, all with equal keys; `()` for missing values.
     fn value(&self) -> Dynamic {
         let mut names: Vec<&String> = Vec::new();
         for (name, _) in self.rows.iter().flat_map(|(results, _)| results) {

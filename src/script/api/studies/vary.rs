@@ -1,4 +1,4 @@
-//! The points of a study: all combinations of given values, or a list of points as they are.
+//! The points of a study: all combinations of given values, or a list of points.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -11,16 +11,16 @@ use crate::script::language::plain::Plain;
 use crate::script::language::values::describe;
 use crate::script::language::wording::{did_you_mean, listed};
 
-/// Points of a study at most.
+/// Largest number of points of a study.
 const MOST: usize = 1_000_000;
 
 /// A point: values by their names, in the order of the names.
 pub type Point = Vec<(String, Plain)>;
 
-/// The points that an argument means.
+/// Returns the points in an argument.
 ///
 /// # Errors
-/// It means none.
+/// The argument has no points.
 pub fn points(argument: &Argument) -> Result<Vec<Point>, Failure> {
     let value = argument.value();
     if let Some(map) = value.read_lock::<Map>() {
@@ -43,7 +43,7 @@ pub fn points(argument: &Argument) -> Result<Vec<Point>, Failure> {
     Ok(points)
 }
 
-/// A point in words, such as `dt = 0.01, rule = "gap"`.
+/// Describes a point, such as `dt = 0.01, rule = "gap"`.
 pub fn described(point: &Point) -> String {
     let value = |value: &Plain| match value {
         Plain::Number(number) => brief(*number),
@@ -53,7 +53,7 @@ pub fn described(point: &Point) -> String {
     point.iter().map(|(name, plain)| format!("{name} = {}", value(plain))).collect::<Vec<_>>().join(", ")
 }
 
-/// The names of a point as one.
+/// Returns a point as a map.
 pub fn map(point: &Point) -> Plain {
     Plain::Map(point.clone())
 }
@@ -99,7 +99,7 @@ fn grid(argument: &Argument, map: &Map) -> Result<Vec<Point>, Failure> {
     Ok(points)
 }
 
-/// The values of a name: an array, a range, or a single one.
+/// Returns the values for a name: an array, a range, or a single value.
 fn values(argument: &Argument, name: &str, value: &Dynamic) -> Result<Vec<Plain>, Failure> {
     let count = |range: Range<i64>| range.take(MOST + 1).map(Plain::Whole).collect();
     if let Some(range) = value.clone().try_cast::<Range<i64>>() {
@@ -124,7 +124,7 @@ fn values(argument: &Argument, name: &str, value: &Dynamic) -> Result<Vec<Plain>
     }
 }
 
-/// A number of a text with its decimal point.
+/// Returns the text of a number with a decimal point.
 fn fraction(text: &str) -> String {
     text.trim().parse::<f64>().map_or_else(|_| text.into(), |number| format!("{number:?}"))
 }
@@ -139,7 +139,7 @@ fn plain(argument: &Argument, name: &str, value: &Dynamic) -> Result<Plain, Fail
     })
 }
 
-/// The failure of a name that may not be given.
+/// Returns the failure of a name that is not permitted.
 pub fn unknown(argument: &Argument, name: &str, known: &[String]) -> Failure {
     let failure = argument.fail(format!("{} has `{name}`, which is not searched for", argument.title()));
     let failure = failure.cause(format!("what is searched for is {}", listed(known, "and")));

@@ -1,9 +1,9 @@
-//! A closure that is called for many points, side by side on threads where it can be carried over to them.
+//! A closure that is called for many points, in parallel on threads where it can be transferred to other sessions.
 //!
-//! It can where all that it captures is plain data. Each thread then has a session of its own (`session/worker.rs`), also where there is
-//! one thread only, so that nothing depends on their number. Where it captures an object, such as a mesh, or was made where another
-//! session does not find it, the points are computed one after another in the session itself. Either way every point begins with the same
-//! captured values, and what it says is told in the order of the points.
+//! A closure can be transferred if all captured values are plain data. Each thread then has a session of its own (`session/worker.rs`),
+//! also with a single thread, so that results do not depend on the number of threads. If the closure captures an object, such as a mesh, or
+//! was made where other sessions do not find it, the points are computed one after another in the session itself. In both cases every point
+//! begins with equal captured values, and its messages are reported in the order of the points.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -28,33 +28,33 @@ use crate::script::language::worker_pool::{
     Blueprint, Carried, Computed, Hand, MakeWorker, NewWorker, Outcome, Program, Reading, Told, outcome_of,
 };
 
-/// How long an interrupt may go unnoticed.
+/// Period at which interrupts are checked.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Who takes the results of points.
+/// Receiver of the results of points.
 pub trait Results {
-    /// What is known of a point already.
+    /// Returns the result of a point that was computed before.
     fn known(&self, point: &[Plain]) -> Option<Computed>;
 
-    /// A point was computed; they come in any order.
+    /// Receives a computed point; points come in any order.
     ///
     /// # Errors
     /// A file that cannot be written.
     fn computed(&mut self, point: &[Plain], computed: &Computed) -> Result<(), Failure>;
 
-    /// Whether what a point said is told.
+    /// True if messages of the point are reported.
     fn is_told(&self, _outcome: &Outcome) -> bool {
         true
     }
 
-    /// The result of a point; they come in order.
+    /// Receives the outcome of a point; points come in order.
     ///
     /// # Errors
-    /// Whatever ends the study: points that come later are of no interest.
+    /// Any error ends the study; later points are dropped.
     fn take(&mut self, index: usize, outcome: Outcome) -> Result<(), Failure>;
 }
 
-/// Those who compute points.
+/// Pool that computes points: worker threads, or the session itself.
 pub struct WorkerPool<'a> {
     call: &'a Call<'a>,
     form: Form,
@@ -66,7 +66,7 @@ enum Form {
 }
 
 impl<'a> WorkerPool<'a> {
-    /// A worker pool for a closure, of so many threads at most.
+    /// Returns a pool for a closure, with at most `threads` threads.
     pub fn new(call: &'a Call<'a>, callback: Callback, reading: Reading, threads: usize) -> Self {
         let captured: Vec<Option<Plain>> = callback.captured().map(Plain::of).collect();
         let start_worker = call.host.slots.get::<MakeWorker>().0;
@@ -79,15 +79,15 @@ impl<'a> WorkerPool<'a> {
         WorkerPool { call, form }
     }
 
-    /// Whether points are computed by themselves, so that they can be kept for a run that is resumed.
+    /// True if points are computed on worker threads, so that results can be kept for a resumed run.
     pub fn is_apart(&self) -> bool {
         matches!(self.form, Form::Threads(_))
     }
 
-    /// Computes points that are not known; `title` is what an observer is told.
+    /// Computes the points without results; `title` is shown by the observer.
     ///
     /// # Errors
-    /// An interrupt, or what the results end with.
+    /// An interrupt, or an error of the receiver.
     pub fn compute(&mut self, title: &str, points: &[Vec<Plain>], results: &mut dyn Results) -> Result<(), Failure> {
         let host = self.call.host;
         match &mut self.form {
@@ -123,7 +123,7 @@ fn here(call: &Call, callback: &Callback, captured: &[Option<Plain>], reading: R
     }
 }
 
-/// Tells what a point said, and gives its outcome on.
+/// Reports the messages of a point, and passes its outcome on.
 fn accept(host: &Host, index: usize, computed: Computed, results: &mut dyn Results) -> Result<(), Failure> {
     if let Outcome::Failed(message) = &computed.outcome
         && matches!(message.class, Class::Interrupted | Class::ResultUsed)
@@ -148,13 +148,13 @@ fn accept(host: &Host, index: usize, computed: Computed, results: &mut dyn Resul
     results.take(index, computed.outcome)
 }
 
-/// What it takes to make another session that knows what this one does; `None` where it cannot be told.
+/// Returns the data to create further sessions with equal functions; `None` if the data cannot be determined.
 fn blueprint(call: &Call, threads: usize) -> Option<Blueprint> {
     let host = call.host;
     let global = call.context.global_runtime_state();
     let main = host.main.borrow().clone();
     let path = |source: &str| source.strip_suffix(".rhai").map(String::from);
-    // All modules are loaded, because closures may come from any; those with a name come last, so that it means what it means here.
+    // All modules are loaded, because closures may come from any; named ones come last, so that names refer to the modules of the script.
     let sources = host.sources.all();
     let loaded = sources.iter().filter(|(name, _)| *name != main).filter_map(|(name, _)| Some((String::new(), path(name)?)));
     let named = global.scan_imports_raw().map(|(alias, module)| Some((alias.to_string(), host.module_path(module)?)));
@@ -188,19 +188,19 @@ struct Job {
     point: Vec<Plain>,
 }
 
-/// What a thread has to say.
+/// Message of a worker thread.
 enum News {
-    /// Whether it can compute points.
+    /// Start of the thread; true if the thread can compute points.
     Begun(bool),
-    /// What it has computed.
+    /// Index and result of a point.
     Computed(usize, Box<Computed>),
 }
 
-/// A thread with what it is told.
+/// A thread and its connections.
 struct Thread {
     handle: Option<JoinHandle<()>>,
     interrupt: Arc<AtomicBool>,
-    /// The point that it computes, or none.
+    /// Index of the point in computation.
     index: Arc<AtomicUsize>,
 }
 
@@ -214,7 +214,7 @@ struct Threads {
 }
 
 impl Threads {
-    /// Begins so many threads; `None` where they do not find the closure.
+    /// Starts `count` threads; `None` if they do not find the closure.
     fn begin(start_worker: NewWorker, blueprint: &Blueprint, closure: &Carried, count: usize) -> Option<Self> {
         let (jobs, queue) = channel();
         let (sender, news) = channel();
@@ -237,7 +237,7 @@ impl Threads {
             worker_pool.threads.push(Thread { handle: Some(handle), interrupt, index });
         }
         drop(sender);
-        // All are alike, so the first one speaks for all.
+        // All threads are equal, so the first answer holds for all.
         match worker_pool.news.recv() {
             Ok(News::Begun(true)) => Some(worker_pool),
             _ => None,
@@ -297,7 +297,7 @@ impl Threads {
         outcome
     }
 
-    /// Ends the work on all points from one on.
+    /// Stops the computation of points from index `next` on.
     fn stop_behind(&self, next: usize) {
         self.last.store(next, Ordering::SeqCst);
         for thread in &self.threads {
@@ -309,7 +309,7 @@ impl Threads {
     }
 }
 
-/// Whether a computation came to its end.
+/// True if a computation was completed, i.e. neither interrupted nor ended by an internal error.
 fn is_result(computed: &Computed) -> bool {
     !matches!(&computed.outcome, Outcome::Failed(message) if matches!(message.class, Class::Interrupted | Class::Internal))
 }
@@ -322,13 +322,13 @@ impl Drop for Threads {
             thread.interrupt.store(true, Ordering::Relaxed);
         }
         for thread in &mut self.threads {
-            // One that panicked has nothing more to do, either.
+            // A thread that panicked has already ended.
             thread.handle.take().map(JoinHandle::join);
         }
     }
 }
 
-/// What a thread does.
+/// Data of a worker thread.
 struct Work {
     start_worker: NewWorker,
     blueprint: Blueprint,
@@ -361,7 +361,7 @@ impl Work {
             let computed = catch_unwind(AssertUnwindSafe(|| worker.compute(&self.closure, &point)));
             self.index.store(usize::MAX, Ordering::SeqCst);
             let computed = computed.unwrap_or_else(|panic| {
-                // Whatever the panic has left behind goes with its session.
+                // The session is replaced, because a panic may have left it inconsistent.
                 hand = self.hand();
                 Computed::only(Outcome::Failed(Message::of(&defect(&*panic))))
             });
@@ -379,7 +379,7 @@ mod tests {
     use crate::script::language::sandbox::Sandbox;
     use std::rc::Rc;
 
-    /// Doubles numbers; 3 is a defect, which it remembers.
+    /// Doubles numbers; 3 is a defect, which changes the session.
     struct Doubler(bool);
 
     impl Hand for Doubler {

@@ -1,4 +1,4 @@
-//! Calls that fit no function: a name that does not exist, the wrong number of arguments, values that an operator does not take.
+//! Calls without a matching function: an unknown name, a wrong number of arguments, values that an operator does not accept.
 
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sources::Place;
 use crate::script::language::wording::{did_you_mean, joined, listed, with_article};
 
-/// The call of a variable as it is to be written, if a name that is called at a place is a variable of the script.
+/// Returns a corrected call if the called name is a variable of the script.
 fn call_of_variable(name: &str, place: &Place) -> Option<String> {
     let text: &str = &place.text;
     let is_word = |letter: char| letter.is_alphanumeric() || letter == '_';
@@ -37,7 +37,7 @@ fn call_of_variable(name: &str, place: &Place) -> Option<String> {
     text.match_indices(name).any(is_bound).then(|| format!("{name}.call({arguments})"))
 }
 
-/// Bytes of arguments from which on a hint does not repeat them.
+/// Number of bytes of arguments above which a hint does not repeat the arguments.
 const LONG: usize = 40;
 
 impl Explainer<'_> {
@@ -77,7 +77,7 @@ impl Explainer<'_> {
         self.nothing_of_that_name(name, &given, &others, after_dot)
     }
 
-    /// A call of a name that nothing has; `others` are the functions of the script and of the engine.
+    /// Returns the message of a call of an unknown name; `others` are the functions of the script and of the engine.
     fn nothing_of_that_name(&self, name: &str, given: &[String], others: &[&str], after_dot: bool) -> Diagnostic {
         let script = |title: String| Diagnostic::error(Class::Script, title);
         let registry = Registry::of(self.host);
@@ -135,7 +135,7 @@ impl Explainer<'_> {
         if matches!(function.form, Form::Property(_)) {
             return script(format!("`{name}` is a property, not a function")).hint("leave out the parentheses");
         }
-        // In front of a dot or not, the object that it belongs to is written once.
+        // The object is written once, in front of a dot or not.
         let object = usize::from(function.form.receiver().is_some());
         let (counted, more) = if after_dot { (given.len() - object, 0) } else { (given.len(), object) };
         let least = more + function.parameters.iter().filter(|parameter| !parameter.is_optional()).count();
@@ -155,7 +155,7 @@ impl Explainer<'_> {
         }
     }
 
-    /// A call of a function of the engine with values that it does not take.
+    /// Returns the message of a call of a function of the engine with wrong values.
     fn wrong_builtin_call(&self, name: &str, given: &[String], known: &[&Signature]) -> Diagnostic {
         let given_words: Vec<String> = given.iter().map(|name| type_phrase(name)).collect();
         let title = match given.len() {
@@ -194,7 +194,7 @@ impl Explainer<'_> {
         }
     }
 
-    /// An operator between values that it does not take.
+    /// Returns the message of an operator between wrong values.
     fn unknown_operator(&self, operator: &str, given: &[String]) -> Diagnostic {
         let words: Vec<String> = given.iter().map(|name| type_phrase(name)).collect();
         let diagnostic = Diagnostic::error(Class::Script, format!("`{operator}` does not work on {}", joined(&words, "and")));
@@ -219,7 +219,7 @@ impl Explainer<'_> {
     }
 }
 
-/// A closure that is called with another number of values than it has parameters.
+/// Returns the message of a closure that is called with a wrong number of values.
 fn wrong_closure(count: usize) -> Diagnostic {
     let parameters = ["x", "y", "z"].into_iter().take(count).collect::<Vec<_>>().join(", ");
     Diagnostic::error(Class::Script, "the closure has the wrong number of parameters")

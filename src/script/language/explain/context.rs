@@ -1,4 +1,4 @@
-//! What a message is made from: the session's texts and functions, and the engine's own functions.
+//! Sources of a message: the session's texts and functions, and the engine's own functions.
 
 use rhai::{Engine, Position};
 
@@ -7,7 +7,7 @@ use crate::script::language::host::Host;
 use crate::script::language::scan::{self, Target};
 use crate::script::language::sources::Place;
 
-/// The name of a function with its parameters, or with their types.
+/// Name of a function with its parameters, or with their types.
 pub(super) type Signature = (String, Vec<String>);
 
 /// The host and the engine that an error came from.
@@ -17,7 +17,7 @@ pub(super) struct Explainer<'a> {
 }
 
 impl Explainer<'_> {
-    /// Where a call at a position stands.
+    /// Returns the place of a call at a position.
     pub(super) fn place(&self, source: &str, position: Position) -> Option<Place> {
         self.host.place(self.engine, source, position, &Target::Call, false)
     }

@@ -1,8 +1,8 @@
 //! Turns the engine's errors into messages in the words of the language.
 //!
-//! Walks the chain of calls to the innermost error, which has the message; the calls around it become the frames. Failures of our own
-//! functions bring everything with them; the engine's own errors are reworded (`runtime.rs`, `syntax.rs`), with the names that may have
-//! been meant (`names.rs`, `calls.rs`).
+//! The innermost error in the chain of calls has the message; the calls around it become the frames. Failures of the program's own
+//! functions are complete; errors of the engine are reworded (`runtime.rs`, `syntax.rs`), with the names that may have been meant
+//! (`names.rs`, `calls.rs`).
 
 use rhai::{Engine, EvalAltResult, ParseErrorType};
 
@@ -21,7 +21,7 @@ mod phrases;
 mod runtime;
 mod syntax;
 
-/// The message of an error that a script of the given source ended with.
+/// Returns the message of an error with which a script of the given source ended.
 pub fn explain(host: &Host, engine: &Engine, error: &EvalAltResult, source: &str) -> Diagnostic {
     let mut frames = Vec::new();
     let mut diagnostic = Explainer { host, engine }.walk(error, source, &mut frames);
@@ -33,7 +33,7 @@ pub fn explain(host: &Host, engine: &Engine, error: &EvalAltResult, source: &str
     diagnostic
 }
 
-/// The message of a failure outside of any script, such as a script file that cannot be read.
+/// Returns the message of a failure outside of any script, such as a script file that cannot be read.
 pub fn explain_failure(failure: &Failure) -> Diagnostic {
     Diagnostic {
         place: failure.origin.clone(),
@@ -44,7 +44,7 @@ pub fn explain_failure(failure: &Failure) -> Diagnostic {
     }
 }
 
-/// The stable code of an error of the engine, by its kind.
+/// Returns the stable code of an error of the engine, by its kind.
 fn code_of(error: &EvalAltResult) -> &'static str {
     use EvalAltResult::*;
     match error {
@@ -112,7 +112,7 @@ impl Explainer<'_> {
         }
     }
 
-    /// A place that says more than the one the engine gives.
+    /// Returns a more precise place than that of the engine.
     fn better_place(&self, error: &EvalAltResult, source: &str, place: Option<&Place>) -> Option<Place> {
         let main = self.host.main.borrow().clone();
         let source = if source.is_empty() { main.as_str() } else { source };
@@ -122,15 +122,15 @@ impl Explainer<'_> {
             EvalAltResult::ErrorParsing(ParseErrorType::MissingToken(token, _), _) if token == ";" => {
                 scan::end_before(&lexemes, place?.range.start)?
             }
-            // `,` after which nothing of the list comes, that is, a bracket that is not closed.
+            // A `,` without a further entry of the list means a bracket that is not closed.
             EvalAltResult::ErrorParsing(ParseErrorType::MissingToken(token, _), _)
                 if token == "," && place?.text[place?.range.clone()] == *";" =>
             {
                 scan::end_before(&lexemes, place?.range.start)?
             }
-            // The engine tells the call that did not return; the loop is in the function.
+            // The engine gives the place of the call that did not return; the loop is in the function.
             EvalAltResult::ErrorTooManyOperations(_) => scan::loop_in(&lexemes, &text[place?.range.clone()])?,
-            // An indexer that is registered fails at the bracket, that of arrays at the index.
+            // Registered indexers fail at the bracket, those of arrays at the index.
             EvalAltResult::ErrorArrayBounds(..) => scan::behind_bracket(&lexemes, place?.range.start)?,
             EvalAltResult::ErrorDataRace(what, position) if position.is_none() => scan::self_use(&lexemes, what.split('\'').nth(1)?)?,
             _ => return None,

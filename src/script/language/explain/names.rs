@@ -1,4 +1,4 @@
-//! Names that mean nothing: variables and properties, with what may have been meant.
+//! Unknown names of variables and properties, with similar known ones.
 
 use super::context::Explainer;
 use super::phrases::{distinct, lower, type_phrase};
@@ -12,13 +12,13 @@ use crate::script::language::sources::Place;
 use crate::script::language::wording::{did_you_mean, listed};
 
 impl Explainer<'_> {
-    /// A variable that is not declared where it is used.
+    /// Returns the message of a variable that is not declared where it is used.
     pub(super) fn unknown_variable(&self, name: &str, source: &str, place: Option<&Place>) -> Diagnostic {
         let mut diagnostic = Diagnostic::error(Class::Script, format!("there is no variable `{name}`"));
         let declared = self.lexemes(source).map(|lexemes| scan::declared(&lexemes)).unwrap_or_default();
         let registry = Registry::of(self.host);
         let meant = place.and_then(|place| habits::meant(&place.text[..place.range.start], name, &place.text[place.range.end..]));
-        // Every other name of one letter is near to one of one letter, so none is suggested.
+        // All names of one letter are near to each other, so none is suggested.
         let near = did_you_mean(name, declared.iter().map(String::as_str)).filter(|_| name.chars().count() > 1);
         if let Some(hint) = meant {
             diagnostic = diagnostic.hint(hint);
@@ -77,7 +77,7 @@ impl Explainer<'_> {
     }
 }
 
-/// Whether a text ends inside the braces of a function.
+/// True if a text ends inside the braces of a function.
 fn is_in_function(before: &str) -> bool {
     let Some(start) = before.rfind("fn ") else { return false };
     let body = &before[start..];

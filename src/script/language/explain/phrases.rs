@@ -1,4 +1,4 @@
-//! The engine's words and types in the words of the language.
+//! Words and types of the engine in terms of the language.
 
 use crate::script::language::limits::{MAX_ARRAY, MAX_MAP, MAX_STRING};
 use crate::script::language::sources::Place;
@@ -20,7 +20,7 @@ pub(super) fn split_signature(signature: &str) -> (&str, Vec<String>) {
     (name.trim(), types)
 }
 
-/// The engine's name of a type, shortened to one word.
+/// Shortens the engine's name of a type to one word.
 pub(super) fn short_type(name: &str) -> String {
     let name = name.trim();
     match name {
@@ -34,12 +34,12 @@ pub(super) fn short_type(name: &str) -> String {
     }
 }
 
-/// Whether a shortened type is that of strings.
+/// True if a shortened type name is that of strings.
 pub(super) fn is_string(name: &str) -> bool {
     name == "string"
 }
 
-/// A type in the words of the language, with its article.
+/// Returns a type in terms of the language, with its article.
 pub(super) fn type_phrase(name: &str) -> String {
     match short_type(name).as_str() {
         "string" => "a string".into(),
@@ -62,7 +62,7 @@ pub(super) fn type_phrase(name: &str) -> String {
     }
 }
 
-/// How a value of one type becomes one of another.
+/// Returns a hint how to convert a value of type `given` to `expected`.
 pub(super) fn type_hint(expected: &str, given: &str) -> &'static str {
     match (short_type(expected).as_str(), short_type(given).as_str()) {
         ("bool" | "a boolean expression", _) => "compare, such as `x > 0`: a condition is `true` or `false`",
@@ -72,7 +72,7 @@ pub(super) fn type_hint(expected: &str, given: &str) -> &'static str {
     }
 }
 
-/// What to write where a token is missing.
+/// Returns a hint for a missing token.
 pub(super) fn missing_hint(token: &str) -> String {
     match token {
         ";" => "write `;` after it".into(),
@@ -82,7 +82,7 @@ pub(super) fn missing_hint(token: &str) -> String {
     }
 }
 
-/// How an error of arithmetic is mended.
+/// Returns a hint for an arithmetic error.
 pub(super) fn arithmetic_hint(text: &str) -> &'static str {
     if text.contains("zero") {
         "check the divisor"
@@ -93,7 +93,7 @@ pub(super) fn arithmetic_hint(text: &str) -> &'static str {
     }
 }
 
-/// What grew too large.
+/// Returns the kind of value that exceeded its size limit.
 pub(super) fn size_subject(what: &str) -> &'static str {
     match what {
         text if text.contains("String") || text.contains("string") => "a string",
@@ -103,7 +103,7 @@ pub(super) fn size_subject(what: &str) -> &'static str {
     }
 }
 
-/// The limit that it grew beyond.
+/// Returns the limit that was exceeded.
 pub(super) fn size_limit(what: &str) -> String {
     match size_subject(what) {
         "a string" => format!("strings have at most {} characters", MAX_STRING),
@@ -113,7 +113,7 @@ pub(super) fn size_limit(what: &str) -> String {
     }
 }
 
-/// What a frame says of its call.
+/// Returns the description of a call in the chain of calls.
 pub(super) fn call_title(name: &str, place: Option<&Place>) -> String {
     if !name.starts_with("anon$") {
         return format!("in the call of `{name}`");
@@ -130,7 +130,7 @@ pub(super) fn count_of(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// A text of the engine in lower case and without the places that follow it.
+/// Returns a text of the engine in lower case, without the places at its end.
 pub(super) fn lower(text: &str) -> String {
     let text = text.lines().next().unwrap_or(text);
     let text = text.split(" (line ").next().unwrap_or(text);

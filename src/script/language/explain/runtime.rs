@@ -35,7 +35,7 @@ impl Explainer<'_> {
                 script(format!("the result must be {}, not {}", type_phrase(expected), type_phrase(given)))
                     .hint("let the last expression be the result")
             }
-            // Arrays have entries; a column of which one cell is taken only gives them.
+            // Arrays have entries; a column object only returns single cells.
             ErrorIndexingType(name, _) if name.split(' ').next().map(type_phrase).as_deref() == Some("an array") => {
                 script("a column of a history cannot be changed where it stands".into())
                     .hint("change a copy: `let column = sim.history.total; column[0] = 1.0;`")
@@ -93,13 +93,13 @@ impl Explainer<'_> {
     }
 }
 
-/// Whether what is indexed at a place is written as a column of a history.
+/// True if the indexed expression at a place is a column of a history.
 fn is_of_history(place: &Place) -> bool {
     let before = place.text.get(..place.range.start).unwrap_or("").trim_end_matches('[');
     before.rsplit(|letter: char| !(letter.is_alphanumeric() || letter == '_' || letter == '.')).next().unwrap_or("").contains(".history")
 }
 
-/// A closure that uses the object whose method it was given to.
+/// Returns the message of a closure that uses the object of the method to which it was given.
 fn object_in_use(what: &str) -> Diagnostic {
     let function = what.split('\'').nth(1).unwrap_or("");
     let title = if function.is_empty() {

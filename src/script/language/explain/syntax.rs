@@ -86,12 +86,12 @@ impl Explainer<'_> {
     }
 }
 
-/// Whether a word can only come after a statement, or begin the next one.
+/// True if a word can only follow a complete statement or begin the next one.
 fn ends_a_statement(word: &str) -> bool {
     matches!(word, ";" | "let" | "const" | "fn" | "for" | "while" | "loop" | "return" | "import" | "")
 }
 
-/// A list that goes on where its bracket should be closed.
+/// Returns the message of a list that continues where its bracket should be closed.
 fn open_bracket(purpose: &str) -> Diagnostic {
     let (bracket, what) = match purpose.split('\'').nth(1) {
         Some(function) => (")", format!("the call of `{function}`")),
