@@ -4,14 +4,13 @@
 //! Prints how far the pressure of a column is from the closed form down, up and farther down, and how exactly the energy of a column in
 //! motion is what is stored and what became heat. `cargo run --release --example mullins`
 
-use std::array::from_fn;
-use std::error::Error;
-
 use conserva::dynamics::{LoadKind, Model, Options, Simulation, Table};
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::materials::{CATALOGUE, Components, Heat, HistoryLaw, Material, PointHistory, Response, StrainStep, StressOf};
 use conserva::math::lanes::{Lanes, WIDTH};
 use conserva::mesh::rectangle;
+use std::array::from_fn;
+use std::error::Error;
 
 /// `psi = g(m) w(E)` with `w = lambda/2 (tr E)^2 + mu E:E`, its largest value `m` so far, and `g = rest + (1 - rest) exp(-m/scale)`.
 #[derive(Clone)]
@@ -27,7 +26,6 @@ impl Mullins {
         let pressure = self.lambda * (strain[0] + strain[1] + strain[2]);
         from_fn(|k| 2.0 * self.mu * strain[k] + if k < 3 { pressure } else { 0.0 })
     }
-
     fn energy<const S: usize>(&self, strain: &[f64; S]) -> f64 {
         0.5 * self.stress(strain).iter().zip(strain).map(|(stress, strain)| stress * strain).sum::<f64>()
     }
@@ -35,7 +33,6 @@ impl Mullins {
     fn left(&self, m: f64) -> f64 {
         self.rest + (1.0 - self.rest) * (-m / self.scale).exp()
     }
-
     /// Integral of `g` between two values.
     fn work(&self, from: f64, to: f64) -> f64 {
         let share = -(-(to - from) / self.scale).exp_m1() * (-from / self.scale).exp();
@@ -47,21 +44,20 @@ impl Mullins {
         self.work(0.0, m) - self.left(m) * m
     }
 
-    /// Mean of `g` over a step in which `w` goes from `w_0` to `w_1 > m`, and its derivative with respect to `w_1`.
-    fn mean(&self, w_0: f64, w_1: f64, m: f64) -> [f64; 2] {
-        let mean = (self.left(m) * (m - w_0) + self.work(m, w_1)) / (w_1 - w_0);
-        [mean, (self.left(w_1) - mean) / (w_1 - w_0)]
-    }
-
     /// Stress of a step, or at its end, and the derivative with respect to the strain at the end.
     fn respond<const S: usize>(&self, [start, end]: [&[f64; S]; 2], m: f64, of_step: bool) -> ([f64; S], [[f64; S]; S]) {
         let (w_1, last) = (self.energy(end), self.stress(end));
         // The work of the mean stress of a quadratic energy is its change.
         let (stress, share) = if of_step { (self.stress(&from_fn(|k| 0.5 * (start[k] + end[k]))), 0.5) } else { (last, 1.0) };
-        let [factor, slope] = match w_1 > m {
-            true if of_step => self.mean(self.energy(start), w_1, m),
-            true => [self.left(w_1), (self.rest - 1.0) / self.scale * (-w_1 / self.scale).exp()],
-            false => [self.left(m), 0.0],
+        // Mean of `g` over the change of `w`, and its derivative with respect to `w_1`.
+        let [factor, slope] = if w_1 <= m {
+            [self.left(m), 0.0]
+        } else if of_step {
+            let w_0 = self.energy(start);
+            let mean = (self.left(m) * (m - w_0) + self.work(m, w_1)) / (w_1 - w_0);
+            [mean, (self.left(w_1) - mean) / (w_1 - w_0)]
+        } else {
+            [self.left(w_1), (self.rest - 1.0) / self.scale * (-w_1 / self.scale).exp()]
         };
         let stiffness: [[f64; S]; S] = from_fn(|l| self.stress(&from_fn(|k| f64::from(u8::from(k == l)))));
         let tangent = from_fn(|k| from_fn(|l| factor * share * stiffness[l][k] + slope * stress[k] * last[l]));
@@ -85,21 +81,17 @@ impl<const S: usize> HistoryLaw<S> for Mullins {
             for lane in 0..WIDTH {
                 let strains = [&lane_of(&step.start[point], lane), &lane_of(&ends[point], lane)];
                 let (stress, tangent) = self.respond(strains, step.history[point].0[lane], step.stress == StressOf::Step);
-                for k in 0..S {
-                    response.stress[k].0[lane] = stress[k];
-                    (0..S).for_each(|l| response.tangent[k][l].0[lane] = weight * tangent[k][l]);
-                }
+                (0..S).for_each(|k| response.stress[k].0[lane] = stress[k]);
+                (0..S * S).for_each(|k| response.tangent[k / S][k % S].0[lane] = weight * tangent[k / S][k % S]);
             }
         }
     }
 
     fn advance_into(&self, step: &StrainStep<S>, after: &mut [Lanes<false>], heat: &mut [Heat]) {
-        for point in 0..after.len() {
-            for lane in 0..WIDTH {
-                let m = step.history[point].0[lane];
-                after[point].0[lane] = m.max(self.energy(&lane_of(&step.end[point], lane)));
-                heat[point].plastic.0[lane] = self.heat(after[point].0[lane]) - self.heat(m);
-            }
+        for (point, (after, heat)) in after.iter_mut().zip(heat).enumerate() {
+            let m = step.history[point].0;
+            after.0 = from_fn(|lane| m[lane].max(self.energy(&lane_of(&step.end[point], lane))));
+            heat.plastic.0 = from_fn(|lane| self.heat(after.0[lane]) - self.heat(m[lane]));
         }
     }
 

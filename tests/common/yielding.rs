@@ -60,7 +60,7 @@ impl Outcome {
     pub fn faults(&self) -> String {
         let limits = [("defect", self.defect, DEFECT), ("momentum", self.momentum, DEFECT), ("gain", self.gain, GAIN)];
         let mut found: Vec<String> =
-            limits.into_iter().filter(|(_, value, most)| !(value <= most)).map(|(n, v, _)| format!("{n} {v:.1e}")).collect();
+            limits.into_iter().filter(|(_, value, most)| value.is_nan() || value > most).map(|(n, v, _)| format!("{n} {v:.1e}")).collect();
         if self.cooled > 0.0 {
             found.push(format!("heat falls by {:.1e}", self.cooled));
         }
