@@ -28,8 +28,7 @@ pub const STILL: f64 = 1e-12;
 /// positions: differences of three steps of a body that friction holds reach 1e-14.
 pub const STILL_AT: f64 = 1e-13;
 
-/// Default of the smallest adaptive step, relative to the first step: an impact that is timed to a millionth costs some twenty refused
-/// steps.
+/// Default of the smallest adaptive step, relative to the first step: timing an impact to it costs some twenty refused steps.
 pub const SMALLEST_STEP: f64 = 1e-6;
 
 /// Weight of the momentum defect of a residual in the energy criterion of Newton's method. With the default tolerance a step ends with a
@@ -56,12 +55,10 @@ pub const ALIKE: f64 = 1e-9;
 /// Stiffness of supports against a rigid motion, relative to their largest, below which the motion is free: round-off of node positions.
 pub const HELD: f64 = 1e-10;
 
-/// Component of a vector outside of the span of a basis, relative to the vector, that is round-off: the operator is accurate to about
-/// 1e-14.
+/// Relative component of a vector outside of the span of a basis that is round-off: the operator is accurate to about 1e-14.
 pub const LANCZOS_DEPENDENT: f64 = 1e-11;
 
-/// Residual of a vibration mode relative to its eigenvalue of the inverse operator; the relative error of the frequency is the square of
-/// this.
+/// Residual of a vibration mode relative to its eigenvalue of the inverse operator; the frequency is accurate to the square.
 pub const MODE_RESIDUAL: f64 = 1e-8;
 
 /// Relative distance above the last load factor at which the factors below are counted: above round-off, below the next factor.
@@ -227,8 +224,7 @@ pub const BESIDE: f64 = 1e-6;
 /// pair takes part always, so that deeper overlaps were overlooked; interlocking polygons and weighted gaps leave a tenth.
 pub const LEFT: f64 = 0.5;
 
-/// Depth of a body inside the hull of another one, in the shorter facets there, above which bodies without contact force are an error at
-/// rest.
+/// Depth of a body inside the hull of another one, in the shorter facets there, that is an error at rest without contact force.
 pub const LEFT_PASSED: f64 = 0.25;
 
 /// Depth of an overlap at rest, in the longest facets there, that is still accepted where a multiplier is positive: an active constraint
@@ -249,8 +245,7 @@ pub const JUMP: f64 = 1e-9;
 /// Kinetic over strain energy up to which bodies count as being at rest.
 pub const AT_REST: f64 = 1e-6;
 
-/// Estimated error of the stresses at rest, relative to their size, above which it is reported. The square, 6 %, is about the error of the
-/// stiffness.
+/// Relative estimated error of the stresses at rest above which it is reported. Its square, 6 %, is about that of the stiffness.
 pub const COARSE: f64 = 0.25;
 
 /// Work that contact adds in a step, relative to the energy, above which it is reported: no contact rule adds any, but round-off does.
@@ -296,8 +291,7 @@ pub const OVERLOOKED: f64 = 1e-6;
 /// changes with the gap there; a limit of round-off alternates between shape functions in `settle`.
 pub const WHOLE: f64 = 1e-4;
 
-/// Covered share of a secondary node's weight function below which the node is excluded from the step (a sliver of overlap gives a singular
-/// constraint).
+/// Covered share of a secondary node's weight function below which the node is excluded: its constraint would be singular.
 pub const SLIVER: f64 = 0.02;
 
 /// Largest nodal increment of one Newton iteration, in shortest secondary facets.
@@ -316,8 +310,7 @@ pub const LINEAR_FALLBACK: f64 = 1e-10;
 /// Pivots below this, in a matrix scaled to entries of order one, are no pivots.
 pub const LINEAR_PIVOT: f64 = 1e-10;
 
-/// Replacement of a pivot below [`LINEAR_PIVOT`]: the square root of round-off balances the change of the matrix against growth of the
-/// factors.
+/// Replacement of a pivot below [`LINEAR_PIVOT`], by which factors do not grow: the square root of round-off.
 pub const LINEAR_REPLACEMENT: f64 = 1e-8;
 
 /// Image of a unit vector under a matrix with entries of order one that counts as zero: the round-off of a row's sum.
@@ -356,8 +349,7 @@ pub const ON_SECTION: f64 = 1e-9;
 /// Least side of the bounds of a picture relative to the longest side, for bodies without thickness.
 pub const PICTURE_THICKNESS: f64 = 1e-3;
 
-/// Distance of a polygon from the circle that it stands for, relative to the extent of the bodies beside it: half a pixel of a
-/// large picture.
+/// Distance of a polygon from its circle, relative to the extent of the bodies beside it: half a pixel of a large picture.
 pub const PICTURE_ROUNDNESS: f64 = 5e-4;
 
 /// Step of a difference quotient of a time function, relative to the time: the third root of round-off, where truncation and round-off of a
@@ -463,8 +455,7 @@ pub const FLAT_FRAME: f64 = 1e-6;
 /// (`tests/scripts/multibody.rhai`).
 pub const EQUALLY_FAR: f64 = 1e-9;
 
-/// Residual of a constraint between points, relative to the size of the joined bodies (Newton's target): joints hold to 1e-12 of the
-/// length.
+/// Relative residual of a constraint between points (Newton's target): joints hold to 1e-12 of the size of the joined bodies.
 pub const JOINT: f64 = 2e-13;
 
 /// Distance of the two points of a joint, relative to the size of the model, above which they count as apart.
