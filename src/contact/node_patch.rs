@@ -11,8 +11,7 @@ use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 /// Values of a contact element that are fixed at the start of the step.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
-    /// Indices in the contact element of the participating nodes: the secondary node, and the nodes of the admitted facets, of their
-    /// neighbors and of the next neighbors.
+    /// Indices in the contact element of the participating nodes: the point, and the nodes of admitted facets and two rows of neighbors.
     pub places: Vec<u32>,
     /// Chain of these facets in indices of `places`. `closest` admits facets as the closest one: all but the last neighbors, which only
     /// define corners. A neighbor may face away and still be in front of the point around a sharp corner.
@@ -21,8 +20,7 @@ pub struct Start {
     /// Positions of the participating nodes at the start of the step.
     pub positions: Vec<f64>,
     pub measures: [Option<Measure>; 2],
-    /// Facets of the concave corner that contains the point, each with its end at the corner. Each has a constraint of its own in this
-    /// step.
+    /// Facets of the concave corner that contains the point, each with its end at the corner and with a constraint of its own in this step.
     pub pocket: Option<[[u32; 2]; 2]>,
     /// Facet whose line defines the gap in this step, for corners that cross the opposite corner.
     pub line: Option<u32>,
