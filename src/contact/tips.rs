@@ -1,5 +1,4 @@
-//! Convex corners of two surfaces that cross: the side of either corner beyond which the other corner lies (separating axis). Used by
-//! corner constraints in `node_to_segment.rs`.
+//! Convex corners of two surfaces that cross: the side beyond which the other corner lies (separating axis; `node_to_segment.rs`).
 //!
 //! Two wedges are separated by a side's line if the other wedge lies entirely in front of it. Candidates are those of their four sides from
 //! which the other wedge opens away, each with the distance of its tip. The largest of these distances is the separation of the wedges; if
