@@ -52,7 +52,7 @@ impl PolygonFit {
         self.interference < LOST * self.sagitta
     }
 
-    /// True if the interferences of facets and curves differ by more than [`DISTORTED`].
+    /// True if the interferences of facets and curves differ by more than `DISTORTED`.
     pub fn is_distorted(&self) -> bool {
         self.lost.abs() > DISTORTED * self.interference
     }

@@ -45,7 +45,7 @@ pub struct RigidCorners {
 
 impl RigidCorners {
     /// Contact of the obstacle's points with a surface (facets in model node numbers, the body on the left); `None` for obstacles without
-    /// points or with a radius above [`LARGE`]. `facet_size` is that of the whole contact.
+    /// points or with a radius above `LARGE`. `facet_size` is that of the whole contact.
     pub fn new(surface: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64], facet_size: f64) -> Option<Self> {
         let first = (reference.len() / 2) as u32;
         let with = |points: &[[f64; 2]]| -> Vec<f64> { reference.iter().chain(points.as_flattened()).copied().collect() };

@@ -121,7 +121,7 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
     }
 
-    /// Tilt of a part relative to a normal for the masters at `q`; constant for arcs and spheres.
+    /// Tilt of a part relative to a normal for the masters at `q`; zero for arcs and spheres.
     fn nearer(&self, roller: usize, normal: SVector<f64, D>, q: &[f64]) -> Tilt {
         self.axis(roller, q).map_or(Tilt::of(0.0), |axis| Tilt::of(axis.dot(&normal)))
     }

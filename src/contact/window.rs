@@ -234,8 +234,8 @@ impl Window {
         self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
     }
 
-    /// True unless a facet of the other side is too deep behind a node of `side` (0: secondary) with these adjacent facets; `gap` is the
-    /// node's gap to it.
+    /// True unless a node of `side` (0: secondary) with the adjacent facets `own_facets` is too deep behind facet `other` of the other
+    /// side; `gap` is the gap of the node to that facet.
     pub fn admits_depth(&self, side: usize, own_facets: &[u32], other: u32, gap: f64) -> bool {
         let (thickness, lengths, other) = (&self.thickness[side], &self.lengths[side], other as usize);
         let own = own_facets.iter().map(|&facet| thickness[facet as usize]).fold(f64::INFINITY, f64::min);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! vertex v, facet y_1..y_k (mean point y):  g = n.(v - y),        n = N/|N|, N = (y_3 - y_1) x (y_4 - y_2)
-//! the same above a triangle, or one of the four of y_k, y_k+1 and the mean point, less the height profile B where v is seen
+//! vertex v, triangle with profile B:        g - B at the projection of v; facets of four nodes have four triangles about y
 //! edges a b, c d:                           g = sigma n.(c - a),  n = N/|N|, N = (b - a) x (d - c)
 //! ```
 //!
