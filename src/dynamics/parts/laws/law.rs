@@ -1,4 +1,4 @@
-//! Law of a constraint.
+//! Interface of the laws of constraints.
 //!
 //! A constraint has a function `Phi` (a weighted gap) and a multiplier `lambda` with the force `lambda grad Phi`. The law gives the
 //! conditions on both in a step, the residual at an iterate, and the equation of an active constraint in Newton's system,
@@ -7,9 +7,9 @@
 //! A G_1 dq + B lambda + N lambda_n = r,
 //! ```
 //!
-//! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment; `lambda_n` enters tangential constraints
-//! (`friction_rows.rs`) alone. In space these form groups of two (`slip_vector.rs`), whose equations also contain the slip and multiplier
-//! of the other one. A law is independent of contact methods and surfaces.
+//! with the gradient `G_1` of `Phi` at the end of the step and the increment `dq`. `lambda_n` is the normal multiplier in tangential
+//! constraints (`friction_rows.rs`). In space these form groups of two (`slip_vector.rs`), whose equations also contain the slip and
+//! multiplier of the other constraint. Laws are independent of contact methods and surfaces.
 
 use std::fmt;
 
@@ -34,7 +34,7 @@ pub enum RowState {
 }
 
 impl RowState {
-    /// Closed where that is so, open otherwise.
+    /// Closed if `is_closed`, else open.
     pub fn closed_if(is_closed: bool) -> Self {
         if is_closed { RowState::Closed } else { RowState::Open }
     }
@@ -59,12 +59,12 @@ impl RowState {
         self != RowState::Open
     }
 
-    /// State of a tangential constraint that slips against a multiplier of that sign.
+    /// State of a tangential constraint that slips, with a multiplier of this sign.
     pub fn sliding(multiplier: f64) -> Self {
         if multiplier > 0.0 { RowState::Forward } else { RowState::Backward }
     }
 
-    /// Sign of the multiplier of a slipping tangential constraint.
+    /// Sign of the multiplier of a slipping tangential constraint; `None` for other states.
     pub fn sense(self) -> Option<f64> {
         match self {
             RowState::Forward => Some(1.0),
