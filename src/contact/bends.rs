@@ -10,7 +10,7 @@ const CORNER: f64 = 0.9397;
 /// seventh of a facet with weighted gaps alone.
 const BEND: f64 = 0.978;
 
-/// Slack of the constraints at bends over that of corners. The penetration that weighted gaps admit at a single bend stays below it.
+/// Admitted overlap of constraints at bends over that of corners; weighted gaps admit less penetration at a single bend.
 const BEND_SLACK: f64 = 3.5;
 
 /// Cosine of the corner angle, 10 degrees, for methods with nodal constraints: without a weighted gap nothing constrains the primary nodes.

@@ -136,7 +136,7 @@ pub trait PatchFunctions {
     /// obstacle is at its end position of the step.
     fn gap(&self, q: &[f64]) -> Vec<f64>;
 
-    /// Slack of each constraint in this step, relative to that of the pair.
+    /// Slack (admitted overlap) of each constraint in this step, relative to that of the pair.
     fn slacks(&self) -> Vec<f64> {
         vec![1.0; self.weights().len()]
     }

@@ -11,7 +11,7 @@ use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 /// Values of a contact element that are fixed at the start of the step.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
-    /// Indices in the contact element of the participating nodes: the point, and the nodes of admitted facets and two rows of neighbors.
+    /// Indices in the contact element of the participating nodes: the point, nodes of admitted facets, of their neighbors and the next.
     pub places: Vec<u32>,
     /// Chain of these facets in indices of `places`. `closest` admits facets as the closest one: all but the last neighbors, which only
     /// define corners. A neighbor may face away and still be in front of the point around a sharp corner.
@@ -26,9 +26,9 @@ pub struct Start {
     pub line: Option<u32>,
     /// Disk about the point; `None` for a point of a surface.
     pub round: Option<Round>,
-    /// Slack of the constraint relative to that of the pair.
+    /// Slack (admitted overlap) of the constraint, relative to that of the pair.
     pub slack: f64,
-    /// Height of the height profile of the point's own surface, outwards `[length]`.
+    /// Height of the curve of the point's own surface over the point, outwards `[length]`.
     pub own_height: f64,
 }
 

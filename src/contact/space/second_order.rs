@@ -161,7 +161,7 @@ struct Edge {
     is_curved: bool,
     /// Factor `k` by which the offset raises corners.
     by: f64,
-    /// Factor `r`.
+    /// Factor `r` of the edge's offset `d` in its points.
     raised: f64,
 }
 
@@ -187,7 +187,7 @@ impl Edge {
 /// Face of eight or nine nodes.
 struct Center {
     nodes: Vec<u32>,
-    /// Factor `g`.
+    /// Factor `g` of the ninth node's offset `D` in the center.
     raised: f64,
 }
 

@@ -355,7 +355,7 @@ impl Chamber {
         VolumeStep { gradient, change, projected }
     }
 
-    /// Adds `-P dGbar/dq_1` of a step.
+    /// Adds the derivative `-P dGbar/dq_1` of the forces of a step at a fixed pressure `P`.
     fn slopes_of_step(&self, x_0: &[f64], x_1: &[f64], step: &VolumeStep, pressure: f64, add: Visit) {
         let middle: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| 0.5 * (a + b)).collect();
         self.slopes(&middle, &mut |nodes, components, slope| add(nodes, components, -0.5 * pressure * slope));
@@ -376,7 +376,7 @@ impl Chamber {
         (0..self.nodes.len()).for_each(|node| (0..3).for_each(|i| add([node, node], [i, i], -pressure * e)));
     }
 
-    /// Adds `factor a (x) b`.
+    /// Adds the product `factor a (x) b` of nodal vectors.
     fn add_product(&self, a: &[f64], b: &[f64], factor: f64, add: Visit) {
         let (d, count) = (self.dimension, self.nodes.len());
         for (row, column) in (0..count).flat_map(|row| (0..count).map(move |column| (row, column))) {

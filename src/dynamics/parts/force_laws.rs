@@ -211,11 +211,11 @@ pub enum Viscous {
     Linear(f64),
     /// `F = c v (v^2 + s^2)^((p - 1)/2)`, which is `c |v|^p` for speeds above `s`.
     Power {
-        /// `c` `[force (time/length)^p]`.
+        /// Coefficient `c` `[force (time/length)^p]`.
         coefficient: f64,
-        /// `p`.
+        /// Exponent `p`.
         exponent: f64,
-        /// `s` `[length/time]`.
+        /// Smoothing speed `s` `[length/time]`.
         smoothing: f64,
     },
     /// The force as text, and the factors of speed and force in the units of the model.

@@ -40,7 +40,7 @@ pub struct SlipVector<'a> {
     pub rest: Pair,
 }
 
-/// `N` at a trial, and its derivatives along the trial and perpendicular to it.
+/// Dry multiplier `N(z)` at a trial multiplier `z`, and its derivatives along `z` and perpendicular to it.
 struct Map {
     value: Pair,
     along: f64,
@@ -86,17 +86,17 @@ impl SlipVector<'_> {
         plus(self.lambda, self.film(), self.slip)
     }
 
-    /// Multiplier per slip in the trial of an iteration.
+    /// Multiplier per slip `c` in the trial multiplier of an iteration.
     fn pace(&self) -> f64 {
         self.pressed.c.max(tolerances::TRIAL_STIFFNESS * self.pressed.stiffness)
     }
 
-    /// Trial with a multiplier `c` per slip.
+    /// Trial multiplier `z = s - c u`.
     fn trial(&self, c: f64) -> Pair {
         plus(self.dry(), -c, self.slip)
     }
 
-    /// State of the trial with a multiplier `c` per slip.
+    /// Friction state of the trial multiplier `z = s - c u`.
     fn nearest(&self, c: f64, limit: f64) -> RowState {
         let (size, stop) = (size(self.trial(c)), c * self.stop());
         match stop > 0.0 {
@@ -107,7 +107,7 @@ impl SlipVector<'_> {
         }
     }
 
-    /// Function `N` in a state, at the trial with a multiplier `c` per slip.
+    /// Dry multiplier `N(z)` in a state, at the trial multiplier `z = s - c u`.
     fn map(&self, c: f64, state: RowState, limit: f64) -> Map {
         let z = self.trial(c);
         let (size, stop) = (size(z), c * self.stop());
