@@ -2,8 +2,8 @@
 //!
 //! The facet with the closest point defines the gap `g = n.(x - y_1)`, with the outward normal `n` on the right of the facet (the body is
 //! on the left). If the closest point is a vertex, the body near it is the intersection of two half planes at a convex corner and their
-//! union at a concave one: the gap is the larger or the smaller of both normal distances. No distance to a vertex enters, hence the gap is
-//! piecewise smooth through zero. It is continuous as long as the closest point is continuous or jumps between facets with equal normals.
+//! union at a concave one: the gap is the larger or the smaller of both normal distances. No distance to a vertex enters: the gap is smooth
+//! through zero. It is continuous where the closest point is, or jumps between facets with the point on the same side.
 //!
 //! With a height profile `p` of the facet the gap is the distance to the curve, `n.(x - y_1) - l p(s)`.
 //!

@@ -3,8 +3,8 @@
 //! The **secondary** side carries the multipliers and is the domain of integration (in the literature *slave* or *nonmortar*); the other
 //! side is the **primary** one (*master*, *mortar*).
 //!
-//! Signs: a constraint function `Phi_A(q) > 0` is open, a multiplier `lambda_A >= 0` is a pressure. The force of a step is `sum_A lambda_A
-//! Gbar_A`, its work `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
+//! Signs: a constraint function `Phi_A(q) > 0` is open, a multiplier `lambda_A >= 0` is a pressure. The force of a step is
+//! `sum_A lambda_A Gbar_A`, its work `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
 //!
 //! A [`ContactMethod`] is a row of [`METHODS`]. Its [`ContactKernel`] evaluates constraint functions as sums over contact elements
 //! ([`Patches`]): small groups of nodes. Active sets and multipliers belong to `dynamics/step/`, one floor higher.

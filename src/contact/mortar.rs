@@ -140,8 +140,8 @@ impl Mortar {
         self.start.get(p).map_or(&STANDARD, |start| &start.shape)
     }
 
-    /// Correction of the discrete gradient shared by all pairs of secondary node `A`, `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum
-    /// d.d`; 0 for increments near round-off.
+    /// Correction of the discrete gradient shared by all pairs of secondary node `A`,
+    /// `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum d.d`; 0 for increments near round-off.
     fn shared_corrections(&self, q_1: &[f64]) -> Vec<f64> {
         let mut sums = vec![[0.0; 3]; self.sides.secondary.nodes().len()];
         for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {

@@ -2,8 +2,8 @@
 //!
 //! In space these points are sharp vertices and edges (`space/corners.rs`) or the center of a small sphere, in the plane corners of a
 //! polyline or the center of a disk. They are additional nodes that move with the obstacle. The gap of a corner is that of node-to-segment
-//! contact with exchanged sides, the gap of a disk that of `round.rs`. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du =
-//! Phi(1) - Phi(0)`, so that a moving obstacle does the further work `-lambda Gbar_point.du`.
+//! contact with exchanged sides, the gap of a disk that of `round.rs`. Their discrete gradients satisfy
+//! `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that a moving obstacle does the further work `-lambda Gbar_point.du`.
 
 use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};

@@ -18,8 +18,8 @@
 //! cylinders are obstacles of rims; other obstacles, and rims that lie flat, are left to the nodes' own constraints.
 //!
 //! The discrete gradient is that of the distance between the centers, with the same conservation properties as for nodes. The force acts at
-//! the contact point `x = C - R n`, because its line of action contains both. Friction depends on the slip of this material point, `x =
-//! sum_k a_k z_k` with the coefficients `a_k` at mid-step.
+//! the contact point `x = C - R n`, because its line of action contains both. Friction depends on the slip of this material point,
+//! `x = sum_k a_k z_k` with the coefficients `a_k` at mid-step.
 //!
 //! A constraint is present in a step if the part faces the obstacle at its start. Nodes inside of a part have no constraints: they are
 //! never nearer than its circle. Each part has as many constraints as sides of the obstacle can touch it simultaneously.

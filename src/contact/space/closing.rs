@@ -1,17 +1,17 @@
 //! Part of the gap closed by the height profiles of two triangles (`profiles.rs`), with derivatives; used by `pair.rs` and `polygon.rs`.
 //!
-//! With the secondary profile `B_1(L)`, the primary profile `B_2(M)`, and the slope `m` of the primary triangle in the plane of projection,
+//! With the secondary profile `B_1(L)`, the primary profile `B_2(M)`, and the slope `m` of the primary triangle to the plane of projection,
 //!
 //! ```text
 //! C = B_1 + B_2 (1 + |mu|^2/2) - B_2 mu.grad B_2,      mu = m/(1 + |m|^2/2)                     [length]
 //! ```
 //!
-//! A point of the primary curve at the height `B` over `xi` projects to `xi + m B/c`, lower than the triangle there by `c B`, `c^2 = 1 +
-//! |m|^2`. `C` equals `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. On a polygon `C` is a
-//! cubic polynomial, so that a rule of degree four and three Gauss points per edge are exact for every subdivision of the polygon.
+//! A point of the primary curve at the height `B` over `xi` projects to `xi + m B/c`, lower than the triangle there by `c B`,
+//! `c^2 = 1 + |m|^2`. `C` equals `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. On a polygon
+//! `C` is a cubic polynomial, so that a rule of degree four and three Gauss points per edge are exact for every subdivision of the polygon.
 //!
-//! The profiles contribute `-int W C dA` to `Phi`. With `q_k = mu.grad M_k`, `e = 1 + |mu|^2/2 - sum q_k dB_2/dM_k`, `A = int W B_2`, `Q =
-//! -int W B_2 grad B_2` and `G = (d mu/d m)(A mu + Q)` its derivatives, without those of edges (`polygon.rs`), are
+//! The profiles contribute `-int W C dA` to `Phi`. With `q_k = mu.grad M_k`, `e = 1 + |mu|^2/2 - sum q_k dB_2/dM_k`, `A = int W B_2`,
+//! `Q = -int W B_2 grad B_2` and `G = (d mu/d m)(A mu + Q)` its derivatives, without those of edges (`polygon.rs`), are
 //!
 //! ```text
 //! d/dp_j =   int N_j (W grad B_1 + C grad W) dA

@@ -1,8 +1,8 @@
 //! Node-to-segment method in space: one multiplier per secondary node, whose constraint is the gap of the node to one facet.
 //!
 //! `Phi_A = w_A g_A` with the reference weight of the node, so that multipliers are pressures. `g` is the height over the height profile of
-//! the opposite triangle; facets of four nodes are triangles about their mean points. The triangle of a step is the one opposite the start,
-//! continued as a plane, or the one opposite the predicted end. Energy and momenta are exact (constraints of `corners.rs`), and a sliding
+//! the opposite triangle; facets of four nodes are triangles about their mean points. Within a step a node keeps the triangle opposite its
+//! start, continued as a plane, or opposite its predicted end. Energy and momenta are exact (constraints of `corners.rs`), and a sliding
 //! node is assigned to the next facet in the next step. Facets with normals like the surface at the node (far side of a thin body) are not
 //! opposite.
 

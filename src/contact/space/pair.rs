@@ -13,8 +13,8 @@
 //! gradient also where vertices appear and vanish; it has kinks where edges of both facets coincide.
 //!
 //! Height profiles of facets (`profiles.rs`) close a part of the gap (`closing.rs`). The projection rotates with the secondary facet: with
-//! the moment `m` of the derivatives with respect to plane coordinates and heights, taken as forces, the rotation of `n` adds `d N.b`, `b =
-//! -m x n / |N|`.
+//! the moment `m` of the derivatives with respect to plane coordinates and heights, taken as forces, the rotation of `n` adds `d N.b`,
+//! `b = -m x n / |N|`.
 //!
 //! A polygon depends on twelve plane coordinates and, without profiles, linearly on heights. One evaluation with derivatives by plane
 //! coordinates gives its part of the Hessian, which the chain rule then transforms to the node positions.

@@ -8,8 +8,8 @@
 //! d/dh_j = -int W N_j dA               d/dp_j =   grad h_secondary int W N_j dA - grad W int g N_j dA + sum_edges nu int W g N_j ds
 //! ```
 //!
-//! over the polygon edges that lie on the triangle's own border. At nearly coinciding edges of both triangles these forces pass gradually
-//! from one to the other, which removes the kink of the gradient; a discrete gradient is exact for any gradient that it corrects.
+//! over the polygon edges (normals `nu`) on the triangle's own border. At nearly coinciding edges of both triangles these forces pass
+//! gradually from one to the other, which removes the kink of the gradient; a discrete gradient is exact for any gradient that it corrects.
 //!
 //! All called functions are inlined and arrays are filled by loops; otherwise they are compiled without the wide registers of the caller.
 

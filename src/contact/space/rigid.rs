@@ -1,8 +1,8 @@
 //! Contact of a surface in space with a rigid obstacle (`obstacle.rs`): the gap of a secondary node is its signed distance.
 //!
-//! `Phi_A = w_A g(x_A - u(t))` with the tributary area `w_A` and the obstacle's translation `u`. The contact forces do the work `sum
-//! lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts as
-//! work of loads. An obstacle of revolution may rotate about its axis, which affects friction only.
+//! `Phi_A = w_A g(x_A - u(t))` with the tributary area `w_A` and the obstacle's translation `u`. The contact forces do the work
+//! `sum lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts
+//! as work of loads. An obstacle of revolution may rotate about its axis, which affects friction only.
 //!
 //! A node has one constraint, or three for obstacles with pockets: for the side nearest at the start of the step, and for up to two sides
 //! that adjoin it across re-entrant edges. The shape of each constraint is fixed within a step.

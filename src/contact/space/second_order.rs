@@ -1,8 +1,8 @@
 //! Contact of faces of second order in space: four facets per face between combinations of its nodes (`on_curves.rs`).
 //!
-//! Triangles of six nodes are divided into four triangles, quadrilaterals of eight or nine into four about the center. With the offset `d =
-//! x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` of each mid-side node from its chord (`tau`: its shift along the chord from the chord's middle
-//! in the reference positions, in chord lengths), and the offset `D` of a ninth node from the center of the eight-node interpolation,
+//! Triangles of six nodes are divided into four triangles, quadrilaterals of eight or nine into four about the center. With the offset
+//! `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` of a mid-side node from its chord (`tau`: its shift from the middle along the chord in the
+//! reference positions, in chord lengths), and the offset `D` of a ninth node from the center of the eight-node interpolation,
 //!
 //! ```text
 //! corner            y = x_a + R_a,           R_a = mean over the faces there, and the two edges of each, of k d, k = 1/4 of triangles,

@@ -1,8 +1,8 @@
 //! A torsional spring in the plane between the directions of two bodies, or of a body and the ground.
 //!
-//! The direction of a body leads from one of its nodes to another, at the angle `phi`. The spring stores `V(x)` of the angle `x = phi_b -
-//! phi_a` relative to that in the undeformed bodies, counted over whole turns: the history variable is the angle at the end of the previous
-//! step. `x` is invariant under rigid motions: the forces are the projected discrete gradient of
+//! The direction of a body leads from one of its nodes to another, at the angle `phi`. The spring stores `V(x)` of the angle
+//! `x = phi_b - phi_a` relative to that in the undeformed bodies, counted over whole turns: the history variable is the angle at the end of
+//! the previous step. `x` is invariant under rigid motions: the forces are the projected discrete gradient of
 //! [`Projection`](crate::integrators::Projection), which conserves linear and angular momentum. With the ground as one end only energy is
 //! conserved, and the correction is along the increment (Gonzalez 1996).
 
