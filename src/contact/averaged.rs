@@ -1,9 +1,8 @@
-//! Mortar contact with averaged nodal normals: the normal is continuous along the secondary side, so a bend of it is no jump. At a sharp
-//! corner, of more than 45 degrees in the reference positions, each facet keeps its own.
+//! Mortar contact in the plane with averaged nodal normals (Yang, Laursen and Meng, IJNME 62, 2005): the normal is continuous along the
+//! secondary side. At corners sharper than 45 degrees in the reference positions each facet keeps its own normal.
 //!
-//! The normal of a secondary node is the normalized mean of its facets' unit normals; along a facet `n(s) = (1 - s) n_1 + s n_2` (Yang,
-//! Laursen and Meng, IJNME 62, 2005). A primary point lies opposite the point `s` when it lies on the line through `x(s)` along `n(s)`.
-//! Over the overlap `[a, b]` of a pair of facets, with `y(s)` the point of the primary facet opposite `s`,
+//! Nodal normal: normalized mean of the unit normals of the adjacent facets. On a facet `n(s) = (1 - s) n_1 + s n_2`. The primary point
+//! `y(s)` lies on the line through `x(s)` along `n(s)`. Weighted gap of node `k` over the overlap `[a, b]` of a facet pair:
 //!
 //! ```text
 //! Phi_k = |t| int_a^b N_k(s) n(s).(y(s) - x(s)) ds        by Gauss points        [length^2], > 0 when open
@@ -11,8 +10,8 @@
 //!
 //! with `x(s)` and `y(s)` moved along `n(s)` to the curves where facets have height profiles.
 //!
-//! These functions have no short list of invariants: their discrete gradient is the projected one, their derivatives are exact by dual
-//! numbers. A patch is a candidate pair with the neighbors of its secondary facet, whose motion turns the normals.
+//! The discrete gradient is the projected one, because the functions have no short list of invariants. Derivatives come from dual numbers.
+//! A contact element is a candidate facet pair with the neighbors of its secondary facet, whose motion turns the normals.
 
 use num_dual::{Dual2SVec64, DualSVec64};
 
@@ -38,10 +37,10 @@ pub static AVERAGED_MORTAR: ContactMethod = ContactMethod {
     passes_patch_test: true,
 };
 
-/// Margin beyond the need with which candidates are searched, in shortest secondary facets.
+/// Search distance beyond the required one, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// The roles `x_0, x_1, x_2, x_3, y_1, y_2` that nodes play; what each adds to the differences.
+/// Nodes `x_0, x_1, x_2, x_3, y_1, y_2` of a contact element, and the coefficient of each in the difference vectors `[6 x 5]`.
 const ROLES: usize = 6;
 #[rustfmt::skip]
 const SHARES: [[f64; DIFFERENCES]; ROLES] = [
@@ -58,13 +57,13 @@ const SHARES: [[f64; DIFFERENCES]; ROLES] = [
 pub struct AveragedMortar {
     sides: Sides,
     search: PairSearch,
-    /// For each secondary facet, the nodes before and after it, up to a sharp corner.
+    /// Nodes before and after each secondary facet; `None` across a corner sharper than 45 degrees and at ends of chains.
     neighbors: Vec<[Option<u32>; 2]>,
     pairs: Vec<Pair>,
     start: Vec<Start>,
 }
 
-/// A candidate pair: for each role the place of its node in the patch, if there is one.
+/// Candidate facet pair: index of each of the six nodes in the contact element; `None` for a missing neighbor.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     roles: [Option<u8>; ROLES],
@@ -72,14 +71,14 @@ struct Pair {
     profiles: Option<PairProfiles>,
 }
 
-/// State of a facet pair at the start of the step.
+/// Positions and weighted gaps of a facet pair at the start of the step.
 #[derive(Clone, Debug)]
 struct Start {
     positions: Vec<f64>,
     value: Option<Values<f64>>,
 }
 
-/// First and second derivatives of a function of a patch.
+/// Gradient and Hessian of a function of a contact element.
 #[derive(Clone, Debug, Default)]
 struct Derivatives {
     gradient: Vec<f64>,
@@ -87,7 +86,7 @@ struct Derivatives {
 }
 
 impl AveragedMortar {
-    /// Contact of two surfaces given by their facets (node numbers of the model, the body on the left), sized in the reference positions.
+    /// Contact of two surfaces given by their facets (model node numbers, the body on the left), sized in the reference positions.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
@@ -95,12 +94,12 @@ impl AveragedMortar {
         AveragedMortar { sides, search, neighbors, pairs: Vec::new(), start: Vec::new() }
     }
 
-    /// Positions of the nodes of patch `p`.
+    /// Positions of the nodes of contact element `p`.
     fn gather(&self, p: usize, q: &[f64]) -> Vec<f64> {
         self.sides.patches.nodes(p).iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
     }
 
-    /// Sums a function of all near pairs at `q` into their secondary nodes.
+    /// Sum over all facet pairs within the search horizon at `q` of `part`, per secondary node.
     fn sum(&self, q: &[f64], part: impl Fn(Pair, &[f64]) -> Option<Values<f64>>) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.secondary.nodes().len()];
         for (p, pair) in self.pairs.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
@@ -112,8 +111,8 @@ impl AveragedMortar {
     }
 }
 
-/// The nodes before and after a facet on its chain, where the surface is smooth in the reference positions: a normal averaged over a sharp
-/// corner is that of neither side, and what lies beside the corner would seem to lie in front of it.
+/// Nodes before and after a facet on its chain, where the surface is smooth in the reference positions. A normal averaged over a sharp
+/// corner belongs to neither facet, and points beside the corner would count as points in front of it.
 fn neighbors(surface: &Surface, facet: usize, reference: &[f64]) -> [Option<u32>; 2] {
     let facets = surface.facets();
     let along = |facet: usize| {
@@ -130,7 +129,7 @@ fn neighbors(surface: &Surface, facet: usize, reference: &[f64]) -> [Option<u32>
 }
 
 impl Pair {
-    /// The differences at the positions of the patch's nodes.
+    /// Difference vectors of the node positions `z`.
     fn differences<T: Number>(self, z: &[T]) -> [T; VARIABLES] {
         let mut differences = [T::from(0.0); VARIABLES];
         for (role, shares) in self.roles.iter().zip(SHARES) {
@@ -144,7 +143,7 @@ impl Pair {
         differences
     }
 
-    /// Whether there is a facet before and one after.
+    /// Existence of a neighbor before and after the secondary facet.
     fn has_neighbors(self) -> [bool; 2] {
         [self.roles[0].is_some(), self.roles[3].is_some()]
     }
@@ -157,7 +156,7 @@ impl Pair {
         weighted_gaps(&self.differences(z), self.has_neighbors(), self.profiles.as_ref()).map(|gaps| gaps.covered)
     }
 
-    /// Values and gradients of both functions, the gradients one after the other.
+    /// Values and gradients of both weighted gaps; the gradients are concatenated.
     fn gradients(self, z: &[f64]) -> Option<(WeightedGaps<f64>, Vec<f64>)> {
         let differences = self.differences(z);
         let variables = std::array::from_fn(|i| DualSVec64::<VARIABLES>::from_re(differences[i]).derivative(i));
@@ -169,7 +168,7 @@ impl Pair {
         Some((WeightedGaps { gap: gaps.gap.map(|gap| gap.re), covered: gaps.covered.map(|length| length.re) }, gradients))
     }
 
-    /// Derivatives of `weights[0] Phi_1 + weights[1] Phi_2`; zero without overlap.
+    /// Gradient and Hessian of `weights[0] Phi_1 + weights[1] Phi_2`; zero without overlap.
     fn weighted_into(self, z: &[f64], weights: Values<f64>, out: &mut Derivatives) {
         out.gradient.clear();
         out.gradient.resize(z.len(), 0.0);
@@ -184,7 +183,7 @@ impl Pair {
             self.pull_back(&std::array::from_fn(|i| gradient[i]), &mut out.gradient);
         }
         let num_dual::Derivative(Some(hessian)) = sum.v2 else { return };
-        // One side at a time: columns of the variables, then rows.
+        // Chain rule `H = S^T H_d S` with the coefficients `S`: first the rows, then the columns.
         let width = z.len();
         for variable in 0..VARIABLES {
             let mut column = vec![0.0; width];
@@ -198,7 +197,7 @@ impl Pair {
         }
     }
 
-    /// Adds a gradient with respect to the differences as one with respect to the nodes.
+    /// Adds a gradient with respect to the difference vectors, transformed to the node positions.
     fn pull_back(self, gradient: &[f64; VARIABLES], out: &mut [f64]) {
         for (role, shares) in self.roles.iter().zip(SHARES) {
             let Some(place) = role else { continue };
@@ -211,7 +210,7 @@ impl Pair {
     }
 }
 
-/// Slip over the overlap of the averaged normals, along the tangent across them.
+/// Slip integrated over the overlap, along the tangent perpendicular to the averaged normal.
 impl SlipRows for AveragedMortar {
     fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
         places.extend(0..self.sides.patches.nodes(p).len());

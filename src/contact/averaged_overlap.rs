@@ -1,11 +1,11 @@
-//! The overlap of two facets along averaged normals, for any number type: where it is, its points, and weighted gaps over it.
+//! Overlap of two facets along averaged normals: limits, quadrature points, weighted gaps, generic in the number type (`averaged.rs`).
 
 use super::numbers::Number;
 use super::profile::{PairProfiles, Profile};
 use crate::elements::GAUSS;
 use crate::math::tolerances::FACING;
 
-/// Differences that the functions depend on: the facet before, the facet, the facet after, both primary nodes from `x_1`.
+/// Difference vectors: facet before, facet, facet after, and both primary nodes relative to `x_1`.
 pub(super) const DIFFERENCES: usize = 5;
 pub(super) const VARIABLES: usize = 2 * DIFFERENCES;
 
@@ -23,10 +23,10 @@ const FIVE: [(f64, f64); 5] = {
     points
 };
 
-/// Values of the two functions of a pair.
+/// One value per secondary node of the facet.
 pub(super) type Values<T> = [T; 2];
 
-/// Weighted gaps and covered lengths of a pair.
+/// Weighted gaps and covered lengths of a facet pair, per secondary node.
 pub(super) struct WeightedGaps<T> {
     pub(super) gap: Values<T>,
     pub(super) covered: Values<T>,
@@ -43,8 +43,8 @@ pub(super) fn unit<T: Number>(a: Vector<T>) -> Vector<T> {
     [a[0] * inverse, a[1] * inverse]
 }
 
-/// Outward normal at the node between a facet and another one, by their directions; the facet's own without the other, or where they fold
-/// back.
+/// Outward normal at the node between two facets with directions `own` and `other`: normalized mean of both. The facet's own normal without
+/// a neighbor, or where the two normals nearly cancel (folded surface).
 pub(super) fn normal<T: Number>(own: Vector<T>, other: Vector<T>, has_other: bool) -> Vector<T> {
     let own = unit(own);
     let mean = if has_other {
@@ -58,40 +58,40 @@ pub(super) fn normal<T: Number>(own: Vector<T>, other: Vector<T>, has_other: boo
     [y, -x]
 }
 
-/// Where the facets of a pair lie opposite each other.
+/// Overlap of a secondary facet with a primary facet along the averaged normals.
 pub(super) struct Opposite<T> {
-    /// The secondary facet, and the primary nodes from its first one.
+    /// Secondary facet vector `x_2 - x_1`, and primary nodes relative to `x_1`.
     pub(super) t: Vector<T>,
     pub(super) y: [Vector<T>; 2],
-    /// Normal at the first secondary node, and its change along the facet.
+    /// Normal at the first secondary node, and its change `n_2 - n_1` along the facet.
     pub(super) normal: Vector<T>,
     pub(super) turn: Vector<T>,
     pub(super) length: T,
-    /// Middle and half length of the overlap in the secondary coordinate.
+    /// Middle and half length of the overlap in the secondary coordinate `s`.
     pub(super) middle: T,
     pub(super) half: T,
 }
 
-/// A point of the secondary facet with the one opposite.
+/// Quadrature point of the overlap with its opposite primary point.
 pub(super) struct Point<T> {
-    /// Part of the area.
+    /// Integration weight `[length]`.
     pub(super) measure: T,
     pub(super) shapes: Values<T>,
-    /// Averaged normal, and the distance of the opposite point along it, over its length.
+    /// Averaged normal `n(s)` (not normalized), and distance of the opposite point along it in lengths of `n`.
     pub(super) normal: Vector<T>,
     pub(super) alpha: T,
-    /// Coordinate of the opposite point between the primary nodes.
+    /// Coordinate of the opposite point on the primary facet, 0 to 1.
     pub(super) opposite: T,
 }
 
 impl<T: Number> Opposite<T> {
-    /// From the differences of a pair; `None` where facets do not face each other or do not overlap.
+    /// Overlap from the difference vectors; `None` where the facets do not face each other or do not overlap.
     pub(super) fn new(z: &[T; VARIABLES], has: [bool; 2]) -> Option<Self> {
         let vector = |k: usize| [z[2 * k], z[2 * k + 1]];
         let [before, t, after, y_1, y_2] = std::array::from_fn(vector);
         let (n_1, n_2) = (normal(t, before, has[0]), normal(t, after, has[1]));
         let turn = [n_2[0] - n_1[0], n_2[1] - n_1[1]];
-        // (y - s t) x (n_1 + s turn) = 0, the root that tends to the linear one as the normals become parallel.
+        // (y - s t) x (n_1 + s turn) = 0; the root that tends to the linear one as the normals become parallel.
         let opposite = |y: Vector<T>| {
             let (a, b, c) = (-cross(t, turn), cross(y, turn) - cross(t, n_1), cross(y, n_1));
             let discriminant = b * b - (a * c) * 4.0;
@@ -111,7 +111,7 @@ impl<T: Number> Opposite<T> {
         Some(Opposite { t, y: [y_1, y_2], normal: n_1, turn, length, middle: (a + b) * 0.5, half: (b - a) * 0.5 })
     }
 
-    /// Gauss points of the overlap: three between straight facets, five between curved ones, whose gaps are of higher degree.
+    /// Gauss points of the overlap: three between straight facets, five between curved ones, whose integrands have a higher degree.
     pub(super) fn points(&self, is_curved: bool) -> impl Iterator<Item = Point<T>> {
         let [y_1, y_2] = self.y;
         let along = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
@@ -133,8 +133,8 @@ impl<T: Number> Opposite<T> {
     }
 }
 
-/// Distance from a facet to its curve along a line of sight of direction `n`, in lengths of `n`; `facet` is the vector along the facet,
-/// the body on its left, and `xi` the facet coordinate at which the line crosses it.
+/// Distance from a facet to its curve along the direction `n` from the facet point `xi`, in lengths of `n`. `facet` is the facet vector,
+/// the body on its left.
 fn distance_to_curve<T: Number>(profile: &Profile, facet: Vector<T>, xi: T, n: Vector<T>) -> T {
     let square = facet[0] * facet[0] + facet[1] * facet[1];
     let along = (n[0] * facet[0] + n[1] * facet[1]) / square;
@@ -142,14 +142,14 @@ fn distance_to_curve<T: Number>(profile: &Profile, facet: Vector<T>, xi: T, n: V
     profile.at(profile.seen_at(xi, along / outwards))[0] / outwards
 }
 
-/// The functions of a pair from its differences; `None` where facets do not face each other or do not overlap.
+/// Weighted gaps and covered lengths from the difference vectors; `None` where the facets do not face each other or do not overlap.
 pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2], profiles: Option<&PairProfiles>) -> Option<WeightedGaps<T>> {
     let zero = T::from(0.0);
     let mut gaps = WeightedGaps { gap: [zero; 2], covered: [zero; 2] };
     let overlap = Opposite::new(z, has)?;
     let [y_1, y_2] = overlap.y;
     let primary = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
-    // Profiles of primary facets begin at the second node.
+    // A secondary normal meets the primary facet in reverse order: profiles of primary facets begin at the second node.
     let curves = profiles.map(|PairProfiles([own, other])| [*own, other.reversed()]);
     for Point { measure, shapes, normal: n, mut alpha, opposite } in overlap.points(profiles.is_some()) {
         if let Some([own, other]) = &curves {

@@ -1,26 +1,25 @@
-//! Corners of plane surfaces: nodes at which a surface is bent so much that weighted gaps alone would let them in.
+//! Corners and bends of plane surfaces, at which weighted gaps admit too much penetration: `node_to_segment.rs` constrains their nodes.
 
 use super::surface::Surface;
 
-/// Cosine of the turn of a surface above which it has a corner, 20 degrees: a constraint of a node at a smooth bend would keep the surfaces
-/// apart that weighted gaps bring together.
+/// Cosine of the angle between adjacent facets, 20 degrees, above which a node is a corner. Nodal constraints at smoother bends would hold
+/// surfaces apart that weighted gaps bring into contact.
 const CORNER: f64 = 0.9397;
 
-/// Cosine of the turn of a bend that weighted gaps let in too far where another one lies opposite, 12 degrees: two of 20 meet with a depth
-/// of a seventh of a facet.
+/// Cosine of the angle between adjacent facets, 12 degrees, above which a node is a bend. Two bends of 20 degrees that meet penetrate by a
+/// seventh of a facet with weighted gaps alone.
 const BEND: f64 = 0.978;
 
-/// Slack of the constraints of such bends over that of corners: they leave alone what weighted gaps let in at a single bend.
+/// Admitted overlap of constraints at bends over that of corners; weighted gaps admit less penetration at a single bend.
 const BEND_SLACK: f64 = 3.5;
 
-/// Cosine of the turn of a corner where the contact itself constrains single nodes, 10 degrees: no weighted gap sees nodes of its other
-/// side.
+/// Cosine of the corner angle, 10 degrees, for methods with nodal constraints: without a weighted gap nothing constrains the primary nodes.
 const CORNER_BESIDE_NODES: f64 = 0.985;
 
-/// Cosine of the turn down to which a corner in the reference positions stays one while the body yields, 2 degrees.
+/// Cosine of the angle, 2 degrees, down to which a corner of the reference positions remains one as the body deforms.
 const BENT: f64 = 0.9994;
 
-/// Corners of both sides of a contact.
+/// Corners and bends of both sides of a contact.
 #[derive(Clone, Debug)]
 pub struct Bends {
     sharp: BentNodes,
@@ -28,26 +27,27 @@ pub struct Bends {
 }
 
 impl Bends {
-    /// Corners in the reference positions. `is_beside_nodes`: the contact constrains single nodes.
+    /// Corners and bends in the reference positions. `is_beside_nodes`: the contact method has nodal constraints.
     pub fn new(sides: [&Surface; 2], reference: &[f64], is_beside_nodes: bool) -> Self {
         let cosines = if is_beside_nodes { [CORNER_BESIDE_NODES; 2] } else { [CORNER, BEND] };
         let [sharp, blunt] = cosines.map(|cosine| BentNodes::new(sides, reference, cosine));
         Bends { sharp, blunt }
     }
 
-    /// True if a node of either side is bent in the reference positions that is no end of a chain.
+    /// True if a node of either side inside of a chain is a corner or bend in the reference positions.
     pub fn has_inner_corner(&self, sides: [&Surface; 2]) -> bool {
         let within = |(side, bends): (&Surface, &Vec<bool>)| bends.iter().zip(side.ends()).any(|(bent, end)| *bent && !end);
         sides.into_iter().zip(&self.blunt.reference).any(within)
     }
 
-    /// Finds the corners at the positions `q`.
+    /// Updates corners and bends for the positions `q`.
     pub fn find(&mut self, sides: [&Surface; 2], q: &[f64]) {
         self.sharp.find(sides, q);
         self.blunt.find(sides, q);
     }
 
-    /// Slack of the constraint of a secondary node opposite these primary facets over that of a corner; `None` where neither side is bent.
+    /// Slack of the constraint of secondary node `point` opposite the primary `facets`, relative to that of a corner. `None` if neither
+    /// side is bent there.
     pub fn slack_beside(&self, point: usize, facets: &[u32], primary: &Surface) -> Option<f64> {
         if self.sharp.are_at(point, facets, primary) {
             return Some(1.0);
@@ -56,10 +56,10 @@ impl Bends {
     }
 }
 
-/// Nodes of both sides at which the surfaces turn by more than an angle.
+/// Nodes of both sides at which adjacent facets turn by more than an angle.
 #[derive(Clone, Debug)]
 struct BentNodes {
-    /// Cosine of the angle.
+    /// Cosine of the smallest angle.
     cosine: f64,
     /// Bent nodes in the reference positions.
     reference: [Vec<bool>; 2],
@@ -80,7 +80,7 @@ impl BentNodes {
         }
     }
 
-    /// True if the secondary node, or a node of some primary facets, is bent.
+    /// True if secondary node `point`, or a node of the primary `facets`, is bent.
     fn are_at(&self, point: usize, facets: &[u32], other: &Surface) -> bool {
         let [own, others] = &self.now;
         own[point] || facets.iter().any(|&facet| other.local_facets()[facet as usize].iter().any(|&node| others[node as usize]))

@@ -1,15 +1,14 @@
-//! The gap of a point to a chain of straight facets as one continuous function of all their positions.
+//! Gap of a point to a chain of straight facets as a continuous function of all positions; geometry of `node_patch.rs`.
 //!
-//! The closest point of the chain (clamped coordinate) decides which facet measures: its normal distance `g = n.(x - y_1)`, with the
-//! outward normal `n` on the right of the facet (the body is on the left). Where the closest point is a vertex, the body near it is the
-//! intersection of two half planes at a convex corner and their union at a concave one, so the gap is the larger or the smaller of the two
-//! normal distances. No distance to a vertex, hence no square root of it: the function is linear through zero. It is continuous wherever
-//! the closest point is, and where it jumps between facets that look at the same side.
+//! The facet with the closest point defines the gap `g = n.(x - y_1)`, with the outward normal `n` on the right of the facet (the body is
+//! on the left). If the closest point is a vertex, the body near it is the intersection of two half planes at a convex corner and their
+//! union at a concave one: the gap is the larger or the smaller of both normal distances. No distance to a vertex enters: the gap is smooth
+//! through zero. It is continuous where the closest point is, or jumps between facets with the point on the same side.
 //!
-//! Where a facet has a height profile, the gap is that to its curve, `n.(x - y_1) - l p(s)`.
+//! With a height profile `p` of the facet the gap is the distance to the curve, `n.(x - y_1) - l p(s)`.
 //!
-//! Beyond the end of a chain there is nothing to touch: the gap is that of the end facet's continuation where that is open, else zero, and
-//! not covered. A point just opposite the end, up to round-off, is.
+//! Beyond the end of a chain the gap is the distance to the continuation of the end facet where that is positive, else zero, and the point
+//! is not covered. A point opposite the end up to round-off is covered.
 
 use nalgebra::SVector;
 
@@ -17,11 +16,11 @@ use super::numbers::Number;
 use super::profile::Profile;
 use crate::math::tolerances::CHAIN_END;
 
-/// Positions and connections of the facets, as a function of the point's patch: nodes `(x, y_1, y_2, ...)`.
+/// Facets and their connections, in node indices of the contact element `(x, y_1, y_2, ...)`: the point is node 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     facets: Vec<[u32; 2]>,
-    /// Facet that ends where this one starts, and facet that starts where this one ends; `NONE` at an end of the chain.
+    /// Facet that ends at the first node of this one, and facet that starts at its second node; `NONE` at an end of the chain.
     neighbors: Vec<[u32; 2]>,
     /// Height profiles of the facets; empty for straight facets.
     profiles: Vec<Profile>,
@@ -29,21 +28,21 @@ pub struct Chain {
 
 const NONE: u32 = u32::MAX;
 
-/// Which facet measures the gap, and whether the point has an opposite at all.
+/// Gap of the point, and the facet or node that defines it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {
     /// Index of the facet in the chain.
     pub facet: u32,
     /// Normal distance to that facet `[length]`.
     pub gap: f64,
-    /// Whether the closest point is not an end of the chain.
+    /// True unless the closest point is beyond an end of the chain.
     pub covered: bool,
-    /// Where the gap is the distance from a node instead: which one in the patch, and 1 in front of it or -1 behind it.
+    /// Node index in the contact element if the gap is a distance from a node, with the sign of the gap: 1 in front of it, -1 behind.
     pub vertex: Option<(u32, f64)>,
 }
 
 impl Chain {
-    /// The chain of these facets, in indices of the patch's nodes (the point is node 0).
+    /// Chain of these facets in node indices of the contact element (the point is node 0).
     pub fn new(facets: Vec<[u32; 2]>) -> Self {
         let find = |side: usize, node: u32| {
             let found = facets.iter().position(|facet| facet[side] == node);
@@ -53,17 +52,17 @@ impl Chain {
         Chain { facets, neighbors, profiles: Vec::new() }
     }
 
-    /// A chain whose facets have these height profiles.
+    /// Adds height profiles of the facets.
     pub fn with_profiles(self, profiles: Vec<Profile>) -> Self {
         Chain { profiles, ..self }
     }
 
-    /// The facets.
+    /// Facets in node indices of the contact element.
     pub fn facets(&self) -> &[[u32; 2]] {
         &self.facets
     }
 
-    /// Its facets that follow each other, with their nodes in that order.
+    /// Pairs of facets that follow each other, with their three nodes in order.
     pub fn corners(&self) -> impl Iterator<Item = ([u32; 2], [u32; 3])> {
         let pairs = self.neighbors.iter().enumerate().filter(|(_, [_, next])| *next != NONE);
         pairs.map(|(facet, &[_, next])| {
@@ -72,16 +71,15 @@ impl Chain {
         })
     }
 
-    /// What measures the gap at the positions `z` of the patch; facets that are not `admitted` cannot be the closest. `None` where the
-    /// function vanishes identically.
+    /// Gap at the node positions `z`. Only `admitted` facets can be the closest. `None` where the function vanishes identically.
     pub fn measure(&self, z: &[f64], admitted: &[bool]) -> Option<Measure> {
         let facets = (0..self.facets.len()).filter(|&index| admitted[index]);
         let (index, s) = self.closest(facets.map(|index| (index, [0.0, 1.0])), z)?;
         self.measure_at(index, s, z)
     }
 
-    /// What measures the gap to the part of the chain on one side of a vertex at the positions `z`: the facet goes on as a straight line
-    /// beyond its end `vertex` (0 or 1), at the other end the chain as it is, as far as facets are `admitted`.
+    /// Gap to one branch of the chain at a vertex, at the node positions `z`. The branch consists of the facet, continued as a straight
+    /// line beyond its end `vertex` (0 or 1), and of the `admitted` facets that follow at its other end.
     pub fn measure_branch(&self, [facet, vertex]: [u32; 2], z: &[f64], admitted: &[bool]) -> Option<Measure> {
         let (first, end) = (facet as usize, vertex as usize);
         let next = |&index: &usize| {
@@ -99,7 +97,7 @@ impl Chain {
         }
     }
 
-    /// The closest of some facets, each with the range of its coordinate, and the coordinate of its closest point.
+    /// Closest facet among `facets`, each with the admissible range of its coordinate, and the coordinate of the closest point.
     fn closest(&self, facets: impl Iterator<Item = (usize, [f64; 2])>, z: &[f64]) -> Option<(usize, f64)> {
         let mut closest = (f64::INFINITY, 0, 0.0);
         for (index, [low, high]) in facets {
@@ -113,14 +111,14 @@ impl Chain {
         closest.0.is_finite().then_some((closest.1, closest.2))
     }
 
-    /// Coordinate of the point's projection on a facet, 0 to 1 between its ends.
+    /// Coordinate of the orthogonal projection of the point on a facet, 0 to 1 between its ends.
     fn coordinate(&self, index: usize, z: &[f64]) -> f64 {
         let (t, d) = self.offsets(index, z);
         let square = t[0] * t[0] + t[1] * t[1];
         if square > 0.0 { (t[0] * d[0] + t[1] * d[1]) / square } else { 0.0 }
     }
 
-    /// What measures the gap where the closest point is that of coordinate `s` on a facet.
+    /// Gap if the closest point has the coordinate `s` on the facet.
     fn measure_at(&self, index: usize, s: f64, z: &[f64]) -> Option<Measure> {
         let own = self.line(index as u32, z);
         if s > 0.0 && s < 1.0 {
@@ -139,20 +137,21 @@ impl Chain {
         Some(if (other.gap > own.gap) == convex { other } else { own })
     }
 
-    /// Distance of the point from a facet, to its ends where it is beside it.
+    /// Distance of the point from a facet, from its nearer end beyond the facet `[length]`.
     pub fn distance(&self, facet: u32, z: &[f64]) -> f64 {
         let s = self.coordinate(facet as usize, z).clamp(0.0, 1.0);
         let (t, d) = self.offsets(facet as usize, z);
         (d[0] - s * t[0]).hypot(d[1] - s * t[1])
     }
 
-    /// The distance from the line of a facet.
+    /// Normal distance of the point from the line of a facet.
     pub fn line(&self, facet: u32, z: &[f64]) -> Measure {
         Measure { facet, gap: self.gap(facet as usize, z), covered: true, vertex: None }
     }
 
-    /// The distance of the point from the only facet of a chain, less a radius: that from its line beside it, that from its nearer node
-    /// beyond it, where the gradient is the same. What is behind the facet, or within the body at a concave corner, counts as negative.
+    /// Distance of a disk about the point from the only facet of the chain `[length]`: normal distance less the radius, beyond the facet
+    /// distance to its nearer node less the radius. Both have the same gradient at the transition. The distance is negative behind the
+    /// facet, and inside of the body at a concave corner.
     pub fn distance_of_disk(&self, z: &[f64], is_concave: [bool; 2], radius: f64) -> Option<Measure> {
         let &facet = self.facets.first()?;
         let (t, d) = self.offsets(0, z);
@@ -166,8 +165,8 @@ impl Chain {
         Some(Measure { gap, vertex: Some((facet[end], sign)), ..line })
     }
 
-    /// A facet and its neighbor at the end that is nearer to the point, ascending, each with the end at which they meet, where that is a
-    /// concave corner that turns by more than an angle of this sine.
+    /// Both facets of the concave corner at the end of `facet` that is nearer to the point, ascending, each with its end (0 or 1) at the
+    /// corner. `None` if the corner is convex, or the sine of its angle is at most `sine`.
     pub fn pocket(&self, facet: u32, z: &[f64], sine: f64) -> Option<[[u32; 2]; 2]> {
         let t = self.offsets(facet as usize, z).0;
         let side = usize::from(self.coordinate(facet as usize, z) >= 0.5);
@@ -182,13 +181,13 @@ impl Chain {
         (if side == 1 { turn < -sine } else { turn > sine }).then_some(branches)
     }
 
-    /// Vector along a facet, and from its first node to the point.
+    /// Facet vector, and vector from its first node to the point.
     fn offsets(&self, facet: usize, z: &[f64]) -> ([f64; 2], [f64; 2]) {
         let [a, b] = self.facets[facet].map(|node| 2 * node as usize);
         ([z[b] - z[a], z[b + 1] - z[a + 1]], [z[0] - z[a], z[1] - z[a + 1]])
     }
 
-    /// Normal distance of the point from a facet, less the height of its curve.
+    /// Normal distance of the point from a facet, less the height of its curve `[length]`.
     fn gap(&self, facet: usize, z: &[f64]) -> f64 {
         if let Some((profile, variables)) = self.curve(facet, z) {
             return gap_to_curve(profile, variables);
@@ -197,14 +196,14 @@ impl Chain {
         (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1])
     }
 
-    /// Arguments of [`gap_to_curve`] for a curved facet at the positions `z`; `None` for a straight one.
+    /// Arguments of [`gap_to_curve`] for a curved facet at the node positions `z`; `None` for a straight one.
     fn curve(&self, facet: usize, z: &[f64]) -> Option<(&Profile, SVector<f64, 4>)> {
         let profile = self.profiles.get(facet).filter(|profile| !profile.is_flat())?;
         let (t, d) = self.offsets(facet, z);
         Some((profile, SVector::from([t[0], t[1], d[0], d[1]])))
     }
 
-    /// Adds `weight` times the gradient of what a measure measures to `out`.
+    /// Adds `weight` times the gradient of the gap to `out`.
     pub fn add_gradient(&self, measure: &Measure, z: &[f64], weight: f64, out: &mut [f64]) {
         if let Some((vertex, sign)) = measure.vertex {
             let (normal, _) = direction(vertex, z);
@@ -229,7 +228,7 @@ impl Chain {
         }
     }
 
-    /// Adds `weight` times the Hessian of what a measure measures to `out`, row by row over the patch.
+    /// Adds `weight` times the Hessian of the gap to `out`, row by row over the contact element.
     pub fn add_hessian(&self, measure: &Measure, z: &[f64], weight: f64, out: &mut [f64]) {
         let unknowns = z.len();
         if let Some((vertex, sign)) = measure.vertex {
@@ -277,7 +276,7 @@ impl Chain {
         }
     }
 
-    /// The point and the nodes of a facet in the patch.
+    /// Node indices of the point and of a facet in the contact element.
     fn nodes(&self, facet: usize) -> [usize; 3] {
         let [a, b] = self.facets[facet].map(|node| node as usize);
         [0, a, b]
@@ -301,8 +300,8 @@ impl Chain {
 /// Derivatives of `t = y_2 - y_1` and `d = x - y_1` with respect to `x`, `y_1`, `y_2`.
 const OF_VARIABLES: [[f64; 2]; 3] = [[0.0, 1.0], [-1.0, -1.0], [1.0, 0.0]];
 
-/// Normal distance of a point from a facet less the height of its curve, which continues along its tangents beyond the ends; variables are
-/// the vector `t` along the facet and the vector `d` from its first node to the point.
+/// Normal distance of a point from a facet less the height of its curve. The curve continues along its tangents beyond the ends. Variables
+/// are the facet vector `t` and the vector `d` from its first node to the point.
 fn gap_to_curve<T: Number>(profile: &Profile, variables: SVector<T, 4>) -> T {
     let [t_x, t_y, d_x, d_y] = variables.data.0[0];
     let square = t_x * t_x + t_y * t_y;
@@ -310,7 +309,7 @@ fn gap_to_curve<T: Number>(profile: &Profile, variables: SVector<T, 4>) -> T {
     (t_y * d_x - t_x * d_y) / length - length * profile.continued((t_x * d_x + t_y * d_y) / square)
 }
 
-/// Unit vector from a node of the patch to the point, and the distance.
+/// Unit vector from a node of the contact element to the point, and their distance.
 fn direction(vertex: u32, z: &[f64]) -> ([f64; 2], f64) {
     let node = 2 * vertex as usize;
     let d = [z[0] - z[node], z[1] - z[node + 1]];
@@ -318,7 +317,7 @@ fn direction(vertex: u32, z: &[f64]) -> ([f64; 2], f64) {
     (d.map(|d| d / length), length)
 }
 
-/// A facet as seen from the point.
+/// Local frame of a facet with the coordinates of the point in it.
 struct Frame {
     nodes: [usize; 3],
     normal: [f64; 2],
@@ -336,7 +335,7 @@ mod tests {
 
     use super::*;
 
-    /// Two facets of unit length that meet at the origin: the body below them, the first along x, the second turned by `angle` to the left.
+    /// Two facets of unit length that meet at the origin: the first along x, the second turned by `angle` to the left, the body below.
     fn corner(angle: f64, x: [f64; 2]) -> (Chain, [f64; 8]) {
         // Traversed from right to left: the body, on the left, is below.
         (Chain::new(vec![[1, 2], [2, 3]]), [x[0], x[1], 1.0, 0.0, 0.0, 0.0, -angle.cos(), -angle.sin()])
@@ -354,7 +353,7 @@ mod tests {
         fn the_gap_is_continuous_around_convex_and_concave_corners(
             angle in -1.2..1.2f64, radius in 0.01..0.4f64, around in 0.0..std::f64::consts::TAU,
         ) {
-            // Along a circle about the corner: a change of angle of 1e-7 moves the point by 1e-7 radius, whatever facet measures.
+            // On a circle about the corner a change of angle of 1e-7 moves the point by 1e-7 radius.
             let at = |phi: f64| gap(angle, [radius * phi.cos(), radius * phi.sin()]);
             prop_assert!((at(around + 1e-7) - at(around)).abs() < 1.1e-7 * radius);
         }
@@ -391,7 +390,7 @@ mod tests {
         }
     }
 
-    /// A disk about the point: beside the facet, beyond either end in front of it, and behind it at a concave corner.
+    /// Disk about the point: opposite the facet, beyond either end in front of it, and behind it at a concave corner.
     #[test]
     fn the_distance_of_a_disk_has_no_kink_at_the_ends_and_exact_derivatives() {
         let chain = Chain::new(vec![[1, 2]]);
@@ -440,8 +439,8 @@ mod tests {
         assert!((gap(-quarter, [-0.1, -0.3]) + 0.3).abs() < 1e-16);
     }
 
-    /// A dent of two facets that turn by a right angle, the chain going on flat on the right: a branch knows nothing of the other one,
-    /// goes on as a line beyond the vertex, and follows the chain at its far end.
+    /// Dent of two facets that turn by a right angle; the chain continues flat on the right. A branch is independent of the other one,
+    /// continues as a line beyond the vertex, and follows the chain at its far end.
     #[test]
     fn a_branch_goes_on_as_a_line_beyond_its_vertex() {
         let chain = Chain::new(vec![[1, 2], [2, 3], [3, 4]]);

@@ -1,6 +1,7 @@
-//! What is suspicious about two surfaces before anything is computed: findings with names, numbers and hints.
+//! Findings about the surfaces of a contact before the first step, with names, numbers and hints: reversed or repeated facets, surfaces
+//! that face away, coarse secondary sides, coarse press fits, ties without a partner.
 //!
-//! A finding is no error: each describes a pair that can be simulated, but hardly what was meant.
+//! A finding is a warning: the pair can be simulated, but hardly as intended.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -12,35 +13,35 @@ use super::surface::Surface;
 use crate::math::digits::three_digits;
 use crate::math::norms::length;
 
-/// Ratio of mean facet lengths, secondary over primary, above which the secondary surface is called too coarse.
+/// Ratio of mean facet lengths, secondary over primary, above which the secondary surface counts as too coarse.
 const COARSE: f64 = 3.0;
 
-/// Cosine of the angle between the normals of a facet and of an obstacle, with its sign turned, up to which the facet does not look at the
-/// obstacle: 84 degrees. A side of a block that stands a little tilted on a plane does not.
+/// Largest `-cos` of the angle between the outward normals of a facet and of an obstacle at which the facet does not face the obstacle: 84
+/// degrees. The side of a block that stands slightly tilted on a plane does not face it.
 const FACES: f64 = 0.1;
 
-/// A surface with the name that messages give it.
+/// A surface with its name in messages.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedSurface<'a> {
-    /// `body.boundary`.
+    /// Name `body.boundary`.
     pub name: &'a str,
-    /// Its facets.
+    /// Facets of the boundary.
     pub surface: &'a Surface,
 }
 
-/// Something suspicious about a contact pair.
+/// Suspicious property of a contact pair.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
-    /// Facets that meet in a node run in opposite directions: one of them has its normal reversed.
+    /// Facets that meet in a node run in opposite directions: one normal is reversed.
     ReversedNormals {
         /// Name of the surface.
         surface: String,
-        /// Number of nodes at which directions clash.
+        /// Number of nodes with opposite directions.
         nodes: usize,
-        /// The first of them (number in the model).
+        /// Model number of the first such node.
         first: u32,
-        /// Where it is `[length]`.
+        /// Position of the first such node `[length]`.
         at: [f64; 2],
     },
     /// A facet is listed twice.
@@ -49,27 +50,27 @@ pub enum Finding {
         surface: String,
         /// Number of facets that repeat an earlier one.
         count: usize,
-        /// Nodes of the first of them (numbers in the model).
+        /// Model node numbers of the first repeated facet.
         nodes: [u32; 2],
-        /// The middle of that facet `[length]`.
+        /// Middle of the first repeated facet `[length]`.
         at: [f64; 2],
     },
-    /// No secondary facet has a primary facet in front of it that looks back.
+    /// No secondary facet has a primary facet in front of it whose normal points back.
     FacingAway {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// Mean cosine of the angle between the normals of nearest facets: -1 face to face, 1 looking the same way.
+        /// Mean cosine of the angle between the normals of nearest facets: -1 face to face, 1 equal directions.
         cosine: f64,
         /// Mean distance to the nearest primary facet along the secondary normal, negative behind `[length]`.
         distance: f64,
     },
-    /// No secondary facet looks at the rigid obstacle.
+    /// No secondary facet faces the rigid obstacle.
     LooksAway {
         /// Name of the secondary surface.
         secondary: String,
-        /// Least cosine of the angle between the outward normals of a facet and of the obstacle: -1 face to face, 1 looking the same way.
+        /// Least cosine of the angle between the outward normals of a facet and of the obstacle: -1 face to face, 1 equal directions.
         cosine: f64,
     },
     /// The secondary surface is much coarser than the primary one.
@@ -83,42 +84,42 @@ pub enum Finding {
         /// Mean facet length of the primary surface `[length]`.
         primary_size: f64,
     },
-    /// Polygons on curves that fit are pressed into each other by much less than their facets' sagitta.
+    /// Polygons on matching curves whose interference is much smaller than the sagitta of their facets.
     Interlocking {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// The press fit and the sagitta.
+        /// Interference and sagitta.
         of: PolygonFit,
     },
-    /// Polygons on curves that fit overlap by much less, or more, than the curves.
+    /// Polygons on matching curves whose interference differs much from that of the curves.
     DistortedFit {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// The press fit, and what is lost of it.
+        /// Interference, and the part lost by the polygons.
         of: PolygonFit,
     },
-    /// Facets in space turn too far to be taken for the curves that are pressed into each other.
+    /// Facets in space whose bend angles are too large for height profiles of the curves that are pressed into each other.
     CoarseFit {
         /// Name of the secondary surface.
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// The press fit, and what is missed of it.
+        /// Interference, and the part that flat facets miss.
         of: PressFit,
     },
-    /// Secondary nodes of a tie that nothing lies opposite to.
+    /// Secondary nodes of a tie without an opposite primary point.
     Untied {
         /// Name of the tie.
         tie: String,
-        /// How many.
+        /// Number of such nodes.
         nodes: usize,
-        /// Of how many.
+        /// Number of all secondary nodes.
         of: usize,
-        /// Distance within which the tie holds `[length]`.
+        /// Largest distance between tied points `[length]`.
         reach: f64,
     },
 }
@@ -200,7 +201,7 @@ impl std::fmt::Display for Finding {
 }
 
 impl Finding {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable message code, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             Finding::ReversedNormals { .. } => "C0401",
@@ -215,17 +216,17 @@ impl Finding {
         }
     }
 
-    /// Whether it is that sides look at each other from behind.
+    /// True for surfaces that face each other, the primary one behind the secondary one.
     pub fn is_behind(&self) -> bool {
         matches!(self, Finding::FacingAway { cosine, .. } if *cosine < 0.0)
     }
 
-    /// Whether it leaves nothing of what was asked for: a tie that ties nothing.
+    /// True for a tie without any tied node.
     pub fn is_void(&self) -> bool {
         matches!(self, Finding::Untied { nodes, of, .. } if nodes == of)
     }
 
-    /// How to mend it, one sentence.
+    /// Suggested remedy, one sentence.
     pub fn hint(&self) -> String {
         match self {
             Finding::ReversedNormals { .. } => {
@@ -253,8 +254,7 @@ impl Finding {
     }
 }
 
-/// Everything suspicious about a contact pair with nodes at `q`, in a fixed order. A surface on both sides touches itself: it is only
-/// checked by itself.
+/// Findings about a contact pair with nodes at `q`, in a fixed order. Self-contact (equal surfaces) is checked as one surface.
 pub fn check_surfaces(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Vec<Finding> {
     let with_itself = secondary.surface == primary.surface;
     let mut findings = Vec::new();
@@ -274,7 +274,7 @@ fn reversed_normals(side: NamedSurface, q: &[f64]) -> Option<Finding> {
     let clashes = |index: usize| {
         let adjacent = surface.adjacent_facets(index);
         let starting = adjacent.iter().filter(|&&facet| surface.local_facets()[facet as usize][0] as usize == index).count();
-        // A node that a facet lists twice (same nodes, both ways) is a matter of duplicates.
+        // A node of a facet that is listed twice, once each way, belongs to `DuplicateFacets`.
         adjacent.len() == 2 && starting != 1 && distinct_facets(surface, adjacent)
     };
     let clashing: Vec<usize> = (0..surface.nodes().len()).filter(|&index| clashes(index)).collect();
@@ -301,7 +301,7 @@ fn duplicate_facets(side: NamedSurface, q: &[f64]) -> Option<Finding> {
     Some(Finding::DuplicateFacets { surface: side.name.into(), count: repeated.len(), nodes, at })
 }
 
-/// Middle, unit outward normal and size of each facet; in the plane the third components are zero.
+/// Middle, unit outward normal and size of each facet; third components are zero in the plane.
 fn frames(surface: &Surface, q: &[f64]) -> Vec<([f64; 3], [f64; 3], f64)> {
     let d = surface.dimension();
     let frame = |facet: usize| {
@@ -318,7 +318,7 @@ fn frames(surface: &Surface, q: &[f64]) -> Vec<([f64; 3], [f64; 3], f64)> {
     (0..surface.count()).map(frame).collect()
 }
 
-/// [`Finding::FacingAway`] of two surfaces in the plane or in space with nodes at `q`, if that is so.
+/// Finding [`Finding::FacingAway`] for two surfaces in the plane or in space with nodes at `q`.
 pub fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -> Option<Finding> {
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let (own, others) = (frames(secondary.surface, q), frames(primary.surface, q));
@@ -328,7 +328,7 @@ pub fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) ->
         let (nearest, other_normal, other_size) = others[tree.nearest_neighbor(*middle)?.data];
         let cosine = dot(normal, &other_normal);
         let ahead = dot(normal, &std::array::from_fn(|i| nearest[i] - middle[i]));
-        // An overlap by less than a facet is a press fit.
+        // A facet that overlaps by less than its size is pressed in.
         if cosine < 0.0 && ahead > -size.max(other_size) {
             return None;
         }
@@ -344,11 +344,11 @@ pub fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) ->
     })
 }
 
-/// [`Finding::LooksAway`] of a surface with nodes at `q` and an obstacle that is displaced by `shift`, if that is so.
+/// Finding [`Finding::LooksAway`] for a surface with nodes at `q` and an obstacle that is displaced by `shift`.
 pub fn looks_away(secondary: NamedSurface, obstacle: &Clearance, shift: [f64; 3], q: &[f64]) -> Option<Finding> {
     let mut least = f64::INFINITY;
     for (middle, normal, size) in frames(secondary.surface, q) {
-        // An overlap by less than a facet is a press fit.
+        // A facet that overlaps by less than its size is pressed in.
         let x = std::array::from_fn(|i| middle[i] - shift[i]);
         least = least.min(obstacle.least_cosine(x, normal, size));
         if least < -FACES {
@@ -376,7 +376,7 @@ fn coarse_secondary(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) -
 mod tests {
     use super::*;
 
-    /// Nodes along x at a height: `count` facets of length 1 from 0, the body below when `forward` is false.
+    /// Chain of `count` facets of unit length along x at a height, the body above; model node numbers start with `first`.
     fn strip(first: u32, count: u32, height: f64, q: &mut Vec<f64>) -> Vec<[u32; 2]> {
         q.extend((0..=count).flat_map(|i| [f64::from(i), height]));
         (first..first + count).map(|node| [node + 1, node]).collect()
@@ -410,7 +410,7 @@ mod tests {
         let found = check(&top, &lower, &q);
         let same_way = Finding::FacingAway { secondary: "upper.bottom".into(), primary: "lower.top".into(), cosine: 1.0, distance: -3.0 };
         assert_eq!(found, [same_way]);
-        // Looking at each other's back.
+        // Back to back.
         let found = check(&top, &reversed(&lower), &q);
         assert!(matches!(found[..], [Finding::FacingAway { cosine: -1.0, distance: -3.0, .. }]), "{found:?}");
         assert!(found[0].to_string().starts_with("no facet of \"upper.bottom\" faces \"lower.top\""));

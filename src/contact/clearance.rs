@@ -1,17 +1,17 @@
-//! Signed distance of single points from a rigid obstacle, apart from contact surfaces and their constraints.
+//! Signed distance of single points from a rigid obstacle, independent of contact surfaces and constraints.
 //!
-//! Contact keeps the nodes of secondary surfaces out of an obstacle. Checks of whole bodies, in the plane and in space, need the distance
-//! of any point, the parts of the obstacle that a facet looks at, and points that are inside the obstacle.
+//! Contact constrains the secondary nodes only. Checks of whole bodies, in the plane and in space, need the distance of any point, the part
+//! of the obstacle that a facet faces, and points inside of the obstacle.
 
 use std::sync::Arc;
 
 use super::rigid_shape::{Obstacle, Shape};
 use super::space::{Facets, ObstacleInSpace, ShapeInSpace};
 
-/// Parts into which the circle in a torus is divided for points inside of the tube.
+/// Number of points on the center circle of a torus that [`Clearance::inner_points`] returns.
 const AROUND: usize = 8;
 
-/// A rigid obstacle at its undisplaced place; in the plane third components are zero.
+/// A rigid obstacle at its undisplaced position; third components are zero in the plane.
 pub struct Clearance {
     obstacle: Obstacle,
     made: Made,
@@ -27,14 +27,14 @@ enum Made {
 pub struct Nearest {
     /// Signed distance, negative inside `[length]`.
     pub gap: f64,
-    /// Gradient of the distance with respect to the point, a unit vector away from the obstacle.
+    /// Gradient of the distance with respect to the point: a unit vector away from the obstacle.
     pub normal: [f64; 3],
-    /// True if the point is opposite the obstacle, and not beyond an end of an open surface.
+    /// True if the point is opposite the obstacle, false beyond an end of an open surface.
     pub covered: bool,
 }
 
 impl Clearance {
-    /// An obstacle made ready for evaluation.
+    /// Prepares an obstacle for evaluation.
     pub fn new(obstacle: &Obstacle) -> Clearance {
         let made = match obstacle {
             Obstacle::InSpace(shape) => Made::Space(ShapeInSpace::new(shape)),
@@ -43,7 +43,7 @@ impl Clearance {
         Clearance { obstacle: obstacle.clone(), made }
     }
 
-    /// Distance of a point in the obstacle's frame.
+    /// Distance of a point in the frame of the obstacle.
     pub fn at(&self, x: [f64; 3]) -> Nearest {
         match &self.made {
             Made::Space(shape) => {
@@ -62,7 +62,7 @@ impl Clearance {
         }
     }
 
-    /// True for an obstacle that is an open surface, which encloses no volume.
+    /// True if the obstacle is an open surface, which encloses no volume.
     pub fn is_open(&self) -> bool {
         match &self.obstacle {
             Obstacle::Polyline { points } => points.first() != points.last(),
@@ -87,8 +87,8 @@ impl Clearance {
         }
     }
 
-    /// The least cosine between the outward normal of a facet with its middle at `x` and the normals of the obstacle ahead of the facet: -1
-    /// face to face. Polylines and triangles count as ahead that reach over the facet's plane lowered by `slack`.
+    /// Least cosine between the outward normal of a facet with its middle at `x` and the normals of the obstacle in front of the facet: -1
+    /// face to face. Segments and triangles are in front if a node lies above the plane of the facet, lowered by `slack`.
     pub fn least_cosine(&self, x: [f64; 3], outward: [f64; 3], slack: f64) -> f64 {
         let nearest = dot(self.at(x).normal, outward);
         let is_ahead = |points: &[[f64; 3]]| points.iter().any(|&point| dot(minus(point, x), outward) > -slack);
@@ -110,11 +110,11 @@ impl Clearance {
             }
             _ => Vec::new(),
         };
-        // The distance has a kink inside of corners: what is nearest there may be one side, and the facet look at another.
+        // The distance has a kink inside of corners: the nearest side there need not be the one that the facet faces.
         cosines.into_iter().filter(|cosine| cosine.is_finite()).fold(nearest, f64::min)
     }
 
-    /// Points inside of the obstacle, one at least of each that is bounded; of what is endless near `x`.
+    /// Points inside of the obstacle: at least one for a bounded obstacle, the axis point nearest to `x` for an infinite cylinder.
     pub fn inner_points(&self, x: [f64; 3]) -> Vec<[f64; 3]> {
         let flat = |[x, y]: [f64; 2]| vec![[x, y, 0.0]];
         match &self.obstacle {
@@ -127,7 +127,7 @@ impl Clearance {
                     vec![std::array::from_fn(|i| point[i] + part * axis[i])]
                 }
                 ObstacleInSpace::FiniteCylinder { center, axis, radius, length, .. } => {
-                    // As deep behind the ends as behind the side.
+                    // Points at the same depth behind the ends as behind the side.
                     let half = (0.5 * length - radius.min(0.5 * length)) / dot(*axis, *axis).sqrt();
                     let part = (dot(minus(x, *center), *axis) / dot(*axis, *axis)).clamp(-half, half);
                     vec![std::array::from_fn(|i| center[i] + part * axis[i])]
@@ -140,7 +140,7 @@ impl Clearance {
         }
     }
 
-    /// The mean of points, if it is inside.
+    /// Mean of the points if it lies inside of the obstacle.
     fn inside(&self, points: impl ExactSizeIterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
         let count = points.len() as f64;
         let mean = points.fold([0.0; 3], |sum, x| std::array::from_fn(|i| sum[i] + x[i] / count));
@@ -152,7 +152,7 @@ fn corners(facets: &Arc<Facets>) -> impl Iterator<Item = [[f64; 3]; 3]> {
     facets.triangles().iter().map(|nodes| nodes.map(|node| facets.points()[node as usize]))
 }
 
-/// Points of a circle about an axis.
+/// Points on a circle about an axis.
 fn around(center: [f64; 3], axis: [f64; 3], radius: f64) -> Vec<[f64; 3]> {
     let unit = |v: [f64; 3]| v.map(|x| x / dot(v, v).sqrt());
     let least = (0..3).min_by(|&i, &k| axis[i].abs().total_cmp(&axis[k].abs())).unwrap_or(0);

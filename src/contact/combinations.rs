@@ -1,6 +1,6 @@
-//! Linear combinations of numbers or of points: what a list of entries is made of, forth and, transposed, back.
+//! Linear combinations `y_i = sum_k a_ik x_k` of numbers or points, and their transpose (facets between points that nodes define).
 
-/// Entries that are each a combination of some of another list, `y_i = sum_k a_ik x_k`.
+/// Sparse matrix `a` of combinations `y_i = sum_k a_ik x_k`, row by row.
 #[derive(Clone, Debug)]
 pub(super) struct Combinations {
     parts: Vec<(u32, f64)>,
@@ -14,7 +14,7 @@ impl Default for Combinations {
 }
 
 impl Combinations {
-    /// Appends an entry and returns its number.
+    /// Appends a combination and returns its index; repeated entries are added.
     pub fn push(&mut self, parts: impl IntoIterator<Item = (u32, f64)>) -> u32 {
         let first = self.starts[self.len()];
         for (index, share) in parts {
@@ -27,29 +27,29 @@ impl Combinations {
         self.len() as u32 - 1
     }
 
-    /// Removes all entries.
+    /// Removes all combinations.
     pub fn clear(&mut self) {
         self.parts.clear();
         self.starts.truncate(1);
     }
 
-    /// Number of entries.
+    /// Number of combinations.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// What an entry is made of: numbers in the other list with their shares.
+    /// Indices `k` and coefficients `a_ik` of combination `i`.
     pub fn parts(&self, entry: usize) -> &[(u32, f64)] {
         &self.parts[self.starts[entry]..self.starts[entry + 1]]
     }
 
-    /// The entries for numbers `x`.
+    /// Combinations of numbers, `y_i = sum_k a_ik x_k`.
     pub fn values_into(&self, x: &[f64], y: &mut Vec<f64>) {
         y.clear();
         y.extend((0..self.len()).map(|entry| self.parts(entry).iter().map(|&(k, share)| share * x[k as usize]).sum::<f64>()));
     }
 
-    /// The entries for points with so many coordinates, `x` and `y` component by component.
+    /// Combinations of points with `dimension` coordinates each, into `y`.
     pub fn points_into(&self, dimension: usize, x: &[f64], y: &mut Vec<f64>) {
         y.clear();
         for entry in 0..self.len() {
@@ -61,26 +61,26 @@ impl Combinations {
         }
     }
 
-    /// The entries for points with so many coordinates.
+    /// Combinations of points with `dimension` coordinates each.
     pub fn points(&self, dimension: usize, x: &[f64]) -> Vec<f64> {
         let mut y = Vec::with_capacity(dimension * self.len());
         self.points_into(dimension, x, &mut y);
         y
     }
 
-    /// Bounds of the entries where those of the other list are known.
+    /// Bounds `sum_k |a_ik| x_k` of the combinations, where `x_k` bounds the entry `k`.
     pub fn bounds(&self, x: &[f64]) -> Vec<f64> {
         (0..self.len()).map(|entry| self.parts(entry).iter().map(|&(k, share)| share.abs() * x[k as usize]).sum()).collect()
     }
 
-    /// Adds what belongs to the entries to what they are made of, `x_k += sum_i a_ik y_i`, for numbers.
+    /// Transposed product for numbers, `x_k += sum_i a_ik y_i`.
     pub fn add_values_back(&self, y: &[f64], x: &mut [f64]) {
         for (entry, value) in y.iter().enumerate() {
             self.parts(entry).iter().for_each(|&(k, share)| x[k as usize] += share * value);
         }
     }
 
-    /// The same for vectors of so many components.
+    /// Transposed product for vectors with `dimension` components, `x_k += sum_i a_ik y_i`.
     pub fn add_vectors_back(&self, dimension: usize, y: &[f64], x: &mut [f64]) {
         for (entry, value) in y.chunks_exact(dimension).enumerate() {
             for &(k, share) in self.parts(entry) {

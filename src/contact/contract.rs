@@ -1,7 +1,8 @@
-//! What every contact kernel owes its callers, checked on all of them over random steps in which segments appear, vanish and change ends.
+//! Properties of every contact kernel in the plane, checked on all of them over random steps in which segments appear, vanish and change
+//! ends.
 //!
-//! Two short chains face each other. Directionality `Gbar_A.dq = Phi_A(q_1) - Phi_A(q_0)`, no resultant and no moment, and the tangent as
-//! the derivative of the force are exact laws; each holds for the derivatives that promise it.
+//! Two short chains face each other. Directionality `Gbar_A.dq = Phi_A(q_1) - Phi_A(q_0)`, zero resultant and moment, and the tangent as
+//! the derivative of the force hold to round-off, each for the derivatives that promise it.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -13,7 +14,7 @@ use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along,
 use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, Outlook, PatchFunctions};
 use crate::integrators::{Configuration, Derivative};
 
-/// Nodes 0 to 3 are the secondary chain, which looks down; 4 to 8 the primary one, which looks up.
+/// Nodes 0 to 3 are the secondary chain, which faces down; nodes 4 to 8 the primary one, which faces up.
 const SECONDARY: [[u32; 2]; 3] = [[0, 1], [1, 2], [2, 3]];
 const PRIMARY: [[u32; 2]; 4] = [[4, 5], [5, 6], [6, 7], [7, 8]];
 pub(super) const UNKNOWNS: usize = 18;
@@ -28,7 +29,7 @@ pub(super) fn chains() -> Positions {
     })
 }
 
-/// A step: every node off its place, the chains slid along each other, and a motion of a random size.
+/// Random step: perturbed nodes, chains displaced along each other, and a motion of random size.
 pub(super) fn step() -> impl Strategy<Value = (Positions, Positions)> {
     let noise = prop::collection::vec(-0.15..0.15f64, UNKNOWNS);
     let motion = prop::collection::vec(-1.0..1.0f64, UNKNOWNS);
@@ -39,7 +40,7 @@ pub(super) fn step() -> impl Strategy<Value = (Positions, Positions)> {
     })
 }
 
-/// All kernels between two surfaces, ready for a step that starts at `q_0`.
+/// All kernels between two surfaces, prepared for a step that starts at `q_0`.
 pub(super) fn kernels(q_0: &[f64]) -> Vec<(&'static str, Box<dyn ContactKernel>)> {
     let reference = chains();
     let mortar = || Mortar::new(&SECONDARY, &PRIMARY, &reference);
@@ -91,7 +92,7 @@ proptest! {
             let rows = dense_rows(&*kernel, &out.gradient_bar, UNKNOWNS);
             let (start, moved) = (kernel.start_gap(), difference(&q_1, &q_0));
             for (row, gradient) in rows.iter().enumerate() {
-                // Round-off of positions about 5, and of a quotient where the function jumps at an end.
+                // Round-off of positions up to 5, and of a quotient where the function jumps at an end.
                 let size = 1.0 + gradient.iter().map(|g| g.abs()).sum::<f64>();
                 let defect = product(gradient, &moved) - (out.gap[row] - start[row]);
                 prop_assert!(defect.abs() < 1e-13 * size, "{name}: {defect:e} of {size}");
@@ -108,8 +109,8 @@ proptest! {
     }
 }
 
-/// The tangent along a random direction is the derivative of the force, but where the difference meets a kink: there two differences
-/// of different widths disagree. The shared correction leaves its own derivative out.
+/// The tangent along a random direction is the derivative of the force, except at kinks, where difference quotients of two widths disagree.
+/// The tangent of the shared correction omits the derivative of the correction.
 #[test]
 fn tangents_are_derivatives_of_forces() {
     let compared = RefCell::new(BTreeMap::<_, u32>::new());
@@ -133,7 +134,7 @@ fn tangents_are_derivatives_of_forces() {
                 let out = evaluated(&*kernel, derivative, &q_1, &PRESSURES);
                 let product_of = tangent_along(kernel.patches(), &out.tangent, &direction);
                 for (exact, measured) in product_of.iter().zip(&fine) {
-                    // Two differences that agree to 1e-3 are off by a third of that at most, to second order.
+                    // Difference quotients of second order that agree to 1e-3 have an error of at most a third of that.
                     prop_assert!((exact - measured).abs() < 1e-3 * scale, "{name} {derivative:?}: {exact} against {measured}");
                 }
             }
@@ -147,7 +148,7 @@ fn tangents_are_derivatives_of_forces() {
     assert!(compared.values().all(|&count| 2 * count > config().cases), "{compared:?}");
 }
 
-/// Closed form: facets that match over a constant distance have that gap times their weights, whatever the shape functions.
+/// Closed form: matching facets at a constant distance have that gap times their weights for any shape functions.
 #[test]
 fn a_constant_gap_is_the_same_for_all_methods() {
     let mut q = chains();
@@ -163,7 +164,7 @@ fn a_constant_gap_is_the_same_for_all_methods() {
     }
 }
 
-/// What dual shape functions are for: the gradient of a constraint with respect to the secondary side lives at its own node alone.
+/// Dual shape functions: the gradient of a constraint with respect to the secondary side is nonzero at its own node only.
 #[test]
 fn a_dual_multiplier_presses_its_own_node_alone() {
     let q = chains();
@@ -188,11 +189,10 @@ fn kernel_weight(node: usize) -> f64 {
     if node == 0 || node == 3 { 0.5 } else { 1.0 }
 }
 
-/// Where the normals differ, a blunt convex corner: the averaged normal sees a point above the corner from both facets, the facets' own do
-/// not.
+/// Blunt convex corner: a point above it is covered along the averaged normal, but along neither facet normal.
 #[test]
 fn averaged_normals_leave_no_blind_corner() {
-    // A roof of two facets whose body is below; one primary facet above the ridge, short enough to lie in the facets' blind wedge.
+    // A roof of two facets, the body below; one primary facet above the ridge, short enough to lie between the normals of both facets.
     let q = [1.0, 0.0, 0.0, 0.4, -1.0, 0.0, -0.05, 0.6, 0.05, 0.6];
     let (roof, above) = ([[0, 1], [1, 2]], [[3, 4]]);
     let covered = |mut kernel: Box<dyn ContactKernel>| {

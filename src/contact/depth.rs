@@ -1,17 +1,17 @@
-//! How deep nodes of either side are in the other body, point by point: what weighted gaps, which are means, do not tell.
+//! Penetration depth of nodes of either side in the other body, point by point: weighted gaps are means and do not bound it.
 
 use super::faces;
 use super::search::PairSearch;
 use super::surface::{Sides, Surface};
 
-/// A facet as seen from a node.
+/// Position of a node relative to a facet.
 pub(super) struct Seen {
-    /// Distance to its closest point, and to its line `[length]`.
+    /// Distances of the node from the facet and from the line of the facet `[length]`.
     pub(super) distance: f64,
     pub(super) gap: f64,
-    /// Unit vector along it.
+    /// Unit vector along the facet.
     pub(super) along: [f64; 2],
-    /// The end that is the closest point, if one is.
+    /// End of the facet that is the closest point, if the closest point is an end.
     pub(super) end: Option<usize>,
     /// Facet coordinate of the closest point, 0 to 1, and length of the facet `[length]`.
     share: f64,
@@ -19,7 +19,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// A facet as seen from a node at the positions `q`.
+    /// Relative position of a node and a facet at the positions `q`.
     pub(super) fn new(node: u32, facet: [u32; 2], q: &[f64]) -> Self {
         let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
         let (x, [a, b]) = (at(node), facet.map(at));
@@ -32,8 +32,8 @@ impl Seen {
         Seen { distance: gap.hypot(beyond), gap, along, end, share: s.clamp(0.0, length) / length, length }
     }
 
-    /// Gap of the node to the surface near this facet: at a corner to the intersection or the union of both half planes; nothing beyond
-    /// the end of a chain.
+    /// Gap of the node to the surface near this facet. At a corner the body is the intersection or the union of two half planes. `None`
+    /// beyond the end of a chain.
     fn gap_to(&self, node: u32, surface: &Surface, facet: usize, q: &[f64]) -> Option<f64> {
         let Some(end) = self.end else { return Some(self.gap) };
         let neighbor = surface.neighbors(facet)[end]? as usize;
@@ -45,7 +45,7 @@ impl Seen {
 }
 
 impl PairSearch {
-    /// Largest depth at `q` of a node of either side in the other body, among the pairs that take part `[length]`.
+    /// Largest penetration at `q` of a node of either side in the other body, over the facet pairs within the search horizon `[length]`.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
         if sides.secondary.dimension() == 3 {
             return self.deepest_in_space(sides, q, |_, _, flat| flat);
@@ -71,7 +71,7 @@ impl PairSearch {
             };
             for (index, found) in closest.into_iter().enumerate() {
                 let Some((facet, seen)) = found.filter(|(facet, seen)| height(*facet, seen) - seen.gap > deepest) else { continue };
-                // Round a sharp corner lies what is nearer, although it takes no part with this node's facets.
+                // At a sharp corner a neighboring facet can be nearer that forms no pair with the facets of this node.
                 let node = surface.nodes()[index];
                 let around = other.neighbors(facet as usize).into_iter().flatten();
                 let around = around.map(|facet| (facet, Seen::new(node, other.facets()[facet as usize], q)));
@@ -86,8 +86,8 @@ impl PairSearch {
         deepest
     }
 
-    /// Largest depth of a node in space. A node that is beside the facet closest to it is in front of an edge. `gap` is the gap of a
-    /// node, by side and index, to a facet of the other side, from the gap to the flat facet.
+    /// Largest penetration of a node in space `[length]`. A node beside its closest facet is in front of an edge and does not count. `gap`
+    /// maps the node (side and index), the facet of the other side and the gap to the flat facet to the gap.
     pub(super) fn deepest_in_space(&self, sides: &Sides, q: &[f64], gap: impl Fn([usize; 2], u32, f64) -> f64) -> f64 {
         let surfaces = [&sides.secondary, &sides.primary];
         let mut deepest = 0.0f64;
@@ -107,7 +107,7 @@ impl PairSearch {
             for (index, found) in closest.into_iter().enumerate() {
                 let is_deep = |&(facet, seen): &(u32, faces::Seen)| !seen.is_beside && -gap([own, index], facet, seen.gap) > deepest;
                 let Some((facet, seen)) = found.filter(is_deep) else { continue };
-                // Round a sharp edge lies what is nearer, although it takes no part with this node's facets.
+                // At a sharp edge a neighboring facet can be nearer that forms no pair with the facets of this node.
                 let node = faces::at(surface.nodes()[index], q);
                 let around = other.local_facet(facet as usize).iter().flat_map(|&corner| other.adjacent_facets(corner as usize));
                 let around = around.map(|&facet| (facet, faces::Seen::new(node, other.facet(facet as usize), q)));
@@ -121,9 +121,9 @@ impl PairSearch {
         deepest
     }
 
-    /// How far facets of both sides that cross at `q` have come through each other: the least distance of an end of one of them from the
-    /// other, over the longer of the two. Where a node has entered the other body that is at most its depth; where corners have passed
-    /// through each other no node is inside. In the plane only.
+    /// Relative depth of the deepest crossing of facets of both sides at `q`: the least distance of an end of either facet from the other
+    /// facet, divided by the longer facet. It is at most the depth of a node that has entered the other body, and positive where corners
+    /// have crossed without a node inside. Plane only; 0 in space.
     pub fn crossing(&self, sides: &Sides, q: &[f64]) -> f64 {
         if sides.secondary.dimension() == 3 {
             return 0.0;

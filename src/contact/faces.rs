@@ -1,7 +1,7 @@
-//! Geometry of facets in space, of three or four nodes.
+//! Geometry of facets with three or four nodes in space, used by surfaces, search and contact methods.
 //!
-//! A facet of four nodes is read as four flat triangles about its mean point, each of whose corners has a quarter of the mean point. The
-//! nodal loads of a constant pressure on it, `int N_A dA`, are those of the bilinear facet for every plane quadrilateral.
+//! A facet of four nodes consists of four flat triangles about its mean point, which is a quarter of each node. The nodal loads of a
+//! constant pressure, `int N_A dA`, equal those of the bilinear facet for every plane quadrilateral.
 
 use nalgebra::Vector3;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -17,7 +17,7 @@ pub fn at(node: u32, q: &[f64]) -> Vector {
     Vector::from_column_slice(&q[3 * node as usize..3 * node as usize + 3])
 }
 
-/// Height of the nodes of a facet above and below its plane through their mean: 0 for three nodes `[length]`.
+/// Distance of the nodes of a facet from its mean plane `[length]`; 0 for three nodes.
 pub fn warp(facet: &[u32], q: &[f64]) -> f64 {
     let [a, b, c, d] = facet else { return 0.0 };
     let [a, b, c, d] = [a, b, c, d].map(|&node| at(node, q));
@@ -40,7 +40,7 @@ pub fn normal(nodes: &[u32], q: &[f64]) -> Vector {
     area_vector(nodes, q).try_normalize(0.0).unwrap_or_default()
 }
 
-/// What the nodes have of a facet, `int N_A dA` `[length^2]`.
+/// Nodal shares of the area of a facet, `int N_A dA` `[length^2]`.
 pub fn shares(nodes: &[u32], q: &[f64]) -> Vec<f64> {
     let (middle, count) = (middle(nodes, q), nodes.len());
     if count == 3 {
@@ -55,7 +55,7 @@ pub fn shares(nodes: &[u32], q: &[f64]) -> Vec<f64> {
     (0..count).map(|k| (triangles[k] + triangles[(k + count - 1) % count]) / 3.0 + of_middle).collect()
 }
 
-/// Lower and upper corner of the box around some points.
+/// Lower and upper corner of the bounding box of points.
 pub fn bounds(points: impl Iterator<Item = Vector>) -> [Vector; 2] {
     let empty = [Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY)];
     points.fold(empty, |[low, high], x| [low.inf(&x), high.sup(&x)])
@@ -69,8 +69,8 @@ pub fn triangles(nodes: &[u32], q: &[f64]) -> impl Iterator<Item = [Vector; 3]> 
     (0..if count == 3 { 1 } else { count }).map(of)
 }
 
-/// Least and largest gap of a facet and another one where they are opposite each other, seen along the normal of the first, or would be
-/// after sliding by `spare`; nothing where they never are, or do not face each other.
+/// Least and largest gap between two facets along the normal of the first, over the part where they are opposite each other, widened by a
+/// sliding distance `spare`. `None` if that part is empty or the facets do not face each other.
 pub fn gaps(own: &[u32], other: &[u32], q: &[f64], spare: f64) -> Option<[f64; 2]> {
     let normal = normal(own, q);
     if normal.dot(&self::normal(other, q)) > OPPOSITE {
@@ -104,8 +104,8 @@ pub fn gaps(own: &[u32], other: &[u32], q: &[f64], spare: f64) -> Option<[f64; 2
     (polygon.len() >= 3).then_some([low - own_high, high - own_low])
 }
 
-/// Distance from the mean point of each facet to the nearest one behind it that looks the other way, as far as it is below `reach`;
-/// infinite beyond.
+/// Thickness of the body below each facet: distance from its mean point along the inward normal to the next facet with the opposite
+/// orientation; infinite from `reach` on.
 pub fn thickness<'a>(facets: impl Iterator<Item = &'a [u32]>, q: &[f64], reach: f64) -> Vec<f64> {
     let facets: Vec<&[u32]> = facets.collect();
     let boxes = facets.iter().map(|nodes| {
@@ -116,7 +116,7 @@ pub fn thickness<'a>(facets: impl Iterator<Item = &'a [u32]>, q: &[f64], reach: 
     let through = |nodes: &&[u32]| {
         let (from, inward) = (middle(nodes, q), -normal(nodes, q));
         let leaves = |[a, b, c]: [Vector; 3]| {
-            // from + r inward = a + s (b - a) + t (c - a), where the triangle's outward normal has a part along the ray.
+            // Ray `from + r inward = a + s (b - a) + t (c - a)` that leaves the body: the outward normal has a component along the ray.
             let (u, v, to) = (b - a, c - a, from - a);
             let across = inward.cross(&v);
             let volume = u.dot(&across);
@@ -132,8 +132,8 @@ pub fn thickness<'a>(facets: impl Iterator<Item = &'a [u32]>, q: &[f64], reach: 
     facets.iter().map(through).collect()
 }
 
-/// A facet as seen from a point: the distance of its closest point, that of the triangle's plane there, and whether the closest point is on
-/// the facet's border, beside which the point lies `[length]`.
+/// Position of a point relative to a facet: distance from its closest point, distance from the plane of the triangle there `[length]`, and
+/// true if the closest point lies on the border with the point beside it.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     pub distance: f64,
@@ -142,7 +142,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// A facet as seen from `x`.
+    /// Relative position of `x` and a facet.
     pub fn new(x: Vector, nodes: &[u32], q: &[f64]) -> Seen {
         let of = |corners: [Vector; 3]| {
             let gap =
@@ -155,7 +155,7 @@ impl Seen {
     }
 }
 
-/// The point of a triangle that is closest to `x` (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+/// Closest point to `x` of a triangle (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
 fn closest(x: Vector, [a, b, c]: [Vector; 3]) -> Vector {
     let (ab, ac) = (b - a, c - a);
     let [(d1, d2), (d3, d4), (d5, d6)] = [a, b, c].map(|corner| (ab.dot(&(x - corner)), ac.dot(&(x - corner))));

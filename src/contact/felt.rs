@@ -1,8 +1,8 @@
-//! Distances and discrete gradients of obstacles for the round parts of rigid bodies, in the plane and in space.
+//! Signed distances and discrete gradients of rigid obstacles for round parts of rigid bodies (`rolling.rs`, `space/rolling.rs`).
 
 use nalgebra::{SMatrix, SVector};
 
-/// Distance from an obstacle of a point, its gradient and second derivative.
+/// Signed distance of a point from an obstacle, with gradient and Hessian.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Local<const D: usize> {
     pub gap: f64,
@@ -19,19 +19,18 @@ impl<const D: usize> Local<D> {
     }
 }
 
-/// A rigid obstacle, or a side of it, as the rows of round parts feel it. Points are in the frame of the obstacle.
+/// A rigid obstacle, or one of its sides, for constraints of round parts. Points are in the frame of the obstacle.
 pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
-    /// Largest number of sides of the obstacle that a round part touches at once.
+    /// Largest number of sides of the obstacle that a round part touches simultaneously.
     fn sides(&self) -> usize;
-    /// The sides that a round part of this radius about `x` may touch: at most [`Self::sides`], in an order that does not depend on which
-    /// is nearer.
+    /// Sides that a round part of this radius about `x` may touch: at most [`Self::sides`], in an order independent of their distances.
     fn near(&self, x: SVector<f64, D>, radius: f64, spare: f64) -> Vec<Self>;
-    /// Distance at a point.
+    /// Signed distance at a point.
     fn at(&self, x: SVector<f64, D>) -> Local<D>;
-    /// Discrete gradient between two points and its derivative with respect to the second; `size` is that of facets.
+    /// Discrete gradient between two points, and its derivative with respect to the second one; `size` is the facet size `[length]`.
     fn between(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, size: f64) -> (SVector<f64, D>, SMatrix<f64, D, D>);
-    /// True if rims of cylinders touch it where a plane in its place would.
+    /// True if rims of cylinders touch the obstacle as they touch a plane.
     fn takes_rims(&self) -> bool;
-    /// By how much the distance changes on the way between two points, in lengths of `near`, and whether the way leads through it.
+    /// Change of the distance on the straight path between two points, in units of `near`; true if the path crosses the obstacle.
     fn passage(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, near: f64) -> (f64, bool);
 }

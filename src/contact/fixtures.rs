@@ -1,4 +1,4 @@
-//! Surfaces and measures that the tests of several contact kernels share.
+//! Surfaces and measures for the tests of several contact kernels.
 
 use super::{ContactKernel, Evaluation, Patches};
 use crate::integrators::Derivative;
@@ -17,12 +17,12 @@ pub fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// `Gbar` as one dense row per secondary node.
+/// Gradients `blocks` as one dense row per constraint.
 pub(crate) fn dense_rows(kernel: &dyn ContactKernel, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
     dense_rows_of(kernel.patches(), kernel.rows_per_node() * kernel.secondary().nodes().len(), blocks, unknowns)
 }
 
-/// The same of `count` rows of these patches, in any dimension.
+/// Gradients `blocks` of `count` constraints as dense rows, in any dimension.
 pub(crate) fn dense_rows_of(patches: &Patches, count: usize, blocks: &[f64], unknowns: usize) -> Vec<Vec<f64>> {
     let (mut rows, d) = (vec![vec![0.0; unknowns]; count], patches.dimension());
     for p in 0..patches.len() {
@@ -36,7 +36,7 @@ pub(crate) fn dense_rows_of(patches: &Patches, count: usize, blocks: &[f64], unk
     rows
 }
 
-/// What tangent blocks make of a direction: a derivative of the forces.
+/// Product of the assembled tangent blocks with a direction: the directional derivative of the forces.
 pub(crate) fn tangent_along(patches: &Patches, tangent: &[f64], direction: &[f64]) -> Vec<f64> {
     let (mut change, d) = (vec![0.0; direction.len()], patches.dimension());
     for p in 0..patches.len() {
@@ -49,7 +49,7 @@ pub(crate) fn tangent_along(patches: &Patches, tangent: &[f64], direction: &[f64
     change
 }
 
-/// Largest resultant force and moment (about the origin, with arms `q`) of the rows.
+/// Largest resultant force and moment (about the origin, arms `q`) of the rows in the plane.
 pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     rows.iter().fold(0.0, |largest: f64, row| {
         let force = |axis: usize| row.iter().skip(axis).step_by(2).sum::<f64>();
@@ -58,7 +58,7 @@ pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     })
 }
 
-/// The same in space.
+/// Largest resultant force and moment (about the origin, arms `q`) of the rows in space.
 pub(crate) fn unbalance_in_space(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     let of = |row: &Vec<f64>| {
         let mut sums = [0.0; 6];
@@ -71,7 +71,7 @@ pub(crate) fn unbalance_in_space(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     rows.iter().map(of).fold(0.0, f64::max)
 }
 
-/// Two polygons, one inside the other; positions of the inner one's nodes first.
+/// Two polygons, one inside the other; `q` begins with the nodes of the inner one.
 pub struct Rings {
     pub inner: Vec<[u32; 2]>,
     pub outer: Vec<[u32; 2]>,
@@ -92,7 +92,7 @@ pub fn rings(inner: u32, outer: u32, clearance: f64) -> Rings {
     }
 }
 
-/// `q` with its first `count` nodes turned about the origin, and all nodes shaken a little.
+/// Positions `q` with the first `count` nodes rotated about the origin, and all nodes perturbed by up to `shake`.
 pub fn turned(q: &[f64], count: usize, angle: f64, shake: f64) -> Vec<f64> {
     let (sin, cos) = angle.sin_cos();
     let mut result = q.to_vec();
@@ -100,7 +100,7 @@ pub fn turned(q: &[f64], count: usize, angle: f64, shake: f64) -> Vec<f64> {
         if node < count {
             (x[0], x[1]) = (cos * x[0] - sin * x[1], sin * x[0] + cos * x[1]);
         }
-        // Any bounded numbers without a pattern.
+        // Bounded numbers without a pattern.
         x[0] += shake * (12.9898 * node as f64).sin();
         x[1] += shake * (78.233 * node as f64).cos();
     }

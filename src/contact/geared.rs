@@ -1,19 +1,20 @@
-//! A gear: coordinates of two joints, angles or travels, that change in a fixed ratio.
+//! Gear constraint: the coordinates `s_1`, `s_2` of two joints, angles or displacements, change in a fixed ratio.
 //!
 //! ```text
 //! Phi = a_1 s_1 + a_2 s_2        [length]
 //! ```
 //!
-//! An angle `s` is that of the plane vector `z = (x, y)` of its cosine and sine, both products of directions, counted over whole turns.
-//! In a step from `z_0` to `z_1` it turns by `d = atan2(c, z_0.z_1)`, `c = x_0 y_1 - y_0 x_1`, and with the mean `z` of both
+//! An angle `s` is the polar angle of `z = (x, y)`, its cosine and sine, both products of directions; whole turns are counted. In a step
+//! from `z_0` to `z_1` the angle increment is `d = atan2(c, z_0.z_1)`, `c = x_0 y_1 - y_0 x_1`, and with the mean `(x, y)` of `z_0` and
+//! `z_1`
 //!
 //! ```text
 //! (d / c) (-y, x) . (z_1 - z_0) = d
 //! ```
 //!
-//! so `d / c (-y, x)` is its discrete gradient with respect to `z`, whose own discrete gradients those of [`PointConstraints`] are:
-//! products of directions do not change with rigid motions of both ends, so that energy and momenta stay exact (O. Gonzalez, *Time
-//! integration and discrete Hamiltonian systems*, J. Nonlinear Science 6, 1996).
+//! so `d / c (-y, x)` is the discrete gradient with respect to `z`. The discrete gradients of `z` are those of [`PointConstraints`]:
+//! products of directions are invariant under rigid motions of both ends, so that energy and momenta are conserved to round-off (O.
+//! Gonzalez, *Time integration and discrete Hamiltonian systems*, J. Nonlinear Science 6, 1996).
 
 use std::f64::consts::TAU;
 use std::sync::{Mutex, PoisonError};
@@ -25,20 +26,19 @@ use super::surface::{Sides, Surface};
 use super::window::Outlook;
 use crate::integrators::Derivative;
 
-/// Tangent of the turn of a gear in a step below which functions of it are summed as series of seven terms: what is left of them there is
-/// round-off.
+/// Tangent of the angle increment of a step below which its functions are summed as series of seven terms, accurate to round-off.
 const SMALL_TURN: f64 = 0.05;
 
-/// A coordinate of a gear.
+/// Joint coordinate of a gear.
 #[derive(Clone, Debug)]
 struct Term {
-    /// Whether it is an angle, by two functions; a travel is one.
+    /// True for an angle (two functions, cosine and sine), false for a displacement (one function).
     is_angle: bool,
-    /// Its first function.
+    /// Index of the first function.
     first: usize,
-    /// Its factor: a length, or of a travel a number.
+    /// Coefficient `a_i`: a length for an angle, a number for a displacement.
     factor: f64,
-    /// Whole turns and the rest of the angle at the start of the step.
+    /// Whole turns, and remaining angle, at the start of the step.
     turns: f64,
     rest: f64,
 }
@@ -49,12 +49,12 @@ impl Term {
     }
 }
 
-/// By how much an angle turns from `z_0` to `z_1`.
+/// Angle from `z_0` to `z_1`.
 fn turned(z_0: [f64; 2], z_1: [f64; 2]) -> f64 {
     (z_0[0] * z_1[1] - z_0[1] * z_1[0]).atan2(z_0[0] * z_1[0] + z_0[1] * z_1[1])
 }
 
-/// `atan2(c, d) / c`, and its derivatives: by a series where the angle is small.
+/// `atan2(c, d) / c` and its derivatives with respect to `c` and `d`, by series for small angles.
 fn arctangent_over(c: f64, d: f64) -> (f64, [f64; 2]) {
     let by_d = -1.0 / (c * c + d * d);
     if d <= 0.0 || c.abs() > SMALL_TURN * d {
@@ -63,7 +63,7 @@ fn arctangent_over(c: f64, d: f64) -> (f64, [f64; 2]) {
     }
     let square = (c / d) * (c / d);
     let series = |of: fn(f64) -> f64| (0..7).rev().fold(0.0, |sum, k| of(f64::from(k)) - square * sum);
-    // Of `1 - t^2 / 3 + t^4 / 5 - ...` and of `(1 + t^2)^-1 = 1 - t^2 + t^4 - ...` without it.
+    // Series of `atan(t) / t = 1 - t^2/3 + t^4/5 - ...`, and of its derivative.
     let by = series(|k| 1.0 / (2.0 * k + 1.0)) / d;
     let by_c = -(c / d) / (d * d) * series(|k| 2.0 * (k + 1.0) / (2.0 * k + 3.0));
     (by, [by_c, by_d])
@@ -79,27 +79,27 @@ fn gradient_between(z_0: [f64; 2], z_1: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
     (across.map(|x| by * x), std::array::from_fn(|k| std::array::from_fn(|l| across[k] * slope[l] + by * bend[k][l])))
 }
 
-/// Gradient of an angle, and its derivative.
+/// Gradient of an angle at `z`, and the derivative of the gradient.
 fn gradient_at([x, y]: [f64; 2]) -> ([f64; 2], [[f64; 2]; 2]) {
     let square = x * x + y * y;
     let (mixed, other) = (2.0 * x * y / (square * square), (y * y - x * x) / (square * square));
     ([-y / square, x / square], [[mixed, other], [other, -mixed]])
 }
 
-/// The constraint between two coordinates of joints.
+/// Constraint between two joint coordinates.
 pub struct Geared {
-    /// Cosines and sines of angles, travels: one group of functions of the same nodes.
+    /// Cosines and sines of angles, displacements: one group of functions of the same nodes.
     inner: PointConstraints,
     sides: Sides,
     terms: Vec<Term>,
-    /// What the functions are at the start of the step.
+    /// Values of the functions at the start of the step.
     z_0: Vec<f64>,
     scratch: Mutex<Evaluation>,
 }
 
 impl Geared {
-    /// Coordinates as functions of one group of `inner`: each an angle by its cosine and sine, or a travel, with its factor. `size` is that
-    /// of what they join `[length]`.
+    /// Gear between coordinates that are functions of one group of `inner`: pairs of a flag (true: angle, by cosine and sine; false:
+    /// displacement) and its coefficient. `size` is the size of the joined parts `[length]`.
     pub fn new(inner: PointConstraints, dimension: usize, coordinates: Vec<(bool, f64)>, size: f64) -> Self {
         let mut terms: Vec<Term> = Vec::new();
         for (is_angle, factor) in coordinates {
@@ -112,7 +112,7 @@ impl Geared {
         Geared { inner, sides, terms, z_0: Vec::new(), scratch: Mutex::default() }
     }
 
-    /// Its value where the functions are `z`.
+    /// Constraint function for the values `z`.
     fn value(&self, z: &[f64]) -> f64 {
         let rest = |term: &Term| match (term.is_angle, self.z_0.is_empty()) {
             (false, _) => z[term.first],
@@ -120,11 +120,11 @@ impl Geared {
             (true, false) => term.rest + turned(pair(&self.z_0, term), pair(z, term)),
         };
         let sum = |of: &dyn Fn(&Term) -> f64| self.terms.iter().map(|term| term.factor * of(term)).sum::<f64>();
-        // Whole turns by themselves: the rest keeps its digits.
+        // Whole turns are summed separately to preserve the digits of the remaining angle.
         sum(&rest) + TAU * sum(&|term| term.turns)
     }
 
-    /// Weights of the functions in the gradient of a step that ends at `z`, and their derivatives, function by function.
+    /// Weight of each function in the gradient of a step that ends at `z`, and derivatives of the weight.
     fn weights(&self, is_mean: bool, z: &[f64]) -> Vec<(f64, [f64; 2])> {
         let of = |term: &Term| -> Vec<(f64, [f64; 2])> {
             if !term.is_angle {
@@ -136,7 +136,7 @@ impl Geared {
         self.terms.iter().flat_map(of).collect()
     }
 
-    /// Whether a derivative is one across the step.
+    /// True for a derivative across the step, which depends on the start values.
     fn is_mean(&self, derivative: Derivative) -> bool {
         derivative.placement().share < 1.0 && !self.z_0.is_empty()
     }
@@ -247,7 +247,7 @@ mod tests {
     use super::*;
     use crate::contact::{PointFunction, PointVector};
 
-    /// An angle and a travel between three points in the plane.
+    /// Gear between an angle and a displacement of three points in the plane.
     fn gear() -> Geared {
         let vector = |parts: &[(u32, f64)], offset: [f64; 3]| PointVector { parts: parts.to_vec(), offset };
         let vectors = vec![

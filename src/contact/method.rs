@@ -1,29 +1,29 @@
-//! A contact method as a row of a catalogue: its name, its constraint functions, what it promises.
+//! A contact method as a row of the catalogue [`METHODS`](super::METHODS): name, summary, kernel constructors, guaranteed properties.
 
 use std::fmt;
 
 use super::kernel::ContactKernel;
 use super::space::SeenInSpace;
 
-/// Makes the constraint functions between two surfaces that are given by their facets, sized in the reference positions.
+/// Makes the kernel for two surfaces in the plane, given by their facets and sized in the reference positions.
 pub type MakeKernel = fn(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Box<dyn ContactKernel>;
 
-/// The same between two surfaces in space.
+/// Makes the kernel for two surfaces in space.
 pub type MakeKernelInSpace = fn(seen: &SeenInSpace) -> Box<dyn ContactKernel>;
 
-/// How contact conditions between two surfaces are discretized.
+/// Discretization of the contact conditions between two surfaces.
 pub struct ContactMethod {
     /// Name as written in a script.
     pub name: &'static str,
     /// One sentence for the reference.
     pub summary: &'static str,
-    /// Its constraint functions in the plane.
+    /// Constructor of the kernel in the plane.
     pub kernel: MakeKernel,
-    /// Those in space, if it has them.
+    /// Constructor of the kernel in space; `None` for methods of the plane.
     pub in_space: Option<MakeKernelInSpace>,
-    /// Whether each constraint is the gap of one secondary node alone: its corners need no constraints of their own then.
+    /// True if each constraint is the gap of one secondary node: corners of the secondary side need no further constraints then.
     pub is_nodal: bool,
-    /// Whether it carries a constant pressure across meshes that do not match (contact patch test).
+    /// True if a constant pressure is transferred exactly across nonmatching meshes (contact patch test).
     pub passes_patch_test: bool,
 }
 

@@ -1,13 +1,13 @@
-//! Floor 4: contact between two surfaces; surfaces, search, and one file per method.
+//! Contact of surfaces with each other and with rigid obstacles (floor 4): surfaces, search, and one file for each method.
 //!
-//! The two sides of a contact are called, here and everywhere: **secondary**, which carries the multipliers and on which the integrals
-//! are taken (others say *slave* or *nonmortar*), and **primary**, the other one (*master*, *mortar*).
+//! The **secondary** side carries the multipliers and is the domain of integration (in the literature *slave* or *nonmortar*); the other
+//! side is the **primary** one (*master*, *mortar*).
 //!
-//! Signs, once and for all: a constraint function `Phi_A(q) > 0` is open, a multiplier `lambda_A >= 0` presses the bodies apart, so the
-//! step's force is `+ sum_A lambda_A Gbar_A` and does the work `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
+//! Signs: a constraint function `Phi_A(q) > 0` is open, a multiplier `lambda_A >= 0` is a pressure. The force of a step is
+//! `sum_A lambda_A Gbar_A`, its work `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
 //!
-//! A [`ContactMethod`] is a row of [`METHODS`], its numbers come from a [`ContactKernel`]: functions of *patches* of a few nodes. What
-//! decides which constraint holds and what solves for the multipliers stands one floor higher.
+//! A [`ContactMethod`] is a row of [`METHODS`]. Its [`ContactKernel`] evaluates constraint functions as sums over contact elements
+//! ([`Patches`]): small groups of nodes. Active sets and multipliers belong to `dynamics/step/`, one floor higher.
 
 mod averaged;
 mod averaged_overlap;

@@ -1,11 +1,11 @@
-//! Mortar contact in the plane: one multiplier per secondary node, its constraint the weighted gap summed over facet pairs.
+//! Mortar contact in the plane: one multiplier per secondary node, whose constraint is the weighted gap summed over facet pairs.
 //!
-//! The segments are never listed: every candidate pair contributes its clamped functions (`pair.rs`) at every configuration of the step,
-//! which keeps energy and momenta exact while facets slide over each other (Hesch and Betsch 2007, equations 4 to 10). A patch is a
-//! candidate pair: nodes `(x_1, x_2, y_1, y_2)`, rows `(x_1, x_2)`.
+//! Segments are never listed: each candidate pair contributes its clamped functions (`pair.rs`) at every configuration of the step, which
+//! conserves energy and momenta while facets slide (Hesch and Betsch 2007, equations 4 to 10). A contact element is a candidate pair: nodes
+//! `(x_1, x_2, y_1, y_2)`, constraints of `(x_1, x_2)`.
 //!
-//! The correction of the discrete gradient is taken per pair. Where vertices of both meshes meet at rest, kinks of neighboring pairs cancel
-//! in the sum but not in their corrections; one correction for each node would mend that, at the price of coupling all its pairs.
+//! The discrete gradient is corrected in each pair. At vertices of both meshes that coincide at rest, kinks of neighboring pairs cancel in
+//! the sum, but not in their corrections. [`Correction::PerNode`] removes this at the price of coupling all pairs of a node.
 
 use super::kernel::{CandidateSearch, Correction, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
@@ -43,21 +43,21 @@ pub static DUAL_MORTAR: ContactMethod = ContactMethod {
     passes_patch_test: true,
 };
 
-/// Margin beyond the need with which candidates are searched, in shortest secondary facets: fewer new matrix patterns against more
-/// stored zeros.
+/// Search distance beyond the required one, in shortest secondary facets. Larger values give fewer new matrix patterns and more stored
+/// zeros.
 const SPARE: f64 = 2.0;
 
-/// Unknowns of a pair and entries of its gradient block.
+/// Unknowns of a pair, and number of entries of its gradient block.
 const UNKNOWNS: usize = 8;
 const GRADIENTS: usize = 2 * UNKNOWNS;
 
-/// Mortar contact of two surfaces.
+/// Mortar contact of two surfaces in the plane.
 #[derive(Clone, Debug)]
 pub struct Mortar {
     sides: Sides,
     search: PairSearch,
     dual: bool,
-    /// True around an axis: multipliers are pressures times circumferences, so a uniform pressure is linear in the radius.
+    /// True for bodies of revolution: multipliers are pressure times circumference, so that a uniform pressure is linear in the radius.
     is_around_axis: bool,
     start: Vec<Start>,
     /// Round-off of positions at the start of the step `[length]`.
@@ -68,10 +68,10 @@ pub struct Mortar {
 }
 
 impl Mortar {
-    /// Contact of two surfaces given by their facets (node numbers of the model, the body on the left), sized in the reference positions.
+    /// Contact of two surfaces given by their facets (model node numbers, the body on the left), sized in the reference positions.
     ///
-    /// Facets on both sides make a surface touch itself: each pair of them is taken once (the facet named first is the secondary one), and
-    /// facets that are neighbors or have the body between them never.
+    /// Facets on both sides define self-contact: each pair of them is listed once (the facet named first is the secondary one), without
+    /// neighbors and without facets that have the body between them.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let sides = Sides::new(secondary, primary, reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
@@ -93,20 +93,20 @@ impl Mortar {
         self.pair_profiles.get(p).and_then(Option::as_ref)
     }
 
-    /// With dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
+    /// Uses dual multiplier shape functions: each multiplier loads its own secondary node only.
     ///
-    /// They are negative in places, where a facet that is covered in part would take an opening for a penetration: facets that are not
-    /// wholly covered at the start of a step, or are next to the end of what is opposite, have the standard ones in it.
+    /// Dual functions are partly negative, so that an opening of a partly covered facet would count as penetration. Facets that are not
+    /// fully covered at the start of a step, or are next to an end of the opposite side, have standard functions in that step.
     pub fn with_dual_multipliers(self) -> Self {
         Mortar { dual: true, ..self }
     }
 
-    /// Shape functions of each pair's secondary facet in a step from `q_0`, from the pairs' overlaps: dual ones where the pairs that take
-    /// part cover a facet wholly, and something is opposite all of its neighbors, if only a facet away. Would these have to take part, the
-    /// shape functions, and with them the constraints that are closed, would change wherever two bodies roll on each other.
+    /// Multiplier shape functions of each pair's secondary facet in a step from `q_0`. They are dual if active pairs cover the facet fully
+    /// and its neighbors have opposite facets within a facet's length. A requirement of active pairs at the neighbors would change shape
+    /// functions, and thus active constraints, throughout rolling.
     fn shapes(&self, overlaps: &[Option<Overlap>], q_0: &[f64]) -> Vec<Shape> {
         let (pairs, secondary) = (self.search.candidates.pairs(), &self.sides.secondary);
-        // Of each facet the share that is covered by pairs that take part, and by these and open ones.
+        // Covered share of each facet: by pairs that take part, and by these and open pairs.
         let mut covered = vec![[0.0; 2]; secondary.facets().len()];
         for (p, (pair, overlap)) in pairs.iter().zip(overlaps).enumerate().filter(|_| self.dual) {
             let Some(overlap) = overlap else { continue };
@@ -135,13 +135,13 @@ impl Mortar {
         pairs.iter().enumerate().map(shape).collect()
     }
 
-    /// Shape functions of a pair in this step.
+    /// Multiplier shape functions of a pair in this step.
     fn shape(&self, p: usize) -> &Shape {
         self.start.get(p).map_or(&STANDARD, |start| &start.shape)
     }
 
-    /// The correction of the discrete gradient that all pairs of a secondary node share,
-    /// `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum d.d`; 0 where the step is too small.
+    /// Correction of the discrete gradient shared by all pairs of secondary node `A`,
+    /// `a_A = sum (Phi_1 - Phi_0 - grad Phi(pi_mid).d) / sum d.d`; 0 for increments near round-off.
     fn shared_corrections(&self, q_1: &[f64]) -> Vec<f64> {
         let mut sums = vec![[0.0; 3]; self.sides.secondary.nodes().len()];
         for (p, start) in self.start.iter().enumerate().filter(|(p, _)| self.search.near[*p]) {
@@ -165,12 +165,12 @@ impl Mortar {
         sums.iter().map(|[remainder, square, size]| if *square > threshold * size { remainder / square } else { 0.0 }).collect()
     }
 
-    /// The present candidate pairs (secondary facet, primary facet), in the order of the patches.
+    /// Candidate pairs (secondary facet, primary facet), in the order of the contact elements.
     pub fn pairs(&self) -> &[[u32; 2]] {
         self.search.candidates.pairs()
     }
 
-    /// Offsets of the pair `p` at the positions `q`.
+    /// Offsets of pair `p` at the positions `q`.
     #[inline(always)]
     fn offsets(&self, p: usize, q: &[f64]) -> Offsets {
         let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
@@ -178,7 +178,7 @@ impl Mortar {
         offsets(at(nodes[0]), at(nodes[1]), at(nodes[2]), at(nodes[3]))
     }
 
-    /// Sums `contribution(pi, overlap)` of all overlapping pairs at `q` into their secondary nodes.
+    /// Sum over all overlapping pairs at `q` of `contribution(p, pi, overlap)`, per secondary node.
     fn sum(&self, q: &[f64], contribution: impl Fn(usize, &Invariants, &Overlap) -> PerNode<f64>) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.secondary.nodes().len()];
         for p in (0..self.sides.patches.len()).filter(|&p| self.search.near[p]) {
@@ -248,7 +248,7 @@ impl PatchFunctions for Mortar {
             let end_z = self.offsets(p, q_1);
             let end_pi = invariants(&end_z);
             let middle_z: Offsets = std::array::from_fn(|i| 0.5 * (start.offsets[i] + end_z[i]));
-            // The discrete gradient takes the mean of the invariants, the midpoint rule the invariants of the mean.
+            // The discrete gradient uses the mean of the invariants, the midpoint rule the invariants of the mean positions.
             let middle_pi =
                 if conserving { std::array::from_fn(|k| 0.5 * (start.invariants[k] + end_pi[k])) } else { invariants(&middle_z) };
             if !(start.overlaps || overlaps(&middle_pi) || overlaps(&end_pi)) {
@@ -342,7 +342,7 @@ impl CandidateSearch for Mortar {
 
 impl RigidObstacle for Mortar {}
 
-/// Slip weighted as the gap is: the facet's own shape functions against those of the facet opposite, over the overlap.
+/// Slip with the weights of the gap: shape functions of the secondary facet times those of the opposite facet, over the overlap.
 impl SlipRows for Mortar {
     fn places(&self, _p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
         places.extend(0..4);
@@ -373,10 +373,10 @@ mod tests {
     use super::super::fixtures::{Rings, dense_rows, difference, evaluated, product, rings, turned, unbalance};
     use super::*;
 
-    /// Positions of a lone pair `(x_1, x_2, y_1, y_2)`.
+    /// Positions of a single pair `(x_1, x_2, y_1, y_2)`.
     type Nodes = [f64; 8];
 
-    /// Facets that face each other more or less, with all kinds of overlap, away from the origin.
+    /// Facets away from the origin that roughly face each other, with all kinds of overlap.
     fn nodes() -> impl Strategy<Value = Nodes> {
         (prop::array::uniform8(-0.3..0.3), -1.3..1.3).prop_map(|(noise, slide)| {
             let base = [3.0, -2.0, 4.0, -2.0, 4.0 + slide, -2.0, 3.0 + slide, -2.0];
@@ -384,7 +384,7 @@ mod tests {
         })
     }
 
-    /// A step: from random nodes by random displacements of a random size, so that segments appear, vanish and change ends.
+    /// Random step with displacements of random size, in which segments appear, vanish and change ends.
     fn step() -> impl Strategy<Value = (Nodes, Nodes)> {
         (nodes(), prop::array::uniform8(-1.0..1.0), prop::sample::select(vec![1e-3, 1e-2, 0.1, 0.5]))
             .prop_map(|(q_0, noise, size)| (q_0, std::array::from_fn(|i| q_0[i] + size * noise[i])))
@@ -397,7 +397,7 @@ mod tests {
         mortar
     }
 
-    /// Whether the pair is so near a limit of overlap, or so steep, that differences say nothing.
+    /// True for pairs so near a limit of overlap, or so steep, that difference quotients are inaccurate.
     fn rough(pi: &Invariants) -> bool {
         let near = |x: f64, limit: f64| (x - limit).abs() < 0.01;
         near(pi[1], 0.0) || near(pi[2], 0.0) || near(pi[1], pi[0]) || near(pi[2], pi[0]) || pi[1] - pi[2] < 0.2 || pi[0] < 0.2
@@ -416,7 +416,7 @@ mod tests {
             let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[1.0, 2.0]);
             let (gap_0, moved) = (mortar.gap(&q_0), difference(&q_1, &q_0));
             for (k, row) in out.gradient_bar.chunks_exact(8).enumerate() {
-                // Round-off of positions (4), passed on by gradients that grow as facets become perpendicular.
+                // Round-off of positions (up to 4), amplified by gradients that grow as facets become perpendicular.
                 let size: f64 = 1.0 + row.iter().map(|g| g.abs()).sum::<f64>();
                 let defect = product(row, &moved) - (out.gap[k] - gap_0[k]);
                 prop_assert!(defect.abs() < 4e-15 * size, "{defect:e} of {size}");
@@ -440,7 +440,7 @@ mod tests {
 
         #[test]
         fn tangents_agree_with_differences((q_0, q_1) in step(), lambda in prop::array::uniform2(-1.0..2.0)) {
-            // The correction varies over the size of the increment: the differences must be finer than that.
+            // The correction varies over the size of the increment; difference quotients must be finer.
             let width = q_0.iter().zip(&q_1).fold(0.0, |largest: f64, (a, b)| largest.max((b - a).abs()));
             let step = f64::min(2e-4, 0.01 * width);
             let middle: Nodes = std::array::from_fn(|i| 0.5 * (q_0[i] + q_1[i]));
@@ -466,7 +466,7 @@ mod tests {
                         prop_assert!((ours - expected).abs() < 1e-7, "{derivative:?} [{i}][{unknown}]: {ours} {expected}");
                     }
                 }
-                // The ordinary gradients against differences of the gap.
+                // Ordinary gradients against difference quotients of the gap.
                 for unknown in 0..8 {
                     let at = |shift: f64| {
                         let mut moved = q_1;
@@ -511,7 +511,7 @@ mod tests {
             let rows = dense_rows(&mortar, &out.gradient_bar, q.len());
             let (gap_0, moved) = (mortar.gap(&q_0), difference(&q_1, &q_0));
             for (node, row) in rows.iter().enumerate() {
-                // A row holds a few pairs with entries about 0.1.
+                // A constraint has a few pairs with entries of about 0.1.
                 assert!((product(row, &moved) - (out.gap[node] - gap_0[node])).abs() < 1e-15, "node {node}");
             }
             let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
@@ -520,7 +520,7 @@ mod tests {
         }
     }
 
-    /// Closed form: a closed chain inside a closed chain is covered everywhere.
+    /// Closed form: a closed chain inside of a closed chain is fully covered.
     #[test]
     fn every_node_of_concentric_rings_is_wholly_covered() {
         for (inner, outer) in [(40, 48), (160, 192), (48, 40), (12, 12)] {
@@ -552,10 +552,10 @@ mod tests {
         }
     }
 
-    /// A hose that is pressed flat touches itself inside: facets opposite each other, each pair once, nothing through the wall.
+    /// A flattened hose touches itself inside: opposite facets form one pair each, none through the wall.
     #[test]
     fn a_surface_that_touches_itself_has_each_pair_once() {
-        // The boundary of a U: outer side down, along, up; inner side back. Numbered counter-clockwise, the body on the left.
+        // Boundary of a U, counter-clockwise, the body on the left: outer side down, along, up; inner side back.
         let corners: &[[f64; 2]] = &[[0.0, 0.0], [6.0, 0.0], [6.0, 1.0], [1.0, 1.0], [1.0, 1.5], [6.0, 1.5], [6.0, 2.5], [0.0, 2.5]];
         let mut q: Vec<f64> = Vec::new();
         for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
@@ -571,17 +571,17 @@ mod tests {
         mortar.update_candidates(&Outlook::within(&q, 1.5));
         let pairs = mortar.pairs();
         assert!(pairs.iter().all(|[own, other]| own < other));
-        // Gap of the two inner faces, 1/2: covered from one side, and every covered node sees exactly that distance.
+        // Gap 1/2 of the two inner faces: covered from one side only, constant over all covered nodes.
         let (gap, coverage) = (mortar.gap(&q), mortar.coverage(&q));
         let covered: Vec<usize> = (0..count as usize).filter(|&node| coverage[node] > 0.0).collect();
         assert!(covered.iter().all(|&node| q[2 * node + 1] == 1.0 && q[2 * node] >= 1.0), "{covered:?}");
         let length: f64 = covered.iter().map(|&node| coverage[node] * mortar.weights()[node]).sum();
         let area: f64 = covered.iter().map(|&node| gap[node]).sum();
-        // The facets next to the notch's end are neighbors of its short side, which does not hide them from each other.
+        // Facets next to the notch's end are neighbors of its short side and still opposite each other.
         assert!((area / length - 0.5).abs() < 1e-14 && length > 3.9, "{area} {length}");
     }
 
-    /// Several primary surfaces are one surface of all their facets.
+    /// Several primary surfaces act as one surface of all their facets.
     #[test]
     fn two_primary_pieces_act_as_one_surface() {
         let q = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 1.0, -0.25, 0.0, -0.25, 2.0, -0.5, 1.0, -0.5];
@@ -598,7 +598,7 @@ mod tests {
         assert!((both[1] - (0.5 * 0.25 + 0.5 * 0.5)).abs() < 1e-16);
     }
 
-    /// A node without overlap has zero rows and is not covered.
+    /// A node without overlap has zero constraint functions and is not covered.
     #[test]
     fn bodies_apart_have_zero_functions() {
         let q_0 = [0.0, 0.0, 1.0, 0.0, 3.0, -0.1, 2.0, -0.1];
@@ -609,8 +609,8 @@ mod tests {
         assert!(out.gradient_bar.iter().chain(&out.gradient_end).chain(&out.tangent).all(|x| *x == 0.0));
     }
 
-    /// Numbers of an independent code: automatic differentiation of the prototype's `phi` and `through_invariants`
-    /// (the tangent weighted with lambda = (1.5, 0.7) and applied to [`DIRECTION`]).
+    /// Values of an independent code: automatic differentiation of the prototype's `phi` and `through_invariants` (tangent weighted with
+    /// lambda = (1.5, 0.7) and applied to [`DIRECTION`]).
     struct Oracle {
         q_0: Nodes,
         q_1: Nodes,
@@ -684,14 +684,14 @@ mod tests {
                 assert!((ours - theirs).abs() < tolerance, "{ours:e} against {theirs:e}");
             };
             (0..2).for_each(|k| close(out.gap[k], oracle.gap[k], 1e-15));
-            // Both divide the same cancelling difference by |dpi|^2, about 1e-2 at least.
+            // Both codes divide the same cancelling difference by |dpi|^2, at least about 1e-2.
             (0..16).for_each(|i| close(out.gradient_bar[i], oracle.bar[i / 8][i % 8], 1e-14));
             (0..8).for_each(|i| close(product(&out.tangent[8 * i..8 * i + 8], &DIRECTION), oracle.tangent[i], 1e-12));
         }
     }
 
-    /// Below `INVARIANT_INCREMENT` the correction is dropped. With vertices of both meshes aligned, where every pair has a kink, that would
-    /// cost depth times slide (3e-9 at an angle of 1e-5) if the kinks of neighboring pairs did not cancel in the sum.
+    /// Below `INVARIANT_INCREMENT` the correction is dropped. With aligned vertices of both meshes, where every pair has a kink, the error
+    /// would be depth times slide (3e-9 at an angle of 1e-5) if the kinks of neighboring pairs did not cancel in the sum.
     #[test]
     fn tiny_slides_from_aligned_vertices_keep_the_energy() {
         let Rings { inner, outer, q: q_0 } = rings(40, 48, -0.002);
@@ -704,7 +704,7 @@ mod tests {
             let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &[1.0; 40]);
             let moved = difference(&q_1, &q_0);
             for (node, row) in dense_rows(&mortar, &out.gradient_bar, q_0.len()).iter().enumerate() {
-                // Round-off of positions about 1 times gradients about 0.1.
+                // Round-off of positions up to 1 times gradients of about 0.1.
                 assert!((product(row, &moved) - (out.gap[node] - gap_0[node])).abs() < 1e-17, "angle {angle:e}, node {node}");
             }
         }
@@ -712,7 +712,7 @@ mod tests {
 
     #[test]
     fn facets_that_have_moved_apart_do_not_meet_through_their_bodies() {
-        // Face to face at a distance of 0.1, the bodies above and below; then the lower one far above, as two disks half a turn later.
+        // Face to face at a distance of 0.1, the bodies above and below; then the lower one far above, as after half a turn of two disks.
         let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
         let mut mortar = Mortar::new(&[[0, 1]], &[[2, 3]], &q_0);
         assert!(mortar.update_candidates(&Outlook::within(&q_0, 0.5)));

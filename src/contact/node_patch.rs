@@ -1,5 +1,5 @@
-//! Points opposite chains of facets in one step: which nodes of a patch take part, how their vectors stand in the patch, and the functions
-//! of all patches with their derivatives.
+//! Contact elements of points opposite chains of facets (`chain.rs`) in one step: participating nodes, gaps, gradients and tangents. Used
+//! by node-to-segment contact, corners and disks.
 
 use super::chain::{Chain, Measure};
 use super::numbers::Number;
@@ -8,25 +8,25 @@ use super::slip::{self, SlipRows};
 use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
-/// What a patch keeps of the start of the step.
+/// Values of a contact element that are fixed at the start of the step.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
-    /// Places in the patch of the nodes that take part: the secondary node, and those of the admitted facets, their neighbors and theirs.
+    /// Indices in the contact element of the participating nodes: the point, nodes of admitted facets, of their neighbors and the next.
     pub places: Vec<u32>,
-    /// These facets, in indices of `places`, and which of them may be the closest: not the last ones, which are there for their corners. A
-    /// neighbor looks another way, perhaps, but round a sharp corner it is what the node has in front of it.
+    /// Chain of these facets in indices of `places`. `closest` admits facets as the closest one: all but the last neighbors, which only
+    /// define corners. A neighbor may face away and still be in front of the point around a sharp corner.
     pub chain: Chain,
     pub closest: Vec<bool>,
-    /// Positions of the nodes that take part.
+    /// Positions of the participating nodes at the start of the step.
     pub positions: Vec<f64>,
     pub measures: [Option<Measure>; 2],
-    /// The facets of the concave corner that the node is in, each with the end at which they meet and with a row of its own in this step.
+    /// Facets of the concave corner that contains the point, each with its end at the corner and with a constraint of its own in this step.
     pub pocket: Option<[[u32; 2]; 2]>,
-    /// The facet whose line alone measures in this step, where the point is a corner that crosses another one.
+    /// Facet whose line defines the gap in this step, for corners that cross the opposite corner.
     pub line: Option<u32>,
-    /// The round surface about the point, with the facet that it is opposite; otherwise the point is one of a surface.
+    /// Disk about the point; `None` for a point of a surface.
     pub round: Option<Round>,
-    /// Slack of its constraint over that of the pair.
+    /// Slack (admitted overlap) of the constraint, relative to that of the pair.
     pub slack: f64,
     /// Height of the curve of the point's own surface over the point, outwards `[length]`.
     pub own_height: f64,
@@ -35,13 +35,13 @@ pub struct Start {
 /// A rigid disk opposite a single facet.
 #[derive(Clone, Copy, Debug)]
 pub struct Round {
-    /// Its radius `[length]`.
+    /// Radius `[length]`.
     pub radius: f64,
-    /// Whether the body has a concave corner at either end of the facet.
+    /// True for each end of the facet at which the body has a concave corner.
     pub is_concave: [bool; 2],
 }
 
-/// Storage of one evaluation, used again from patch to patch.
+/// Buffers of one evaluation, reused for all contact elements.
 #[derive(Default)]
 struct Scratch {
     end: Vec<f64>,
@@ -56,18 +56,18 @@ struct Scratch {
 }
 
 impl Start {
-    /// A disk opposite a facet, by the places of the center and the facet's nodes in the patch.
+    /// Disk opposite a facet; `places` are the indices of the center and of the facet's nodes in the contact element.
     pub fn round(places: [u32; 3], round: Round) -> Start {
         Start { places: places.into(), chain: Chain::new(vec![[1, 2]]), closest: vec![true], round: Some(round), ..Start::default() }
     }
 
-    /// Positions of the nodes that take part into `z`, `nodes` those of the patch.
+    /// Collects the positions of the participating nodes into `z`; `nodes` are those of the contact element.
     pub fn gather_into(&self, nodes: &[u32], q: &[f64], z: &mut Vec<f64>) {
         z.clear();
         z.extend(self.places.iter().map(|&place| 2 * nodes[place as usize] as usize).flat_map(|x| [q[x], q[x + 1]]));
     }
 
-    /// Measures of the gap of each row, from the curve of the point's own surface.
+    /// Gaps of the constraints at `z`, reduced by the height of the point's own surface.
     pub fn measures(&self, z: &[f64]) -> [Option<Measure>; 2] {
         let measures = match (self.line, self.pocket, self.round) {
             (Some(facet), ..) => [Some(self.chain.line(facet, z)), None],
@@ -78,9 +78,9 @@ impl Start {
         measures.map(|measure| measure.map(|measure| Measure { gap: measure.gap - self.own_height, ..measure }))
     }
 
-    /// Keeps what depends on the start of the step, `nodes` those of the patch. `crossed` finds what a corner sees of one that it crosses,
-    /// if that is not what it always sees; `pocket` the concave corner that the point is in; what `is_sunk` has no measure, first of that
-    /// corner, then at all.
+    /// Stores the values at the start of the step; `nodes` are those of the contact element. `crossed` returns the facet that alone defines
+    /// the gap of a corner which crosses another one (`Some(None)`: no gap). `pocket` returns the concave corner of the point. While
+    /// `is_sunk` holds, first the pocket, then the whole gap is removed.
     pub fn begin(
         &mut self,
         nodes: &[u32],
@@ -113,7 +113,7 @@ impl Start {
         }
     }
 
-    /// Writes a vector over the nodes that take part as one over all nodes of the patch.
+    /// Scatters a vector over the participating nodes to all nodes of the contact element.
     pub fn spread_into(&self, values: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         for (&place, value) in self.places.iter().zip(values.chunks_exact(2)) {
@@ -121,7 +121,7 @@ impl Start {
         }
     }
 
-    /// Writes a matrix over the nodes that take part as one over all nodes of the patch, row by row.
+    /// Scatters a matrix over the participating nodes to all nodes of the contact element, row-major.
     pub fn spread_matrix_into(&self, values: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let (width, own) = (out.len().isqrt(), 2 * self.places.len());
@@ -134,7 +134,7 @@ impl Start {
     }
 }
 
-/// Tells what measures each row of the present step at `q`: the row, and its measure.
+/// Calls `visit` with each constraint and its gap at `q`.
 fn for_each_measure(sides: &Sides, starts: &[Start], q: &[f64], mut visit: impl FnMut(usize, Measure)) {
     let mut z = Vec::new();
     for (p, start) in starts.iter().enumerate() {
@@ -163,25 +163,25 @@ pub fn start_gaps(sides: &Sides, starts: &[Start]) -> Vec<f64> {
     gaps
 }
 
-/// Largest depth of a point at `q` `[length]`.
+/// Largest penetration of a covered point at `q` `[length]`.
 pub fn deepest(sides: &Sides, starts: &[Start], q: &[f64]) -> f64 {
     let mut deepest = 0.0f64;
     for_each_measure(sides, starts, q, |_, measure| deepest = deepest.max(if measure.covered { -measure.gap } else { 0.0 }));
     deepest
 }
 
-/// Which rows have an opposite at `q`.
+/// Coverage of each constraint at `q`: 1 opposite a facet, else 0.
 pub fn coverage(sides: &Sides, starts: &[Start], q: &[f64]) -> Vec<f64> {
     let mut coverage = vec![0.0; sides.weights.len()];
     for_each_measure(sides, starts, q, |row, measure| coverage[row] = f64::from(u8::from(measure.covered)));
     coverage
 }
 
-/// Slips of points on the facets that measure their gaps in mid-step.
+/// Slips of points relative to the facets that define their gaps in mid-step.
 pub struct Slips<'a> {
     pub sides: &'a Sides,
     pub starts: &'a [Start],
-    /// Angle by which round points turn in the step.
+    /// Rotation of round points in the step `[rad]`.
     pub turned: f64,
 }
 
@@ -189,7 +189,7 @@ impl SlipRows for Slips<'_> {
     fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool {
         let start = &self.starts[p];
         let z: Vec<f64> = start.places.iter().flat_map(|&place| z[2 * place as usize..][..2].iter().copied()).collect();
-        // One slip for each row: what lies in a pocket slides on both of its facets.
+        // One slip per constraint: a point in a pocket slides on both of its facets.
         places.push(0);
         for measure in start.measures(&z).into_iter().take(self.sides.patches.rows(p).len()) {
             let Some(Measure { facet, covered: true, .. }) = measure else { return places.len() > 1 };
@@ -219,12 +219,12 @@ impl SlipRows for Slips<'_> {
     }
 
     fn is_relative(&self, p: usize) -> bool {
-        // A disk does not turn with the facets on it.
+        // The slip of a disk has no share of the facets' rotation.
         self.starts[p].round.is_none()
     }
 }
 
-/// Values, gradients and tangent of a step that ends at `q_1`.
+/// Values, gradients and tangent of a step that ends at `q_1`, into `out`.
 pub fn evaluate(sides: &Sides, starts: &[Start], derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
     assert_eq!(starts.len(), sides.patches.len(), "begin_step follows a change of the candidates");
     out.prepare(&sides.patches, sides.weights.len());
@@ -261,7 +261,7 @@ pub fn evaluate(sides: &Sides, starts: &[Start], derivative: Derivative, q_1: &[
 }
 
 impl Scratch {
-    /// The gradients of one row, from what measures it at the start, in the middle and at the end of the step; its tangent is added.
+    /// Gradients of one constraint from its gaps at the start, in the middle and at the end of the step; adds its tangent.
     fn add_row(&mut self, chain: &Chain, measures: [Option<Measure>; 3], derivative: Derivative, weight: f64, pressure: f64) {
         let Scratch { end, middle, gradient, gradient_end, bar, hessian, tangent, part, projection } = self;
         let [at_start, at_middle, at_end] = measures;

@@ -1,15 +1,15 @@
-//! Node-to-segment contact in the plane (in space: `space/nodes.rs`): one multiplier per secondary node, its constraint the node's gap to
-//! the primary chain.
+//! Node-to-segment contact in the plane (in space: `space/nodes.rs`): one multiplier per secondary node, whose constraint is the gap of the
+//! node to the primary chain. The same kernel constrains corners beside mortar methods.
 //!
-//! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure and `Phi` has the dimension
-//! of the mortar method's weighted gap. A patch is a node with all primary facets within its reach: `g` is one continuous function of them
-//! (`chain.rs`), and its projected discrete gradient keeps energy and momenta while the node slides over facet borders and corners (after
-//! Hesch and Betsch, IUTAM Bookseries 3, 2007, whose formula for a single segment does not).
+//! `Phi_A = w_A g_A` with the reference weight of the node: multipliers are pressures, and `Phi` has the dimension of a weighted gap. A
+//! contact element is a node with all primary facets within its search horizon. `g` is one continuous function of them (`chain.rs`). Its
+//! projected discrete gradient conserves energy and momenta while the node slides over nodes and corners, unlike the formula for a single
+//! segment in Hesch and Betsch, IUTAM Bookseries 3, 2007.
 //!
-//! Facets that look the same way as the node's own surface (the far side of a thin body), that the node would be too deep behind, and that
-//! are out of the step's reach are no opposite; that is decided with the positions at the start of the step and kept in it. Only the facets
-//! that are admitted, with their neighbors, take part: how far the search has looked does not matter. The method fails the contact patch
-//! test, and two polygons that are pressed into each other lock with the nodes in the corners: mortar is the default for a reason.
+//! Opposite facets are selected at the start of a step: not those with normals like the node's own surface (far side of a thin body), nor
+//! those the node would be too deep behind, nor those beyond the motion bound. Only these facets and their neighbors take part, so that the
+//! search distance changes no gap. The method fails the contact patch test, and two polygons that are pressed into each other lock with the
+//! nodes in the corners; mortar methods are the default.
 
 use super::bends::Bends;
 use super::chain::Chain;
@@ -28,7 +28,7 @@ use super::window::{Outlook, Travel, Window};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SAME_WAY;
 
-/// The gap of each secondary node to the chain of primary facets, one multiplier per node.
+/// Node-to-segment method: gap of each secondary node to the chain of primary facets, one multiplier per node.
 pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
     name: "node_to_segment",
     summary: "node-to-segment method: no secondary node enters the primary side; locks where both are polygons. In two passes: two \
@@ -39,17 +39,17 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
     passes_patch_test: false,
 };
 
-/// Margin beyond the need with which candidates are searched, in shortest secondary facets.
+/// Search distance beyond the required one, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Cosine of the turn of a rigid chain above which a point is one, a tenth of a degree: nothing but its points holds it between two nodes.
+/// Cosine of the angle of a corner of a rigid chain, 0.1 degrees: between nodes of the other surface only its own constraint holds it.
 const RIGID_CORNER: f64 = 0.999_998;
 
-/// Depth in shortest facets beyond which a node has no constraint of a corner: where bodies overlap at the start, the constraints of the
-/// surfaces hold them, and these would depend on those.
+/// Penetration in shortest facets beyond which a node has no corner constraint: initial overlaps are held by the constraints of the
+/// surfaces, and corner constraints would be linearly dependent on those.
 const SUNK: f64 = 0.15;
 
-/// Turn above which a corner of the other side is concave, in degrees, and how near a vertex must be to it, in shortest facets.
+/// Smallest angle of a concave corner (pocket) in degrees, and largest distance of a vertex from it in shortest facets.
 const POCKET: f64 = 3.0;
 const POCKET_REACH: f64 = 0.25;
 
@@ -57,13 +57,13 @@ const POCKET_REACH: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub struct NodeToSegment {
     sides: Sides,
-    /// The secondary nodes as facets of no length, for the search.
+    /// Secondary nodes as facets of zero length, for the search.
     points: Surface,
-    /// Where contact is that of corners alone.
+    /// Selection of corners; `None` for contact of all secondary nodes.
     corners: Option<Corners>,
     candidates: Candidates,
     window: Window,
-    /// Per patch: the primary facets in it, ascending: candidates, their neighbors and theirs.
+    /// Primary facets of each contact element, ascending: candidates, their neighbors and next neighbors.
     facets: Vec<Vec<u32>>,
     start: Vec<Start>,
     /// Height profiles of the primary facets; empty for straight facets.
@@ -74,24 +74,24 @@ pub struct NodeToSegment {
     reference: Vec<f64>,
 }
 
-/// Which nodes count as corners.
+/// Selection of the secondary nodes that count as corners.
 #[derive(Clone, Debug)]
 enum Corners {
-    /// Where the sides are bent.
+    /// Nodes at bends of either side.
     Bends {
         bends: Bends,
-        /// Whether the corners of the other side have constraints as these.
+        /// True if corners of the other side have constraints of the same kind.
         is_mutual: bool,
     },
-    /// These points of the secondary side.
+    /// True for each secondary node that is a corner.
     Points(Vec<bool>),
 }
 
 impl NodeToSegment {
-    /// Contact of two surfaces given by their facets (node numbers of the model, the body on the left), sized in the reference positions.
+    /// Contact of two surfaces given by their facets (model node numbers, the body on the left), sized in the reference positions.
     ///
-    /// A surface that is on both sides touches itself: a node's own facets, their neighbors, and what lies behind it through the body are
-    /// no opposite of it.
+    /// A surface on both sides defines self-contact: the facets of a node, their neighbors and facets on the far side of the body are
+    /// excluded.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         let mut contact = Self::between(Sides::new(secondary, primary, reference), reference);
         let (secondary, primary) = (&contact.sides.secondary, &contact.sides.primary);
@@ -103,12 +103,12 @@ impl NodeToSegment {
         contact
     }
 
-    /// Contact of the corners of the secondary surface alone, for what the weighted gaps of a mortar method do not see: of nodes at which
-    /// it is bent, or that lie opposite a bend. `facet_size` is that of the whole contact. `None` where neither side has a corner in the
-    /// reference positions; where all corners are ends of chains, these alone.
+    /// Contact of the corners of the secondary surface only, for penetration that the weighted gaps of a mortar method do not detect.
+    /// Corners are nodes at or opposite a bend; if all corners are ends of chains, these ends. `facet_size` is that of the whole contact.
+    /// `None` if neither side has a corner in the reference positions.
     ///
-    /// Each node has two rows: in a concave corner of the other side, such as the dent that it makes, it touches two facets, whose
-    /// distances are two smooth functions in place of one with a kink. Which facets these are is decided at the start of a step.
+    /// Each node has two constraints: in a concave corner of the other side, such as its own imprint, it touches two facets. Two smooth
+    /// distances replace one with a kink. The two facets are selected at the start of a step.
     pub fn of_corners([secondary, primary]: [&[[u32; 2]]; 2], reference: &[f64], facet_size: f64, is_beside_nodes: bool) -> Option<Self> {
         let sides = Sides { facet_size, ..Sides::new(secondary, primary, reference) };
         let both = [&sides.secondary, &sides.primary];
@@ -123,8 +123,8 @@ impl NodeToSegment {
         Some(Self::between(sides, reference).with(corners))
     }
 
-    /// The same for all points of a rigid chain that stand out: its sides are as long as they are, and a point between two nodes of the
-    /// other surface is seen by nothing else.
+    /// Contact of the convex corners and ends of a rigid chain only: its segments have any length, and a corner between two nodes of the
+    /// other surface is detected by no other constraint.
     pub fn of_points(chain: &[[u32; 2]], surface: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Self {
         let sides = Sides { facet_size, ..Sides::new(chain, surface, reference) };
         let (bends, ends) = (sides.secondary.bends(reference, RIGID_CORNER), sides.secondary.ends());
@@ -133,14 +133,14 @@ impl NodeToSegment {
         Self::between(sides, reference).with(Corners::Points(points))
     }
 
-    /// Contact of these corners alone, with two rows each.
+    /// Restricts contact to these corners, with two constraints each.
     fn with(mut self, corners: Corners) -> Self {
         self.corners = Some(corners);
         self.sides.weights = self.sides.weights.iter().flat_map(|&weight| [weight; 2]).collect();
         self
     }
 
-    /// Contact of all secondary nodes, one row each.
+    /// Contact of all secondary nodes, one constraint each.
     fn between(sides: Sides, reference: &[f64]) -> Self {
         let (secondary, primary) = (&sides.secondary, &sides.primary);
         let points = Surface::new(&secondary.nodes().iter().map(|&node| [node; 2]).collect::<Vec<_>>());
@@ -160,7 +160,7 @@ impl NodeToSegment {
         }
     }
 
-    /// Makes the patches of the present candidates, one for each node that has any.
+    /// Lists the contact elements of the present candidates, one for each node with candidates.
     fn list_patches(&mut self) {
         self.sides.patches.clear();
         self.facets.clear();
@@ -180,14 +180,14 @@ impl NodeToSegment {
         }
     }
 
-    /// Finds which nodes are bent at `q`, if that matters.
+    /// Updates the bent nodes for the positions `q`.
     fn find_bends(&mut self, q: &[f64]) {
         if let Some(Corners::Bends { bends, .. }) = &mut self.corners {
             bends.find([&self.sides.secondary, &self.sides.primary], q);
         }
     }
 
-    /// Slack of the constraint that a point has beside these facets in this step, over that of a corner; nothing where it has none.
+    /// Slack of the constraint of a point opposite these facets in this step, relative to that of a corner; `None` without a constraint.
     fn slack_beside(&self, point: usize, facets: &[u32]) -> Option<f64> {
         match &self.corners {
             Some(Corners::Points(points)) if !points[point] => None,
@@ -196,17 +196,17 @@ impl NodeToSegment {
         }
     }
 
-    /// The point of patch `p`.
+    /// Point of contact element `p`.
     fn point(&self, p: usize) -> usize {
         self.sides.patches.rows(p)[0] as usize / self.rows_per_node()
     }
 
-    /// Secondary facets that meet at a point.
+    /// Secondary facets adjacent to a point.
     fn own_facets(&self, point: usize) -> &[u32] {
         self.sides.secondary.adjacent_facets(point)
     }
 
-    /// Outward normals of the facets at a point, at `q`.
+    /// Outward normals of the facets adjacent to a point at `q`.
     fn normals(&self, point: usize, q: &[f64]) -> Vec<[f64; 2]> {
         let facets = self.own_facets(point).iter().map(|&facet| self.sides.secondary.facets()[facet as usize]);
         let normal = |[a, b]: [u32; 2]| {
@@ -218,13 +218,13 @@ impl NodeToSegment {
         facets.map(normal).collect()
     }
 
-    /// Whether a primary facet can be opposite a point in a step.
+    /// True if a primary facet may be opposite a point in this step.
     fn admits(&self, point: usize, facet: u32, normals: &[[f64; 2]], outlook: &Outlook) -> bool {
         let (node, ends) = (self.points.nodes()[point], self.sides.primary.facets()[facet as usize]);
         let seen = Seen::new(node, ends, outlook.q);
-        // At a sharp corner, as of a tip that has folded, one side that does not look the same way is enough.
+        // At a sharp corner, such as a folded tip, one of both adjacent facets with an opposite normal suffices.
         let is_opposite = |normal: &[f64; 2]| normal[0] * seen.along[1] - normal[1] * seen.along[0] <= SAME_WAY;
-        // Beside a facet the distance from its line says nothing of how deep the node is.
+        // Beside a facet the distance from its line is no measure of penetration.
         let depth = if seen.end.is_none() || seen.gap > 0.0 { seen.gap } else { -seen.distance };
         seen.distance <= self.sides.facet_size + outlook.travel::<2>(&[node], &ends) + outlook.depth
             && normals.iter().any(is_opposite)
@@ -232,7 +232,7 @@ impl NodeToSegment {
             && (self.corners.is_none() || seen.gap > -(SUNK * self.sides.facet_size).max(self.window.depth()))
     }
 
-    /// What takes part of a patch in a step.
+    /// Participating facets and nodes of contact element `p` in this step.
     fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
         let (point, nodes, primary) = (self.point(p), self.sides.patches.nodes(p), &self.sides.primary);
         let normals = self.normals(point, outlook.q);
@@ -251,7 +251,7 @@ impl NodeToSegment {
         let mut chain = Vec::with_capacity(facets.len());
         for &facet in &facets {
             chain.push(primary.facets()[facet as usize].map(|node| {
-                // The other nodes of a patch are in ascending order.
+                // All nodes but the first of a contact element are in ascending order.
                 let place = 1 + nodes[1..].partition_point(|&other| other < node) as u32;
                 let known = places[1..].iter().position(|&other| other == place).map(|index| index + 1);
                 known.unwrap_or_else(|| {
@@ -273,7 +273,7 @@ impl NodeToSegment {
         }
     }
 
-    /// The concave corner that a point is in, with the positions of its part, if it is in one and near it.
+    /// Concave corner of the other side that contains the point, if the point is near it.
     fn pocket(&self, start: &Start) -> Option<[[u32; 2]; 2]> {
         self.corners.as_ref()?;
         let measure = start.chain.measure(&start.positions, &start.closest)?;
@@ -282,9 +282,9 @@ impl NodeToSegment {
         pocket.filter(|branches| is_near && branches.iter().all(|[facet, _]| start.closest[*facet as usize]))
     }
 
-    /// What a corner that crosses one of the other side sees of it: the line of a facet, or nothing; `None` where that is as always.
+    /// Facet whose line defines the gap of a corner that crosses one of the other side; `Some(None)`: no gap; `None`: no crossing.
     fn crossed(&self, p: usize, start: &Start, q: &[f64]) -> Option<Option<u32>> {
-        // Where the other side has no such constraint, this one holds as it always does.
+        // Without corner constraints of the other side the usual gap holds.
         let Some(Corners::Bends { is_mutual: true, .. }) = self.corners else { return None };
         let measure = start.chain.measure(&start.positions, &start.closest)?;
         let tip = self.tip(self.point(p), q)?;
@@ -303,7 +303,7 @@ impl NodeToSegment {
         }
     }
 
-    /// A point with the nodes beside it.
+    /// Point with both adjacent nodes.
     fn tip(&self, point: usize, q: &[f64]) -> Option<Tip> {
         let &[one, other] = self.own_facets(point) else { return None };
         let [one, other] = [one, other].map(|facet| self.sides.secondary.facets()[facet as usize]);
@@ -312,13 +312,13 @@ impl NodeToSegment {
         Some(Tip { before, at, after })
     }
 
-    /// Whether a corner is too deep to have constraints: what it sees is the far side of a body, or an overlap that it began with.
+    /// True if a corner is too deep for a constraint: its facets belong to the far side of the body, or to an initial overlap.
     fn is_sunk(&self, start: &Start) -> bool {
         self.corners.is_some() && start.measures.iter().flatten().any(|measure| measure.gap <= -SUNK * self.sides.facet_size)
     }
 }
 
-/// Some facets of a surface and their neighbors, ascending.
+/// Facets with their neighbors, ascending.
 fn with_neighbors(surface: &Surface, facets: &[u32]) -> Vec<u32> {
     let mut all: Vec<u32> = facets.iter().flat_map(|&facet| surface.neighbors(facet as usize)).flatten().collect();
     all.extend(facets);
@@ -327,7 +327,7 @@ fn with_neighbors(surface: &Surface, facets: &[u32]) -> Vec<u32> {
     all
 }
 
-/// Pairs (point, primary facet) that can never be a contact, ascending: those of the point's facets.
+/// Pairs (point, primary facet) that can never be in contact, ascending: those of the facets adjacent to the point.
 fn points_within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for [own, other] in within_the_body(secondary, primary, reference) {
@@ -432,7 +432,7 @@ impl CandidateSearch for NodeToSegment {
             let end = Seen::new(node, ends, q_1);
             let closed = end.end.is_none() && end.gap < -tolerance && self.window.admits_depth(0, self.own_facets(point), facet, end.gap);
             closed && Seen::new(node, ends, q_0).gap > 0.0 && {
-                // Admitted it would have been, had its motion been known; was it?
+                // The facet would have been admitted if the motion had been known at the start.
                 let p = self.facets.iter().enumerate().position(|(p, _)| self.point(p) == point);
                 let was = p.is_some_and(|p| {
                     let start = &self.start[p];
@@ -484,7 +484,7 @@ mod tests {
     use super::*;
     use crate::integrators::Configuration;
 
-    /// A node over a chain of three facets with random corners, convex and concave, and a step of a random size: nodes slide over borders,
+    /// A node over a chain of three facets with random convex and concave corners, and a random step: nodes slide over facet borders,
     /// penetrate, and leave the chain at its ends.
     fn step() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
         let size = prop::sample::select(vec![1e-4, 1e-2, 0.1, 0.5]);
@@ -498,7 +498,7 @@ mod tests {
         )
     }
 
-    /// Node 0, the middle of a surface that looks down, and the chain of nodes 1 to 4, whose body is below.
+    /// Node 0 in the middle of a surface that faces down, over the chain of nodes 1 to 4 with the body below.
     fn node_on_chain(q_0: &[f64]) -> NodeToSegment {
         let mut reference = q_0.to_vec();
         reference.extend([q_0[0] - 1.0, q_0[1], q_0[0] + 1.0, q_0[1]]);
@@ -527,7 +527,7 @@ mod tests {
             let rows = dense_rows(&kernel, &out.gradient_bar, 14);
             let (start, moved) = (kernel.start_gap(), difference(&to, &from));
             for (row, gradient) in rows.iter().enumerate() {
-                // Positions about 5 (round-off 1e-15) times gradients, which are large where the function jumps at an end.
+                // Positions up to 5 (round-off 1e-15) times gradients, which are large where the function jumps at an end.
                 let size: f64 = 1.0 + gradient.iter().map(|g| g.abs()).sum::<f64>();
                 let defect = product(gradient, &moved) - (out.gap[row] - start[row]);
                 prop_assert!(defect.abs() < 1e-14 * size, "{defect:e} of {size}");
@@ -548,11 +548,11 @@ mod tests {
             let (from, to) = (with_ends(&q_0, &q_0), with_ends(&q_1, &q_0));
             let width = q_0.iter().zip(&q_1).fold(0.0, |largest: f64, (a, b)| largest.max((b - a).abs()));
             if width < 1e-3 {
-                // The round-off of the quotient, 1e-15 over the increment, is all that differences see.
+                // Round-off of the quotient (1e-15 over the increment) exceeds the difference.
                 return Ok(());
             }
             let step = f64::min(2e-4, 0.005 * width);
-            // No kink and no end near the configurations at which the functions are evaluated: the same facets for all differences.
+            // The same facets for all difference quotients: no kink and no end near the evaluated configurations.
             let facet = |q: &[f64], row: usize| {
                 let p = (0..kernel.patches().len()).find(|&p| kernel.patches().rows(p)[0] as usize == row).unwrap();
                 kernel.start[p].measures(&{
@@ -591,7 +591,7 @@ mod tests {
                     for i in 0..unknowns {
                         let expected = (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * step);
                         let ours = tangent[i * unknowns + column];
-                        // Differences of a width of 5e-3 of the increment; round-off 1e-13 over a step of 5e-6 at least.
+                        // Difference quotients of width 5e-3 of the increment; round-off 1e-13 over a step of at least 5e-6.
                         prop_assert!((ours - expected).abs() < 1e-6 * size, "{derivative:?} [{i}][{column}] {ours} {expected}");
                     }
                 }
@@ -622,7 +622,7 @@ mod tests {
         }
     }
 
-    /// As mortar: a list that is kept does not let bodies meet through each other.
+    /// Facets that pass through each other while the candidate list is kept are not opposite (as for mortar).
     #[test]
     fn facets_that_have_moved_apart_are_no_opposite() {
         let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
@@ -635,10 +635,10 @@ mod tests {
         assert_eq!((kernel.gap(&q_1), kernel.coverage(&q_1)), (vec![0.0; 2], vec![0.0; 2]));
     }
 
-    /// Nodes that look the same way as the nearest facets, as those on the far side of a thin plate do, have no opposite.
+    /// Nodes whose normals equal those of the nearest facets, as on the far side of a thin plate, have no opposite facet.
     #[test]
     fn the_back_of_a_thin_body_is_no_opposite() {
-        // Chain along x with the body below; the surface above looks up.
+        // Chain along x with the body below; the surface above faces up.
         let q = [1.0, 0.0, 0.0, 0.0, 0.2, -0.1, 0.8, -0.1];
         let mut kernel = NodeToSegment::new(&[[3, 2]], &[[0, 1]], &q);
         kernel.update_candidates(&Outlook::within(&q, 1.0));

@@ -1,13 +1,13 @@
-//! Numbers that formulas of contact are written for: plain ones, and ones that carry derivatives.
+//! Number types of contact formulas: plain numbers, several numbers at once, and numbers with first derivatives.
 //!
-//! A [`Jet`] carries a few derivatives in a plain array; more unknowns are more passes. The numbers of `num-dual` know besides whether they
-//! have any derivatives: with these the second derivatives of a pair of facets in space took three times as long.
+//! A [`Jet`] carries a fixed number of derivatives in a plain array; more unknowns take several passes. Numbers of `num-dual` also store
+//! the absence of derivatives, which tripled the time of second derivatives of facet pairs in space.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use num_dual::DualNumCopy;
 
-/// A number, or one with derivatives.
+/// Number type of a formula, with or without derivatives.
 pub trait Number:
     Copy
     + From<f64>
@@ -22,11 +22,11 @@ pub trait Number:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// Its value.
+    /// Value without derivatives.
     fn re(self) -> f64;
-    /// Its square root.
+    /// Square root.
     fn sqrt(self) -> Self;
-    /// One over it.
+    /// Reciprocal value.
     fn recip(self) -> Self;
 }
 
@@ -47,7 +47,7 @@ impl<T: DualNumCopy<Primitive = f64>> Number for T {
     }
 }
 
-/// Several numbers of the same kind, which are computed together: what a formula decides by is the first.
+/// `N` numbers that are computed together; branches of a formula depend on the first one.
 #[derive(Clone, Copy, Debug)]
 pub struct Each<const N: usize>(pub [f64; N]);
 
@@ -84,7 +84,7 @@ impl<const N: usize> Neg for Each<N> {
     }
 }
 
-/// Arithmetic number by number, with others and with plain ones.
+/// Elementwise arithmetic, with another `Each` or with a plain number.
 macro_rules! of_each {
     ($($trait:ident $name:ident $operator:tt;)*) => { $(
         impl<const N: usize> $trait for Each<N> {
@@ -108,7 +108,7 @@ macro_rules! of_each {
 }
 of_each! { Add add +; Sub sub -; Mul mul *; Div div /; }
 
-/// What is added and subtracted in place.
+/// Addition and subtraction in place.
 macro_rules! in_place {
     ($($type:ident $trait:ident $name:ident $operator:tt;)*) => { $(
         impl<const N: usize> $trait for $type<N> {
@@ -121,23 +121,23 @@ macro_rules! in_place {
 }
 in_place! { Each AddAssign add_assign +; Each SubAssign sub_assign -; Jet AddAssign add_assign +; Jet SubAssign sub_assign -; }
 
-/// A number with its derivatives with respect to some unknowns.
+/// Number with its derivatives with respect to `N` unknowns.
 #[derive(Clone, Copy, Debug)]
 pub struct Jet<const N: usize> {
-    /// The number.
+    /// Value.
     pub re: f64,
-    /// Its derivatives.
+    /// Derivatives.
     pub eps: [f64; N],
 }
 
 impl<const N: usize> Jet<N> {
-    /// An unknown: the one of that lane, if any.
+    /// Unknown with derivative 1 in `lane`, or a constant without a lane.
     #[inline(always)]
     pub fn unknown(re: f64, lane: Option<usize>) -> Self {
         Jet { re, eps: std::array::from_fn(|k| if Some(k) == lane { 1.0 } else { 0.0 }) }
     }
 
-    /// A function of it, by its value and its derivative.
+    /// Chain rule: function value `re` and derivative `slope`.
     #[inline(always)]
     fn chain(self, re: f64, slope: f64) -> Self {
         Jet { re, eps: self.eps.map(|eps| eps * slope) }

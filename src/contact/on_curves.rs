@@ -1,8 +1,8 @@
-//! A contact method on points that are linear combinations of the model's nodes, as the solver of a step sees it: on the nodes.
+//! Contact method on points that are linear combinations of nodes (`quadratic.rs`), with the interface of a method on the nodes.
 //!
-//! With the points `y = P q` and the method's multipliers `lambda' = S lambda`, its functions `Phi'(y)` become `Phi(q) = S^T Phi'(P q)`,
-//! its gradients `S^T G' P` and its tangent `P^T K' P`. A discrete gradient stays one: `G (q_1 - q_0) = S^T G' (y_1 - y_0)`. The shares of
-//! a point sum to one, so points move with rigid motions, and momenta are kept as without.
+//! With points `y = P q` and multipliers `lambda' = S lambda` of the inner method, its functions `Phi'(y)` become `Phi(q) = S^T Phi'(P q)`,
+//! its gradients `S^T G' P` and its tangent `P^T K' P`. Directionality is preserved: `G (q_1 - q_0) = S^T G' (y_1 - y_0)`. The coefficients
+//! of a point sum to one: points follow rigid motions, and momenta are conserved as by the inner method.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
@@ -17,49 +17,49 @@ use super::window::{Outlook, Travel};
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
-/// A contact method on points.
+/// Contact method on points (the inner method), seen as one on the nodes.
 pub(super) struct OnCurves {
-    /// The method; its nodes are the points.
+    /// Inner method; its node numbers are point numbers.
     inner: Box<dyn ContactKernel>,
-    /// Its surfaces between nodes of the model, with patches that couple those.
+    /// Surfaces between nodes of the model, with contact elements that couple these nodes.
     sides: Sides,
-    /// `P`.
+    /// Points as combinations of nodes, `P`.
     points: Combinations,
-    /// `S`.
+    /// Inner constraints as combinations of outer ones, `S`.
     rows: Combinations,
     row_nodes: Vec<u32>,
-    /// The nodes that points belong to: patches of the method that belong to the same ones are a single patch here.
+    /// Home nodes of each point: inner contact elements with equal homes are merged.
     homes: Combinations,
-    /// Patches of the method in each patch here.
+    /// Inner contact elements merged into each outer one.
     members: Vec<Vec<Member>>,
-    /// Of which nodes of the patch here each node of a member is made, and the same of its rows.
+    /// Coefficients of each inner node, and of each inner constraint, in the nodes and constraints of its outer contact element.
     patch_nodes: Combinations,
     patch_rows: Combinations,
     scratch: Mutex<Scratch>,
 }
 
-/// A patch of the method in one of those here.
+/// Inner contact element as a part of an outer one.
 #[derive(Clone, Copy)]
 struct Member {
     patch: usize,
-    /// Its first node among [`OnCurves::patch_nodes`], its first row among [`OnCurves::patch_rows`].
+    /// Index of the first inner node in [`OnCurves::patch_nodes`], and of the first inner constraint in [`OnCurves::patch_rows`].
     node: usize,
     row: usize,
 }
 
-/// What an evaluation needs, used again.
+/// Buffers of an evaluation.
 #[derive(Default)]
 struct Scratch {
     inner: Evaluation,
     seen: Vec<f64>,
     lambda: Vec<f64>,
-    /// A tangent whose columns alone belong to nodes.
+    /// Half-transformed tangent `K' P`: only its columns belong to nodes.
     half: Vec<f64>,
 }
 
 impl OnCurves {
-    /// A method on `points`, whose rows are made of those of the nodes by `rows`, while points belong to nodes as by `homes`; `sides` are
-    /// its surfaces between the nodes, and `row_nodes` the nodes that own rows, if nodes do.
+    /// Inner method on `points`. `rows` are its constraints as combinations of outer ones, `homes` the home nodes of points, `sides` its
+    /// surfaces between nodes, `row_nodes` the nodes that own constraints, if nodes do.
     pub fn new(inner: Box<dyn ContactKernel>, sides: Sides, [points, rows, homes]: [Combinations; 3], row_nodes: Vec<u32>) -> Self {
         let mut weights = vec![0.0; if row_nodes.is_empty() { inner.rows() } else { inner.rows_per_node() * row_nodes.len() }];
         rows.add_values_back(inner.weights(), &mut weights);
@@ -79,7 +79,7 @@ impl OnCurves {
         curved
     }
 
-    /// Makes patches of the method's.
+    /// Lists the outer contact elements from the inner ones.
     fn list(&mut self) {
         let inner = self.inner.patches();
         let mut places = BTreeMap::new();
@@ -123,19 +123,19 @@ impl OnCurves {
         }
     }
 
-    /// Where the points are.
+    /// Positions `P q` of the points.
     fn seen(&self, q: &[f64]) -> Vec<f64> {
         self.points.points(self.sides.patches.dimension(), q)
     }
 
-    /// The sums of the rows here.
+    /// Sums `S^T values` of inner values, per outer constraint.
     fn gathered(&self, values: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.sides.weights.len()];
         self.rows.add_values_back(values, &mut sums);
         sums
     }
 
-    /// Covered shares of the rows here, or of as many tangential ones beside each, into `sums`.
+    /// Adds the covered shares of the outer constraints to `sums`; `each` tangential constraints per normal one, or 1.
     fn cover(&self, each: usize, coverage: &[f64], sums: &mut [f64]) {
         for (entry, share) in coverage.iter().enumerate().filter(|(_, share)| **share != 0.0) {
             let weight = self.inner.weights()[entry / each];
@@ -145,12 +145,12 @@ impl OnCurves {
         }
     }
 
-    /// Tangential rows beside each row that presses.
+    /// Number of tangential constraints per normal constraint.
     fn tangents(&self) -> usize {
         self.sides.patches.dimension() - 1
     }
 
-    /// Adds the gradient blocks of a member to those of its patch.
+    /// Adds the gradient blocks of an inner contact element to those of the outer one, `S^T G' P`.
     fn gradients_into(&self, [patches, own]: [&Patches; 2], p: usize, Member { patch, node, row }: Member, from: &[f64], to: &mut [f64]) {
         let (few, many, d) = (patches.unknowns(patch), own.unknowns(p), patches.dimension());
         let each = patches.rows(patch).len() / self.inner.patches().rows(patch).len();
@@ -168,7 +168,7 @@ impl OnCurves {
         }
     }
 
-    /// Adds the tangent block of a member to that of its patch.
+    /// Adds the tangent block of an inner contact element to that of the outer one, `P^T K' P`.
     fn tangent_into(&self, p: usize, Member { patch, node, .. }: Member, from: &[f64], half: &mut Vec<f64>, to: &mut [f64]) {
         let patches = self.inner.patches();
         let (few, many, d) = (patches.unknowns(patch), self.sides.patches.unknowns(p), patches.dimension());
@@ -190,8 +190,8 @@ impl OnCurves {
         }
     }
 
-    /// An evaluation of the method as one on the nodes, of the patches with the rows that press or with `each` tangential ones beside them;
-    /// `pressing` are its multipliers.
+    /// Transforms an evaluation of the inner method to the nodes, for normal constraints (`each` = 1) or `each` tangential ones per normal
+    /// constraint. `pressing` are the inner multipliers.
     fn on_nodes(
         &self,
         [of, own]: [&Patches; 2],
@@ -220,7 +220,7 @@ impl OnCurves {
     }
 }
 
-/// The place of an item in a list, at whose end it is put if it is not there.
+/// Index of an item in a list, to which it is appended if missing.
 fn place(list: &mut Vec<u32>, item: u32) -> u32 {
     let known = list.iter().position(|&other| other == item);
     known.unwrap_or_else(|| {
@@ -229,7 +229,7 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
     }) as u32
 }
 
-/// What happens in a step, as it is seen at points.
+/// Calls `then` with the motion of the points in this step in place of that of the nodes.
 fn with_seen<T>(points: &Combinations, d: usize, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
     let q = points.points(d, outlook.q);
     match outlook.travel {

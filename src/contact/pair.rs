@@ -1,24 +1,23 @@
-//! The two weighted gap functions of one facet pair as functions of five quadratic invariants, in closed form.
+//! Weighted gaps of one facet pair in the plane as closed functions of five quadratic invariants, with gradient and Hessian (`mortar.rs`).
 //!
-//! Secondary facet `(x_1, x_2)`, primary facet `(y_1, y_2)`, both with their body on the left. With `t = x_2 - x_1`,
-//! `d_i = y_i - x_1` and `a x b` the plane cross product (Hesch and Betsch 2007, equations 7 to 10)
+//! Secondary facet `(x_1, x_2)`, primary facet `(y_1, y_2)`, both with their body on the left. With `t = x_2 - x_1`, `d_i = y_i - x_1` and
+//! the plane cross product `a x b` (Hesch and Betsch 2007, equations 7 to 10)
 //!
 //! ```text
 //! pi = ( t.t,  t.d_1,  t.d_2,  t x (d_1 + d_2),  t x (d_1 - d_2) )
 //! ```
 //!
-//! A point `s` in `[0, 1]` of the secondary facet looks along the facet's normal; the primary nodes appear at `s_1 = pi_2/pi_1` and
-//! `s_2 = pi_3/pi_1`, and `s_2 < s_1` when the facets face each other. Over the overlap `[a, b] = [max(s_2, 0), min(s_1, 1)]`, depth `h(s)`
+//! The projection along the secondary normal maps the primary nodes to `s_1 = pi_2/pi_1` and `s_2 = pi_3/pi_1` in the secondary coordinate
+//! `s` in `[0, 1]`; `s_2 < s_1` if the facets face each other. The overlap is `[a, b] = [max(s_2, 0), min(s_1, 1)]`. The depth `h(s)` is
 //! linear with `h(s_1) = (pi_4 + pi_5)/2` and `h(s_2) = (pi_4 - pi_5)/2`:
 //!
 //! ```text
 //! Phi_1 = - int_a^b (1 - s) h(s) ds,    Phi_2 = - int_a^b s h(s) ds          [length^2], > 0 when open
 //! ```
 //!
-//! Without overlap, or not facing, both are zero. Integrals are taken about the middle of the overlap, so that no powers of `a` and `b` are
-//! subtracted, and everything is linear in `pi_4, pi_5`: a small gap keeps the relative accuracy that it has in the invariants.
-//! Height profiles of curved facets add to the depth (`pair_profiles.rs`).
-//! At a limit of overlap (a node passing a node) the gradients jump by the depth there; who combines configurations copes with that.
+//! Both are zero without overlap. Integrals are taken about the middle of the overlap, which avoids differences of powers of `a` and `b`,
+//! and all terms are linear in `pi_4, pi_5`: small gaps keep the relative accuracy of the invariants. Height profiles of curved facets add
+//! to the depth (`pair_profiles.rs`). At a limit of overlap (a node opposite a node) the gradients jump by the depth there.
 
 #![allow(clippy::needless_range_loop)] // indices are those of the formulas
 
@@ -26,19 +25,19 @@ use super::numbers::Number;
 use super::profile::PairProfiles;
 use crate::math::tolerances::{ALIGNED, FACING};
 
-/// The five invariants, or a gradient with respect to them.
+/// Five invariants, or a gradient with respect to them.
 pub type Invariants = [f64; 5];
 
-/// Positions that the invariants need: `t`, `d_1`, `d_2`, one after the other.
+/// Vectors `t`, `d_1`, `d_2`, concatenated.
 pub type Offsets = [f64; 6];
 
-/// `t`, `d_1`, `d_2` of the four nodes.
+/// Vectors `t`, `d_1`, `d_2` of four node positions.
 #[inline(always)]
 pub fn offsets(x_1: [f64; 2], x_2: [f64; 2], y_1: [f64; 2], y_2: [f64; 2]) -> Offsets {
     [x_2[0] - x_1[0], x_2[1] - x_1[1], y_1[0] - x_1[0], y_1[1] - x_1[1], y_2[0] - x_1[0], y_2[1] - x_1[1]]
 }
 
-/// The invariants of a configuration.
+/// Invariants of the vectors `t`, `d_1`, `d_2`.
 #[inline(always)]
 pub fn invariants(z: &Offsets) -> Invariants {
     let &[t_x, t_y, d_x, d_y, e_x, e_y] = z;
@@ -51,51 +50,51 @@ pub fn invariants(z: &Offsets) -> Invariants {
     ]
 }
 
-/// Whether the functions differ from zero at `pi`: the facets face each other and overlap.
+/// True if the facets face each other and overlap, so that the weighted gaps can differ from zero.
 #[inline(always)]
 pub fn overlaps(pi: &Invariants) -> bool {
     pi[1] - pi[2] > FACING * pi[0] && pi[1] > 0.0 && pi[2] < pi[0]
 }
 
-/// A function of two lengths of weights, one for each secondary node.
+/// One value for each of the two secondary nodes.
 pub type PerNode<T> = [T; 2];
 
-/// The overlap of a pair with the integrals that values and derivatives share.
+/// Overlap of a facet pair, with quantities that values and derivatives share.
 #[derive(Clone, Copy, Debug)]
 pub struct Overlap<'a> {
     pub(super) pi: Invariants,
-    /// Ends `a`, `b` in the secondary coordinate, and whether a primary node (not a secondary one) sets them.
+    /// Ends `a`, `b` in the secondary coordinate, and true for each end at a primary node.
     pub(super) ends: [f64; 2],
     pub(super) moves: [bool; 2],
-    /// `b - a`; shape functions at the middle; distance of the middle from the middle of the primary facet; all in units of `s`.
+    /// `b - a`; shape functions at the middle of the overlap; distance of this middle from that of the primary facet (in units of `s`).
     pub(super) length: f64,
     middle: PerNode<f64>,
     shift: f64,
-    /// `pi_2 - pi_3` and the slope `pi_5 / (pi_2 - pi_3)` of the primary facet against the secondary one.
+    /// `pi_2 - pi_3`, and slope `pi_5 / (pi_2 - pi_3)` of the primary facet relative to the secondary one.
     pub(super) extent: f64,
     pub(super) slope: f64,
     /// Height profiles of both facets; `None` where both are straight.
     profiles: Option<&'a PairProfiles>,
 }
 
-/// Sign with which the linear part of a shape function enters: `N_1 = 1 - s`, `N_2 = s`.
+/// Sign of the linear part of the shape functions `N_1 = 1 - s`, `N_2 = s`.
 const RISE: PerNode<f64> = [-1.0, 1.0];
 
 impl<'a> Overlap<'a> {
-    /// The overlap at `pi`; `None` where the functions vanish.
+    /// Overlap at `pi`; `None` where the functions vanish.
     #[inline(always)]
     pub fn new(pi: &Invariants, profiles: Option<&'a PairProfiles>) -> Option<Self> {
         overlaps(pi).then(|| Overlap::between(pi, [pi[2] > 0.0, pi[1] < pi[0]], profiles))
     }
 
-    /// The overlap at `pi`, if there is one, but with its ends set by the nodes that are given instead of the nearer ones: the functions of
-    /// these ends, continued smoothly beyond a node's passing of another.
+    /// Overlap at `pi` whose ends are at primary nodes as given by `moves`, instead of the nearer nodes: a smooth continuation of the
+    /// functions while one node passes another. `None` where the functions vanish.
     #[inline(always)]
     pub fn with_ends(pi: &Invariants, moves: [bool; 2], profiles: Option<&'a PairProfiles>) -> Option<Self> {
         overlaps(pi).then(|| Overlap::between(pi, moves, profiles))
     }
 
-    /// Which ends primary nodes set, those that are within [`ALIGNED`] of a secondary node left out.
+    /// True for each end at a primary node that is farther than [`ALIGNED`] from a secondary node.
     pub fn clearly_moving_ends(&self) -> [bool; 2] {
         [self.moves[0] && self.ends[0] > ALIGNED, self.moves[1] && self.ends[1] < 1.0 - ALIGNED]
     }
@@ -113,7 +112,7 @@ impl<'a> Overlap<'a> {
             moves,
             length: b - a,
             middle: [1.0 - middle, middle],
-            // Zero without rounding where both ends are primary nodes.
+            // Exactly zero if both ends are primary nodes.
             shift: 0.5 * ((a - s_2) + (b - s_1)),
             extent,
             slope: pi[4] / extent,
@@ -121,13 +120,13 @@ impl<'a> Overlap<'a> {
         }
     }
 
-    /// `int N_k ds` over the overlap; one half each when the facet is wholly covered.
+    /// `int N_k ds` over the overlap; 1/2 each if the facet is fully covered.
     #[inline(always)]
     pub fn coverage(&self) -> PerNode<f64> {
         self.middle.map(|n| self.length * n)
     }
 
-    /// `Phi_1, Phi_2`.
+    /// Weighted gaps `Phi_1, Phi_2`.
     #[inline(always)]
     pub fn value(&self) -> PerNode<f64> {
         let rate = self.slope * self.pi[0];
@@ -145,7 +144,7 @@ impl<'a> Overlap<'a> {
     pub fn gradient(&self) -> PerNode<Invariants> {
         let [a, b] = self.ends;
         let inverse = 1.0 / self.pi[0];
-        // An end that moves sweeps the depth that is there: d b = (-b, 1, 0, 0, 0)/pi_1, d a = (-a, 0, 1, 0, 0)/pi_1.
+        // A moving end contributes the depth there: d b = (-b, 1, 0, 0, 0)/pi_1, d a = (-a, 0, 1, 0, 0)/pi_1.
         let sweep_a = if self.moves[0] { -0.5 * (self.pi[3] - self.pi[4]) * inverse } else { 0.0 };
         let sweep_b = if self.moves[1] { 0.5 * (self.pi[3] + self.pi[4]) * inverse } else { 0.0 };
         let (at_a, at_b) = ([1.0 - a, a], [1.0 - b, b]);
@@ -172,7 +171,7 @@ impl<'a> Overlap<'a> {
     /// Hessian of `weights[0] Phi_1 + weights[1] Phi_2` with respect to the invariants.
     #[inline(always)]
     pub fn hessian(&self, weights: PerNode<f64>) -> [Invariants; 5] {
-        // The weight function W = weights . N; signs of Phi = - int W h ds enter here.
+        // Weight function W = weights . N, with the sign of Phi = - int W h ds.
         let weights = weights.map(|weight| -weight);
         let rise = weights[1] - weights[0];
         let integrals = self.integrals(weights[0] * self.middle[0] + weights[1] * self.middle[1], rise);
@@ -224,7 +223,7 @@ impl<'a> Overlap<'a> {
         h
     }
 
-    /// Integrals of a linear weight over the overlap, given its value in the middle and its slope.
+    /// Integrals of a linear weight function over the overlap, given its value in the middle and its slope.
     #[inline(always)]
     fn integrals(&self, middle: f64, rise: f64) -> Integrals {
         let one = self.length * middle;
@@ -240,16 +239,16 @@ struct Integrals {
     lever: f64,
 }
 
-/// `Dpi(z)^T g` for the four nodes, `(x_1, x_2, y_1, y_2)`.
+/// `Dpi(z)^T g` with respect to the four nodes `(x_1, x_2, y_1, y_2)`.
 ///
-/// The first node takes minus the sum of the others, so that forces sum to zero to the last bit but rounding of that sum.
+/// The first node gets minus the sum of the others, so that the forces sum to zero up to the rounding of that sum.
 #[inline(always)]
 pub fn pull_back(z: &Offsets, g: &Invariants) -> [f64; 8] {
     let [a, b, c, d, e, f] = pull_back_offsets(z, g);
     [-(a + c + e), -(b + d + f), a, b, c, d, e, f]
 }
 
-/// `Dpi(z)^T g` with respect to the offsets.
+/// `Dpi(z)^T g` with respect to the vectors `t`, `d_1`, `d_2`.
 #[inline(always)]
 fn pull_back_offsets(z: &Offsets, g: &Invariants) -> Offsets {
     let &[t_x, t_y, d_x, d_y, e_x, e_y] = z;
@@ -265,11 +264,11 @@ fn pull_back_offsets(z: &Offsets, g: &Invariants) -> Offsets {
     ]
 }
 
-/// `share sum_k g_k A_k + Dpi(test)^T T Dpi(trial)`, 8 x 8 row by row over `(x_1, x_2, y_1, y_2)`; `A_k` the second derivatives of the
-/// invariants.
+/// Tangent `share sum_k g_k A_k + Dpi(test)^T T Dpi(trial)`, 8 x 8 row-major over `(x_1, x_2, y_1, y_2)`; `A_k` are the second derivatives
+/// of the invariants.
 #[inline(always)]
 pub fn tangent_into(test: &Offsets, trial: &Offsets, share: f64, g: &Invariants, t: &[Invariants; 5], out: &mut [f64; 64]) {
-    // Six by six in the offsets first: rows of T Dpi(trial) are pull-backs of T's rows; then columns are pulled back by the test side.
+    // First 6 x 6 in t, d_1, d_2: rows T Dpi(trial), then columns Dpi(test)^T (...).
     let half: [Offsets; 5] = std::array::from_fn(|k| pull_back_offsets(trial, &t[k]));
     let mut block = [[0.0; 6]; 6];
     for column in 0..6 {
@@ -305,8 +304,8 @@ pub fn tangent_into(test: &Offsets, trial: &Offsets, share: f64, g: &Invariants,
     }
 }
 
-/// Weights of the four nodes in the slips of a pair, `int N_A N_B ds` over the length of the facet and with the opposite sign those of the
-/// primary nodes, in the order `(x_1, x_2, y_1, y_2)`; and the secondary facet. `None` without overlap.
+/// Weights `int N_A N_B ds / |t|` of the four nodes `(x_1, x_2, y_1, y_2)` in the slips of a pair, those of the primary nodes with negative
+/// sign, and the secondary facet vector `t`. `None` without overlap.
 pub fn slip_weights<T: Number>(z: &[T]) -> Option<(PerNode<[T; 4]>, [T; 2])> {
     let from = |k: usize| [z[2 * k] - z[0], z[2 * k + 1] - z[1]];
     let [t, d_1, d_2] = [1, 2, 3].map(from);
@@ -342,7 +341,7 @@ mod tests {
 
     const CURVED: PairProfiles = PairProfiles([Profile([0.01, 0.2, -0.15, -0.08, 0.02]), Profile([-0.02, 0.1, 0.2, -0.3, 0.05])]);
 
-    /// Facets that face each other more or less, with all kinds of overlap: positions of the four nodes.
+    /// Node positions of facets that roughly face each other, with all kinds of overlap.
     fn nodes() -> impl Strategy<Value = [[f64; 2]; 4]> {
         (prop::array::uniform8(-0.4..0.4), -1.0..1.0).prop_map(|(noise, slide)| {
             let base = [0.0, 0.0, 1.0, 0.0, 1.0 + slide, 0.0, slide, 0.0];
@@ -359,13 +358,13 @@ mod tests {
         Overlap::new(pi, profiles).map_or([0.0; 2], |overlap| overlap.value())
     }
 
-    /// Whether a limit of overlap lies so near that differences of width `step` would straddle it.
+    /// True if a limit of overlap is so near that difference quotients of width `step` would cross it.
     fn near_limit(pi: &Invariants, step: f64) -> bool {
         let near = |x: f64, limit: f64| (x - limit).abs() < 10.0 * step;
         near(pi[1], 0.0) || near(pi[2], 0.0) || near(pi[1], pi[0]) || near(pi[2], pi[0]) || pi[1] - pi[2] < 0.1 || pi[0] < 0.1
     }
 
-    /// True for pairs tilted by more than 15 degrees: there terms that Gauss points do not integrate exactly exceed 1e-6.
+    /// True for pairs tilted by more than 15 degrees, where the quadrature error of the profile terms exceeds 1e-6.
     fn is_steep(pi: &Invariants) -> bool {
         (pi[4] / (pi[1] - pi[2])).abs() > 0.27
     }
@@ -386,7 +385,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 2000, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// Oracle: the same integral from the geometry, two-point Gauss rule on the segment (exact for the quadratic integrand).
+        /// Oracle: the integral from the geometry by two-point Gauss quadrature on the segment (exact for the quadratic integrand).
         #[test]
         fn values_are_the_integrals_over_the_overlap(x in nodes()) {
             let [x_1, x_2, y_1, y_2] = x;
@@ -406,7 +405,7 @@ mod tests {
                 }
             }
             let ours = value(&of(x), None);
-            // Round-off grows with the slope of the primary facet against the secondary one.
+            // Round-off grows with the slope of the primary facet relative to the secondary one.
             let tolerance = 1e-14 * (1.0 + 1.0 / (s_1 - s_2).abs());
             prop_assert!((0..2).all(|k| (ours[k] - expected[k]).abs() < tolerance), "{ours:?} against {expected:?}");
         }
@@ -420,7 +419,7 @@ mod tests {
                 for k in 0..5 {
                     let expected = difference(|pi| value(pi, profiles), &pi, k, STEP);
                     for n in 0..2 {
-                        // Gauss points are exact for straight facets; with profiles terms of tenth degree are left.
+                        // Gauss points are exact for straight facets; with profiles, terms of tenth degree remain.
                         let tolerance = if is_curved { 1e-6 } else { 1e-8 };
                         prop_assert!((gradient[n][k] - expected[n]).abs() < tolerance, "{} {} of {}", gradient[n][k], expected[n], k);
                     }
@@ -449,11 +448,11 @@ mod tests {
         }
     }
 
-    /// Closed form: facet [0, 1] at height 0, primary facet from (1/2, -2e-12) to (-1, -5e-12) as seen from the secondary side.
+    /// Closed form: facet [0, 1] at height 0, primary facet from (1/2, -2e-12) to (-1, -5e-12).
     #[test]
     fn a_tiny_gap_keeps_its_relative_accuracy() {
         let pi = of([[0.0, 0.0], [1.0, 0.0], [0.5, -2e-12], [-1.0, -5e-12]]);
-        // Gap 3e-12 - 2e-12 s on [0, 1/2]; integrals of (1 - s) and s times it.
+        // Gap 3e-12 - 2e-12 s on [0, 1/2], integrated with the weights 1 - s and s.
         let exact = [0.5 * 3e-12 - 5.0 * 1e-12 / 8.0 + 2e-12 / 24.0, 3e-12 / 8.0 - 2e-12 / 24.0];
         for (ours, exact) in value(&pi, None).into_iter().zip(exact) {
             assert!((ours / exact - 1.0).abs() < 1e-15, "{ours:e} {exact:e}");
@@ -465,11 +464,11 @@ mod tests {
         for y in [[[3.0, -0.1], [2.0, -0.1]], [[0.0, -0.1], [1.0, -0.1]], [[0.5, -0.1], [0.5, -0.2]], [[f64::NAN, 0.0], [0.0, 0.0]]] {
             assert!(Overlap::new(&of([[0.0, 0.0], [1.0, 0.0], y[0], y[1]]), None).is_none());
         }
-        // A facet of no length.
+        // Facet of zero length.
         assert!(Overlap::new(&of([[0.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 0.0]]), None).is_none());
     }
 
-    /// Closed form: whole facets at distance 0.1, gradients along the normal are the mortar integrals of the unit facet.
+    /// Closed form: for fully covered facets at distance 0.1 the gradients along the normal are the mortar integrals of the unit facet.
     #[test]
     fn matching_facets_give_the_mass_integrals() {
         let z = offsets([0.0, 0.0], [1.0, 0.0], [1.0, -0.1], [0.0, -0.1]);

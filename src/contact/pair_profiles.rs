@@ -1,19 +1,18 @@
-//! Height profiles in the weighted gap of a facet pair in the plane.
+//! Height profiles of curved facets in the weighted gaps of a facet pair in the plane (`pair.rs`): added depth, gradient, Hessian.
 //!
 //! With the height profiles `p_1` of the secondary facet and `p` of the primary facet (from its second node on), the depth `h(s)` of
-//! straight facets (`pair.rs`) becomes `h(s) + D(s)`,
+//! straight facets becomes `h(s) + D(s)`,
 //!
 //! ```text
 //! D = pi_1 p_1(s) + E G(eta, m),    E = pi_2 - pi_3,    eta = (pi_1 s - pi_3)/E,    m = pi_5/E
 //! G = (1 + mu^2) p(xi),             xi = eta + mu p(xi),             mu = m (1 + m^8)^(-1/8)
 //! ```
 //!
-//! With `mu = m` this is exact: the point `xi` of the primary curve lies at `eta = xi - m p(xi)` as seen along the secondary normal, and is
-//! higher than its facet there by `E (1 + m^2) p(xi)`. So the depth is continuous where two primary facets meet: a bound of `m` of lower
-//! order, such as `m/(1 + m^2/2)`, leaves jumps there that hold edges of second order in place. The bounded `mu` keeps steep pairs regular.
-//! `D` is a function of the invariants alone and homogeneous of first degree in them, as `h` is, so that discrete gradient, momenta and
-//! objectivity need nothing else. Five Gauss points on the overlap integrate polynomials of ninth degree in `s` exactly; `N_k D` is one of
-//! fifth degree and terms of higher order in `mu p`.
+//! With `mu = m` this is exact: the projection along the secondary normal maps the point `xi` of the primary curve to `eta = xi - m p(xi)`,
+//! and its height over the facet is `E (1 + m^2) p(xi)`. The depth is then continuous at nodes between primary facets. A bound of `m` of
+//! lower order, such as `m/(1 + m^2/2)`, leaves jumps that hold edges of second order in place. The bounded `mu` keeps steep pairs regular.
+//! `D` depends on the invariants only and is homogeneous of first degree like `h`: discrete gradient, momenta and objectivity carry over.
+//! Five Gauss points on the overlap are exact to ninth degree in `s`; `N_k D` is of fifth degree plus terms of higher order in `mu p`.
 //!
 //! Derivatives, with `w_eta = (s, -eta, eta - 1, 0, 0)`, `w_m = (0, -m, m, 0, 1)` and `J = 1 - mu p'(xi)`:
 //!
@@ -31,21 +30,21 @@ use super::pair::{Invariants, Overlap, PerNode};
 use super::profile::PairProfiles;
 use crate::elements::GAUSS;
 
-/// Depth `D` that height profiles add at a point of the secondary facet, with derivatives.
+/// Depth `D` at a point of the secondary facet, with derivatives.
 struct AddedDepth {
     depth: f64,
     /// Derivative with respect to `s`.
     along: f64,
     /// Gradient with respect to the invariants at fixed `s`.
     gradient: Invariants,
-    /// `w_eta` and `w_m`.
+    /// Directions `w_eta` and `w_m`.
     directions: [Invariants; 2],
     /// `(G_etaeta, G_etam, G_mm)/E`.
     curvature: [f64; 3],
 }
 
 impl Overlap<'_> {
-    /// Added depth at `s`.
+    /// Added depth `D` at `s`.
     #[inline(always)]
     fn added_depth(&self, PairProfiles([own, other]): &PairProfiles, s: f64) -> AddedDepth {
         let [p_1, rise, _] = own.at(s);
@@ -80,13 +79,13 @@ impl Overlap<'_> {
         }
     }
 
-    /// Gauss points of the overlap with their weights.
+    /// Gauss points of the overlap and their weights `[5 x 2]`.
     #[inline(always)]
     fn points(&self) -> [[f64; 2]; 5] {
         GAUSS.map(|(place, weight)| [self.ends[0] + self.length * place, self.length * weight])
     }
 
-    /// Adds `- int N_k D ds`.
+    /// Adds `- int N_k D ds` to the weighted gaps.
     #[inline(always)]
     pub(super) fn add_value(&self, profiles: &PairProfiles, value: &mut PerNode<f64>) {
         for [s, weight] in self.points() {
@@ -118,7 +117,7 @@ impl Overlap<'_> {
         }
     }
 
-    /// Adds the Hessian of `int W D ds`, the weight function `W` given by its values at the ends of the facet.
+    /// Adds the Hessian of `int W D ds`; the linear weight function `W` is given by its values at the ends of the facet.
     #[inline(always)]
     pub(super) fn add_hessian(&self, profiles: &PairProfiles, weights: PerNode<f64>, h: &mut [Invariants; 5]) {
         let at = |s: f64| weights[0] * (1.0 - s) + weights[1] * s;

@@ -1,4 +1,4 @@
-//! The two functions of a facet pair across a step: values, gradients and Hessians in a pair's shape functions, and discrete gradients.
+//! Weighted gaps of a facet pair (`pair.rs`) for standard or dual multiplier functions, and their discrete gradients (`mortar.rs`).
 
 use super::multiplier_shapes::Shape;
 use super::pair::{Invariants, Offsets, Overlap, PerNode};
@@ -12,36 +12,36 @@ pub(super) struct Start {
     pub(super) invariants: Invariants,
     pub(super) value: PerNode<f64>,
     pub(super) overlaps: bool,
-    /// Ends of the overlap that primary nodes set; `None` without overlap.
+    /// True for each end of the overlap at a primary node; `None` without overlap.
     pub(super) steady_ends: Option<[bool; 2]>,
     pub(super) shape: Shape,
 }
 
-/// Sum of products.
+/// Scalar product.
 #[inline(always)]
 pub(super) fn dot(a: &Invariants, b: &Invariants) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4]
 }
 
-/// Covered length of each node's shape function in one pair.
+/// Covered length of each node's multiplier shape function `[length]`.
 #[inline(always)]
 pub(super) fn covered_length(shape: &Shape, pi: &Invariants, overlap: &Overlap) -> PerNode<f64> {
     combined(shape, &overlap.coverage()).map(|share| share * pi[0].sqrt())
 }
 
-/// Functions of the standard shapes combined to those of others.
+/// Combination of values for the standard shape functions to those for `shape`.
 #[inline(always)]
 pub(super) fn combined(shape: &Shape, of_standard: &PerNode<f64>) -> PerNode<f64> {
     shape.map(|row| row[0] * of_standard[0] + row[1] * of_standard[1])
 }
 
-/// Values at an overlap; zero without one.
+/// Weighted gaps of an overlap; zero without overlap.
 #[inline(always)]
 pub(super) fn value(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<f64> {
     overlap.as_ref().map_or([0.0; 2], |overlap| combined(shape, &overlap.value()))
 }
 
-/// Gradients at an overlap; zero without one.
+/// Gradients of the weighted gaps of an overlap; zero without overlap.
 #[inline(always)]
 pub(super) fn gradient(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<Invariants> {
     overlap.as_ref().map_or([[0.0; 5]; 2], |overlap| {
@@ -50,7 +50,7 @@ pub(super) fn gradient(shape: &Shape, overlap: &Option<Overlap>) -> PerNode<Inva
     })
 }
 
-/// Weighted Hessian at an overlap; zero without one.
+/// Hessian of `weights[0] Phi_1 + weights[1] Phi_2` of an overlap; zero without overlap.
 #[inline(always)]
 pub(super) fn hessian(shape: &Shape, overlap: &Option<Overlap>, weights: PerNode<f64>) -> [Invariants; 5] {
     let standard = [0, 1].map(|k| shape[0][k] * weights[0] + shape[1][k] * weights[1]);
@@ -63,24 +63,24 @@ pub(super) fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invari
     std::array::from_fn(|k| weights[0] * f[0][k] + weights[1] * f[1][k])
 }
 
-/// The functions of a pair in a step, as its discrete gradients need them.
+/// Values of a facet pair in a step from which the discrete gradients are computed.
 pub(super) struct Functions<'a> {
     pub(super) start: &'a Start,
     pub(super) end_pi: &'a Invariants,
     pub(super) end_value: PerNode<f64>,
     pub(super) end_gradient: &'a PerNode<Invariants>,
     pub(super) middle: &'a Option<Overlap<'a>>,
-    /// Multipliers.
+    /// Multipliers of both constraints.
     pub(super) weights: PerNode<f64>,
     /// Round-off of the invariants `[length^2]`.
     pub(super) round_off: f64,
 }
 
-/// A pair's functions differentiated across a step, with respect to its invariants.
+/// Weighted gaps of a facet pair, differentiated across a step with respect to the invariants.
 pub(super) struct Differentiated {
-    /// Algorithmic gradients.
+    /// Algorithmic gradients of both functions.
     pub(super) bar: PerNode<Invariants>,
-    /// Their sum weighted by the multipliers, and its derivative.
+    /// Sum of the algorithmic gradients weighted by the multipliers, and its derivative.
     pub(super) weighted_bar: Invariants,
     pub(super) slope: [Invariants; 5],
 }
@@ -92,7 +92,7 @@ impl Functions<'_> {
         std::array::from_fn(|k| self.end_pi[k] - self.start.invariants[k])
     }
 
-    /// By a discrete gradient with corrections `a` that were found for the nodes' sums; their derivative is left out.
+    /// Discrete gradient with corrections `a` shared by all pairs of a node, whose derivatives are omitted.
     #[inline(always)]
     pub(super) fn with_correction(&self, a: PerNode<f64>) -> Differentiated {
         let (d, weights) = (self.increment(), self.weights);
@@ -105,14 +105,14 @@ impl Functions<'_> {
         Differentiated { weighted_bar: weighted(&bar, weights), bar, slope }
     }
 
-    /// By a discrete gradient with this pair's own correction.
+    /// Discrete gradient with the correction of this pair.
     #[inline(always)]
     pub(super) fn with_own_correction(&self) -> Differentiated {
         let (d, weights, end_value, start) = (self.increment(), self.weights, self.end_value, self.start);
         let middle_gradient = gradient(&start.shape, self.middle);
         let square = dot(&d, &d);
         let remainder = [0, 1].map(|k| end_value[k] - start.value[k] - dot(&middle_gradient[k], &d));
-        // In a small step only kinks have a remainder that is more than round-off.
+        // In a small step only a kink gives a remainder above round-off.
         let is_doubtful = square <= INVARIANT_INCREMENT * INVARIANT_INCREMENT * dot(self.end_pi, self.end_pi);
         let is_round_off = |k: usize| {
             let sizes: f64 = middle_gradient[k].iter().zip(&d).map(|(g, d)| (g * d).abs()).sum();
@@ -142,7 +142,7 @@ impl Functions<'_> {
         Differentiated { bar, weighted_bar, slope }
     }
 
-    /// By the gradient at one configuration, where the pair overlaps so.
+    /// Gradient at one configuration, with the overlap there.
     #[inline(always)]
     pub(super) fn plain(&self, overlap: &Option<Overlap>, placement: Placement) -> Differentiated {
         let bar = if placement.trial == Configuration::End { *self.end_gradient } else { gradient(&self.start.shape, overlap) };

@@ -1,11 +1,11 @@
-//! Which nodes and constraint rows each patch couples, and the numbers of one evaluation, in flat storage.
+//! Contact elements (patches): nodes and constraints that each one couples, and the numbers of one evaluation in flat storage.
 //!
-//! Patch `p` with `k` nodes and `m` rows has `n = k * dimension` unknowns, ordered node by node as in [`Patches::nodes`]. Its gradient
-//! blocks are `m x n`, its tangent block `n x n`, all row by row, at [`Patches::gradient_range`] and [`Patches::tangent_range`].
+//! Contact element `p` with `k` nodes and `m` constraints has `n = k * dimension` unknowns, node by node as in [`Patches::nodes`]. Its
+//! gradient blocks are `m x n`, its tangent block `n x n`, row-major, at [`Patches::gradient_range`] and [`Patches::tangent_range`].
 
 use std::ops::Range;
 
-/// The patches of a list of candidates; lengths may differ from patch to patch.
+/// Contact elements of a list of candidates, with any numbers of nodes and constraints.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Patches {
     dimension: usize,
@@ -14,7 +14,7 @@ pub struct Patches {
     starts: Vec<Starts>,
 }
 
-/// Where the data of a patch start in the flat arrays.
+/// Offsets of an element's data in the flat arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Starts {
     nodes: usize,
@@ -24,19 +24,19 @@ struct Starts {
 }
 
 impl Patches {
-    /// No patches yet.
+    /// Empty list.
     pub fn new(dimension: usize) -> Self {
         Patches { dimension, nodes: Vec::new(), rows: Vec::new(), starts: vec![Starts::default()] }
     }
 
-    /// Removes all patches.
+    /// Removes all contact elements.
     pub fn clear(&mut self) {
         self.nodes.clear();
         self.rows.clear();
         self.starts.truncate(1);
     }
 
-    /// Appends a patch: the nodes that it couples (numbers in the model) and its constraint rows (indices of secondary nodes).
+    /// Appends a contact element: model numbers of its nodes, and its constraints (indices of secondary nodes).
     pub fn push(&mut self, nodes: &[u32], rows: &[u32]) {
         let last = self.starts[self.starts.len() - 1];
         let unknowns = nodes.len() * self.dimension;
@@ -50,7 +50,7 @@ impl Patches {
         });
     }
 
-    /// Number of patches.
+    /// Number of contact elements.
     pub fn len(&self) -> usize {
         self.starts.len() - 1
     }
@@ -61,7 +61,7 @@ impl Patches {
         (size_of::<f64>() as u64).saturating_mul((2 * last.gradient + last.tangent) as u64)
     }
 
-    /// Whether there is no patch.
+    /// True without contact elements.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -71,59 +71,59 @@ impl Patches {
         self.dimension
     }
 
-    /// Positions of the nodes of patch `p` at `q`, one after the other, into `z`.
+    /// Positions of the nodes of contact element `p` at `q`, node by node, into `z`.
     pub(crate) fn gather_into(&self, p: usize, q: &[f64], z: &mut Vec<f64>) {
         let d = self.dimension;
         z.clear();
         z.extend(self.nodes(p).iter().flat_map(|&node| &q[d * node as usize..d * (node as usize + 1)]));
     }
 
-    /// Numbers of the nodes that patch `p` couples, in the order of its blocks.
+    /// Model numbers of the nodes that contact element `p` couples, in the order of its blocks.
     pub fn nodes(&self, p: usize) -> &[u32] {
         &self.nodes[self.starts[p].nodes..self.starts[p + 1].nodes]
     }
 
-    /// Constraint rows of patch `p`: indices of secondary nodes, in the order of its blocks.
+    /// Constraints of contact element `p`, in the order of its blocks: indices of secondary nodes.
     pub fn rows(&self, p: usize) -> &[u32] {
         &self.rows[self.starts[p].rows..self.starts[p + 1].rows]
     }
 
-    /// Number of unknowns of patch `p`: nodes times dimension.
+    /// Number of unknowns of contact element `p`: nodes times dimension.
     pub fn unknowns(&self, p: usize) -> usize {
         self.nodes(p).len() * self.dimension
     }
 
-    /// Place of the `rows x unknowns` blocks of patch `p` in [`Evaluation::gradient_end`] and [`Evaluation::gradient_bar`].
+    /// Range of the `m x n` blocks of contact element `p` in [`Evaluation::gradient_end`] and [`Evaluation::gradient_bar`].
     pub fn gradient_range(&self, p: usize) -> Range<usize> {
         self.starts[p].gradient..self.starts[p + 1].gradient
     }
 
-    /// Place of the `unknowns x unknowns` block of patch `p` in [`Evaluation::tangent`].
+    /// Range of the `n x n` block of contact element `p` in [`Evaluation::tangent`].
     pub fn tangent_range(&self, p: usize) -> Range<usize> {
         self.starts[p].tangent..self.starts[p + 1].tangent
     }
 }
 
-/// What one evaluation of a step gives. It belongs to one kernel and is used again without allocation.
+/// Numbers of one evaluation of a step. Each kernel has its own, whose storage is reused.
 #[derive(Clone, Debug, Default)]
 pub struct Evaluation {
-    /// Per patch: whether its blocks hold anything. The blocks of the others are zero.
+    /// True for each contact element with nonzero blocks.
     pub live: Vec<bool>,
-    /// `G_1 = grad Phi(q_1)` per patch: the constraint rows of Newton's system.
+    /// `G_1 = grad Phi(q_1)` per contact element: the constraint rows of Newton's system.
     pub gradient_end: Vec<f64>,
-    /// `Gbar` per patch, the algorithmic gradient of the step; its transpose carries the contact force `+ Gbar^T lambda`.
+    /// `Gbar` per contact element, the algorithmic gradient of the step; the contact force is `+ Gbar^T lambda`.
     pub gradient_bar: Vec<f64>,
-    /// `d(sum_A lambda_A Gbar_A) / d q_1` per patch; not symmetric for the energy-momentum scheme.
+    /// `d(sum_A lambda_A Gbar_A) / d q_1` per contact element; not symmetric for the energy-momentum scheme.
     pub tangent: Vec<f64>,
-    /// `Phi_A(q_1)` per secondary node.
+    /// `Phi_A(q_1)` per constraint.
     pub gap: Vec<f64>,
-    /// Covered share at `q_1` per secondary node, 0 to 1.
+    /// Covered share at `q_1` per constraint, 0 to 1.
     pub coverage: Vec<f64>,
 }
 
 impl Evaluation {
-    /// Fits the storage to `patches` and `constraints`; sets gaps and coverage to zero. Blocks keep their numbers when the sizes are the
-    /// same, so that a kernel clears only those that were live.
+    /// Sizes the storage for `patches` and `constraints`; sets gaps and coverage to zero. Blocks of unchanged size keep their numbers, so
+    /// that a kernel clears only those that were nonzero.
     pub fn prepare(&mut self, patches: &Patches, constraints: usize) {
         let last = patches.starts[patches.len()];
         if self.live.len() != patches.len() || self.gradient_end.len() != last.gradient || self.tangent.len() != last.tangent {
@@ -132,7 +132,7 @@ impl Evaluation {
             for (blocks, length) in
                 [(&mut self.gradient_end, last.gradient), (&mut self.gradient_bar, last.gradient), (&mut self.tangent, last.tangent)]
             {
-                // Memory that nothing is written to takes none: most candidates stay without numbers.
+                // Zeroed memory that is never written takes no pages: most candidates have no numbers.
                 *blocks = Vec::new();
                 *blocks = vec![0.0; length];
             }
@@ -143,7 +143,7 @@ impl Evaluation {
         }
     }
 
-    /// Sets the blocks of patch `p` to zero if they are not.
+    /// Sets the blocks of contact element `p` to zero.
     pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
         Place {
             live: &mut self.live[p],
@@ -154,7 +154,7 @@ impl Evaluation {
         .clear();
     }
 
-    /// The places of all patches, one after the other.
+    /// Blocks of all contact elements, in order.
     pub(crate) fn places<'a>(&'a mut self, patches: &'a Patches) -> impl Iterator<Item = Place<'a>> {
         let Evaluation { live, gradient_end, gradient_bar, tangent, .. } = self;
         let (mut ends, mut bars, mut tangents) = (&mut gradient_end[..], &mut gradient_bar[..], &mut tangent[..]);
@@ -170,7 +170,7 @@ impl Evaluation {
     }
 }
 
-/// The blocks of one patch in an [`Evaluation`].
+/// Blocks of one contact element in an [`Evaluation`].
 pub(crate) struct Place<'a> {
     pub(crate) live: &'a mut bool,
     pub(crate) gradient_end: &'a mut [f64],
@@ -179,7 +179,7 @@ pub(crate) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// Sets the blocks to zero if they are not.
+    /// Sets the blocks to zero.
     pub(crate) fn clear(&mut self) {
         if std::mem::replace(self.live, false) {
             [&mut *self.gradient_end, &mut *self.gradient_bar, &mut *self.tangent].into_iter().for_each(|block| block.fill(0.0));

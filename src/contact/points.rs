@@ -1,13 +1,13 @@
-//! Bilateral constraints between points: rigidity, carried nodes, joints.
+//! Bilateral constraints between points: rigid bodies, nodes carried by rigid bodies, joints, couplings.
 //!
-//! Every function is at most quadratic in a few *vectors* `y_k = sum_n c_kn q_n + o_k`, points of bodies or directions that turn with them,
+//! Each function is at most quadratic in vectors `y_k = sum_n c_kn q_n + o_k`: points of bodies, or directions fixed to bodies,
 //!
 //! ```text
 //! Phi = sum w_ab y_a . y_b + sum g_a . y_a + c          [length]
 //! ```
 //!
-//! so its gradient in the middle of a step is a discrete gradient: `grad Phi(q_1/2) . (q_1 - q_0) = Phi(q_1) - Phi(q_0)`. The forces of a
-//! function that does not change with rigid motions of all its nodes have no resultant and no moment.
+//! so that the gradient at mid-step is a discrete gradient: `grad Phi(q_1/2) . (q_1 - q_0) = Phi(q_1) - Phi(q_0)`. Forces of a function
+//! that is invariant under rigid motions of all its nodes have zero resultant and moment.
 
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
@@ -15,17 +15,17 @@ use super::surface::{Sides, Surface};
 use super::window::Outlook;
 use crate::integrators::Derivative;
 
-/// A combination of nodes with a constant: a point (its shares sum to one), a direction, a distance vector.
+/// Linear combination of nodes plus a constant: a point (coefficients sum to one), a direction or a distance vector.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointVector {
-    /// Nodes of the model with their factors.
+    /// Model nodes with their coefficients.
     pub parts: Vec<(u32, f64)>,
-    /// What is added `[length]`.
+    /// Constant part `[length]`.
     pub offset: [f64; 3],
 }
 
 impl PointVector {
-    /// The difference of two vectors.
+    /// Difference of two vectors.
     pub fn minus(&self, other: &PointVector) -> PointVector {
         let mut parts = self.parts.clone();
         for &(node, factor) in &other.parts {
@@ -37,7 +37,7 @@ impl PointVector {
         PointVector { parts, offset: std::array::from_fn(|i| self.offset[i] - other.offset[i]) }
     }
 
-    /// Its components where the nodes are at `q`.
+    /// Components at the node positions `q`.
     pub fn at(&self, dimension: usize, q: &[f64]) -> [f64; 3] {
         let mut sum = self.offset;
         for &(node, factor) in &self.parts {
@@ -47,48 +47,48 @@ impl PointVector {
     }
 }
 
-/// A function of the vectors of its group.
+/// Constraint function of the vectors of its group.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointFunction {
-    /// Products of two vectors, with their factors `[1/length]`.
+    /// Scalar products of two vectors (indices), with their coefficients `[1/length]`.
     pub products: Vec<(usize, usize, f64)>,
-    /// Vectors with what they are projected on.
+    /// Projections: index of the vector, and the direction that it is projected on.
     pub linear: Vec<(usize, [f64; 3])>,
-    /// The constant `[length]`.
+    /// Constant term `[length]`.
     pub constant: f64,
 }
 
-/// The function that a value makes which is prescribed over time, such as an angle.
+/// Constraint function for each value of a prescribed coordinate, such as an angle.
 pub type DrivenFunction = Box<dyn Fn(f64) -> PointFunction + Send + Sync>;
 
-/// How the function of a group follows a value that is prescribed over time.
+/// Dependence of a group's function on a coordinate that is prescribed over time.
 struct Drive {
     function: DrivenFunction,
-    /// The function at the start and in the middle of the step.
+    /// Function at the start, and in the middle of the step.
     start: PointFunction,
     middle: PointFunction,
 }
 
-/// Functions that couple the same nodes.
+/// Functions of the same nodes; they form one contact element.
 struct Group {
     nodes: Vec<u32>,
     vectors: Vec<PointVector>,
-    /// The functions; of a driven one that at the end of the step.
+    /// Functions; a driven one is that of the end of the step.
     functions: Vec<PointFunction>,
-    /// What drives it, if it has one function that changes over time.
+    /// Drive of the only function of the group, if a coordinate is prescribed.
     drive: Option<Drive>,
     first_row: usize,
-    /// Whether the ground is one of what they join: they change with rigid motions of all nodes.
+    /// True if the ground is one of the joined bodies: the functions are not invariant under rigid motions of all nodes.
     is_grounded: bool,
 }
 
 impl Group {
-    /// Its functions at the start of the step.
+    /// Functions at the start of the step.
     fn at_start(&self) -> &[PointFunction] {
         self.drive.as_ref().map_or(&self.functions, |drive| std::slice::from_ref(&drive.start))
     }
 
-    /// Its functions in the middle of the step.
+    /// Functions in the middle of the step.
     fn in_middle(&self) -> &[PointFunction] {
         self.drive.as_ref().map_or(&self.functions, |drive| std::slice::from_ref(&drive.middle))
     }
@@ -105,7 +105,7 @@ pub struct PointConstraints {
 }
 
 impl PointConstraints {
-    /// None yet, in a space dimension; `size` is that of what they join `[length]`, for tolerances.
+    /// Empty set of constraints; `size` is the size of the joined parts `[length]`, for tolerances.
     pub fn new(dimension: usize, size: f64) -> Self {
         let surface = || if dimension == 2 { Surface::new(&[]) } else { Surface::in_space(std::iter::empty()) };
         let mut sides = Sides::of(surface(), surface(), &[]);
@@ -113,13 +113,13 @@ impl PointConstraints {
         PointConstraints { sides, groups: Vec::new(), dimension, row_nodes: Vec::new(), start: Vec::new(), q_0: Vec::new() }
     }
 
-    /// Adds functions of some vectors; `owner`: a node whose motion as many functions as it has components hold, if all groups have one;
-    /// `is_grounded`: whether the functions change with rigid motions of all nodes, because the ground is one of what they join.
+    /// Adds a group of functions of some vectors. `owner` is a node whose displacement components the functions determine, if all groups
+    /// have one. `is_grounded`: the functions change with rigid motions of all nodes, because the ground is one of the joined bodies.
     pub fn add(&mut self, vectors: Vec<PointVector>, functions: Vec<PointFunction>, owner: Option<u32>, is_grounded: bool) {
         self.add_group(vectors, functions, None, owner, is_grounded);
     }
 
-    /// Adds a function of some vectors that follows a value over time, which is `value` at first.
+    /// Adds a function of some vectors that depends on a prescribed coordinate, initially `value`.
     pub fn add_driven(&mut self, vectors: Vec<PointVector>, function: DrivenFunction, value: f64, is_grounded: bool) {
         let now = function(value);
         let drive = Drive { function, start: now.clone(), middle: now.clone() };
@@ -143,12 +143,12 @@ impl PointConstraints {
         self.groups.push(Group { nodes, vectors, functions, drive, first_row, is_grounded });
     }
 
-    /// Whether there is none.
+    /// True without constraints.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }
 
-    /// Adds the gradient of a function at vectors `y`, times a factor, to that by nodes.
+    /// Adds `by` times the gradient of a function at vectors `y`, with respect to the nodes of the group.
     fn gradient_into(&self, group: &Group, function: &PointFunction, y: &[[f64; 3]], out: &mut [f64]) {
         let mut add = |vector: usize, along: [f64; 3], by: f64| {
             for &(node, factor) in &group.vectors[vector].parts {
@@ -163,7 +163,7 @@ impl PointConstraints {
         function.linear.iter().for_each(|&(a, along)| add(a, along, 1.0));
     }
 
-    /// Adds the second derivative of a function times a factor.
+    /// Adds `by` times the Hessian of a function.
     fn hessian_into(&self, group: &Group, function: &PointFunction, by: f64, out: &mut [f64]) {
         let count = group.nodes.len() * self.dimension;
         let place = |node: u32| group.nodes.binary_search(&node).unwrap_or(0) * self.dimension;
@@ -180,7 +180,7 @@ impl PointConstraints {
         }
     }
 
-    /// The values of functions of all groups, row by row.
+    /// Values of the functions of all groups.
     fn values(&self, q: &[f64], functions: impl Fn(&Group) -> &[PointFunction]) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.sides.weights.len());
         for group in &self.groups {
@@ -190,7 +190,7 @@ impl PointConstraints {
         values
     }
 
-    /// Values, gradients and tangent of a step from `q_0`, nothing where there is none, to `q_1`.
+    /// Values, gradients and tangent of a step from `q_0` (empty: no step) to `q_1`.
     pub fn evaluate_from(&self, q_0: &[f64], derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         let patches = &self.sides.patches;
         out.prepare(patches, self.sides.weights.len());
@@ -226,7 +226,7 @@ impl PointConstraints {
     }
 }
 
-/// A function's value where its vectors are these.
+/// Value of a function for the vectors `y`.
 fn value(function: &PointFunction, y: &[[f64; 3]]) -> f64 {
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let products: f64 = function.products.iter().map(|&(a, b, by)| by * dot(&y[a], &y[b])).sum();
@@ -307,7 +307,7 @@ impl RigidObstacle for PointConstraints {
                 let gradients = &out.gradient_bar[first + (row - group.first_row) * count..][..count];
                 let place = |entry: usize| group.nodes[entry / d] as usize * d + entry % d;
                 if group.is_grounded {
-                    // What the ground exerts has no counterpart among the nodes.
+                    // The force of the ground has no reaction at a node.
                     gradients.iter().enumerate().for_each(|(entry, gradient)| force[place(entry)] += pressure * gradient);
                 }
                 if group.drive.is_some() && !self.q_0.is_empty() {
@@ -325,7 +325,7 @@ impl RigidObstacle for PointConstraints {
 mod tests {
     use super::*;
 
-    /// A distance, and two directions across each other, of four nodes in space.
+    /// A distance, and the product of two directions, of four nodes in space.
     fn joint() -> PointConstraints {
         let vector = |parts: &[(u32, f64)]| PointVector { parts: parts.to_vec(), offset: [0.0; 3] };
         let vectors = vec![vector(&[(0, 0.5), (1, 0.5), (3, -1.0)]), vector(&[(0, 1.0), (1, -1.0)]), vector(&[(2, 1.0), (3, -1.0)])];

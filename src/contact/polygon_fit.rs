@@ -1,9 +1,9 @@
-//! Press fits of polygons: what straight facets make of the interference of the curves that they stand for.
+//! Press fits between polygons: interference that straight facets lose against the curves through their nodes (for `checks.rs`).
 //!
-//! Between its nodes a polygon stands off its curve by up to the sagitta `s = l theta/8` of its facets (length `l`, turn `theta` from one
-//! to the next), in the mean by `2/3 s`: inwards where the body is convex, outwards where it is hollow. Where the sagittas of the two sides
-//! differ, the polygons overlap by another amount than the curves. Where the interference is much smaller than a sagitta, corners sit in
-//! each other, and what should slide is held. Facets with height profiles (`profile.rs`) lose nothing of the fit.
+//! A polygon deviates from its curve by at most the sagitta `s = l theta/8` (facet length `l`, angle `theta` between adjacent facets), on
+//! average by `2/3 s`: inwards on a convex body, outwards on a hollow one. If the sagittas of both sides differ, the interference of the
+//! polygons differs from that of the curves. If the interference is much smaller than a sagitta, corners of the polygons interlock and
+//! prevent sliding. Facets with height profiles (`profile.rs`) keep the full interference.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -12,77 +12,77 @@ use super::facet_shape::FacetShape;
 use super::profile::FacetCurves;
 use super::surface::Surface;
 
-/// Turn from one facet to the next in radians up to which they follow a curve: 50 degrees.
+/// Largest angle between adjacent facets of a curve, in radians: 50 degrees.
 const CURVE: f64 = 0.9;
 
-/// Difference of curvatures, as a share of the larger one, up to which surfaces fit each other.
+/// Largest difference of curvatures of matching surfaces, relative to the larger curvature.
 const FIT: f64 = 0.5;
 
-/// Whether sides with these curvatures, positive where a body is convex, fit each other.
+/// True if sides with these curvatures, positive for convex bodies, match.
 pub(super) fn fit_each_other([a, b]: [f64; 2]) -> bool {
     (a + b).abs() <= FIT * a.abs().max(b.abs())
 }
 
-/// Press fit in sagittas below which polygons interlock.
+/// Interference in sagittas below which polygons interlock.
 const LOST: f64 = 0.5;
 
-/// Share of a press fit by which that of the facets may differ.
+/// Largest relative difference between the interferences of facets and curves.
 pub(super) const DISTORTED: f64 = 0.1;
 
-/// How far beyond the ends of a facet, in its lengths, a node may lie opposite: in the wedge between two of them.
+/// Distance beyond the ends of a facet, in its lengths, up to which a node in the wedge between two facets counts as opposite.
 const BESIDE: f64 = 0.1;
 
-/// Facets of a curve, and nodes of the other one that lie opposite, from which on it is one.
+/// Smallest number of facets of a curve with opposite nodes.
 pub(super) const FEW: usize = 3;
 
-/// A press fit between polygons on curves that fit.
+/// Press fit between polygons on matching curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolygonFit {
-    /// Mean overlap of the curves `[length]`.
+    /// Mean interference of the curves `[length]`.
     pub interference: f64,
-    /// Mean sagitta of the facets, of the side on which it is larger `[length]`.
+    /// Mean sagitta of the facets, on the side with the larger one `[length]`.
     pub sagitta: f64,
-    /// By how much less the facets overlap than the curves in the mean; negative where they overlap by more `[length]`.
+    /// Mean interference lost by the facets, negative if the facets overlap more than the curves `[length]`.
     pub lost: f64,
 }
 
 impl PolygonFit {
-    /// Whether corners of one polygon sit in those of the other.
+    /// True if corners of the polygons interlock.
     pub fn interlocks(&self) -> bool {
         self.interference < LOST * self.sagitta
     }
 
-    /// Whether the facets overlap by much less, or more, than the curves.
+    /// True if the interferences of facets and curves differ by more than `DISTORTED`.
     pub fn is_distorted(&self) -> bool {
         self.lost.abs() > DISTORTED * self.interference
     }
 }
 
-/// A facet of a curve.
+/// Facet of a curve.
 struct Arc {
     from: [f64; 2],
-    /// Unit vector along it, and its length `[length]`.
+    /// Unit vector along the facet, and its length `[length]`.
     along: [f64; 2],
     length: f64,
-    /// Turn from half of the facet before it to half of the one behind it, positive where the body is convex.
+    /// Mean angle to both adjacent facets, positive on a convex body.
     turn: f64,
     /// True where the facet has a height profile.
     is_followed: bool,
 }
 
 impl Arc {
-    /// By how much the curve stands off the facet at the share `s`, outwards `[length]`.
+    /// Height of the curve over the facet at the coordinate `s`, outwards `[length]`.
     fn rise(&self, s: f64) -> f64 {
         0.5 * s * (1.0 - s) * self.length * self.turn
     }
 
-    /// Sagitta that contact neglects, outwards `[length]`.
+    /// Sagitta without a height profile, outwards `[length]`; 0 with one.
     fn neglected_sagitta(&self) -> f64 {
         if self.is_followed { 0.0 } else { self.rise(0.5) }
     }
 }
 
-/// The press fit of two surfaces at `q`, where they are polygons on curves that fit and overlap.
+/// Press fit of two surfaces at `q`; `None` unless they are polygons on matching curves that overlap.
 pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64], facets: FacetShape) -> Option<PolygonFit> {
     let (own, others) = (arcs(secondary, q, facets), arcs(primary, q, facets));
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
@@ -106,7 +106,7 @@ pub fn polygon_fit(secondary: &Surface, primary: &Surface, q: &[f64], facets: Fa
     (overlaps.len() >= FEW && interference > 0.0).then_some(PolygonFit { interference, sagitta, lost })
 }
 
-/// The facets of a surface that follow a curve.
+/// Arcs of the facets of a surface; `None` for facets that do not follow a curve.
 fn arcs(surface: &Surface, q: &[f64], facets: FacetShape) -> Vec<Option<Arc>> {
     let profiles = FacetCurves::new(surface, q).profiles();
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
@@ -130,8 +130,8 @@ fn arcs(surface: &Surface, q: &[f64], facets: FacetShape) -> Vec<Option<Arc>> {
     (0..surface.facets().len() as u32).map(arc).collect()
 }
 
-/// The arc that looks back at the point's own and has the point within its length on either side, of the nearest ones: with the point's
-/// share of the arc and its gap from the facet `[length]`.
+/// Nearest arc with a normal opposite to that of `own` that has the point within its length, with the coordinate of the point on the arc
+/// and its gap to the facet `[length]`.
 fn opposite<'a>(x: [f64; 2], own: &Arc, others: &RTree<GeomWithData<[f64; 2], &'a Arc>>) -> Option<(&'a Arc, f64, f64)> {
     let seen = others.nearest_neighbor_iter(x).take(FEW).filter_map(|found| {
         let (arc, d) = (found.data, [x[0] - found.data.from[0], x[1] - found.data.from[1]]);
@@ -147,7 +147,7 @@ fn opposite<'a>(x: [f64; 2], own: &Arc, others: &RTree<GeomWithData<[f64; 2], &'
 mod tests {
     use super::*;
 
-    /// Rings of the node radius 1 outside and `1 + fit` inside.
+    /// Rings with the node radius 1 outside and `1 + fit` inside.
     fn found(inner: u32, outer: u32, fit: f64) -> Option<PolygonFit> {
         let circle = |count: u32, radius: f64| {
             (0..count).flat_map(move |i| {
@@ -172,8 +172,8 @@ mod tests {
         assert_eq!(found(20, 24, -0.1), None);
     }
 
-    /// Closed form: mean distance of a regular polygon of n sides from its circle of radius r, `r (1 - sin(2 pi/n)/(2 pi/n))/2` from the
-    /// areas of both.
+    /// Closed form: mean distance of a regular polygon of n sides from its circle of radius r, `r (1 - sin(2 pi/n)/(2 pi/n))/2` (difference
+    /// of areas).
     #[test]
     fn what_facets_take_from_a_press_fit_is_found() {
         let off = |n: f64, radius: f64| {

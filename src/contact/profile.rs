@@ -1,19 +1,20 @@
-//! Height profiles: the curve through the nodes of a plane surface as a height over each straight facet.
+//! Height profiles of curved facets in the plane: the curve through the nodes of a surface as a height over each straight facet. Used by
+//! all contact methods of the plane.
 //!
-//! A facet of length `l` has the height `l p(xi)` at the facet coordinate `xi` in [0, 1], positive outwards, with a quartic `p` that is
-//! taken from the reference configuration and stays constant in facet coordinates. Displacements are linear on a facet, so that the curve
-//! moves with the facet consistently with them, and rigid motions leave it unchanged.
+//! A facet of length `l` has the height `l p(xi)` at the facet coordinate `xi` in [0, 1], positive outwards. The quartic `p` belongs to the
+//! reference configuration and is constant in facet coordinates: displacements are linear on a facet, so that the curve moves with it, and
+//! rigid motions leave it unchanged.
 //!
-//! The quartic has the heights and slopes of the curve at both ends, so that curves of neighboring facets meet without a kink, and its mean
-//! height `A`, so that a press fit is as large as the curves say. Edges of first order take `p` from the neighboring facets. The circle
-//! through three consecutive nodes leaves the facet at its end `i` by the angle `a_i = theta_i l/(l + l_neighbor)`, with the turn `theta_i`
-//! between both facets:
+//! The quartic has the heights and slopes of the curve at both ends, so that adjacent curves join smoothly, and its mean height `A`, which
+//! preserves the interference of press fits. Edges of first order derive `p` from the neighboring facets. The circle through three
+//! consecutive nodes leaves the facet at its end `i` by the angle `a_i = theta_i l/(l + l_neighbor)`, with the angle `theta_i` between both
+//! facets:
 //!
 //! ```text
 //! p(0) = p(1) = 0,    p'(0) = tan a_1,    p'(1) = -tan a_2,    A = (c_1 + c_2)/12,    c_i = a_i (1 + 2/15 a_i^2)
 //! ```
 //!
-//! `A` is the area of the circular segment. Edges of second order have the circle through their three nodes (`quadratic.rs`).
+//! `A` is the area of the circular segment. Edges of second order follow the circle through their three nodes (`quadratic.rs`).
 
 use std::f64::consts::PI;
 
@@ -21,8 +22,8 @@ use super::numbers::Number;
 use super::surface::Surface;
 use crate::math::tolerances::STRAIGHT;
 
-/// Largest turn between two facets of a curve, 25 degrees: a circle of sixteen facets is a curve, one of twelve is a polygon. Disks of
-/// twelve facets that are taken for circles find no way out of each other in `tests/scripts/attack/energy.rhai`.
+/// Largest angle between two facets of a curve, 25 degrees: sixteen facets are a circle, twelve a polygon. Disks of twelve facets that
+/// count as circles fail to separate in `tests/scripts/attack/energy.rhai`.
 const LARGEST_TURN: f64 = 25.0 * PI / 180.0;
 
 /// Largest ratio of the curvatures at neighboring nodes of a curve, and of the slopes at both ends of a facet.
@@ -33,9 +34,9 @@ const LARGEST_RATIO: f64 = 3.0;
 pub struct Profile(pub [f64; 5]);
 
 impl Profile {
-    /// Profile with these heights and slopes at its ends, and this mean height.
+    /// Profile with the height and slope at each end, and the mean height.
     pub fn new([a, rise]: [f64; 2], [b, fall]: [f64; 2], mean: f64) -> Self {
-        // Cubic through the ends, and the quartic xi^2 (1 - xi)^2 of mean height 1/30.
+        // Cubic through the ends, plus the quartic xi^2 (1 - xi)^2 of mean height 1/30.
         let extra = 30.0 * (mean - 0.5 * (a + b) - (rise - fall) / 12.0);
         Profile([a, rise, 3.0 * (b - a) - 2.0 * rise - fall + extra, 2.0 * (a - b) + rise + fall - 2.0 * extra, extra])
     }
@@ -46,7 +47,7 @@ impl Profile {
         Profile([a + b + c + d + e, -b - 2.0 * c - 3.0 * d - 4.0 * e, c + 3.0 * d + 6.0 * e, -d - 4.0 * e, *e])
     }
 
-    /// True where the curve is the straight facet.
+    /// True for a straight facet.
     pub fn is_flat(&self) -> bool {
         self.0 == [0.0; 5]
     }
@@ -62,7 +63,7 @@ impl Profile {
         ]
     }
 
-    /// Height of the curve, continued beyond both ends of the facet by its tangents.
+    /// Height of the curve, continued beyond the ends of the facet along its tangents.
     pub fn continued<T: Number>(&self, xi: T) -> T {
         let inside = xi.re().clamp(0.0, 1.0);
         if inside == xi.re() {
@@ -72,11 +73,10 @@ impl Profile {
         (xi - inside) * slope + height
     }
 
-    /// Facet coordinate at which a line of sight meets the curve: the line crosses the facet at `eta`, and moves along the facet by `tilt`
-    /// for each unit of height.
+    /// Facet coordinate `xi = eta + tilt p(xi)` at which a straight line meets the curve: the line crosses the facet at `eta` and moves
+    /// along it by `tilt` per unit of height.
     ///
-    /// Three Newton iterations for `xi = eta + tilt p(xi)` reach round-off, because slopes of profiles are below 0.3; so do derivatives
-    /// that `T` carries.
+    /// Three Newton iterations reach round-off for the value and for the derivatives of `T`, because slopes of profiles are below 0.3.
     #[inline(always)]
     pub fn seen_at<T: Number>(&self, eta: T, tilt: T) -> T {
         let mut xi = eta;
@@ -92,12 +92,12 @@ impl Profile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairProfiles(pub [Profile; 2]);
 
-/// Turn of a plane surface at a node.
+/// Shape of a plane surface at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Turn {
-    /// Facets in line.
+    /// Collinear facets.
     None,
-    /// Node of a curve, with the turn from one facet to the next, positive where the body is convex `[rad]`.
+    /// Node of a curve with the angle between its facets, positive on a convex body `[rad]`.
     Smooth(f64),
     /// Corner, isolated kink, end of a chain, or node of more than two facets.
     Sharp,
@@ -111,10 +111,10 @@ pub struct FacetCurves<'a> {
 }
 
 impl<'a> FacetCurves<'a> {
-    /// Distinguishes curves from corners and straight lines at the positions `q`.
+    /// Detects curves, corners and straight lines at the positions `q`.
     ///
-    /// A node lies on a curve where the surface turns by at most [`LARGEST_TURN`], and at one of the two neighboring nodes to the same side
-    /// with a curvature within a factor of [`LARGEST_RATIO`]. A single kink is a corner.
+    /// A node lies on a curve if the angle there is at most [`LARGEST_TURN`], and at one of the two neighboring nodes the surface bends to
+    /// the same side with a curvature within a factor of [`LARGEST_RATIO`]. An isolated kink is a corner.
     pub fn new(surface: &'a Surface, q: &'a [f64]) -> Self {
         let mut curves = FacetCurves { surface, q, turns: Vec::new() };
         let count = surface.nodes().len();
@@ -141,7 +141,7 @@ impl<'a> FacetCurves<'a> {
         curves
     }
 
-    /// Turn at a node between two facets, `[rad]`, with the facet before and the facet behind it.
+    /// Angle at a node between two facets `[rad]`, with the facets before and after it.
     fn turn_at(&self, node: usize) -> Option<(f64, [u32; 2])> {
         let &[one, other] = self.surface.adjacent_facets(node) else { return None };
         let [before, after] = if self.surface.local_facets()[one as usize][1] as usize == node { [one, other] } else { [other, one] };
@@ -161,7 +161,7 @@ impl<'a> FacetCurves<'a> {
         x.hypot(y)
     }
 
-    /// True where a facet follows a curve: the surface turns to one side at both of its nodes, or at one node while the other is sharp.
+    /// True if a facet follows a curve: the surface bends to one side at both of its nodes, or at one node while the other is sharp.
     fn is_curved(&self, facet: usize) -> bool {
         match self.surface.local_facets()[facet].map(|node| self.turns[node as usize]) {
             [Turn::Smooth(a), Turn::Smooth(b)] => a * b > 0.0,
@@ -181,7 +181,7 @@ impl<'a> FacetCurves<'a> {
         }
         let length = self.length(facet as u32);
         let (ends, neighbors) = (self.surface.local_facets()[facet], self.surface.neighbors(facet));
-        // A straight neighbor leaves the whole turn to this facet.
+        // Beside a straight facet the whole angle belongs to this facet.
         let angle = |end: usize| match (self.turns[ends[end] as usize], neighbors[end]) {
             (Turn::Smooth(turn), Some(other)) if self.is_curved(other as usize) => Some(turn * length / (length + self.length(other))),
             (Turn::Smooth(turn), _) => Some(turn),
@@ -243,7 +243,7 @@ mod tests {
                     assert!((profile.at(xi)[0] - height).abs() < 0.02 * half.powi(3), "{count}: {profile:?} {xi}");
                     area += 0.01 * (profile.at(xi)[0] - height);
                 }
-                // The midpoint rule with 100 points is exact to 1e-5.
+                // The midpoint rule with 100 points has an error of 1e-5.
                 assert!(area.abs() < 0.05 * half.powi(5) + 1e-5 * half, "{count}: {area}");
                 assert!((profile.at(0.0)[1] - half.tan()).abs() < 1e-12 && (profile.at(1.0)[1] + half.tan()).abs() < 1e-12);
             }
@@ -251,7 +251,7 @@ mod tests {
         assert!(of_chain(&circle(12, 0.0, 2.0 * PI).collect::<Vec<_>>(), true).iter().all(Profile::is_flat));
     }
 
-    /// A straight side, a quarter circle that it touches, and another side: only the arc is curved, up to its ends.
+    /// A straight side, a tangent quarter circle, and another straight side: only the arc is curved, up to its ends.
     #[test]
     fn arcs_between_straight_sides_are_followed_to_their_ends() {
         let mut points = vec![[1.0, -2.0], [1.0, -1.0]];

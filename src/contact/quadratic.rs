@@ -1,8 +1,9 @@
-//! Contact of edges of second order: each is a few straight facets between points that are linear combinations of its nodes.
+//! Contact of edges of second order in the plane: several straight facets per edge between points that are linear combinations of its
+//! nodes. `on_curves.rs` transforms a contact method on these points to the nodes.
 //!
-//! A polygon through points of a curve lies inside it, and a polygon with some of its vertices raised has teeth that hold what should
-//! slide. So *all* points are raised alike. With the middle's offset `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` from the chord (`tau`
-//! the share by which the middle lies off the chord's middle in the reference positions), an edge of `N` facets has its points at
+//! A polygon through points of a curve lies inside the curve, and raising some of its vertices makes teeth that obstruct sliding, so *all*
+//! points are raised equally. With the offset `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` of the mid-side node from the chord (`tau`: its
+//! shift along the chord from the chord's middle in the reference positions, in chord lengths), an edge of `N` facets has the points
 //!
 //! ```text
 //! inner point, s = k/N     y = x(s) + r d,        x(s) = (1-s) x_a + s x_b + 4 s (1-s) (x_m - (x_a + x_b)/2)
@@ -10,17 +11,16 @@
 //!                          r = 2/(3 N^2) + 8/15 (h/l_ab)^2,             h, l_ab the sagitta and the chord in the reference positions
 //! ```
 //!
-//! The first part of `r` makes the polygon hold the parabola's area: a constant pressure on straight edges, whose middles may lie anywhere,
-//! goes to the nodes exactly as a quadratic edge's consistent forces, and on curved ones to second order. The second part is what the
-//! circle through the three nodes holds besides: press fits between rings are as large as their radii say. Where a surface ends or has a
-//! corner, each curved edge raises the vertex by its own; a corner between straight ones stays where its node is, so that none pulls at the
-//! other's middle, and their inner points are raised by a little more, for the same sum. On a curve that is divided evenly the polygon is
-//! regular, so that two of them slide on each other without holding. Long edges have more facets than short ones opposite, so that what is
-//! left of their corners is as small.
+//! The first part of `r` gives the polygon the area under the parabola: nodal forces of a constant pressure equal the consistent forces of
+//! the quadratic edge, exactly on straight edges with any mid-side node, to second order on curved ones. The second part is the further
+//! area of the circle through the three nodes, so that press fits between rings have the interference of their radii. At a corner or an end
+//! of the surface each curved edge raises the vertex by its own offset. A vertex between straight edges stays at its node, without forces
+//! on mid-side nodes, and their inner points are raised more, for the same area. On evenly divided curves the polygons are regular and
+//! slide without obstruction. Edges longer than the opposite ones have more facets, for equally small corners.
 //!
-//! Multipliers stay at the nodes, linear between a middle and its ends: those of sub-facets of their own would be too many. Methods with a
-//! constraint for each node see the points of the nodes, and a rigid obstacle the nodes themselves, with the lengths that belong to them.
-//! (Facets of two nodes on quadratic edges: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the area are ours.)
+//! Multipliers belong to the nodes, piecewise linear between mid-side and end nodes; multipliers of sub-facets would be too many. Methods
+//! with nodal constraints use the points of the nodes, rigid obstacles the nodes with their tributary lengths. (Facets of two nodes on
+//! quadratic edges: Puso, Laursen and Solberg, CMAME 197, 2008; the area-preserving points are new here.)
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,43 +33,43 @@ use super::profile::{FacetCurves, Profile};
 use super::surface::{Sides, Surface};
 use crate::math::tolerances;
 
-/// Facets of half an edge where edges of both sides are alike long, and at most.
+/// Numbers of facets per half edge: for edges of equal length on both sides, and the maximum.
 const PIECES: f64 = 2.0;
 const MOST_PIECES: f64 = 6.0;
 
-/// What a circle's segment holds more than a parabola's, over chord and sagitta: `A/(l h) = 2/3 + 8/15 (h/l)^2 + ...`.
+/// Additional area of a circular segment over a parabolic one with chord `l` and sagitta `h`: `A/(l h) = 2/3 + 8/15 (h/l)^2 + ...`.
 const CIRCLE: f64 = 8.0 / 15.0;
 
-/// Cosine of the turn between two edges in the reference positions up to which a curve goes on from one to the other: 20 degrees.
+/// Cosine of the largest angle between two edges of a smooth curve in the reference positions, 20 degrees.
 const SMOOTH: f64 = 0.94;
 
-/// Middle nodes with the ends of their edges, `[middle, from, to]`, in ascending order.
+/// Mid-side nodes with the end nodes of their edges, `[middle, from, to]`, ascending.
 #[derive(Clone, Debug, Default)]
 pub struct ProxyNodes(Vec<[u32; 3]>);
 
-/// Which nodes of the secondary side have constraints, and how contact sees it.
+/// Kind of the constraints of the secondary side, which decides how contact represents that side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowsOf {
-    /// Functions of the whole surface, weighted and summed.
+    /// Weighted integrals over the surface.
     Facets,
-    /// Each node has its own.
+    /// Nodal constraints.
     Nodes,
 }
 
 impl ProxyNodes {
-    /// Of edges given by their ends and their middle.
+    /// Mid-side nodes of edges `[from, to, middle]`.
     pub fn new(edges: impl Iterator<Item = [u32; 3]>) -> Self {
         let mut middles: Vec<[u32; 3]> = edges.map(|[from, to, middle]| [middle, from, to]).collect();
         middles.sort_unstable();
         ProxyNodes(middles)
     }
 
-    /// The edge in whose middle a node is.
+    /// Edge `[middle, from, to]` of a mid-side node.
     fn edge(&self, node: u32) -> Option<[u32; 3]> {
         self.0.binary_search_by_key(&node, |edge| edge[0]).ok().map(|found| self.0[found])
     }
 
-    /// Two surfaces, given by their facets between nodes, as a contact method sees them.
+    /// Contact representation of two surfaces that are given by their facets between nodes.
     pub fn seen<'a>(&self, [secondary, primary]: [&'a [[u32; 2]]; 2], reference: &'a [f64], rows: RowsOf) -> Seen<'a> {
         if !secondary.iter().chain(primary).any(|facet| self.edge(facet[1]).is_some()) {
             return Seen {
@@ -86,7 +86,7 @@ impl ProxyNodes {
         if is_nodal && let Some(lengths) = self.lengths(secondary, reference) {
             sides.weights = lengths;
         }
-        // A surface that touches itself must know its facets again.
+        // Both sides of a self-contact need equal facets.
         let is_same = secondary == primary;
         Seen {
             secondary: if is_nodal { curves.halves(secondary) } else { curves.fine(secondary) }.into(),
@@ -97,8 +97,8 @@ impl ProxyNodes {
         }
     }
 
-    /// Lengths that belong to the nodes of a surface, `int N_A ds` in the reference positions `[length]`: a constant pressure on them is
-    /// that on the edges. `None` where none of the edges is of second order.
+    /// Tributary lengths of the nodes of a surface, `int N_A ds` in the reference positions `[length]`, with the shape functions of the
+    /// edges. `None` without edges of second order.
     pub fn lengths(&self, facets: &[[u32; 2]], reference: &[f64]) -> Option<Vec<f64>> {
         if !facets.iter().any(|facet| self.edge(facet[1]).is_some()) {
             return None;
@@ -118,7 +118,7 @@ impl ProxyNodes {
     }
 }
 
-/// `int N_A ds` over an edge for its middle and its ends, by three Gauss points.
+/// Tributary lengths `int N_A ds` of the nodes `[middle, from, to]` of an edge, by three Gauss points.
 fn edge_lengths([m, a, b]: [u32; 3], q: &[f64]) -> [f64; 3] {
     let at = |node: u32, i: usize| q[2 * node as usize + i];
     let mut sums = [0.0; 3];
@@ -130,11 +130,11 @@ fn edge_lengths([m, a, b]: [u32; 3], q: &[f64]) -> [f64; 3] {
     sums
 }
 
-/// Two surfaces as a contact method sees them: between their nodes, or between points on edges of second order.
+/// Contact representation of two surfaces: facets between nodes, or between points on edges of second order.
 pub struct Seen<'a> {
-    /// Facets of the side with the constraints.
+    /// Facets of the secondary side.
     pub secondary: Cow<'a, [[u32; 2]]>,
-    /// Those of the other.
+    /// Facets of the primary side.
     pub primary: Cow<'a, [[u32; 2]]>,
     /// Reference positions of the nodes or points `[length]`.
     pub reference: Cow<'a, [f64]>,
@@ -144,7 +144,7 @@ pub struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// These surfaces with facets of another shape than straight lines.
+    /// Adds height profiles for the facet shape `Curved`.
     pub fn of_shape(mut self, shape: FacetShape) -> Self {
         if shape == FacetShape::Curved {
             self.profiles = [&self.secondary, &self.primary].map(|facets| {
@@ -156,14 +156,14 @@ impl Seen<'_> {
         self
     }
 
-    /// A method made for these facets, on the nodes of the model.
+    /// Transforms a contact method for these facets to the nodes of the model.
     pub fn on_nodes(self, mut kernel: Box<dyn ContactKernel>) -> Box<dyn ContactKernel> {
         if !self.profiles[0].is_empty() {
             kernel.set_profiles(self.profiles);
         }
         let Some((curves, mut sides, rows)) = self.on_curves else { return kernel };
         if rows == RowsOf::Nodes || kernel.row_nodes().is_empty() {
-            // Corners have the size of their contact.
+            // Corner constraints use the facet size of their contact.
             sides.facet_size = kernel.facet_size();
         }
         let made_of = curves.rows(&*kernel, &sides, rows);
@@ -172,39 +172,39 @@ impl Seen<'_> {
     }
 }
 
-/// The points that contact sees on the edges of some facets.
+/// Points on edges of second order.
 struct Curves {
-    /// What they are made of.
+    /// Points as combinations of nodes.
     points: Combinations,
-    /// Per node: its point.
+    /// Point of each node.
     nodes: BTreeMap<u32, u32>,
-    /// Per middle node: the points of its edge, ends included.
+    /// Points of each edge, ends included, by its mid-side node.
     edges: BTreeMap<u32, Vec<u32>>,
-    /// Per point: the nodes whose multipliers it has, with their shares.
+    /// Nodes whose multipliers each point interpolates, with their shape function values.
     homes: Combinations,
-    /// Height profiles of the facets between points of one edge.
+    /// Height profiles of facets between points of one edge.
     profiles: BTreeMap<[u32; 2], Profile>,
 }
 
-/// An edge of second order in the reference positions.
+/// Edge of second order in the reference positions.
 #[derive(Clone, Copy)]
 struct Edge {
     middle: u32,
     ends: [u32; 2],
-    /// Chord, and the middle's offset from the chord's middle `[length]`.
+    /// Chord, and offset of the mid-side node from the chord's middle `[length]`.
     chord: [f64; 2],
     offset: [f64; 2],
-    /// By how much of the chord the middle lies off its middle, and the chord.
+    /// Shift of the mid-side node along the chord, and sagitta, in chord lengths.
     shift: f64,
     sagitta: f64,
-    /// Number of its facets, even.
+    /// Number of facets, even.
     pieces: u32,
-    /// By how much of the middle's offset its points are raised.
+    /// Factor `r` of the offset by which the points are raised.
     raised: f64,
 }
 
 impl Edge {
-    /// An edge opposite facets between nodes of that length `[length]`.
+    /// Edge that is opposite facets of the given length between nodes `[length]`.
     fn new([middle, from, to]: [u32; 3], reference: &[f64], length: f64) -> Self {
         let [m, a, b] = [middle, from, to].map(|node| [reference[2 * node as usize], reference[2 * node as usize + 1]]);
         let chord = [b[0] - a[0], b[1] - a[1]];
@@ -216,31 +216,31 @@ impl Edge {
         Edge { middle, ends: [from, to], chord, offset, shift: dot(offset, chord) / square, sagitta, pieces: 2 * half as u32, raised }
     }
 
-    /// Whether its middle lies off the chord.
+    /// True if the mid-side node lies off the chord.
     fn is_curved(&self) -> bool {
         self.sagitta.abs() > tolerances::STRAIGHT
     }
 
-    /// Direction in which it leaves its first end, or comes to its last.
+    /// Tangent vector at the first or the last end.
     fn tangent(&self, end: usize) -> [f64; 2] {
         let sign = if end == 0 { 4.0 } else { -4.0 };
         std::array::from_fn(|i| self.chord[i] + sign * self.offset[i])
     }
 
-    /// The facet at an end, as a vector from node to node of the parabola `[length]`.
+    /// Facet vector at an end, between points of the parabola `[length]`.
     fn end_facet(&self, end: usize) -> [f64; 2] {
         let (s, sign) = (1.0 / f64::from(self.pieces), if end == 0 { 1.0 } else { -1.0 });
         std::array::from_fn(|i| s * self.chord[i] + sign * 4.0 * s * (1.0 - s) * self.offset[i])
     }
 
-    /// Its share of the chord.
+    /// Projection of the facet at an end on the chord, in chord lengths.
     fn end_share(&self, end: usize) -> f64 {
         dot(self.end_facet(end), self.chord) / dot(self.chord, self.chord)
     }
 
-    /// Height of the curve above the chord, in chord lengths, at the distance `x` from the middle of the chord, and its slope.
+    /// Height of the curve over the chord and its slope, at the distance `x` from the chord's middle, in chord lengths.
     ///
-    /// The curve is the parabola of the shape functions, and over a symmetric edge the circle through its three nodes.
+    /// The curve is the parabola of the shape functions; for a symmetric edge it is the circle through the three nodes.
     fn height(&self, x: f64) -> [f64; 2] {
         if !self.is_curved() {
             return [0.0; 2];
@@ -251,14 +251,14 @@ impl Edge {
         let root = (linear * linear - 16.0 * self.shift * (x + 0.5)).max(0.0).sqrt();
         let xi = 2.0 * (x + 0.5) / (linear + root);
         let parabola = [4.0 * h * xi * (1.0 - xi), 4.0 * h * (1.0 - 2.0 * xi) / root];
-        // Distance of the circle's center from the chord, and of its point from the line through the center.
+        // Distances of the circle's center from the chord, and of the point from the line through the center parallel to the chord.
         let center = (0.25 / h - h).abs() * 0.5;
         let across = (0.25 + center * center - square).max(0.0).sqrt();
         let circle = [h.signum() * (0.25 - square) / (across + center), -h.signum() * x / across];
         [parabola[0] + circle[0] - h * (1.0 - 4.0 * square), parabola[1] + circle[1] + 8.0 * h * x]
     }
 
-    /// Height profile of the curve over a facet with these end points `[length]`; `origin` is the first node.
+    /// Height profile of the curve over a facet with these end points `[length]`; `origin` is the first node of the edge.
     fn profile_over(&self, origin: [f64; 2], facet: [[f64; 2]; 2]) -> Profile {
         let square = dot(self.chord, self.chord);
         // Coordinates along the chord from its middle, and outwards, in chord lengths.
@@ -278,19 +278,19 @@ impl Edge {
             let slope = self.height(x - z * sin)[1];
             [z / length, (cos * slope - sin) / (cos + sin * slope)]
         });
-        // Simpson's rule with derivatives at the ends, exact for polynomials of fifth degree.
+        // Simpson's rule with end derivatives, exact for polynomials of fifth degree.
         let mean = (7.0 * first[0] + 16.0 * middle[0] + 7.0 * last[0]) / 30.0 + (first[1] - last[1]) / 60.0;
         let is_flat = first.into_iter().chain(last).all(|value| value.abs() < tolerances::STRAIGHT);
         if is_flat { Profile::default() } else { Profile::new(first, last, mean) }
     }
 
-    /// The middle's offset across the chord, times a factor.
+    /// Coefficients of `by` times the offset `d` in the three nodes.
     fn across(&self, by: f64) -> [(u32, f64); 3] {
         let [a, b] = self.ends;
         [(self.middle, by), (a, -by * (0.5 - self.shift)), (b, -by * (0.5 + self.shift))]
     }
 
-    /// The point of the parabola at the share `s`.
+    /// Coefficients of the parabola's point at the edge coordinate `s` in the three nodes.
     fn point(&self, s: f64) -> [(u32, f64); 3] {
         let ([a, b], h) = (self.ends, 4.0 * s * (1.0 - s));
         [(self.middle, h), (a, 1.0 - s - 0.5 * h), (b, s - 0.5 * h)]
@@ -308,8 +308,8 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// The edges that raise the vertex where they come together, with the end of each that is there and its weight: two that go on smoothly
-/// share it, at corners and ends each that is curved has its own.
+/// Edges that raise the vertex between them, each with its end (0 or 1) there and its weight: two smoothly joined edges share the vertex;
+/// at corners and ends each curved edge has the weight 1. `is_mixed`: a straight edge is adjacent, too.
 fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usize, f64)> {
     if let ([one], [other], false) = (&coming[..], &leaving[..], is_mixed) {
         let (t, u) = (one.tangent(1), other.tangent(0));
@@ -326,9 +326,9 @@ fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usi
 
 impl Curves {
     fn new(middles: &ProxyNodes, sides: [&[[u32; 2]]; 2], reference: &[f64]) -> Self {
-        // Facets of both sides are about alike long.
+        // Facets of both sides get similar lengths.
         let length = sides.map(|facets| mean_length(facets, reference)).into_iter().fold(f64::INFINITY, f64::min);
-        // Per node: the edges that come to it and leave it; others that meet there.
+        // Edges that end and start at each node, and nodes of first-order edges.
         let mut edges = BTreeMap::new();
         let mut meeting: BTreeMap<u32, [Vec<Edge>; 2]> = BTreeMap::new();
         let mut straight = BTreeSet::new();
@@ -360,7 +360,7 @@ impl Curves {
             curves.homes.push([(node, 1.0)]);
         }
         for edge in edges.values() {
-            // What the ends do not have, the inner points have more.
+            // Inner points are raised more where an end is not raised.
             let has = |&end: &usize| raises(edge.ends[end]).iter().any(|(other, at, _)| (other.middle, *at) == (edge.middle, end));
             let at_ends: f64 = [0, 1].into_iter().filter(has).map(|end| 0.5 * edge.end_share(end)).sum();
             let pieces = f64::from(edge.pieces);
@@ -390,7 +390,7 @@ impl Curves {
         curves
     }
 
-    /// The facets between points in place of those between nodes.
+    /// Facets between points that replace facets between nodes.
     fn fine(&self, facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let pieces = |&[from, to]: &[u32; 2]| -> Vec<[u32; 2]> {
             let points = match (self.edges.get(&from), self.edges.get(&to)) {
@@ -403,13 +403,13 @@ impl Curves {
         facets.iter().flat_map(pieces).collect()
     }
 
-    /// The facets between the points of the nodes.
+    /// Facets between the points of the nodes.
     fn halves(&self, facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
         facets.iter().map(|facet| facet.map(|node| self.nodes[&node])).collect()
     }
 
-    /// Of which rows of the nodes those of a method are made: its own where they are no points'. Those of single nodes have the weights of
-    /// `sides`.
+    /// Constraints of the inner method as combinations of nodal ones; constraints without a point are kept. For nodal constraints the
+    /// weights are those of `sides`.
     fn rows(&self, kernel: &dyn ContactKernel, sides: &Sides, rows: RowsOf) -> Combinations {
         let (stride, mut made) = (kernel.rows_per_node(), Combinations::default());
         for (row, weight) in kernel.weights().iter().enumerate() {
@@ -431,7 +431,7 @@ impl Curves {
 mod tests {
     use super::*;
 
-    /// Shoelace area of a chain of facets, and what a unit pressure does on their ends, half of each facet's on either.
+    /// Shoelace area of a chain of facets, and nodal forces of a unit pressure, half of each facet's on each end.
     fn area(facets: &[[u32; 2]], y: &[f64]) -> (f64, Vec<f64>) {
         let (mut sum, mut forces) = (0.0, vec![0.0; y.len()]);
         for facet in facets {
@@ -445,14 +445,14 @@ mod tests {
         (sum, forces)
     }
 
-    /// A chain of edges through these nodes, ends and middles in turn.
+    /// Chain of edges through these nodes, alternately ends and mid-side nodes.
     fn chain(nodes: u32) -> (ProxyNodes, Vec<[u32; 2]>) {
         let edges = (0..nodes / 2).map(|k| [2 * k, (2 * k + 2) % nodes.next_multiple_of(2), 2 * k + 1]);
         (ProxyNodes::new(edges.clone()), edges.flat_map(|[a, b, m]| [[a, m], [m, b]]).collect())
     }
 
-    /// Closed form: the consistent forces of a straight quadratic edge of length l with its middle off by s are l/6 + 2/3 s, 2/3 l and
-    /// l/6 - 2/3 s.
+    /// Closed form: consistent forces of a straight quadratic edge of length l with its mid-side node off by s: l/6 + 2/3 s, 2/3 l, l/6 -
+    /// 2/3 s.
     #[test]
     fn a_constant_pressure_is_exact_on_straight_edges_with_uneven_middles() {
         let x = [0.0, 0.6, 1.0, 1.4, 2.5, 3.2, 4.4];
@@ -481,7 +481,7 @@ mod tests {
         let (middles, facets) = chain(24);
         let seen = middles.seen([&facets, &[]], &q, RowsOf::Facets);
         let (sum, _) = area(&seen.secondary, &seen.reference);
-        // Parabolas alone hold 2e-4 less; what is left is of sixth order in the angle.
+        // Parabolas alone hold 2e-4 less; the remainder is of sixth order in the angle.
         assert!((sum.abs() / std::f64::consts::PI - 1.0).abs() < 2e-5, "{sum}");
         assert_eq!(seen.secondary.len(), 48);
     }

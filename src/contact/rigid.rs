@@ -1,7 +1,7 @@
-//! Contact of a surface with a rigid obstacle: half plane, disk, ring, polyline; one multiplier per secondary node.
+//! Contact of a surface in the plane with a rigid obstacle (half plane, disk, ring, polyline): one multiplier per secondary node.
 //!
-//! A node's gap is its signed distance to the obstacle, exact for disk and ring; `Phi_A = w_A g(x_A - u(t))` with the obstacle's
-//! translation `u`. With `r_k = x_k - u_k` the discrete gradient satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
+//! The gap of a node is its signed distance `g` from the obstacle, `Phi_A = w_A g(x_A - u(t))` with the obstacle's translation `u`. With
+//! `r_k = x_k - u_k` the discrete gradient satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
 //!
 //! ```text
 //! half plane   n                                      the force on a plane has one direction: momentum along it is kept
@@ -9,8 +9,8 @@
 //! polyline     n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
 //! ```
 //!
-//! (Gonzalez, CMAME 190, 2000). So the contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves,
-//! `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger books as work of a load. An obstacle does not turn.
+//! (Gonzalez, CMAME 190, 2000). The contact forces do the work `sum lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further
+//! work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts as work of loads. Obstacles do not rotate.
 
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;
@@ -21,7 +21,7 @@ use super::surface::Sides;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// How near a node must be to a corner of a polyline, in shortest facets, to keep to one side of it in a step.
+/// Largest distance from a corner of a polyline, in shortest facets, of nodes that keep to one side of it in a step.
 const AT_CORNER: f64 = 0.02;
 
 /// Contact of a surface with a rigid obstacle.
@@ -30,21 +30,21 @@ pub struct RigidContact {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 2]; 3],
-    /// How far, and by which angle, it carries along what sticks to it.
+    /// Displacement and rotation angle with which the obstacle carries sticking points in the step.
     carried: ([f64; 2], f64),
     start: Vec<[f64; 2]>,
-    /// True for nodes without rows: those inside of round parts of a rigid body, whose rows are in `rolling.rs`.
+    /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains.
     is_hidden: Vec<bool>,
-    /// For nodes that start at a convex corner of a polyline: the line of the side that they are on, which is theirs for the step. A node
-    /// that a side pushes past the corner, and that comes back without the push, would find no solution.
+    /// For nodes that start at a convex corner of a polyline: the line of their side, which replaces the obstacle in this step. Without it
+    /// a node that a side pushes past the corner, and that returns without the push, has no solution.
     lines: Vec<Option<Shape>>,
 }
 
 impl RigidContact {
-    /// Contact of a surface (facets in node numbers of the model, the body on the left) with an obstacle, sized in the reference positions.
+    /// Contact of a surface (facets in model node numbers, the body on the left) with an obstacle, sized in the reference positions.
     pub fn new(secondary: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64]) -> Self {
         let mut sides = Sides::new(secondary, &[], reference);
-        // Every node lies opposite the obstacle: the list of patches is known and lasts.
+        // Every node is opposite the obstacle: the list of contact elements never changes.
         for (row, &node) in (0u32..).zip(sides.secondary.nodes()) {
             sides.patches.push(&[node], &[row]);
         }
@@ -63,35 +63,35 @@ impl RigidContact {
         }
     }
 
-    /// The obstacle as the node of that row feels it in this step.
+    /// Shape from which constraint `row` is measured in this step.
     fn felt(&self, row: usize) -> &Shape {
         self.lines[row].as_ref().unwrap_or(&self.shape)
     }
 
-    /// Without rows of these nodes of the surface, given by their model numbers.
+    /// Removes the constraints of nodes, given by their model numbers.
     pub fn without(mut self, nodes: &[u32]) -> Self {
         nodes.iter().filter_map(|&node| self.sides.secondary.index(node)).for_each(|row| self.is_hidden[row] = true);
         self
     }
 
-    /// The nodes that have rows, by their index.
+    /// Nodes with constraints, by index.
     fn rows_there(&self) -> impl Iterator<Item = usize> {
         (0..self.sides.patches.len()).filter(|&row| !self.is_hidden[row])
     }
 
-    /// With other lengths that belong to the nodes, in ascending order of these `[length]`.
+    /// Replaces the tributary lengths of the nodes, in ascending node order `[length]`.
     pub fn with_weights(mut self, weights: Vec<f64>) -> Self {
         self.sides.weights = weights;
         self
     }
 
-    /// Position of the node of that row in the frame of the obstacle when it is displaced by `translation`.
+    /// Position of node `row` relative to the obstacle displaced by `translation`.
     fn position(&self, row: usize, q: &[f64], translation: [f64; 2]) -> [f64; 2] {
         let node = 2 * self.sides.secondary.nodes()[row] as usize;
         [q[node] - translation[0], q[node + 1] - translation[1]]
     }
 
-    /// Force gradient of a step and its tangent for the node of that row, without its weight.
+    /// Algorithmic gradient of a step, and its derivative, for node `row`, without weight.
     fn step_gradient(&self, derivative: Derivative, row: usize, q_1: &[f64]) -> StepGradient {
         let [start, middle, end] = self.translations;
         match derivative {
@@ -107,7 +107,7 @@ impl RigidContact {
         }
     }
 
-    /// Plain gradient at a point that is the node's place in a configuration of the step.
+    /// Gradient and its derivative for node `row` at the point `x` of a configuration of the step.
     fn plain(&self, row: usize, x: [f64; 2], at: Configuration) -> StepGradient {
         StepGradient {
             bar: self.felt(row).distance(x).map_or([0.0; 2], |distance| distance.normal),
@@ -115,7 +115,7 @@ impl RigidContact {
         }
     }
 
-    /// Weighted distances from `shape` of each row when the obstacle is displaced by `translation`.
+    /// Weighted signed distances from `shape(row)` for the obstacle displaced by `translation`.
     fn gaps<'a>(&self, shape: impl Fn(usize) -> &'a Shape, translation: [f64; 2], position: impl Fn(usize) -> [f64; 2]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
         for row in self.rows_there() {
@@ -190,7 +190,7 @@ impl PatchFunctions for RigidContact {
     }
 }
 
-/// Slip of nodes on the obstacle, as it translates.
+/// Slip of nodes relative to the translating obstacle.
 impl SlipRows for RigidContact {
     fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
         places.push(0);
@@ -247,7 +247,7 @@ impl RigidObstacle for RigidContact {
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
         if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
-            // There is no other side.
+            // No other side exists.
             return [0.0; 2];
         }
         let ([start, _, end], size) = (self.translations, self.sides.facet_size);
@@ -301,12 +301,12 @@ mod tests {
             Obstacle::HalfPlane { point: [0.2, 0.1], normal: [1.0, 2.0] },
             Obstacle::Disk { center: [0.1, -0.2], radius: 0.7 },
             Obstacle::Ring { center: [-0.1, 0.1], radius: 1.3 },
-            // A triangle with a notch: convex and concave corners.
+            // Triangle with a notch: convex and concave corners.
             Obstacle::Polyline { points: vec![[-1.0, -1.0], [1.0, -0.8], [0.2, 0.1], [0.1, 1.0], [-1.0, -1.0]] },
         ]
     }
 
-    /// One facet of nodes 0 and 1, so that weights are half its length, and a moving obstacle.
+    /// One facet of nodes 0 and 1 with weights of half its length, and a moving obstacle.
     fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
         let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
         kernel.move_obstacle(&translations.map(|[x, y]| [x, y, 0.0]));
@@ -329,7 +329,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 1000, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// Work of the forces = multipliers times change of the gaps + work of the obstacle's motion.
+        /// Work of the forces = multipliers times changes of the gaps + work of the obstacle's motion.
         #[test]
         fn work_is_what_the_gaps_and_the_motion_say((q_0, q_1, translations) in step()) {
             for obstacle in obstacles() {
@@ -353,7 +353,7 @@ mod tests {
             }
         }
 
-        /// The forces of a disk and a ring at rest have no moment about the center, those of a plane no component along it.
+        /// Forces of a disk or ring at rest have no moment about the center, those of a plane no tangential component.
         #[test]
         fn symmetries_of_the_obstacle_are_kept((q_0, q_1, _) in step()) {
             let obstacles = obstacles();
@@ -379,7 +379,7 @@ mod tests {
             for obstacle in obstacles() {
                 let kernel = contact(&obstacle, &q_0, &translations);
                 let lambda = [1.5, -0.5];
-                // Corners of the polyline and the center of a circle are kinks; so small a motion has steep quotients.
+                // Corners of the polyline and centers of circles are kinks; difference quotients of small steps are inaccurate near them.
                 let near_kink = |x: [f64; 2]| match (&kernel.shape, kernel.shape.distance(x)) {
                     (Shape::Circle { center, .. }, _) => (x[0] - center[0]).hypot(x[1] - center[1]) < 0.2,
                     (Shape::Polyline { .. }, Some(distance)) => [[1e-3, 0.0], [-1e-3, 0.0], [0.0, 1e-3], [0.0, -1e-3]].iter().any(|d| {
@@ -409,7 +409,7 @@ mod tests {
                             for i in 0..2 {
                                 let expected = lambda[row] * (high[i] - low[i]) / (2.0 * step);
                                 let ours = out.tangent[4 * row + 2 * i + k];
-                                // Second order in 1e-5 with third derivatives below 1e4 (distances 0.05 at least); round-off 1e-16/1e-5.
+                                // Second order in 1e-5 with third derivatives below 1e4 (distances of at least 0.05); round-off 1e-16/1e-5.
                                 prop_assert!((ours - expected).abs() < 1e-5, "{obstacle:?} {derivative:?}: {ours} {expected}");
                             }
                         }
@@ -423,14 +423,14 @@ mod tests {
     #[test]
     fn distances() {
         let gaps = |obstacle: Obstacle, x: [f64; 2]| {
-            // A facet of length 2: weights 1.
+            // Facet of length 2: weights 1.
             let q = [x[0], x[1], x[0] + 2.0, x[1]];
             contact(&obstacle, &q, &[[0.0; 2], [0.0; 2], [0.25, 0.0]]).gap(&q)[0]
         };
         assert_eq!(gaps(Obstacle::HalfPlane { point: [0.0, 1.0], normal: [0.0, 3.0] }, [7.0, 1.5]), 0.5);
         assert_eq!(gaps(Obstacle::Disk { center: [0.0, 0.0], radius: 3.0 }, [3.25, 4.0]), 2.0);
         assert_eq!(gaps(Obstacle::Ring { center: [0.0, 0.0], radius: 3.0 }, [3.25, 4.0]), -2.0);
-        // Translated by 1/4: the wall x = 0 is at 1/4.
+        // Translation by 1/4 moves the wall x = 0 to 1/4.
         let wall = vec![[0.0, -5.0], [0.0, 5.0]];
         assert_eq!(gaps(Obstacle::Polyline { points: wall }, [1.0, 0.0]), 0.75);
     }

@@ -1,10 +1,9 @@
-//! Contact of the points of a rigid obstacle with the facets of a surface: what the distances of the surface's nodes do not see.
+//! Contact of points of a rigid obstacle with the facets of a surface: penetration that the distances of the surface's nodes do not detect.
 //!
-//! In space these are its sharp vertices and edges (`space/corners.rs`), or the center of a small sphere. In the plane the corners of a
-//! polyline and the center of a disk are points of their own that the obstacle's motion moves. A corner's gap to the surface is that of
-//! node-to-segment contact with the sides exchanged, a disk's that of `round.rs`: continuous functions of all positions, the point's among
-//! them. Their discrete gradients satisfy `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that an obstacle that moves does the work
-//! `-lambda Gbar_point.du` besides.
+//! In space these points are sharp vertices and edges (`space/corners.rs`) or the center of a small sphere, in the plane corners of a
+//! polyline or the center of a disk. They are additional nodes that move with the obstacle. The gap of a corner is that of node-to-segment
+//! contact with exchanged sides, the gap of a disk that of `round.rs`. Their discrete gradients satisfy
+//! `Gbar_nodes.dq + Gbar_point.du = Phi(1) - Phi(0)`, so that a moving obstacle does the further work `-lambda Gbar_point.du`.
 
 use super::node_to_segment::NodeToSegment;
 use super::patches::{Evaluation, Patches};
@@ -17,35 +16,36 @@ use super::window::{Outlook, Travel};
 use super::{CandidateSearch, Candidates, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 
-/// Radius in shortest facets up to which the constraints of a disk leave less than those of corners: on larger ones facets are nearly
+/// Radius in shortest facets below which constraints of a disk have less slack than those of corners; around larger disks facets are nearly
 /// round.
 const ROUND: f64 = 10.0;
 
-/// Disks so much larger than the longest facet of a surface need no constraints of their own: between two nodes on such a disk a facet,
-/// even stretched to half more, is less than a tenth of it deep in it; and where nodes hold it already, more constraints depend on theirs.
+/// Ratio of disk radius to longest facet above which a disk has no constraints of its own. Between two nodes on such a disk even a facet
+/// stretched by half penetrates by less than a tenth of its length, and further constraints would be linearly dependent on those of the
+/// nodes.
 const LARGE: f64 = 3.0;
 
 /// Contact of an obstacle's points with a surface.
 pub struct RigidCorners {
-    /// The contact with the points as nodes behind those of the model.
+    /// Contact kernel with the points as nodes after those of the model.
     inner: Box<dyn ContactKernel>,
-    /// The surface alone, with the patches that are left without the points.
+    /// The surface, with contact elements from which the points are removed.
     sides: Sides,
-    /// Coordinates of the points.
+    /// Coordinates of the points, undisplaced.
     points: Vec<f64>,
     dimension: usize,
-    /// Components of the model's positions.
+    /// Number of components of the model's positions.
     components: usize,
     translations: [[f64; 3]; 3],
-    /// How far it carries along what sticks to it.
+    /// Displacement with which the obstacle carries sticking points.
     shift: [f64; 3],
-    /// All positions at the start of the step.
+    /// Positions of nodes and points at the start of the step.
     start: Vec<f64>,
 }
 
 impl RigidCorners {
-    /// Contact of the obstacle's points with a surface (facets in node numbers of the model, the body on the left); `None` where it has
-    /// none that matter. `facet_size` is that of the whole contact.
+    /// Contact of the obstacle's points with a surface (facets in model node numbers, the body on the left); `None` for obstacles without
+    /// points or with a radius above `LARGE`. `facet_size` is that of the whole contact.
     pub fn new(surface: &[[u32; 2]], obstacle: &Obstacle, reference: &[f64], facet_size: f64) -> Option<Self> {
         let first = (reference.len() / 2) as u32;
         let with = |points: &[[f64; 2]]| -> Vec<f64> { reference.iter().chain(points.as_flattened()).copied().collect() };
@@ -72,7 +72,7 @@ impl RigidCorners {
         Some(RigidCorners::of(inner, Sides { facet_size, ..sides }, points.into_flattened(), reference))
     }
 
-    /// The same in space: the obstacle's sharp vertices and edges, where it has any.
+    /// Contact of the obstacle's sharp vertices and edges, or the center of a small sphere, with a surface in space; `None` without any.
     pub fn in_space(surface: &Surface, obstacle: &ObstacleInSpace, reference: &[f64], facet_size: f64) -> Option<Self> {
         let first = (reference.len() / 3) as u32;
         let with = |points: &[[f64; 3]]| -> Vec<f64> { reference.iter().chain(points.as_flattened()).copied().collect() };
@@ -102,8 +102,8 @@ impl RigidCorners {
         RigidCorners { inner, sides, points, dimension, components: reference.len(), translations: [[0.0; 3]; 3], shift: [0.0; 3], start }
     }
 
-    /// Share of the overlap that constraints of corners leave alone which those of an obstacle's points do: where a disk is small, its
-    /// nodes and facets take turns, and what lies between them is felt as a ripple.
+    /// Slack of the constraints of an obstacle's points relative to that of corners. On a small disk nodes and facets touch alternately,
+    /// and a larger slack causes a noticeable ripple.
     pub fn slack(obstacle: &Obstacle, facet_size: f64) -> f64 {
         match obstacle {
             Obstacle::Disk { radius, .. } => (radius / (ROUND * facet_size)).min(1.0),
@@ -111,19 +111,19 @@ impl RigidCorners {
         }
     }
 
-    /// Positions or displacements with those of the points behind them.
+    /// Positions or displacements of nodes and points; `place` maps coordinate and component of a point.
     fn extended(&self, q: &[f64], place: impl Fn(f64, usize) -> f64) -> Vec<f64> {
         let points = self.points.iter().enumerate().map(|(k, &x)| place(x, k % self.dimension));
         q.iter().copied().chain(points).collect()
     }
 
-    /// All positions at `q`, the obstacle where it is at the start, in the middle or at the end of the step.
+    /// Positions of nodes and points for the obstacle at the start (0), in the middle (1) or at the end (2) of the step.
     fn positions(&self, q: &[f64], time: usize) -> Vec<f64> {
         let by = self.translations[time];
         self.extended(q, |x, i| x + by[i])
     }
 
-    /// The patches without the points.
+    /// Lists the contact elements without the points.
     fn list_patches(&mut self) {
         let inner = self.inner.patches();
         self.sides.patches = Patches::new(self.dimension);
@@ -140,7 +140,7 @@ impl RigidCorners {
         (node as usize) < self.components / self.dimension
     }
 
-    /// What is left of an evaluation with the points of the rows that press, or of the tangential ones.
+    /// Copies an evaluation without the unknowns of the points; `inner` and `outer` are the contact elements with and without points.
     fn without_points(&self, [inner, outer]: [&Patches; 2], all: &Evaluation, out: &mut Evaluation) {
         out.prepare(outer, all.gap.len());
         out.gap.copy_from_slice(&all.gap);
@@ -175,7 +175,7 @@ impl PatchFunctions for RigidCorners {
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // The points are no nodes of the model.
+        // Points are not nodes of the model.
         &[]
     }
 

@@ -1,4 +1,4 @@
-//! Shapes of rigid obstacles: distance, normal, curvature and discrete gradient at points in the obstacle's frame.
+//! Shapes of rigid obstacles in the plane: signed distance, normal, curvature and discrete gradient at points in the obstacle's frame.
 
 use nalgebra::{Matrix2, Vector2};
 use rstar::primitives::{GeomWithData, Line};
@@ -10,46 +10,46 @@ use super::slip::Carrier;
 use super::space::ObstacleInSpace;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
-/// Largest number of sides of a polyline that a round part of a body touches at once.
+/// Largest number of polyline sides that a round part touches simultaneously.
 const SIDES: usize = 2;
 
-/// At how many places on a node's way its distance is looked at, at most.
+/// Largest number of samples on a node's path at which its distance is evaluated.
 const LOOKS: f64 = 64.0;
 
-/// Shape of a rigid obstacle at its undisplaced place.
+/// Shape of a rigid obstacle at its undisplaced position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
-    /// All points `x` with `normal.(x - point) <= 0`.
+    /// Points `x` with `normal.(x - point) <= 0`.
     HalfPlane {
-        /// A point of the border `[length]`.
+        /// Point of the border `[length]`.
         point: [f64; 2],
-        /// Outward normal, of any length but zero.
+        /// Outward normal of any nonzero length.
         normal: [f64; 2],
     },
-    /// A disk; bodies are outside.
+    /// Disk; bodies are outside.
     Disk {
         /// Center `[length]`.
         center: [f64; 2],
         /// Radius `[length]`.
         radius: f64,
     },
-    /// Everything outside of a circle; bodies are inside.
+    /// Complement of a disk; bodies are inside.
     Ring {
         /// Center `[length]`.
         center: [f64; 2],
         /// Inner radius `[length]`.
         radius: f64,
     },
-    /// Straight facets through the points, with the obstacle on the left; closed when the last point is the first.
+    /// Straight segments through the points, the obstacle on the left; closed if the last point equals the first.
     Polyline {
-        /// Points in the order of traversal `[length]`, two at least.
+        /// At least two points in order `[length]`.
         points: Vec<[f64; 2]>,
     },
-    /// One in space, for bodies in space.
+    /// Obstacle in space, for bodies in space.
     InSpace(ObstacleInSpace),
 }
 
-/// Distance, its gradient with respect to the point, and whether the point has an opposite.
+/// Signed distance, its gradient, and true if the point is opposite the obstacle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Distance {
     pub(super) gap: f64,
@@ -57,21 +57,21 @@ pub(super) struct Distance {
     pub(super) covered: bool,
 }
 
-/// A discrete gradient and its derivative with respect to the end point.
+/// Discrete gradient, and its derivative with respect to the end point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepGradient {
     pub(super) bar: [f64; 2],
     pub(super) tangent: [[f64; 2]; 2],
 }
 
-/// An obstacle made ready for evaluation.
+/// Obstacle prepared for evaluation.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
     HalfPlane {
         point: [f64; 2],
         normal: [f64; 2],
     },
-    /// `sign` is +1 outside, -1 inside the circle.
+    /// Circle; `sign` is +1 for bodies outside, -1 inside.
     Circle {
         center: [f64; 2],
         radius: f64,
@@ -79,7 +79,7 @@ pub(super) enum Shape {
     },
     Polyline {
         tree: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
-        /// For each facet: itself and its neighbors, and their points after a place for the node.
+        /// For each segment: the chain of itself and its neighbors, and the points `(x, ...)` with a placeholder for the node.
         corners: Vec<(Chain, Vec<f64>)>,
     },
 }
@@ -93,7 +93,7 @@ impl Shape {
             }
             Obstacle::Disk { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: 1.0 },
             Obstacle::Ring { center, radius } => Shape::Circle { center: *center, radius: *radius, sign: -1.0 },
-            // Nothing of it is in the plane; a model is refused before.
+            // An obstacle in space has no shape in the plane; models with it are refused before.
             Obstacle::InSpace(_) => Shape::Polyline { tree: RTree::new(), corners: Vec::new() },
             Obstacle::Polyline { points } => {
                 let count = points.len().saturating_sub(1);
@@ -111,7 +111,7 @@ impl Shape {
         }
     }
 
-    /// Distance of a point in the obstacle's frame; `None` where the function vanishes identically.
+    /// Signed distance of a point in the obstacle's frame; `None` where the function vanishes identically.
     pub(super) fn distance(&self, x: [f64; 2]) -> Option<Distance> {
         match self {
             Shape::HalfPlane { point, normal } => {
@@ -138,7 +138,7 @@ impl Shape {
         }
     }
 
-    /// The line of the side on which a point is, where it is as near as that to the surface and a convex corner.
+    /// Half plane of the side on which a point is, if the point is within `near` of a convex corner.
     pub(super) fn line_at_corner(&self, x: [f64; 2], near: f64) -> Option<Shape> {
         let Shape::Polyline { tree, corners } = self else { return None };
         let nearest = tree.nearest_neighbor(x)?;
@@ -157,15 +157,15 @@ impl Shape {
         Some(Shape::HalfPlane { point: from, normal: [along[1] / length, -along[0] / length] })
     }
 
-    /// Rigid motion of the obstacle's surface in a step, for friction: a shift and, of a circle, a rotation by an angle about its center.
+    /// Rigid motion of the obstacle's surface in a step, for friction: a displacement and, for a circle, a rotation about its center.
     /// `middle` is the obstacle's translation in mid-step `[length]`.
     pub(super) fn carrier(&self, (shift, angle): ([f64; 2], f64), middle: [f64; 2]) -> Carrier {
         let Shape::Circle { center, .. } = self else { return Carrier { shift, ..Carrier::default() } };
         Carrier { shift, turn: 2.0 * (0.5 * angle).tan(), center: std::array::from_fn(|i| center[i] + middle[i]) }
     }
 
-    /// The sides of a polyline nearest to a point within `reach`, two at most, as lines in the order of the points; and, where the nearest
-    /// place of all is a convex corner, that corner as a circle without a radius. A point behind the polyline has the polyline itself.
+    /// Sides of a polyline within `reach` of a point, at most two, as half planes in the order of the points. If the nearest point is a
+    /// convex corner, a circle of zero radius stands for that corner. The polyline itself for points behind it or beyond its ends.
     fn nearest_sides(&self, x: [f64; 2], reach: f64) -> Vec<Shape> {
         let Shape::Polyline { tree, .. } = self else { return vec![self.clone()] };
         let (Some(nearest), Some(distance)) = (tree.nearest_neighbor(x), self.distance(x)) else { return Vec::new() };
@@ -194,7 +194,7 @@ impl Shape {
         sides.into_iter().map(|(.., shape)| shape).collect()
     }
 
-    /// Second derivative of the distance at a point.
+    /// Hessian of the signed distance at a point.
     pub(super) fn curvature(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
         match self {
             Shape::Circle { center, sign, .. } => {
@@ -210,11 +210,11 @@ impl Shape {
         }
     }
 
-    /// By how much the distance changes on the straight way between two points, what is farther away than `near` taken as so far.
+    /// Range of the signed distance on the straight path between two points, with distances above `near` replaced by `near`.
     pub(super) fn swing(&self, x_0: [f64; 2], x_1: [f64; 2], near: f64) -> f64 {
         let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
         let length = d[0].hypot(d[1]);
-        // A distance changes by no more than the way.
+        // A distance changes by at most the path length.
         if length <= near * PASSING {
             return 0.0;
         }
@@ -229,7 +229,7 @@ impl Shape {
         (range[1] - range[0]).max(0.0)
     }
 
-    /// Whether the straight way from one point outside to another one leads through to the other side.
+    /// True if the straight path between two outer points crosses the obstacle to its other side.
     pub(super) fn is_crossed(&self, x_0: [f64; 2], x_1: [f64; 2]) -> bool {
         let ends = [x_0, x_1].map(|x| self.distance(x));
         let [Some(start), Some(end)] = ends else { return false };
@@ -241,7 +241,7 @@ impl Shape {
         match self {
             Shape::HalfPlane { .. } => false,
             Shape::Circle { center, radius, .. } => {
-                // Opposite normals: the nearest point is between the ends.
+                // Opposite normals: the nearest point lies between the ends.
                 let r = [center[0] - x_0[0], center[1] - x_0[1]];
                 (d[0] * r[1] - d[1] * r[0]).abs() < radius * d[0].hypot(d[1])
             }
@@ -257,7 +257,7 @@ impl Shape {
         }
     }
 
-    /// Discrete gradient between two points in the obstacle's frame; increments below `PROJECTED_INCREMENT * size` have no correction.
+    /// Discrete gradient between two points in the obstacle's frame, not corrected for increments below `PROJECTED_INCREMENT * size`.
     pub(super) fn step_gradient(&self, x_0: [f64; 2], x_1: [f64; 2], size: f64) -> StepGradient {
         match self {
             Shape::HalfPlane { normal, .. } => StepGradient { bar: *normal, tangent: [[0.0; 2]; 2] },
@@ -281,7 +281,7 @@ impl Shape {
                 let square = d[0] * d[0] + d[1] * d[1];
                 let mut gradient = StepGradient { bar: middle.normal, tangent: [[0.0; 2]; 2] };
                 let remainder = end.gap - start.gap - middle.normal[0] * d[0] - middle.normal[1] * d[1];
-                // In a small step only a corner has a remainder that is more than round-off.
+                // In a small step only a corner gives a remainder above round-off.
                 let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
                 if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
                     let e = remainder / square;
@@ -327,7 +327,7 @@ impl Felt<2> for Shape {
 
     fn passage(&self, x_0: Vector2<f64>, x_1: Vector2<f64>, near: f64) -> (f64, bool) {
         if matches!(self, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
-            // There is no other side.
+            // No other side exists.
             return (0.0, false);
         }
         (self.swing(x_0.into(), x_1.into(), near), self.is_crossed(x_0.into(), x_1.into()))

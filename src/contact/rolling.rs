@@ -1,29 +1,28 @@
-//! Contact of the round parts of a rigid body with a rigid obstacle: a disk, a ball, a rounded edge rolls on its circle, not on facets.
+//! Contact of round parts of a rigid body (disk, ball, rounded edge, rim of a cylinder) with a rigid obstacle: they roll on circles, not
+//! facets.
 //!
-//! A part of radius `R` about the point `C` of the body touches where the obstacle is nearest to `C`, so its gap is the distance of that
-//! point less the radius. The center follows from the positions `z_k` of the body's masters (`bodies/rigid.rs`), and with the obstacle's
-//! signed distance `g`, its normal `n` and its translation `u`
+//! A part of radius `R` about the body point `C` has the gap of `C` less `R`. `C` is a combination of the positions `z_k` of the body's
+//! masters (`bodies/rigid.rs`). With the obstacle's signed distance `g`, normal `n` and translation `u`
 //!
 //! ```text
 //! Phi = w (g(C - u) - R),    C = sum_k c_k z_k,    dPhi/dz_k = w c_k n
 //! ```
 //!
-//! A cylinder touches with the points of its rims. The point of a circle about `C` across the unit vector `a` that is nearest to a plane is
-//! nearer by `R h`,
+//! Cylinders touch at their rims. The nearest point to a plane of a circle about `C` with the unit axis `a` is nearer than `C` by `R h`,
 //!
 //! ```text
 //! Phi = w (g(C - u) - R h(n.a)),    h(s) = sqrt(1 - s^2),    a = sum_k a_k z_k
 //! ```
 //!
-//! with the normal `n` at the start of the step; `h` has the discrete derivative `-(s_0 + s_1)/(h_0 + h_1)`. So planes, facets and parallel
-//! cylinders are obstacles of rims; other ones, and ends that lie flat, have the nodes' own rows, which rims do not replace.
+//! with the normal `n` at the start of the step; the discrete derivative of `h` is `-(s_0 + s_1)/(h_0 + h_1)`. Planes, facets and parallel
+//! cylinders are obstacles of rims; other obstacles, and rims that lie flat, are left to the nodes' own constraints.
 //!
-//! The discrete gradient is that of the distance between the places of the center, so it keeps what the distance of a node keeps. The force
-//! acts at the point of the surface that touches, `x = C - R n`, as its line of action contains both. Friction works on the slip of that
-//! material point: its shares `a_k` of the masters are found in mid-step, `x = sum_k a_k z_k`.
+//! The discrete gradient is that of the distance between the centers, with the same conservation properties as for nodes. The force acts at
+//! the contact point `x = C - R n`, because its line of action contains both. Friction depends on the slip of this material point,
+//! `x = sum_k a_k z_k` with the coefficients `a_k` at mid-step.
 //!
-//! A row is there in a step whose start finds the part turned towards the obstacle. The nodes inside of a part have no rows of their own:
-//! they are never nearer than its circle. Each part has as many rows as sides of the obstacle may touch it at once.
+//! A constraint is present in a step if the part faces the obstacle at its start. Nodes inside of a part have no constraints: they are
+//! never nearer than its circle. Each part has as many constraints as sides of the obstacle can touch it simultaneously.
 
 use std::ops::Range;
 
@@ -40,13 +39,13 @@ use super::tilt::Tilt;
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// A round part with the masters that move it.
+/// Round part with the masters of its body.
 #[derive(Clone, Debug)]
 struct Roller {
     part: RoundPart,
-    /// Masters in model numbers, each with its share of the center.
+    /// Model node numbers of the masters, with their coefficients in the center.
     masters: Vec<(u32, f64)>,
-    /// Shares of the masters in the axis of a rim.
+    /// Coefficients of the masters in the axis of a rim.
     axis: Option<Vec<f64>>,
 }
 
@@ -57,15 +56,15 @@ pub(super) struct RollingContact<const D: usize, S> {
     rollers: Vec<Roller>,
     pub(super) shape: S,
     pub(super) translations: [[f64; 3]; 3],
-    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle in the step, as friction sees them.
+    /// Displacement `[length]` and rotation angle `[rad]` of the obstacle in the step, for friction.
     pub(super) carried: ([f64; 3], f64),
     /// Centers at the start of the step.
     start: Vec<SVector<f64, D>>,
-    /// The tilt of each row's part at the start of the step.
+    /// Tilt of each constraint's part at the start of the step.
     at_start: Vec<Tilt>,
-    /// The node of each part that was nearest to the obstacle at the start of the step.
+    /// Node of each part nearest to the obstacle at the start of the step.
     nearest: Vec<u32>,
-    /// Side of the obstacle that each row is measured from in this step, with the normal at its start; `None`: the row is inactive.
+    /// Side of the obstacle of each constraint in this step, with the normal at its start; `None` for absent constraints.
     felt: Vec<Option<(S, SVector<f64, D>)>>,
 }
 
@@ -110,24 +109,24 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         SVector::from_fn(|i, _| self.translations[time][i])
     }
 
-    /// The center of a part in the frame of the obstacle at its place at the start, in the middle or at the end of the step.
+    /// Center of a part relative to the obstacle at the start (0), in the middle (1) or at the end (2) of the step.
     fn center(&self, roller: usize, q: &[f64], time: usize) -> SVector<f64, D> {
         let shares = self.rollers[roller].masters.iter();
         shares.map(|&(node, share)| place::<D>(node, q) * share).sum::<SVector<f64, D>>() - self.moved(time)
     }
 
-    /// Axis of a rim, where the masters are at `q`.
+    /// Axis of a rim for the masters at `q`.
     fn axis(&self, roller: usize, q: &[f64]) -> Option<SVector<f64, D>> {
         let Roller { masters, axis, .. } = &self.rollers[roller];
         axis.as_ref().map(|axis| masters.iter().zip(axis).map(|((node, _), share)| place::<D>(*node, q) * *share).sum())
     }
 
-    /// Tilt of a part against a normal, where the masters are at `q`; arcs and spheres have none.
+    /// Tilt of a part relative to a normal for the masters at `q`; zero for arcs and spheres.
     fn nearer(&self, roller: usize, normal: SVector<f64, D>, q: &[f64]) -> Tilt {
         self.axis(roller, q).map_or(Tilt::of(0.0), |axis| Tilt::of(axis.dot(&normal)))
     }
 
-    /// The node of a part that is nearest to the obstacle in a direction from the center, if the part is turned that way.
+    /// Node of a part nearest to the obstacle in a direction from the center, and true if the part faces that direction.
     fn facing(&self, roller: usize, q: &[f64], direction: SVector<f64, D>) -> (u32, bool) {
         let part = &self.rollers[roller].part;
         let along = |node: u32| place::<D>(node, q).dot(&direction);
@@ -139,14 +138,14 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
                 let inward: SVector<f64, D> = beside.map(|&other| place::<D>(other, q) - place::<D>(node, q)).sum();
                 let center: SVector<f64, D> = self.center(roller, q, 0) + self.moved(0);
                 let out = (place::<D>(node, q) - center).normalize();
-                // Beside the rim node, along the surface.
+                // Direction from the rim node along the surface.
                 (node, (direction - out * direction.dot(&out)).dot(&inward) > 0.0)
             }
             _ => (inside.1, true),
         }
     }
 
-    /// Force gradient of a step and its tangent for the center of a part, without its weight.
+    /// Algorithmic gradient of a step, and its derivative, for the center of a part, without weight.
     fn step_gradient(&self, felt: &S, derivative: Derivative, roller: usize, q_1: &[f64]) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
         let plain = |x: SVector<f64, D>, at: Configuration| {
             let Local { normal, curvature, .. } = felt.at(x);
@@ -168,13 +167,13 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         count * roller..count * (roller + 1)
     }
 
-    /// The rows that are there: their number, their part, what they feel and the normal at the start of the step.
+    /// Present constraints: index, part, side of the obstacle, and normal at the start of the step.
     fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &S, SVector<f64, D>)> {
         let count = self.shape.sides();
         self.felt.iter().enumerate().filter_map(move |(row, felt)| felt.as_ref().map(|(felt, normal)| (row, row / count, felt, *normal)))
     }
 
-    /// Distance of each part from the whole obstacle where the step ends, for those turned towards it.
+    /// Distance from the whole obstacle at the end of the step, for each part that faces it.
     fn distances(&self, q: &[f64]) -> impl Iterator<Item = (usize, f64)> {
         (0..self.rollers.len()).filter_map(move |roller| {
             let local = self.shape.at(self.center(roller, q, 2));
@@ -184,14 +183,13 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         })
     }
 
-    /// True if a part is turned so that it may touch what it feels.
+    /// True if a part faces a side of the obstacle so that it may touch it.
     fn touches(&self, roller: usize, felt: &S, local: &Local<D>, tilt: Tilt, q: &[f64]) -> bool {
         let is_rim = self.rollers[roller].axis.is_some();
         local.covered && (!is_rim || felt.takes_rims() && !tilt.is_flat()) && self.facing(roller, q, -local.normal).1
     }
 
-    /// Shares of the masters in the material point that touches, where these are at `z` in mid-step and the row feels `felt`; and the
-    /// normal there.
+    /// Coefficients of the masters, at `z` in mid-step, in the material point that touches the side `felt`, and the normal there.
     pub(super) fn touching<T: Number>(&self, roller: usize, felt: &S, z: &[[T; D]]) -> ([T; 4], [T; D]) {
         let Roller { masters, part, axis } = &self.rollers[roller];
         let mut center = [T::from(0.0); D];
@@ -202,11 +200,11 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         let Local { normal, curvature, .. } = felt.at(SVector::from_fn(|i, _| center[i].re() - middle[i]));
         let normal: [T; D] =
             std::array::from_fn(|i| (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)]));
-        // The arm from the center to the point, in the edges between masters.
+        // Vector from the center to the contact point, in coordinates of the edges between masters.
         let edge = |k: usize| -> [T; D] { std::array::from_fn(|i| z[k][i] - z[0][i]) };
         let mut direction = normal;
         if let Some(shares) = axis {
-            // Across the axis of a rim.
+            // Component perpendicular to the axis of a rim.
             let axis: [T; D] = std::array::from_fn(|i| shares.iter().zip(z).fold(T::from(0.0), |sum, (&share, z)| sum + z[i] * share));
             let dot = |a: &[T; D], b: &[T; D]| a.iter().zip(b).fold(T::from(0.0), |sum, (&a, &b)| sum + a * b);
             let along = dot(&normal, &axis) / dot(&axis, &axis);
@@ -226,12 +224,12 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
         self.sides.weights[row]
     }
 
-    /// Sides of the obstacle that the rows of a part are measured from.
+    /// Sides of the obstacle for the constraints of a part.
     pub(super) fn felt_by(&self, roller: usize) -> &[Option<(S, SVector<f64, D>)>] {
         &self.felt[self.rows_of(roller)]
     }
 
-    /// The place of a part's center where the step starts, in the frame of the obstacle.
+    /// Center of a part at the start of the step, relative to the obstacle.
     pub(super) fn begins(&self, roller: usize) -> SVector<f64, D> {
         self.start[roller] - self.moved(0)
     }
@@ -241,7 +239,7 @@ fn place<const D: usize>(node: u32, q: &[f64]) -> SVector<f64, D> {
     SVector::from_fn(|i, _| q[D * node as usize + i])
 }
 
-/// Coordinates `b` of a vector in the directions `e_k`, `sum_k b_k e_k = r`, by Cramer's rule.
+/// Coordinates `b` of a vector in the basis `e_k`, `sum_k b_k e_k = r`, by Cramer's rule.
 fn coordinates<T: Number, const D: usize>(e: &[[T; D]; D], r: [T; D]) -> [T; D] {
     let with = |k: usize| -> [[T; D]; D] { std::array::from_fn(|j| if j == k { r } else { e[j] }) };
     let inverse = determinant(e).recip();
@@ -269,7 +267,7 @@ where
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // Parts are no nodes.
+        // Parts are not nodes.
         &[]
     }
 
@@ -352,7 +350,7 @@ where
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        // The first row of a part stands for the whole obstacle.
+        // The first constraint of a part represents the whole obstacle.
         for (roller, gap) in self.distances(q) {
             let row = self.rows_of(roller).start;
             gaps[row] = self.sides.weights[row] * gap;
@@ -367,9 +365,9 @@ where
     }
 }
 
-/// Slips, which the plane and space make differently.
+/// Slips, which differ between plane and space.
 pub(super) trait Slips {
-    /// Slips of a step into `out` ([`PatchFunctions::evaluate_slips`]).
+    /// Slips of a step into `out`, as [`PatchFunctions::evaluate_slips`].
     fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);
 }
 

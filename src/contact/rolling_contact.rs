@@ -1,4 +1,4 @@
-//! Contact of the round parts of a rigid body (`rolling.rs`) with obstacles of the plane and of space.
+//! Constructor of the contact of round parts of a rigid body (`rolling.rs`) with obstacles, and their slip in the plane.
 
 use super::kernel::ContactKernel;
 use super::numbers::Number;
@@ -10,8 +10,8 @@ use super::slip::{self, SlipRows, SlipStep};
 use super::space::ShapeInSpace;
 use super::surface::Surface;
 
-/// Contact of round parts of a surface of a rigid body with an obstacle; `shares_of` gives the masters of a point at rest, in the numbers
-/// of the model, with their shares of it.
+/// Contact of round parts of a rigid body's surface with an obstacle. `shares_of` maps a reference point to the body's masters (model node
+/// numbers) with their coefficients.
 pub fn rolling_contact(
     surface: Surface,
     parts: Vec<RoundPart>,
@@ -25,7 +25,7 @@ pub fn rolling_contact(
     }
 }
 
-/// Slip of round parts in the plane on the obstacle, as it translates and turns.
+/// Slip of round parts in the plane relative to the translating and rotating obstacle.
 impl SlipRows for RollingContact<2, Shape> {
     fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
         places.extend(0..self.own_sides().patches.nodes(p).len());
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::integrators::{Configuration, Derivative};
 
-    /// Twelve nodes on a circle, whose first three nodes not in line are masters.
+    /// Twelve nodes on a circle; nodes 0, 4 and 8 are masters.
     fn disk() -> (Surface, Vec<f64>) {
         let at = |k: u32| (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
         let q = (0..12).flat_map(|k| [0.5 * at(k).1 + 0.2, 0.5 * at(k).0 - 0.1]).collect();
@@ -83,7 +83,7 @@ mod tests {
         (Surface::new(&facets), q)
     }
 
-    /// The side of a cylinder of two rings of twelve nodes, and a node at the end of an axis, for masters in general position.
+    /// Side of a cylinder with two rings of twelve nodes, and a node on its axis, for masters in general position.
     fn cylinder() -> (Surface, Vec<f64>) {
         let at = |k: u32| (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos();
         let ring = |z: f64| (0..12).flat_map(move |k| [0.5 * at(k).1, 0.5 * at(k).0, z]);
@@ -91,7 +91,7 @@ mod tests {
         (Surface::in_space(facets.iter().map(|facet| &facet[..])), ring(0.0).chain(ring(0.8)).collect())
     }
 
-    /// Shares of the masters 0, 4, 8 and, in space, 13 in a point, in the reference positions `q`.
+    /// Coefficients of the masters 0, 4, 8 and, in space, 13 in a point, for the reference positions `q`.
     fn shares_of(q: &[f64], dimension: usize, point: [f64; 3]) -> Vec<(u32, f64)> {
         let masters = if dimension == 2 { vec![0, 4, 8] } else { vec![0, 4, 8, 13] };
         let at = |node: u32| Vector3::from_fn(|i, _| if i < dimension { q[dimension * node as usize + i] } else { 0.0 });
@@ -102,7 +102,7 @@ mod tests {
         std::iter::once((0, rest)).chain((1..masters.len()).map(|k| (masters[k], b[k - 1]))).collect()
     }
 
-    /// Obstacles with the surface that touches them.
+    /// Obstacles with a surface that touches them.
     fn cases() -> Vec<(Obstacle, Surface, Vec<f64>)> {
         let plane = [
             Obstacle::HalfPlane { point: [0.0, -0.7], normal: [0.1, 1.0] },
@@ -123,7 +123,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 100, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// The forces do the work of the multipliers on the gaps and that of the obstacle's motion; gradients and tangents of gaps and
+        /// The forces do the work of the multipliers on the gaps plus that of the obstacle's motion; gradients and tangents of gaps and
         /// slips are derivatives along a random direction.
         #[test]
         fn rows_of_round_parts_keep_the_contract(
@@ -158,7 +158,7 @@ mod tests {
                 let slope = |of: &dyn Fn(&[f64]) -> Vec<f64>, width: f64| -> Vec<f64> {
                     difference(&of(&along(width)), &of(&along(-width))).iter().map(|x| 0.5 * x / width).collect()
                 };
-                // A polyline has kinks in its distance, where differences of two widths disagree.
+                // The distance from a polyline has kinks, where difference quotients of two widths disagree.
                 let agrees = |name: &str, exact: Vec<f64>, of: &dyn Fn(&[f64]) -> Vec<f64>| -> Result<(), TestCaseError> {
                     for ((exact, fine), coarse) in exact.iter().zip(slope(of, 1e-5)).zip(slope(of, 2e-5)) {
                         prop_assert!((fine - coarse).abs() > 1e-6 || (exact - fine).abs() < 1e-6, "{obstacle:?} {name}: {exact} {fine}");
@@ -197,7 +197,7 @@ mod tests {
         }
     }
 
-    /// Closed form: a disk that turns by an angle and goes on by 2 r tan(angle/2) does not slip.
+    /// Closed form: a disk that rotates by an angle and advances by 2 r tan(angle/2) does not slip.
     #[test]
     fn a_disk_that_rolls_does_not_slip() {
         let (surface, q_0) = disk();

@@ -1,8 +1,8 @@
-//! Contact of a rigid disk with the facets of a surface: what the distances of the surface's nodes do not see of a small one.
+//! Contact of a small rigid disk with the facets of a surface, for penetration between the surface's nodes (used by `rigid_corners.rs`).
 //!
-//! Each facet has a constraint, the distance of the disk's center from it less the radius, so that the disk may touch several at once, as
-//! in a slot. Beyond the facet's ends that is the distance from a node, which is the node's own constraint as well: rows that hold the
-//! facets alone would jump where the disk passes a node.
+//! Each facet has a constraint: the distance of the disk's center from it less the radius. The disk may touch several facets, as in a slot.
+//! Beyond the ends of a facet the constraint is the distance from a node, like that of the node itself: constraints that end with the facet
+//! would jump where the disk passes a node.
 
 use super::depth::Seen;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
@@ -14,32 +14,32 @@ use super::surface::Sides;
 use super::window::Outlook;
 use crate::integrators::Derivative;
 
-/// Margin beyond the need with which candidates are searched, in shortest facets of the surface.
+/// Search distance beyond the required one, in shortest facets of the surface.
 const SPARE: f64 = 1.0;
 
-/// Depth in shortest facets beyond which a facet has no constraint: where a body overlaps with the disk at the start, the nodes hold it.
+/// Penetration in shortest facets beyond which a facet has no constraint: initial overlaps are held by the nodes.
 const SUNK: f64 = 0.15;
 
-/// Contact of a disk, given by a node at its center, with a surface; one row for each facet.
+/// Contact of a disk, given by a node at its center, with a surface; one constraint per facet.
 #[derive(Clone, Debug)]
 pub struct RoundContact {
-    /// The center as the secondary side, a facet of no length.
+    /// Secondary side: the center, as a facet of zero length.
     sides: Sides,
     radius: f64,
-    /// Angle by which it turns in the step.
+    /// Rotation angle in the step `[rad]`.
     turn: f64,
     candidates: Candidates,
     start: Vec<Start>,
 }
 
 impl RoundContact {
-    /// Contact of a disk with a surface (facets in node numbers of the model, the body on the left).
+    /// Contact of a disk with a surface (facets in model node numbers, the body on the left).
     pub fn new(center: u32, radius: f64, surface: &[[u32; 2]], reference: &[f64], facet_size: f64) -> Self {
         let sides = Sides { weights: vec![facet_size; surface.len()], facet_size, ..Sides::new(&[[center; 2]], surface, reference) };
         RoundContact { sides, radius, turn: 0.0, candidates: Candidates::new(SPARE * facet_size), start: Vec::new() }
     }
 
-    /// Makes the patches of the present candidates: the center and the nodes of a facet.
+    /// Lists the contact elements of the present candidates: center and nodes of a facet.
     fn list_patches(&mut self) {
         self.sides.patches.clear();
         self.start.clear();
@@ -50,7 +50,7 @@ impl RoundContact {
         }
     }
 
-    /// What takes part of a patch in a step.
+    /// Values of contact element `p` at the start of a step; no gap if the facet is sunk or out of reach.
     fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
         let (facet, surface) = (self.sides.patches.rows(p)[0] as usize, &self.sides.primary);
         let (center, ends) = (self.sides.secondary.nodes()[0], surface.facets()[facet]);
@@ -75,7 +75,7 @@ impl PatchFunctions for RoundContact {
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // Its rows are those of facets.
+        // Constraints belong to facets.
         &[]
     }
 

@@ -1,8 +1,8 @@
-//! Round parts of a surface: arcs of circles in the plane, parts of spheres in space, found from the nodes.
+//! Detection of round parts of a surface from its nodes: arcs in the plane, parts of spheres and rims of cylinders in space.
 //!
-//! A node is *inside* of a round part if it and its neighbors lie on one circle or sphere, convex outwards, with neighbors at most
-//! [`LARGEST_TURN`] apart as seen from the center. Inside nodes with the same circle that are neighbors make a part; its *rim* are their
-//! neighbors that are not inside. With the node at the origin, the center `c` follows from its neighbors `y` by `2 c.y = y.y`, in space by
+//! A node is *inside* a round part if it and its neighbors lie on one circle or sphere, convex outwards, with angles of at most
+//! [`LARGEST_TURN`] between neighbors as seen from the center. Adjacent inside nodes with equal circles form a part; its *rim* are their
+//! neighbors that are not inside. With the node at the origin, the center `c` satisfies `2 c.y = y.y` for its neighbors `y`, in space by
 //! least squares.
 
 use std::f64::consts::PI;
@@ -12,39 +12,39 @@ use nalgebra::{Matrix3, Vector3};
 use super::surface::{Edge, Surface};
 use crate::math::tolerances::{ROUND_PART, ROUND_PART_TURN};
 
-/// Largest angle between neighbors as seen from the center of a round part, in the plane and in space: a circle of twelve facets is round,
-/// an octagon is not; a sphere of as many facets around has diagonals of 43 degrees where these are triangles, an icosahedron of 63.
+/// Largest angle between neighbors as seen from the center of a round part, in the plane and in space. A circle of twelve facets is round,
+/// an octagon is not. A sphere with twelve facets around, divided into triangles, has diagonals of 43 degrees, an icosahedron of 63.
 const LARGEST_TURN: [f64; 2] = [30.5 * PI / 180.0, 45.0 * PI / 180.0];
 
-/// Least part of the normals of a cylinder's side, in the mean of their squares, in any direction across its axis.
+/// Smallest mean square of the normals of a cylinder's side in any direction perpendicular to its axis.
 const ALL_AROUND: f64 = 0.2;
 
 /// Largest ratio of the angles to the neighbors of a node, as seen from the center of a round part.
 const LARGEST_RATIO: f64 = 3.0;
 
-/// Least number of inside nodes of a part: a corner that two facets bevel is no arc, and the ends of a straight side with what follows lie
-/// on a circle where that is symmetric.
+/// Least number of inside nodes of a part: a corner beveled by two facets is no arc, and the ends of a straight side with their neighbors
+/// may lie on a circle by symmetry.
 const LEAST_INSIDE: usize = 3;
 
-/// An arc of a circle, a part of a sphere, or the rim of a cylinder on a surface.
+/// Arc of a circle, part of a sphere, or rim of a cylinder on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoundPart {
     /// Center `[length]`.
     pub center: Vector3<f64>,
     /// Radius `[length]`.
     pub radius: f64,
-    /// Unit vector along the axis of a cylinder of which this is a rim; `None`: an arc or a part of a sphere.
+    /// Unit vector along the axis of a cylinder, for a rim; `None` for arcs and parts of spheres.
     pub axis: Option<Vector3<f64>>,
-    /// Model numbers of the nodes inside, ascending; of a rim its nodes.
+    /// Model numbers of the inside nodes, ascending; for a rim its nodes.
     pub inside: Vec<u32>,
-    /// Model numbers of the nodes of the rim, each with its neighbors inside.
+    /// Model numbers of the rim nodes, each with its inside neighbors.
     pub rim: Vec<(u32, Vec<u32>)>,
 }
 
-/// Circle or sphere through a node and its neighbors: vector from the node to the center, and the radius.
+/// Circle or sphere through a node and its neighbors: vector from the node to the center, radius.
 type Fit = (Vector3<f64>, f64);
 
-/// The arcs, parts of spheres and rims of cylinders of a surface at positions `q`.
+/// Arcs, parts of spheres and rims of cylinders of a surface at the positions `q`.
 pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
     let count = surface.nodes().len();
     let neighbors: Vec<Vec<usize>> = (0..count).map(|index| neighbors_of(surface, index)).collect();
@@ -83,7 +83,7 @@ pub fn round_parts(surface: &Surface, q: &[f64]) -> Vec<RoundPart> {
     parts
 }
 
-/// The part with these nodes inside.
+/// Round part with these inside nodes.
 fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, radius): Fit) -> RoundPart {
     let is_inside = |index: &usize| inside.binary_search(index).is_ok();
     let mut rim: Vec<usize> = inside.iter().flat_map(|&index| &neighbors[index]).copied().filter(|index| !is_inside(index)).collect();
@@ -94,14 +94,14 @@ fn part(surface: &Surface, neighbors: &[Vec<usize>], inside: &[usize], (center, 
     RoundPart { center, radius, axis: None, inside: inside.iter().map(number).collect(), rim: rim.iter().map(with_neighbors).collect() }
 }
 
-/// Position of the node of that index; in the plane with a third coordinate 0.
+/// Position of the node of that index; third coordinate 0 in the plane.
 fn at(surface: &Surface, index: usize, q: &[f64]) -> Vector3<f64> {
     let dimension = surface.dimension();
     let first = dimension * surface.nodes()[index] as usize;
     Vector3::from_fn(|i, _| if i < dimension { q[first + i] } else { 0.0 })
 }
 
-/// Nodes that share a side of a facet with the node of that index; none where its facets do not surround it.
+/// Nodes that share a facet side with the node of that index; empty unless facets surround the node.
 fn neighbors_of(surface: &Surface, index: usize) -> Vec<usize> {
     let facets = surface.adjacent_facets(index);
     let mut sides: Vec<usize> = Vec::new();
@@ -121,7 +121,7 @@ fn neighbors_of(surface: &Surface, index: usize) -> Vec<usize> {
     if surrounded { sides } else { Vec::new() }
 }
 
-/// The circle or sphere of a node that is inside of a round part.
+/// Circle or sphere of a node inside of a round part.
 fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Option<Fit> {
     if neighbors.is_empty() {
         return None;
@@ -150,7 +150,7 @@ fn fit(surface: &Surface, neighbors: &[usize], index: usize, q: &[f64]) -> Optio
     (is_on_it && is_curve && is_convex).then_some((center, radius))
 }
 
-/// Facets in space that are joined by sides at which the surface turns by no more than a round part may: each region's facets.
+/// Regions of facets in space that are connected across edges with angles of at most [`LARGEST_TURN`].
 fn smooth_regions(surface: &Surface, q: &[f64]) -> Vec<Vec<usize>> {
     let mut beside = vec![Vec::new(); surface.count()];
     for Edge { facets, .. } in surface.edges() {
@@ -189,7 +189,7 @@ fn outward(surface: &Surface, facet: usize, q: &[f64]) -> Vector3<f64> {
     Vector3::from_column_slice(&surface.outward(facet, q)).normalize()
 }
 
-/// The two rims of a region that is the whole side of a cylinder: all normals are across one axis, all nodes on one circle around it.
+/// Both rims of a region that is a cylinder's side: normals are perpendicular to one axis, nodes on one circle around it.
 fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart; 2]> {
     let count = region.len() as f64;
     let spread: Matrix3<f64> = region.iter().map(|&facet| outward(surface, facet, q)).map(|n| n * n.transpose()).sum();
@@ -205,7 +205,7 @@ fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart;
     nodes.sort_unstable();
     nodes.dedup();
     let origin = at(surface, nodes[0], q);
-    // 2 c.y = y.y of the parts across the axis, with the first node at the origin.
+    // 2 c.y = y.y for the components perpendicular to the axis, with the first node at the origin.
     let across = |x: Vector3<f64>| (x - origin) - axis * axis.dot(&(x - origin));
     let (mut matrix, mut right) = (axis * axis.transpose(), Vector3::zeros());
     for y in nodes.iter().map(|&node| across(at(surface, node, q))) {
@@ -238,7 +238,7 @@ fn rims_of(surface: &Surface, region: &[usize], q: &[f64]) -> Option<[RoundPart;
     Some([rim(ends[0])?, rim(ends[1])?])
 }
 
-/// True if arms across an axis go all around it, with steps of a round part at most.
+/// True if vectors perpendicular to an axis surround it with steps of at most [`LARGEST_TURN`].
 fn is_whole(arms: impl Iterator<Item = Vector3<f64>>, axis: Vector3<f64>) -> bool {
     let arms: Vec<Vector3<f64>> = arms.collect();
     let Some(&first) = arms.first() else { return false };
@@ -274,7 +274,7 @@ mod tests {
         assert!(parts_of(&inside_out).is_empty(), "the wall of a hole is hollow");
     }
 
-    /// A slot: two half circles and two straight sides.
+    /// Slot: two half circles and two straight sides.
     #[test]
     fn arcs_end_where_straight_sides_begin() {
         let half =

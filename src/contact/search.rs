@@ -1,14 +1,14 @@
-//! Which facet pairs can come near each other: a spatial tree over the primary facets' boxes, kept while it stays valid.
+//! Search for facet pairs that may touch, by a spatial tree of the primary facets' bounding boxes; the list is kept while valid.
 //!
-//! A new list means a new matrix pattern and a new symbolic factorisation, so the list is made with a *spare* margin and kept until the
-//! surfaces have moved too far relative to each other. The bound: the distance between the boxes of two facets changes by no more than the
-//! largest difference between a secondary and a primary node's displacement, component by component. Where the bound fails, the pairs that
-//! are needed now are searched for and compared with the list before it is made anew. The largest-component distance between boxes is meant
-//! throughout. The result depends on the positions alone, not on the number of threads.
+//! A new list requires a new matrix pattern and symbolic factorization. The list therefore includes a *spare* margin and is kept until the
+//! relative motion of the surfaces exceeds it: the distance between two boxes changes by at most the largest difference between a secondary
+//! and a primary node's displacement, component by component. Beyond this bound the required pairs are searched and compared with the list
+//! before it is replaced. Distances between boxes are largest components throughout. The result depends on positions only, not on the
+//! number of threads.
 //!
-//! Pairs that share a node (one surface touching itself) are left out. Pairs that look the same way are not: how far they may turn within
-//! the step is not known here, and the pair functions tell them apart at the cost of a comparison. For a surface that touches itself
-//! [`within_the_body`] lists what can never be a contact, and [`Candidates::once`] keeps each pair of facets only one way round.
+//! Pairs that share a node (self-contact) are excluded. Pairs with equal normals are kept: their rotation within the step is unknown here,
+//! and the pair functions exclude them at the cost of a comparison. For self-contact [`within_the_body`] lists pairs that can never touch,
+//! and [`Candidates::once`] keeps one of the two orders of each pair.
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;
@@ -23,33 +23,33 @@ use super::slivers;
 use super::surface::{Sides, Surface};
 use super::window::{Outlook, Window};
 
-/// A list of facet pairs that contains every pair within a margin, valid for a bounded relative motion.
+/// Facet pairs that contain every pair within a margin, valid for a bounded relative motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidates {
     pairs: Vec<[u32; 2]>,
     spare: f64,
     margin: f64,
-    /// Positions of the nodes of both surfaces when they were searched, node after node.
+    /// Positions of the nodes of both surfaces at the last search, node by node.
     secondary_at_search: Vec<f64>,
     primary_at_search: Vec<f64>,
-    /// Numbers of facets of both surfaces then.
+    /// Numbers of facets of both surfaces at the last search.
     facets: [u32; 2],
     /// Pairs that are never listed, ascending.
     excluded: Vec<[u32; 2]>,
-    /// Ranks of secondary and primary facets: pairs in which the first has the higher rank are not listed.
+    /// Ranks of secondary and primary facets: pairs whose secondary facet has the higher rank are not listed.
     ranks: Option<[Vec<u32>; 2]>,
 }
 
-/// Reach through a body, in shortest secondary facets, within which facets that look away from each other cannot touch: beyond the margin
-/// of any search in a step that can converge.
+/// Distance through a body, in shortest secondary facets, within which facets with opposite outer sides are excluded: larger than the
+/// search margin of any step that can converge.
 const BODY_REACH: f64 = 8.0;
 
-/// The list is made anew when its margin exceeds what is needed, with the spare, by this factor: after one fast step, or after `settle`, it
-/// would stay long, and every pair that is not needed makes the matrix fuller.
+/// Ratio of the list's margin to the required one, spare included, above which the list is replaced. Otherwise it would stay long after one
+/// fast step or after `settle`, and each unneeded pair adds entries to the matrix.
 const EXCESSIVE: f64 = 1.5;
 
 impl Candidates {
-    /// Whether the pairs are those of the surfaces of another list.
+    /// True if the pairs fit the surfaces of another list.
     pub fn is_sound_beside(&self, own: &Self) -> bool {
         let counts = |list: &Self| [list.secondary_at_search.len(), list.primary_at_search.len()];
         let ranks = |list: &Self| list.ranks.as_ref().map(|ranks| ranks.each_ref().map(Vec::len));
@@ -61,7 +61,7 @@ impl Candidates {
             && self.pairs.iter().chain(&self.excluded).all(exist)
     }
 
-    /// An empty list that will be made with `spare` `[length]` beyond the margin that is needed.
+    /// Empty list that will be searched with `spare` `[length]` beyond the required margin.
     pub fn new(spare: f64) -> Self {
         Candidates {
             pairs: Vec::new(),
@@ -75,19 +75,19 @@ impl Candidates {
         }
     }
 
-    /// Never lists these pairs (ascending).
+    /// Excludes these pairs (ascending).
     pub fn without(mut self, pairs: Vec<[u32; 2]>) -> Self {
         self.excluded = pairs;
         self
     }
 
-    /// Lists a pair only when the rank of its secondary facet is not above that of its primary facet.
+    /// Lists a pair only if the rank of its secondary facet is at most that of its primary facet.
     pub fn once(mut self, secondary_ranks: Vec<u32>, primary_ranks: Vec<u32>) -> Self {
         self.ranks = Some([secondary_ranks, primary_ranks]);
         self
     }
 
-    /// All pairs within `margin` that may be listed, ascending.
+    /// Pairs within `margin` that may be listed, ascending.
     fn admitted_pairs(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = near_pairs(secondary, primary, q, margin);
         if let Some([own, other]) = &self.ranks {
@@ -99,12 +99,12 @@ impl Candidates {
         pairs
     }
 
-    /// Whether a pair can be a contact at all.
+    /// True unless a pair is excluded.
     pub(crate) fn may_list(&self, pair: [u32; 2]) -> bool {
         self.excluded.binary_search(&pair).is_err()
     }
 
-    /// Pairs that may be listed, all those within `margin` at `q` among them: the list itself as long as it holds them.
+    /// Pairs that contain all admissible ones within `margin` at `q`: the list itself if its margin suffices.
     pub(super) fn pairs_within(&self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Cow<'_, [[u32; 2]]> {
         let (secondary_now, primary_now) = (positions(secondary, q), positions(primary, q));
         let motion = self.relative_motion([&secondary_now, &primary_now], secondary.dimension());
@@ -115,14 +115,14 @@ impl Candidates {
         }
     }
 
-    /// The pairs (secondary facet, primary facet), ascending.
+    /// Pairs (secondary facet, primary facet), ascending.
     pub fn pairs(&self) -> &[[u32; 2]] {
         &self.pairs
     }
 
-    /// Makes the list contain all pairs whose boxes lie within `margin` of each other at `q`; returns whether it changed.
+    /// Updates the list to contain all pairs whose boxes are within `margin` of each other at `q`; true if the list changed.
     ///
-    /// Positions or margins that are not finite leave the list as it is: such a step fails elsewhere.
+    /// Non-finite positions or margins leave the list unchanged: such a step fails elsewhere.
     pub fn update(&mut self, secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> bool {
         let (secondary_now, primary_now) = (positions(secondary, q), positions(primary, q));
         let finite = secondary_now.iter().chain(&primary_now).all(|x| x.is_finite());
@@ -150,7 +150,7 @@ impl Candidates {
         changed
     }
 
-    /// Largest component of `u_s - u_p` over all secondary and primary nodes, `u` the displacements since the search.
+    /// Largest component of `u_s - u_p` over all secondary and primary nodes; `u` are displacements since the last search.
     fn relative_motion(&self, [secondary, primary]: [&[f64]; 2], dimension: usize) -> f64 {
         let range = |then: &[f64], now: &[f64], axis: usize| {
             let moved = then.iter().zip(now).skip(axis).step_by(dimension);
@@ -167,12 +167,12 @@ impl Candidates {
     }
 }
 
-/// The facet pairs of two surfaces that a step may bring into contact.
+/// Facet pairs of two surfaces that may come into contact in a step.
 #[derive(Clone, Debug)]
 pub struct PairSearch {
-    /// All listed pairs.
+    /// Pairs of the list.
     pub candidates: Candidates,
-    /// Those that take part in this step.
+    /// True for each listed pair that takes part in this step.
     pub near: Vec<bool>,
     pub(super) window: Window,
     /// Height profiles of the facets of both sides in the plane; empty for straight facets.
@@ -180,8 +180,8 @@ pub struct PairSearch {
 }
 
 impl PairSearch {
-    /// A search with `spare` `[length]` beyond what a step needs. Facets on both sides make a surface touch itself: each pair of them is
-    /// taken once (the facet named first is the secondary one), and facets that are neighbors or have the body between them never.
+    /// Search with `spare` `[length]` beyond the required margin. Facets on both sides define self-contact: each pair of them is listed
+    /// once (the facet named first is the secondary one), without neighbors and without facets that have the body between them.
     pub fn new(sides: &Sides, reference: &[f64], spare: f64) -> Self {
         let (secondary, primary) = (&sides.secondary, &sides.primary);
         let mut candidates = Candidates::new(spare).without(within_the_body(secondary, primary, reference));
@@ -191,14 +191,14 @@ impl PairSearch {
         PairSearch { candidates, near: Vec::new(), window: Window::new(sides, reference), profiles: Default::default() }
     }
 
-    /// Finds the pairs for a step; returns whether the list has changed.
+    /// Updates the pairs for a step; true if the list changed.
     pub fn update(&mut self, sides: &Sides, outlook: &Outlook) -> bool {
         let changed = self.candidates.update(&sides.secondary, &sides.primary, outlook.q, outlook.search_margin(sides));
         self.admit(sides, outlook);
         changed
     }
 
-    /// Height profiles of the facets of each listed pair; `None` where both are straight.
+    /// Height profiles of the facets of each listed pair; `None` if both are straight.
     pub(super) fn pair_profiles(&self) -> Vec<Option<PairProfiles>> {
         let [secondary, primary] = &self.profiles;
         let of_pair = |&[own, other]: &[u32; 2]| {
@@ -208,27 +208,27 @@ impl PairSearch {
         self.candidates.pairs().iter().map(of_pair).collect()
     }
 
-    /// True if the least gap of a listed pair at `q` is at most the length of a facet. Every search lists such a pair.
+    /// True if the least gap of listed pair `p` at `q` is at most one facet length. Every search lists such pairs.
     pub fn is_beside(&self, p: usize, sides: &Sides, q: &[f64]) -> bool {
         self.window.is_beside(self.candidates.pairs()[p], sides, q)
     }
 
-    /// Decides which pairs take part in a step.
+    /// Selects the pairs that take part in a step.
     fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
         self.window.begin(sides, outlook.depth);
         self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
         slivers::leave_out(&mut self.near, self.candidates.pairs(), sides, outlook);
     }
 
-    /// Whether a pair, listed or not, that took no part in the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its
-    /// end.
+    /// True if a pair that was excluded from the step from `q_0` to `q_1`, listed or not, overlaps by more than `tolerance` `[length]` at
+    /// its end.
     pub fn overlooks(&self, sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let at_end = self.candidates.pairs_within(&sides.secondary, &sides.primary, q_1, self.window.deepest(sides, q_1));
         let took_part = |pair: &[u32; 2]| self.candidates.pairs().binary_search(pair).is_ok_and(|p| self.near[p]);
         at_end.iter().any(|pair| !took_part(pair) && self.window.is_overlooked(*pair, sides, q_0, q_1, tolerance))
     }
 
-    /// Makes a patch of each listed pair: the nodes of both facets, and the rows of the secondary one.
+    /// Lists a contact element for each pair: the nodes of both facets, and the constraints of the secondary nodes.
     pub(crate) fn list_into(&self, sides: &mut Sides) {
         let Sides { secondary, primary, patches, .. } = sides;
         patches.clear();
@@ -241,7 +241,7 @@ impl PairSearch {
         }
     }
 
-    /// Sums the values of all pairs that take part, one for each node of the secondary facet, into the secondary nodes.
+    /// Sum over all participating pairs of one value per node of the secondary facet, per secondary node.
     pub fn summed<const N: usize>(&self, sides: &Sides, values: impl Iterator<Item = [f64; N]>) -> Vec<f64> {
         let mut sums = vec![0.0; sides.secondary.nodes().len()];
         for (p, values) in values.enumerate().filter(|(p, _)| self.near[*p]) {
@@ -252,14 +252,14 @@ impl PairSearch {
         sums
     }
 
-    /// Puts an earlier list in place.
+    /// Restores an earlier list.
     pub fn restore(&mut self, candidates: &Candidates, sides: &Sides, q: &[f64]) {
         self.candidates = candidates.clone();
         self.admit(sides, &Outlook::within(q, 0.0));
     }
 }
 
-/// Positions of a surface's nodes, one after the other.
+/// Positions of a surface's nodes, node by node.
 fn positions(surface: &Surface, q: &[f64]) -> Vec<f64> {
     let d = surface.dimension();
     let mut positions = Vec::with_capacity(d * surface.nodes().len());
@@ -267,7 +267,7 @@ fn positions(surface: &Surface, q: &[f64]) -> Vec<f64> {
     positions
 }
 
-/// All pairs without a common node whose boxes lie within `margin` of each other, ascending.
+/// Pairs without a common node whose boxes are within `margin` of each other, ascending.
 fn near_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
     let mut pairs = all_pairs(secondary, primary, q, margin);
     pairs.retain(|&[own, other]| {
@@ -277,7 +277,7 @@ fn near_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) ->
     pairs
 }
 
-/// All pairs whose boxes lie within `margin` of each other, ascending.
+/// Pairs whose boxes are within `margin` of each other, ascending.
 fn all_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
     if secondary.dimension() == 2 {
         pairs_of_boxes::<2>(secondary, primary, q, margin)
@@ -287,7 +287,7 @@ fn all_pairs(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> 
 }
 
 fn pairs_of_boxes<const D: usize>(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
-    // Lower and upper corner of a facet's box.
+    // Lower and upper corner of a facet's bounding box.
     let corners = |nodes: &[u32]| {
         let of = |axis: usize| nodes.iter().map(move |&node| q[D * node as usize + axis]);
         let low: [f64; D] = std::array::from_fn(|axis| of(axis).fold(f64::INFINITY, f64::min));
@@ -303,7 +303,7 @@ fn pairs_of_boxes<const D: usize>(secondary: &Surface, primary: &Surface, q: &[f
         let (low, high) = corners(secondary.facet(facet));
         let grown = AABB::from_corners(low.map(|x| x - margin), high.map(|x| x + margin));
         let first = pairs.len();
-        // A visitor: the iterator keeps a stack of nodes for each query.
+        // Visitor instead of the iterator, which allocates a stack for each query.
         let _: ControlFlow<()> = tree.locate_in_envelope_intersecting_int(grown, |found| {
             pairs.push([facet as u32, found.data]);
             ControlFlow::Continue(())
@@ -313,8 +313,8 @@ fn pairs_of_boxes<const D: usize>(secondary: &Surface, primary: &Surface, q: &[f
     pairs
 }
 
-/// Pairs (secondary facet, primary facet) of surfaces with common nodes that can never be a contact, ascending: facets that share a node or
-/// are joined by one facet, and facets near each other in the reference positions that have the body between them.
+/// Pairs (secondary facet, primary facet) of surfaces with common nodes that can never touch, ascending: facets that share a node or a
+/// neighbor, and facets near each other in the reference positions with the body between them.
 pub fn within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]) -> Vec<[u32; 2]> {
     if !secondary.nodes().iter().any(|&node| primary.index(node).is_some()) {
         return Vec::new();
@@ -333,9 +333,9 @@ pub fn within_the_body(secondary: &Surface, primary: &Surface, reference: &[f64]
     pairs
 }
 
-/// Whether two facets look away from each other: each lies behind the other.
+/// True if each facet lies behind the other one.
 fn body_between(own: &[u32], other: &[u32], q: &[f64]) -> bool {
-    // Middle and outward normal of a facet, each of them scaled: only signs are used.
+    // Middle and outward normal of a facet, both up to a factor: only signs are used.
     let seen = |nodes: &[u32]| match *nodes {
         [a, b] => {
             let at = |node: u32| Vector::new(q[2 * node as usize], q[2 * node as usize + 1], 0.0);
@@ -349,7 +349,7 @@ fn body_between(own: &[u32], other: &[u32], q: &[f64]) -> bool {
     own_normal.dot(&across) < 0.0 && other_normal.dot(&across) > 0.0 && own_normal.dot(&other_normal) < 0.0
 }
 
-/// Whether every entry of `part` is in `whole`; both ascending.
+/// True if every entry of `part` is in `whole`; both ascending.
 fn is_subset(part: &[[u32; 2]], whole: &[[u32; 2]]) -> bool {
     let mut rest = whole.iter();
     part.iter().all(|pair| rest.any(|other| other == pair))
@@ -362,7 +362,7 @@ mod tests {
 
     use super::*;
 
-    /// Every pair against every other, from the definition.
+    /// All pairs within the margin, from the definition.
     fn brute_force(secondary: &Surface, primary: &Surface, q: &[f64], margin: f64) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         for (i, s) in secondary.facets().iter().enumerate() {
@@ -392,7 +392,7 @@ mod tests {
             prop_assert_eq!(near_pairs(&secondary, &primary, &q, margin), brute_force(&secondary, &primary, &q, margin));
         }
 
-        /// Whatever moves, the list holds every pair within the margin, and says so when it changes.
+        /// Through any motion the list contains every pair within the margin and reports its changes.
         #[test]
         fn a_list_that_is_kept_still_holds_all_that_is_near(
             mut q in prop::collection::vec(-1.0..1.0f64, 80),
@@ -432,7 +432,7 @@ mod tests {
         assert!(candidates.update(&secondary, &primary, &q, 0.5));
     }
 
-    /// What it must show: 1e5 facets against 1e5 in under 100 ms, and no more than linear-logarithmic growth.
+    /// Required: 1e5 against 1e5 facets in less than 100 ms, and at most linear-logarithmic growth.
     #[test]
     #[ignore = "a measurement: run it alone, on a machine at rest"]
     fn a_hundred_thousand_facets_on_each_side_take_less_than_a_tenth_of_a_second() {
@@ -457,7 +457,7 @@ mod tests {
             best.fold(f64::INFINITY, f64::min)
         };
         let (small, large) = (time(12_500), time(100_000));
-        // Eight times as many: 8 log(1e5)/log(12500) = 9.8, and caches that no longer hold everything.
+        // Factor 8 log(1e5)/log(12500) = 9.8 for eight times as many facets, plus cache misses.
         assert!(large < 0.1 && large / small < 16.0, "{:.1} ms, {:.1} ms", 1e3 * small, 1e3 * large);
     }
 

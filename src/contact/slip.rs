@@ -1,78 +1,78 @@
-//! The slip of constraint rows in a step: what friction works on.
+//! Slip of constraints in a step, with gradients and tangent: the kinematics of friction in the plane (in space: `space/slip.rs`).
 //!
-//! The slip of row `A` is a *linear* function of the displacement `d = q_1 - q_0` in the step, with the weights that the row's gap has:
+//! The slip of constraint `A` is *linear* in the displacement `d = q_1 - q_0` of the step, with the weights of its gap:
 //!
 //! ```text
 //! u_A = G_A(q_mid) d,    G_A = sum_patches P g_A,    g_A d = int psi_A t.(dx - dy) ds          [length^2]
 //! ```
 //!
-//! `dx - dy` is the motion of the secondary side as seen from the primary one, `t` the tangent. `P` takes the rigid motions of `q_mid` out
-//! of the row of a patch, which changes terms of the size of the gap. So whatever a friction law makes of it, the force `G_A^T tau_A` has
-//! neither resultant nor moment about `q_mid`, it does the work `tau_A u_A`, and a rigid motion of everything, however large, has no slip:
-//! its displacement is an infinitesimal rigid motion of `q_mid` (Cayley: `R - 1 = W (R + 1)/2`).
+//! `dx - dy` is the displacement of the secondary relative to the primary side, `t` the tangent. `P` removes the rigid motions about
+//! `q_mid` from the row of a contact element, which changes terms of the size of the gap. For every friction law the force `G_A^T tau_A`
+//! therefore has zero resultant and moment about `q_mid`, and it does the work `tau_A u_A`. Rigid motions of any size have no slip: their
+//! displacement is an infinitesimal rigid motion of `q_mid` (Cayley: `R - 1 = W (R + 1)/2`).
 //!
-//! A kernel says what `g_A` is ([`SlipRows`]); projection and derivatives, exact by dual numbers, are made here for all of them.
+//! Each kernel defines `g_A` ([`SlipRows`]); projection and derivatives (by dual numbers) are common.
 
 use super::numbers::{self, Number};
 use super::patches::{Evaluation, Patches};
 use crate::integrators::Configuration;
 
-/// Unknowns with respect to which one pass differentiates.
+/// Number of unknowns that one pass differentiates by.
 const LANES: usize = 8;
 
-/// A number with its derivatives with respect to some unknowns.
+/// Number with its derivatives with respect to [`LANES`] unknowns.
 type Jet = numbers::Jet<LANES>;
 
-/// A step as slips see it.
+/// Step in which slips are evaluated.
 #[derive(Clone, Copy)]
 pub struct SlipStep<'a> {
     /// Positions at the start.
     pub q_0: &'a [f64],
     /// Positions at the end.
     pub q_1: &'a [f64],
-    /// Displacement in between, with the accuracy of its own size.
+    /// Displacement of the step, accurate relative to its own size.
     pub moved: &'a [f64],
-    /// Where the forces of the step act.
+    /// Configuration at which the forces of the step act.
     pub test: Configuration,
-    /// By patch, whether its rows hold anything; those of others have no slip.
+    /// True for each contact element with nonzero blocks; others have no slip.
     pub live: &'a [bool],
 }
 
-/// What the slip rows of a kernel's patches are.
+/// Slip rows `g_A` of a kernel's contact elements.
 pub trait SlipRows {
-    /// Places in patch `p` of the nodes that its slip rows move, at the positions `z` of its nodes; `false` where it has none.
+    /// Appends the indices of the nodes of contact element `p` that slip, at the positions `z` of all its nodes; `false` without.
     fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool;
 
-    /// The rows of patch `p` at the positions `z` of those nodes, into `rows`, which are zero; and what each row has opposite, into
-    /// `covered`. `false` where it has none.
+    /// Writes the rows of contact element `p`, at the positions `z` of those nodes, into `rows` (zero before), and the covered measure of
+    /// each constraint into `covered`; `false` without slip.
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool;
 
-    /// Whether rigid motions of the patch have no slip: not where the other side is no node.
+    /// True if rigid motions of the contact element have no slip; false if the other side is an obstacle.
     fn is_relative(&self, _p: usize) -> bool {
         true
     }
 
-    /// How the other side moves in the step where it is no node.
+    /// Motion in the step of an obstacle as the other side.
     fn other_side(&self) -> Carrier {
         Carrier::default()
     }
 
-    /// Slip of a row of patch `p` that no node makes `[length^2]`.
+    /// Slip of a constraint of contact element `p` that is independent of the nodes `[length^2]`.
     fn own_slip(&self, _p: usize, _row: usize) -> f64 {
         0.0
     }
 }
 
-/// A rigid motion in a step: `o(x) = shift + turn k x (x - center)` at a place in mid-step.
+/// Rigid motion in a step: displacement `o(x) = shift + turn k x (x - center)` of a point `x` in mid-step.
 ///
-/// With `turn = 2 tan(angle/2)` the points of a circle that turns by the angle move by the chords of their arcs.
+/// With `turn = 2 tan(angle/2)` points of a rotating circle move by the chords of their arcs.
 #[derive(Clone, Copy, Default)]
 pub struct Carrier {
     /// Displacement of the center `[length]`.
     pub shift: [f64; 2],
-    /// Twice the tangent of half the angle.
+    /// Twice the tangent of half the rotation angle.
     pub turn: f64,
-    /// The center in mid-step `[length]`.
+    /// Center in mid-step `[length]`.
     pub center: [f64; 2],
 }
 
@@ -83,7 +83,7 @@ impl Carrier {
     }
 }
 
-/// Storage of one evaluation, used again from patch to patch.
+/// Buffers of one evaluation, reused for all contact elements.
 #[derive(Default)]
 struct Scratch {
     places: Vec<usize>,
@@ -96,12 +96,12 @@ struct Scratch {
     jets: Vec<Jet>,
     rows: Vec<Jet>,
     values: Vec<f64>,
-    /// Derivatives of the rows, one block for each unknown.
+    /// Derivatives of the rows, one block per unknown.
     slopes: Vec<f64>,
 }
 
-/// Slips (as gaps of the evaluation), their gradients at the end of the step, the rows that carry forces, and their tangent with the
-/// multipliers `lambda`; coverage as what each row has opposite in mid-step.
+/// Evaluates slips (as gaps of `out`), their gradients at the end of the step, the gradients that transmit forces, and the tangent for the
+/// multipliers `lambda`; coverage is the covered measure in mid-step.
 pub fn evaluate(kernel: &impl SlipRows, patches: &Patches, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
     out.prepare(patches, lambda.len());
     let mut scratch = Scratch::default();
@@ -115,7 +115,7 @@ pub fn evaluate(kernel: &impl SlipRows, patches: &Patches, step: SlipStep, lambd
 }
 
 impl Scratch {
-    /// Gathers the nodes of a patch; `false` where it has no slip.
+    /// Collects the nodes of a contact element; `false` without slip.
     fn begin(&mut self, kernel: &impl SlipRows, patches: &Patches, p: usize, step: SlipStep) -> bool {
         let nodes = patches.nodes(p);
         self.carrier = kernel.other_side();
@@ -140,7 +140,7 @@ impl Scratch {
         true
     }
 
-    /// Rows and their derivatives at a configuration; `false` where there are none.
+    /// Rows and their derivatives at a configuration; `false` without slip.
     fn differentiate(&mut self, kernel: &impl SlipRows, p: usize, at: Configuration) -> bool {
         let z = if at == Configuration::Middle { &self.middle } else { &self.end };
         let (unknowns, count) = (z.len(), z.len() * self.covered.len());
@@ -165,7 +165,7 @@ impl Scratch {
         true
     }
 
-    /// Writes what was found in mid-step into the blocks of a patch, which are zero; a node may have several places.
+    /// Adds the results of mid-step to the blocks of a contact element; a node may occur several times.
     fn write(&mut self, kernel: &impl SlipRows, patches: &Patches, p: usize, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
         let (unknowns, width) = (self.middle.len(), patches.unknowns(p));
         let column = |k: usize, places: &[usize]| 2 * places[k / 2] + k % 2;
@@ -179,7 +179,7 @@ impl Scratch {
             for (k, value) in values.iter().enumerate() {
                 let slopes = &self.slopes[k * count + m * unknowns..][..unknowns];
                 let turn: f64 = slopes.iter().zip(&self.moved).map(|(slope, d)| slope * d).sum();
-                // Half of a node's motion leads it to where the other side moves otherwise.
+                // Half of a node's displacement moves it to a point with another displacement of the obstacle.
                 let carried = if k % 2 == 0 { -values[k + 1] } else { values[k - 1] } * self.carrier.turn;
                 out.gradient_end[range.start + m * width + column(k, &self.places)] += value + 0.5 * (turn + carried);
             }
@@ -201,7 +201,7 @@ impl Scratch {
     }
 }
 
-/// The rows of a patch without its rigid motions.
+/// Rows of a contact element without rigid motions, `P g_A`.
 fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
     if !kernel.rows(p, z, rows, covered) {
         return false;
@@ -233,9 +233,9 @@ fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T
     true
 }
 
-/// The rows of a point `x` that slides along a facet `y_1 y_2` of the other side, from its position and theirs: `weight` times its motion
-/// against that of the point of the facet below it, along the facet's tangent seen from the point's own side. What lies beside the facet
-/// slides on its end, a round body across the direction to it.
+/// Rows of a point `x` that slides on a facet `y_1 y_2` of the other side: `weight` times its displacement relative to the opposite point
+/// of the facet, along the facet's tangent seen from the point's side. Beside the facet the opposite point is its end; a round body slides
+/// perpendicular to the direction to it.
 pub fn point_on_facet<T: Number>(z: &[T], weight: f64, is_round: bool, rows: &mut [T; 6]) {
     let at = |k: usize| [z[2 * k], z[2 * k + 1]];
     let [x, y_1, y_2] = [0, 1, 2].map(at);

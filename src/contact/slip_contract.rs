@@ -1,4 +1,4 @@
-//! What the slips of every contact kernel owe their callers, over the random steps of the contract of gaps.
+//! Properties of the slips of every contact kernel in the plane, over the random steps of `contract.rs`.
 
 use proptest::prelude::*;
 
@@ -16,7 +16,7 @@ fn slips(kernel: &dyn ContactKernel, q_0: &[f64], q_1: &[f64], test: Configurati
     out
 }
 
-/// Positions turned about a point by an angle.
+/// Positions rotated about a point.
 fn turned(q: &[f64], angle: f64) -> Vec<f64> {
     let ((sin, cos), [a, b]) = (angle.sin_cos(), [0.7, -2.0]);
     q.chunks_exact(2).flat_map(|x| [cos * (x[0] - a) - sin * (x[1] - b), sin * (x[0] - a) + cos * (x[1] - b) + 3.0]).collect()
@@ -41,7 +41,7 @@ proptest! {
         }
     }
 
-    /// However large it is, a rigid motion of both sides is no slip.
+    /// A rigid motion of both sides, of any size, has no slip.
     #[test]
     fn a_rigid_motion_has_no_slip((q_0, _) in step(), angle in -2.0..2.0f64) {
         let q_1 = turned(&q_0, angle);
@@ -52,7 +52,7 @@ proptest! {
         }
     }
 
-    /// Gradients and tangents along a random direction against differences, but where these meet a kink.
+    /// Gradients and tangents along a random direction against difference quotients, except at kinks.
     #[test]
     fn gradients_and_tangents_are_derivatives((q_0, q_1) in step(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
         for (name, kernel) in kernels(&q_0) {
@@ -81,7 +81,7 @@ proptest! {
     }
 }
 
-/// Closed form: one side slides by a length along the other; every row's slip is that length times its weight.
+/// Closed form: one side slides by a length along the other; each slip is that length times the weight.
 #[test]
 fn sliding_by_a_length_is_that_slip_for_all_methods() {
     let q_0 = chains().map(|x| if x == -0.05 { 0.0 } else { x });
@@ -96,7 +96,7 @@ fn sliding_by_a_length_is_that_slip_for_all_methods() {
     }
 }
 
-/// Nodes that an obstacle carries with it do not slide on it; what a node slides on it counts along the body's own surface.
+/// Nodes that an obstacle carries do not slide on it; the slip of a node counts along the body's own surface.
 #[test]
 fn slips_on_an_obstacle_are_those_against_its_motion() {
     let reference = [0.0, 0.0, 1.0, 0.0];

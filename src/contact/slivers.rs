@@ -1,27 +1,26 @@
-//! Pairs of facets that take no part in a step because they may begin or cease to overlap in it, far apart, where nothing makes up for it.
+//! Exclusion of facet pairs in the plane whose overlap may begin or end in a step at a large gap without a neighboring pair that
+//! compensates.
 //!
-//! When a primary node passes a secondary one, the gradients of the pairs' functions jump by the gap there (`pair.rs`). Inside two surfaces
-//! the pairs on both sides of the node take over from each other, and their sum has no jump. It has one where both surfaces end, as contact
-//! sees it: the secondary one at a corner, beyond which its next facet looks elsewhere, the primary one at a node beyond which its next
-//! facet takes no part. At a gap of nearly zero that does no harm. But between nearly perpendicular facets, such as the top of a block and
-//! the side of another one beside it, the gap there may be half a facet, and a constraint that friction holds at just that place has no
-//! solution then, at any size of the step: neither with the pair nor without it.
+//! If a primary node passes a secondary one, the gradients of the pair functions jump by the gap there (`pair.rs`). Inside two surfaces the
+//! pairs on both sides of the node compensate each other, and their sum is continuous. It jumps where both surfaces end: the secondary one
+//! at a corner, the primary one at a node whose next facet takes no part. At a small gap the jump is harmless. Between nearly perpendicular
+//! facets, such as the top of a block and the side of another block, the gap may be half a facet; a constraint that friction holds at that
+//! point then has no solution for any step size, with or without the pair.
 //!
-//! So whether such a pair overlaps is decided at the start of the step: it takes part once its overlap is longer than what the step may
-//! slide ([`SHORT`] of a facet at most). What is left out until then is narrower than it is high or deep. Where it is open, it is no
-//! contact; where it is deep, the way out of the body is not along the normal of this facet but across it: the next facet beyond the
-//! corner, or the corner's own constraint, holds it.
+//! The overlap of such a pair is therefore decided at the start of the step: it takes part if its overlap exceeds the possible sliding
+//! ([`SHORT`] of a facet at most). An excluded overlap is narrower than high or deep. If open, it is no contact. If deep, the shortest way
+//! out is not along the facet's normal, but across it: the next facet beyond the corner, or the corner's own constraint, holds it.
 
 use super::surface::{Sides, Surface};
 use super::window::Outlook;
 use crate::math::tolerances::{FAR_SLIVER, SMOOTH};
 
-/// Overlap in secondary facets from which on a pair is no sliver, however far the step may slide.
+/// Overlap in secondary facets from which a pair takes part for any motion bound.
 const SHORT: f64 = 0.25;
 
-/// Takes those pairs out of those that are near each other in a step.
+/// Excludes short overlaps at large gaps from the pairs that take part in a step.
 pub(super) fn leave_out(near: &mut [bool], pairs: &[[u32; 2]], sides: &Sides, outlook: &Outlook) {
-    // At rest nothing slides by a known length, and bodies may be pressed into each other. In space the functions have no such jump.
+    // At rest sliding has no bound, and bodies may be pressed into each other. Pair functions in space have no such jump.
     if outlook.depth > 0.0 || sides.secondary.dimension() == 3 {
         return;
     }
@@ -34,7 +33,7 @@ pub(super) fn leave_out(near: &mut [bool], pairs: &[[u32; 2]], sides: &Sides, ou
     }
 }
 
-/// Whether a pair's overlap at one end of its secondary facet, which is a corner, is that short, and its primary node there far from it.
+/// True if the pair's overlap is short at the corner `side` of its secondary facet, and its primary node there has a large gap.
 fn is_far_sliver([own, other]: [u32; 2], side: usize, sides: &Sides, outlook: &Outlook) -> bool {
     let at = |node: u32| [outlook.q[2 * node as usize], outlook.q[2 * node as usize + 1]];
     let (facet, face) = (sides.secondary.facets()[own as usize], sides.primary.facets()[other as usize]);
@@ -48,7 +47,7 @@ fn is_far_sliver([own, other]: [u32; 2], side: usize, sides: &Sides, outlook: &O
         && is_corner(&sides.secondary, own, side, outlook.q)
 }
 
-/// Whether a surface turns sharply, or ends, at an end of a facet.
+/// True if a surface ends or bends sharply at an end of a facet.
 fn is_corner(surface: &Surface, facet: u32, side: usize, q: &[f64]) -> bool {
     let along = |facet: u32| {
         let [a, b] = surface.facets()[facet as usize].map(|node| 2 * node as usize);
@@ -64,8 +63,8 @@ mod tests {
     use super::super::search::PairSearch;
     use super::*;
 
-    /// Whether the lower facet of a side that leans over the right end of a top takes part in a step that slides by `travel`. Nodes 0 to 2
-    /// belong to the top and what is before it, 3 to 5 to the side, from the top down.
+    /// True if the lower facet of a side that leans over the right end of a top takes part in a step that slides by `travel`. Nodes 0 to 2
+    /// belong to the top and the facet before it, nodes 3 to 5 to the side, from the top down.
     fn takes_part(start: [f64; 2], upper: [f64; 2], middle: [f64; 2], travel: f64) -> bool {
         let q = [start, [1.0, 0.0], [0.0, 0.0], upper, middle, [1.08, 0.0]].concat();
         let sides = Sides::new(&[[0, 1], [1, 2]], &[[3, 4], [4, 5]], &q);
@@ -78,13 +77,14 @@ mod tests {
     #[test]
     fn what_may_begin_to_overlap_far_apart_takes_no_part() {
         let (corner, straight, apart, beside) = ([1.0, -1.0], [2.0, 0.0], [0.9, 2.0], [0.94, 0.7]);
-        // The side's middle node is above the top's end, half a facet away, by 0.02 inside, just outside, or by more than a step slides.
+        // The side's middle node is above the top's end at a gap of half a facet, overlapping by 0.02, just outside, or by more than a step
+        // slides.
         assert!(!takes_part(corner, apart, [0.98, 0.45], 0.05));
         assert!(!takes_part(corner, apart, [1.02, 0.45], 0.05));
         assert!(takes_part(corner, apart, [0.98, 0.45], 0.01));
-        // Behind the top's line: beside its body, or a little in it.
+        // Behind the line of the top: beside its body, or slightly inside.
         assert!(!takes_part(corner, apart, [0.98, -0.45], 0.05));
-        // Near it; over a top that goes on; in a side of which the next facet takes part, too.
+        // At a small gap; over a top that continues; on a side whose next facet takes part, too.
         assert!(takes_part(corner, apart, [0.98, 0.04], 0.05));
         assert!(takes_part(straight, apart, [0.98, 0.45], 0.05));
         assert!(takes_part(corner, beside, [0.98, 0.45], 0.05));

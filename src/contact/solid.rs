@@ -1,4 +1,4 @@
-//! Bodies in space by their hulls: which of their points are inside each other, whatever contact is defined.
+//! Hulls of bodies in space, and points of one hull inside of another, independent of the defined contacts (initial overlaps).
 
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -6,36 +6,36 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use super::faces::{self, Seen, Vector};
 use super::surface::{Edge, Surface};
 
-/// Part of a facet that may overlap besides the rise of curved sides.
+/// Allowed overlap as a fraction of the facet size, in addition to the height of curved sides.
 const ALLOWED: f64 = 0.01;
 
-/// Turn between neighboring facets, in radians, beyond which a hull has an edge there and is not curved: 45 degrees.
+/// Angle between adjacent facets, in radians, above which a hull has an edge and no curvature there: 45 degrees.
 const EDGE: f64 = std::f64::consts::FRAC_PI_4;
 
-/// The hull of a body in space.
+/// Hull of a body in space.
 pub struct Solid {
     surface: Surface,
     edges: Vec<Edge>,
     q: Vec<f64>,
     tree: RTree<GeomWithData<Rectangle<[f64; 3]>, u32>>,
-    /// How far the curved surface that each facet stands for may rise above it, and besides a part of the facet `[length]`.
+    /// Allowed overlap of each facet: estimated height of the curved surface over it plus a fraction of its size `[length]`.
     allowed: Vec<f64>,
     bounds: [Vector; 2],
 }
 
-/// The deepest place of two hulls.
+/// Deepest point of two hulls inside of each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sunk {
-    /// How deep `[length]`.
+    /// Penetration `[length]`.
     pub depth: f64,
     /// Size of the smaller facet there `[length]`.
     pub size: f64,
-    /// Where.
+    /// Position `[length]`.
     pub at: [f64; 3],
 }
 
 impl Solid {
-    /// The hull with these facets, counter-clockwise as seen from outside, in indices of nodes whose positions are `q`.
+    /// Hull with these facets, counter-clockwise as seen from outside, in indices of nodes with positions `q`.
     pub fn new<'a>(facets: impl IntoIterator<Item = &'a [u32]>, q: Vec<f64>) -> Solid {
         let surface = Surface::in_space(facets);
         let mut turns = vec![0.0f64; surface.count()];
@@ -58,7 +58,7 @@ impl Solid {
         Solid { surface, edges, tree, allowed, bounds, q }
     }
 
-    /// The facet nearest to a point inside, with its distance; nothing outside, and where the nearest place is on an edge.
+    /// Nearest facet to a point inside, with its distance; `None` outside, or if the nearest point is on an edge.
     fn around(&self, x: Vector) -> Option<(usize, f64)> {
         let is_out = (0..3).any(|i| x[i] <= self.bounds[0][i] || x[i] >= self.bounds[1][i]);
         if is_out {
@@ -77,7 +77,7 @@ impl Solid {
         nearest.filter(|(_, seen)| !seen.is_beside && seen.gap < 0.0).map(|(facet, seen)| (facet, seen.distance))
     }
 
-    /// The deepest node, or middle of a facet or an edge, of this hull inside another one.
+    /// Deepest node, or middle of a facet or edge, of this hull inside of another one.
     fn deepest_in(&self, other: &Solid) -> Option<Sunk> {
         let surface = &self.surface;
         let at = |node: u32| faces::at(node, &self.q);
@@ -85,7 +85,7 @@ impl Solid {
         let edges =
             self.edges.iter().map(|edge| (edge.facets.into_iter().flatten().collect(), 0.5 * (at(edge.nodes[0]) + at(edge.nodes[1]))));
         let facets = (0..surface.count()).map(|facet| (vec![facet as u32], faces::middle(surface.facet(facet), &self.q)));
-        // Of the facets that a point lies on, the one that allows the least.
+        // Facet with the smallest allowed overlap among those with the point.
         let sunk = |(on, x): (Vec<u32>, Vector)| {
             let (facet, depth) = other.around(x)?;
             let own = on.into_iter().map(|own| own as usize).min_by(|&a, &b| self.allowed[a].total_cmp(&self.allowed[b]))?;
@@ -95,7 +95,7 @@ impl Solid {
         nodes.chain(edges).chain(facets).filter_map(sunk).max_by(|a, b| a.depth.total_cmp(&b.depth))
     }
 
-    /// The deepest place where the two are inside each other, if they are, as far as their nodes and the middles of facets and edges tell.
+    /// Deepest point of two hulls inside of each other, sampled at nodes and at middles of facets and edges.
     pub fn inside(&self, other: &Solid) -> Option<Sunk> {
         let apart = |i: usize| self.bounds[0][i] >= other.bounds[1][i] || other.bounds[0][i] >= self.bounds[1][i];
         if (0..3).any(apart) {
@@ -109,7 +109,7 @@ impl Solid {
 mod tests {
     use super::*;
 
-    /// A box with one facet a side, its lowest corner there.
+    /// Box with one facet per side; `from` is its lowest corner.
     fn solid(from: [f64; 3], size: [f64; 3]) -> Solid {
         let corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
         let q = corners.iter().flat_map(|corner| (0..3).map(move |i| from[i] + f64::from(corner[i]) * size[i])).collect();
@@ -124,7 +124,7 @@ mod tests {
             let found = cube.inside(&solid(from, [1.0; 3]));
             assert_eq!(found.map(|found| (found.depth * 1e9).round() * 1e-9), depth, "{from:?}");
         }
-        // A cross of two bars has no node of one inside the other; a small one may be inside whole.
+        // Two crossed bars have no node inside of each other; a small box may be inside as a whole.
         let bar = solid([-2.0, 0.3, 0.3], [5.0, 0.4, 0.4]);
         assert!(cube.inside(&bar).is_some_and(|found| found.depth > 0.1));
         assert!(cube.inside(&solid([0.4; 3], [0.2; 3])).is_some());

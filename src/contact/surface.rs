@@ -1,8 +1,8 @@
-//! A surface: in the plane a chain, or several, of oriented straight facets with the body on their left; in space facets of three or four
+//! Contact surface: in the plane one or more chains of oriented straight facets, the body on the left; in space facets of three or four
 //! nodes, counter-clockwise as seen from outside.
 //!
-//! Only the numbering is kept; positions come with every call. Nodes are numbered locally in ascending order of their global numbers.
-//! Nothing is asked of the shape: open, closed, in several pieces.
+//! Connectivity only; positions are arguments. Local node numbers ascend with the model numbers. A surface may be open, closed or in
+//! several parts.
 
 use super::faces;
 use super::patches::Patches;
@@ -12,53 +12,53 @@ use super::patches::Patches;
 pub struct Surface {
     dimension: usize,
     nodes: Vec<u32>,
-    /// Nodes of the facets, one facet after the other: their numbers in the model, and their indices in `nodes`.
+    /// Nodes of all facets, facet by facet: model numbers, and indices in `nodes`.
     of_facets: Vec<u32>,
     local_of_facets: Vec<u32>,
-    /// Where the nodes of each facet start, and where those of the last one end.
+    /// Start of each facet's nodes in `of_facets`, and the end of the last one.
     starts: Vec<usize>,
     adjacent_start: Vec<u32>,
     adjacent: Vec<u32>,
 }
 
-/// What every contact method has: two surfaces, the secondary one measured in the reference positions, and its patches.
+/// Data of every contact method for two surfaces: secondary and primary surface, contact elements, reference weights.
 #[derive(Clone, Debug)]
 pub struct Sides {
-    /// The side with the multipliers.
+    /// Side with the multipliers.
     pub secondary: Surface,
-    /// The other side.
+    /// Side without multipliers.
     pub primary: Surface,
-    /// Patches of the present candidates.
+    /// Contact elements of the present candidates.
     pub patches: Patches,
-    /// In space the same with two tangential rows for each.
+    /// Contact elements with two tangential constraints for each normal one; used in space.
     pub tangential: Patches,
-    /// Weights of the constraint rows: lengths in the plane, areas in space `[length^(D-1)]`.
+    /// Weights of the constraints: lengths in the plane, areas in space `[length^(D-1)]`.
     pub weights: Vec<f64>,
-    /// What the secondary nodes have of their facets in the reference positions `[length^(D-1)]`.
+    /// Tributary lengths or areas of the secondary nodes in the reference positions `[length^(D-1)]`.
     pub lengths: Vec<f64>,
     /// Size of the smallest secondary facet `[length]`.
     pub facet_size: f64,
 }
 
 impl Sides {
-    /// Two surfaces in the plane by their facets, without patches; one constraint row for each secondary node.
+    /// Two surfaces in the plane by their facets, without contact elements; one constraint per secondary node.
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Self {
         Sides::of(Surface::new(secondary), Surface::new(primary), reference)
     }
 
-    /// Two surfaces without patches; one constraint row for each secondary node.
+    /// Two surfaces without contact elements; one constraint per secondary node.
     pub fn of(secondary: Surface, primary: Surface, reference: &[f64]) -> Self {
         let weights = secondary.weights(reference);
         let (facet_size, patches) = (secondary.shortest_facet(reference), Patches::new(secondary.dimension));
         Sides { secondary, primary, tangential: patches.clone(), patches, lengths: weights.clone(), weights, facet_size }
     }
 
-    /// The patches with their tangential rows.
+    /// Contact elements with tangential constraints.
     pub fn slip_patches(&self) -> &Patches {
         if self.secondary.dimension == 2 { &self.patches } else { &self.tangential }
     }
 
-    /// Makes the patches with tangential rows of those that are listed.
+    /// Lists the contact elements with tangential constraints in space.
     pub(crate) fn list_slips(&mut self) {
         self.tangential.clear();
         let mut groups = Vec::new();
@@ -69,8 +69,7 @@ impl Sides {
         }
     }
 
-    /// Turns what is covered of each secondary node, told once or for each of several rows, into its share of what the node has of its
-    /// facets at `q`.
+    /// Divides the covered area of each secondary node, given once or once for each of its constraints, by its tributary area at `q`.
     pub fn cover(&self, covered: &mut [f64], q: &[f64]) {
         let rows = covered.len() / self.secondary.nodes().len();
         for (row, share) in covered.iter_mut().enumerate().filter(|(_, share)| **share > 0.0) {
@@ -80,12 +79,12 @@ impl Sides {
 }
 
 impl Surface {
-    /// The plane surface of these facets (node numbers of the model, the body on the left).
+    /// Plane surface of these facets (model node numbers, the body on the left).
     pub fn new(facets: &[[u32; 2]]) -> Self {
         Surface::of_facets(2, facets.iter().map(|facet| &facet[..]))
     }
 
-    /// The surface in space of these facets (node numbers of the model, counter-clockwise as seen from outside).
+    /// Surface in space of these facets (model node numbers, counter-clockwise as seen from outside).
     pub fn in_space<'a>(facets: impl IntoIterator<Item = &'a [u32]>) -> Self {
         Surface::of_facets(3, facets)
     }
@@ -123,22 +122,22 @@ impl Surface {
         self.starts.len() - 1
     }
 
-    /// A facet in model node numbers.
+    /// Nodes of a facet in model numbers.
     pub fn facet(&self, facet: usize) -> &[u32] {
         &self.of_facets[self.starts[facet]..self.starts[facet + 1]]
     }
 
-    /// A facet in indices into [`nodes`](Self::nodes).
+    /// Nodes of a facet as indices into [`nodes`](Self::nodes).
     pub fn local_facet(&self, facet: usize) -> &[u32] {
         &self.local_of_facets[self.starts[facet]..self.starts[facet + 1]]
     }
 
-    /// Facets of a plane surface in model node numbers; none in space.
+    /// Facets of a plane surface in model node numbers; empty in space.
     pub fn facets(&self) -> &[[u32; 2]] {
         if self.dimension == 2 { self.of_facets.as_chunks().0 } else { &[] }
     }
 
-    /// Facets of a plane surface in indices into [`nodes`](Self::nodes); none in space.
+    /// Facets of a plane surface as indices into [`nodes`](Self::nodes); empty in space.
     pub fn local_facets(&self) -> &[[u32; 2]] {
         if self.dimension == 2 { self.local_of_facets.as_chunks().0 } else { &[] }
     }
@@ -148,12 +147,12 @@ impl Surface {
         self.nodes.binary_search(&node).ok()
     }
 
-    /// Facets that meet at the node of that index, ascending.
+    /// Facets adjacent to the node of that index, ascending.
     pub fn adjacent_facets(&self, index: usize) -> &[u32] {
         &self.adjacent[self.adjacent_start[index] as usize..self.adjacent_start[index + 1] as usize]
     }
 
-    /// The facet of a plane surface that ends where this one starts, and the facet that starts where this one ends.
+    /// Facets of a plane surface before and after a facet: the one that ends at its first node, and the one that starts at its second node.
     pub fn neighbors(&self, facet: usize) -> [Option<u32>; 2] {
         let ends = self.local_facets()[facet];
         [0, 1].map(|end| {
@@ -162,8 +161,8 @@ impl Surface {
         })
     }
 
-    /// For surfaces with common facets: ranks of this surface's facets and of the other's such that of the two ways round in which a pair
-    /// of common facets can be taken, one has the lower rank first. `None` without common facets.
+    /// Facet ranks of this and of another surface with common facets, such that exactly one of the two ordered pairs of two common facets
+    /// has ascending ranks. `None` without common facets.
     pub fn ranks(&self, other: &Surface) -> Option<[Vec<u32>; 2]> {
         let mut order: Vec<(&[u32], u32)> = (0..self.count()).map(|facet| self.facet(facet)).zip(1u32..).collect();
         order.sort_unstable();
@@ -176,8 +175,8 @@ impl Surface {
         others.iter().any(|&rank| rank != u32::MAX).then_some([own, others])
     }
 
-    /// For each node whether the surface is bent there at the positions `q`: whether two facets turn by more than an angle, outwards or
-    /// inwards, or the chain ends, where the body has a corner that is not in the contact. `cosine` is that of the angle.
+    /// True for each node at which a plane surface is bent at the positions `q`: two facets turn by more than the angle of `cosine`,
+    /// outwards or inwards, or a chain ends, where the body has a corner outside of the contact.
     pub fn bends(&self, q: &[f64], cosine: f64) -> Vec<bool> {
         let along = |facet: u32| {
             let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
@@ -191,7 +190,7 @@ impl Surface {
         (0..self.nodes.len()).map(is_bent).collect()
     }
 
-    /// Whether the body has a convex corner, or a straight side, at the node of that index at the positions `q`.
+    /// True if the body has a convex corner or a straight side at the node of that index at the positions `q`.
     pub(crate) fn is_convex(&self, index: usize, q: &[f64]) -> bool {
         let along = |facet: u32| {
             let [a, b] = self.facets()[facet as usize].map(|node| 2 * node as usize);
@@ -203,8 +202,7 @@ impl Surface {
         t[0] * u[1] - t[1] * u[0] >= 0.0
     }
 
-    /// The indices of all nodes in the order in which they follow each other along the facets, chain by chain; a closed chain begins at the
-    /// node with the lowest number. In space in ascending order.
+    /// Indices of all nodes in their order along the facets, chain by chain; a closed chain begins at its lowest node. In space: ascending.
     pub fn along(&self) -> Vec<usize> {
         if self.dimension == 3 {
             return (0..self.nodes.len()).collect();
@@ -224,17 +222,17 @@ impl Surface {
         order
     }
 
-    /// For each node of a plane surface whether a chain ends there.
+    /// True for each node of a plane surface at which a chain ends.
     pub fn ends(&self) -> Vec<bool> {
         (0..self.nodes.len()).map(|index| self.adjacent_facets(index).len() != 2).collect()
     }
 
-    /// Whether every node of a plane surface lies between two facets, or every edge of one in space.
+    /// True if every node of a plane surface, or every edge of one in space, lies between two facets.
     pub fn is_closed(&self) -> bool {
         if self.dimension == 2 { !self.ends().contains(&true) } else { self.edges().iter().all(|edge| edge.facets[1].is_some()) }
     }
 
-    /// The edges of a surface in space, each with the facets that meet there, ascending by their nodes.
+    /// Edges of a surface in space with their adjacent facets, ascending by nodes.
     pub fn edges(&self) -> Vec<Edge> {
         let of_facet = |facet: usize| {
             let nodes = self.facet(facet);
@@ -249,7 +247,7 @@ impl Surface {
         sides.chunk_by(|a, b| a.0 == b.0).map(edge).collect()
     }
 
-    /// Length of a facet, or its area, at the positions `q` `[length^(D-1)]`.
+    /// Length of a facet in the plane, area in space, at the positions `q` `[length^(D-1)]`.
     pub fn facet_measure(&self, facet: usize, q: &[f64]) -> f64 {
         match *self.facet(facet) {
             [a, b] if self.dimension == 2 => {
@@ -260,7 +258,7 @@ impl Surface {
         }
     }
 
-    /// A vector along the outward normal of a facet, as long as a facet in the plane is.
+    /// Outward normal of a facet, not normalized: in the plane its length is that of the facet.
     pub fn outward(&self, facet: usize, q: &[f64]) -> Vec<f64> {
         match *self.facet(facet) {
             [a, b] if self.dimension == 2 => {
@@ -271,13 +269,13 @@ impl Surface {
         }
     }
 
-    /// What the nodes of a facet have of it, by their shape functions, at the positions `q` `[length^(D-1)]`.
+    /// Nodal shares `int N_A dA` of a facet at the positions `q` `[length^(D-1)]`.
     fn shares(&self, facet: usize, q: &[f64]) -> Vec<f64> {
         if self.dimension == 2 { vec![0.5 * self.facet_measure(facet, q); 2] } else { faces::shares(self.facet(facet), q) }
     }
 
-    /// What the node of that index has of the facets that meet there, half their lengths in the plane, at the positions `q`
-    /// `[length^(D-1)]`.
+    /// Tributary measure of the node of that index at the positions `q`: half the length of the adjacent facets in the plane, nodal share
+    /// of their area in space `[length^(D-1)]`.
     pub fn node_measure(&self, index: usize, q: &[f64]) -> f64 {
         let of_facet = |&facet: &u32| {
             let facet = facet as usize;
@@ -290,7 +288,7 @@ impl Surface {
         self.adjacent_facets(index).iter().map(of_facet).sum()
     }
 
-    /// Node weights `w_A` at the positions `q`: what every node has of its facets `[length^(D-1)]`.
+    /// Tributary measures `w_A` of all nodes at the positions `q` `[length^(D-1)]`.
     pub fn weights(&self, q: &[f64]) -> Vec<f64> {
         let mut weights = vec![0.0; self.nodes.len()];
         for facet in 0..self.count() {
@@ -301,13 +299,13 @@ impl Surface {
         weights
     }
 
-    /// Length of the shortest facet at the positions `q`, in space the side of a square as large as the smallest one `[length]`; infinite
-    /// without facets.
+    /// Size of the smallest facet at the positions `q` `[length]`; infinite without facets.
     pub fn shortest_facet(&self, q: &[f64]) -> f64 {
         (0..self.count()).map(|facet| self.facet_size(facet, q)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Length of a facet at the positions `q`, in space the side of a square as large as its parallelogram `[length]`.
+    /// Size of a facet at the positions `q`: length in the plane; in space the side of a square of equal area, for triangles of twice the
+    /// area `[length]`.
     pub fn facet_size(&self, facet: usize, q: &[f64]) -> f64 {
         let measure = self.facet_measure(facet, q);
         match (self.dimension, self.facet(facet).len()) {
@@ -321,9 +319,9 @@ impl Surface {
 /// An edge of a surface in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// Its ends in model node numbers, the lower one first.
+    /// Model node numbers of the ends, ascending.
     pub nodes: [u32; 2],
-    /// The facets that meet there; one on the rim of an open surface.
+    /// Adjacent facets; one at the border of an open surface.
     pub facets: [Option<u32>; 2],
 }
 

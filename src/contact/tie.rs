@@ -1,20 +1,20 @@
-//! Tying of two surfaces whose meshes do not match: the mortar average of the whole gap vector is zero.
+//! Tie of two surfaces with nonmatching meshes: the mortar average of the gap vector vanishes (pairs in space: `space/tied.rs`).
 //!
-//! The integrals are taken once, in the reference positions, so the constraints are linear: for each pair of facets that overlap there, and
-//! each secondary node `A` of it,
+//! Integrals are evaluated once, in the reference positions, so that the constraints are linear. For each facet pair that overlaps there,
+//! and each of its secondary nodes `A`,
 //!
 //! ```text
 //! Phi_A = int N_A (sum_B N_B x_B - sum_C M_C y_C) ds - (alpha_A I + beta_A J) (y_2 - y_1)          [length^2], a vector
 //! ```
 //!
-//! with the primary shape functions `M_C` at the point opposite along the secondary facet's normal. The second term is the part of the
-//! first that does not vanish in the reference positions (two polygons through one curve), written in the frame of the primary facet: `J`
-//! turns by a right angle, so a turn `R` of all positions gives `R Phi_A`. Hence the forces have no resultant, and no moment while `Phi =
-//! 0`: linear constraints that hold at both ends of a step hold in its middle, where the moment is taken. Energy and both momenta are exact
-//! wherever a scheme evaluates its forces, with nothing to correct.
+//! with the primary shape functions `M_C` at the opposite point along the secondary facet's normal. The second term is the reference value
+//! of the first one (two polygons on one curve), expressed in the frame of the primary facet: `J` is a rotation by a right angle, so that a
+//! rotation `R` of all positions gives `R Phi_A`. Hence the forces have zero resultant, and zero moment while `Phi = 0`: linear constraints
+//! that hold at both ends of a step hold at mid-step, where the moment is taken. Energy, linear and angular momentum are exact for every
+//! evaluation point of a scheme.
 //!
-//! Each secondary node has a row for each direction. Nodes with (nearly) no overlap are not tied. This is the plane; the pairs of space,
-//! where three directions need a node within the primary body, are made in `space/tied.rs`.
+//! Each secondary node has one constraint per direction. Nodes with (nearly) no overlap are not tied. In space three directions need a node
+//! inside of the primary body, see `space/tied.rs`.
 
 use super::pair::{invariants, offsets, overlaps};
 use super::patches::Evaluation;
@@ -24,7 +24,7 @@ use super::{CandidateSearch, Outlook, PatchFunctions, RigidObstacle};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SLIVER;
 
-/// Tied surfaces.
+/// Two tied surfaces.
 #[derive(Clone, Debug)]
 pub struct Tie {
     sides: Sides,
@@ -33,22 +33,22 @@ pub struct Tie {
     start_gap: Vec<f64>,
 }
 
-/// What a pair of facets that is tied has.
+/// Constant data of a tied facet pair.
 #[derive(Clone, Debug)]
 pub(super) struct TiedPair {
-    /// Its nodes, secondary ones first.
+    /// Model node numbers, secondary nodes first.
     pub nodes: Vec<u32>,
     /// Indices of the secondary nodes.
     pub secondary: Vec<u32>,
-    /// The constant gradient, a row for each secondary node and direction over the coordinates of the nodes.
+    /// Constant gradient: one row per secondary node and direction, over the coordinates of the nodes.
     pub gradient: Vec<f64>,
-    /// What is covered of each secondary node.
+    /// Covered measure of each secondary node `[length^(D-1)]`.
     pub covered: Vec<f64>,
 }
 
 impl Tie {
-    /// Ties what lies within `reach` `[length]` of each other in the reference positions; surfaces by their facets (node numbers of the
-    /// model, the body on the left).
+    /// Ties points within `reach` `[length]` of each other in the reference positions; surfaces by their facets (model node numbers, the
+    /// body on the left).
     pub fn new(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64], reach: f64) -> Self {
         let sides = Sides::new(secondary, primary, reference);
         let (secondary, primary) = (&sides.secondary, &sides.primary);
@@ -70,7 +70,7 @@ impl Tie {
         Tie::of(sides, pairs)
     }
 
-    /// Surfaces tied by these pairs.
+    /// Surfaces tied by these facet pairs.
     pub(super) fn of(mut sides: Sides, pairs: Vec<TiedPair>) -> Self {
         let (nodal, rows) = (&sides.weights, sides.secondary.dimension());
         let mut covered = vec![0.0; nodal.len()];
@@ -84,14 +84,14 @@ impl Tie {
         Tie { sides, pairs, coverage, start_gap }
     }
 
-    /// Secondary nodes (numbers in the model) that are not tied: nothing lies opposite within reach.
+    /// Model numbers of secondary nodes without an opposite point within reach.
     pub fn untied(&self) -> Vec<u32> {
         let nodes = self.sides.secondary.nodes().iter().zip(self.coverage.iter().step_by(self.rows_per_node()));
         nodes.filter(|(_, coverage)| **coverage == 0.0).map(|(&node, _)| node).collect()
     }
 }
 
-/// Gradient of a pair's four rows and the covered length of each secondary node; `None` where nothing lies opposite within reach.
+/// Gradient of a pair's four constraints, and covered length of each secondary node; `None` without opposite points within reach.
 fn pair_gradient(nodes: [u32; 4], reference: &[f64], reach: f64) -> Option<([[f64; 8]; 4], [f64; 2])> {
     let z: [f64; 8] = std::array::from_fn(|i| reference[2 * nodes[i / 2] as usize + i % 2]);
     let at = |node: usize| [z[2 * node], z[2 * node + 1]];
@@ -215,7 +215,7 @@ mod tests {
         values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
     }
 
-    /// Two polygons of 40 and 48 corners on one circle, tied: they differ by the rise of their chords.
+    /// Two tied polygons with 40 and 48 corners on one circle, which differ by the sagittas of their chords.
     fn tied_rings() -> (Tie, Vec<f64>) {
         let Rings { inner, outer, q } = rings(40, 48, 0.0);
         let mut tie = Tie::new(&inner, &outer, &q, 0.05);
@@ -229,11 +229,11 @@ mod tests {
     fn polygons_through_one_circle_are_tied_all_around_and_fit_at_rest() {
         let (tie, q) = tied_rings();
         assert!(tie.untied().is_empty());
-        // Round-off of integrals about 0.16 times positions about 1.
+        // Round-off of integrals of about 0.16 times positions of about 1.
         assert!(largest(&tie.gap(&q)) < 1e-16 && tie.coverage.iter().all(|share| (share - 1.0).abs() < 1e-13));
     }
 
-    /// A rigid motion of everything changes nothing; a uniform stretch of everything neither: the offsets turn and stretch with the facets.
+    /// Rigid motions and uniform stretches of all nodes keep the constraints: the offsets rotate and stretch with the facets.
     #[test]
     fn similarities_keep_the_constraints() {
         let (tie, q) = tied_rings();
@@ -242,7 +242,7 @@ mod tests {
             moved.iter_mut().for_each(|x| *x = factor * *x + 5.0);
             assert!(largest(&tie.gap(&moved)) < 1e-15);
         }
-        // Turning one body alone by 0.1 opens a gap of weight times distance.
+        // Rotating one body by 0.1 opens a gap of weight times distance.
         let gaps = tie.gap(&turned(&q, 40, 0.1, 0.0));
         let expected = tie.sides.weights[0] * 2.0 * 0.05f64.sin();
         for gap in gaps.chunks_exact(2) {
@@ -250,7 +250,7 @@ mod tests {
         }
     }
 
-    /// The moment of the forces is multiplier times gap, so it vanishes where the constraints hold; the resultant always.
+    /// The moment of the forces is multiplier times gap and vanishes where the constraints hold; the resultant always vanishes.
     #[test]
     fn forces_have_no_resultant_and_no_moment_where_the_constraints_hold() {
         let (tie, q) = tied_rings();
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// Linear constraints: directional without correction.
+    /// Linear constraints are directional without correction.
     #[test]
     fn the_gradient_is_directional() {
         let (mut tie, q) = tied_rings();
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// Closed form: three facets over two, all matched: weights are the integrals of the hat functions; what hangs over is not tied.
+    /// Closed form: three facets over two matching ones; weights are integrals of hat functions, the overhanging part is not tied.
     #[test]
     fn only_what_lies_opposite_is_tied() {
         let q = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 3.0, 0.0, 1.9, 0.0, 0.9, 0.0, -0.1, 0.0];
@@ -287,7 +287,7 @@ mod tests {
         assert_eq!(tie.untied(), [3]);
         let share = |node: usize| tie.coverage[2 * node];
         assert!((share(0) - 1.0).abs() < 1e-15 && (share(1) - (1.0 - 0.1 * 0.05)).abs() < 1e-15);
-        // Far away nothing is tied.
+        // Distant surfaces are not tied.
         assert_eq!(Tie::new(&[[0, 1]], &[[4, 5]], &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.9, 0.0, 0.9, 0.0], 0.1).untied(), [0, 1]);
     }
 }

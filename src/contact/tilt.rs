@@ -1,9 +1,9 @@
-//! Tilt of the rim of a cylinder: by how much its nearest point is nearer to a plane than its center.
+//! Tilt of the rim of a cylinder relative to a plane: how much nearer its nearest point is than its center (`rolling.rs`).
 
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{RIM_FLAT, RIM_LEAST};
 
-/// Tilt of a rim with the axis `a` against the normal `n` of an obstacle: `s = n.a`, `h(s) = sqrt(1 - s^2)` and `h'(s)`.
+/// Tilt of a rim with axis `a` relative to the normal `n` of an obstacle: `s = n.a`, `h(s) = sqrt(1 - s^2)` and `h'(s)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tilt {
     sine: f64,
@@ -13,18 +13,18 @@ pub(super) struct Tilt {
 
 impl Tilt {
     pub fn of(sine: f64) -> Self {
-        // A rim that comes to lie flat within a step keeps a small height.
+        // A rim that becomes flat within a step keeps a small height.
         let height = (1.0 - sine * sine).max(RIM_LEAST * RIM_LEAST).sqrt();
         Tilt { sine, height, slope: -sine / height }
     }
 
-    /// True where the nodes of the rim hold it.
+    /// True for a flat rim, which nodal constraints hold.
     pub fn is_flat(&self) -> bool {
         self.height <= RIM_FLAT
     }
 
-    /// Derivative of `h` for the forces of a step from here, discrete or at a configuration, and its derivative with respect to `s` at the
-    /// end.
+    /// Derivative of `h` for the forces of a step from `self` to `end`, discrete or at a configuration, and its derivative with respect to
+    /// `s` at the end.
     pub fn to(self, end: Tilt, derivative: Derivative) -> [f64; 2] {
         let plain = |at: Tilt, share: f64| [at.slope, -share / at.height.powi(3)];
         match derivative {

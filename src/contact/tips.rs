@@ -1,11 +1,11 @@
-//! Convex corners of two surfaces that cross: beyond which side of which of them the other one lies.
+//! Convex corners of two surfaces that cross: the side beyond which the other corner lies (separating axis; `node_to_segment.rs`).
 //!
-//! Two wedges are apart where the line of a side of one of them has the other one wholly in front of it, so of their four sides those count
-//! from which the other wedge opens away, each by the distance of its tip. The largest of these distances is how far the wedges are
-//! apart, or, negative, what it takes to part them (the separating axes of two convex sets). The distance of a tip from the other body,
-//! for which the nearer of both sides counts, leads it on through the other tip, and sees it outside again behind that.
+//! Two wedges are separated by a side's line if the other wedge lies entirely in front of it. Candidates are those of their four sides from
+//! which the other wedge opens away, each with the distance of its tip. The largest of these distances is the separation of the wedges; if
+//! negative, the least motion that separates them. The distance of a tip from the other body, defined by the nearer of its two sides, would
+//! instead lead the tip through the other one and count it as outside beyond.
 
-/// A corner of a surface: its node, and those before and after it, the body on the left.
+/// Corner of a surface: positions of its node and of the nodes before and after it, the body on the left.
 #[derive(Clone, Copy, Debug)]
 pub struct Tip {
     pub before: [f64; 2],
@@ -13,26 +13,26 @@ pub struct Tip {
     pub after: [f64; 2],
 }
 
-/// Sine of the turn from which on a corner is sharp, 20 degrees.
+/// Sine of the smallest angle of a sharp corner, 20 degrees.
 const SHARP: f64 = 0.342;
 
-/// What parts two crossing tips with the least motion.
+/// Side whose line separates two crossing tips with the least motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parting {
-    /// The line of this side of the other tip (0: before, 1: after its node).
+    /// Side of the other tip (0: before, 1: after its node).
     AtOther(usize),
-    /// That of a side of the own tip; these sides of the other one do not part them.
+    /// Side of the own tip; `misleading` marks sides of the other tip that do not separate them.
     AtOwn { misleading: [bool; 2] },
 }
 
-/// A side of a tip: from where, and along what.
+/// Side of a tip: start point and vector.
 type Line = ([f64; 2], [f64; 2]);
 
 fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-/// How far a direction leads out of the body behind a line, over the line's length.
+/// Component of a direction along the outward normal of a line.
 fn outward(t: [f64; 2], d: [f64; 2]) -> f64 {
     (t[1] * d[0] - t[0] * d[1]) / t[0].hypot(t[1])
 }
@@ -52,7 +52,7 @@ impl Tip {
         self.sides().map(|(from, along)| outward(along, minus(x, from)))
     }
 
-    /// For each side the distance of another tip from it, where the other body opens away from it.
+    /// Distance of another tip from each side from which the other body opens away; `None` for other sides.
     fn apart(&self, other: &Tip) -> [Option<f64>; 2] {
         let gaps = self.gaps(other.at);
         [0, 1].map(|side| {
@@ -62,7 +62,7 @@ impl Tip {
         })
     }
 
-    /// Whether a side of one crosses a side of the other.
+    /// True if a side of one tip crosses a side of the other.
     fn crosses(&self, other: &Tip) -> bool {
         let is_cut = |(from, along): Line, (start, way): Line| {
             let side = |x: [f64; 2]| outward(along, minus(x, from));
@@ -71,7 +71,7 @@ impl Tip {
         self.sides().iter().any(|&own| other.sides().iter().any(|&side| is_cut(own, side) && is_cut(side, own)))
     }
 
-    /// What parts this tip from another one with the least motion, where they are sharp and cross.
+    /// Side that separates this tip from another one with the least motion; `None` unless both are sharp and cross.
     pub fn parting(&self, other: &Tip) -> Option<Parting> {
         if !self.is_sharp() || !other.is_sharp() || !self.crosses(other) {
             return None;
@@ -94,7 +94,7 @@ impl Tip {
 mod tests {
     use super::*;
 
-    /// A corner half as wide as it is long, its tip at `x`, that points to the right or up.
+    /// Corner half as wide as long with its tip at `x`, pointing right or up.
     fn tip(points_up: bool, x: [f64; 2]) -> Tip {
         let at = |[a, b]: [f64; 2]| if points_up { [x[0] - b, x[1] + a] } else { [x[0] + a, x[1] + b] };
         Tip { before: at([-1.0, -0.5]), at: x, after: at([-1.0, 0.5]) }
@@ -104,14 +104,14 @@ mod tests {
     fn what_parts_two_tips_is_the_least_motion_that_does() {
         let up = tip(true, [0.0, 0.0]);
         let parting = |x: [f64; 2]| [tip(false, x).parting(&up), up.parting(&tip(false, x))];
-        // Beside the other one, above it.
+        // Beside the other tip, above it.
         assert_eq!([parting([-0.3, -0.3]), parting([0.2, 0.4])], [[None; 2]; 2]);
-        // A little into it, where the nearer side is the one that leads on through; and out there.
+        // Slightly inside, where the nearer side would lead it through, and the way out.
         for x in [[0.01, -0.3], [0.14, -0.3], [0.2, -0.3]] {
             let back = Some(Parting::AtOwn { misleading: [false, true] });
             assert_eq!(parting(x), [Some(Parting::AtOther(1)), back], "{x:?}");
         }
-        // So far through that the other one's tip is nearer to a side of it.
+        // So deep that the other tip is nearer to one of its sides.
         let back = Some(Parting::AtOwn { misleading: [true, false] });
         assert_eq!(parting([0.4, -0.3]), [back, Some(Parting::AtOther(0))]);
     }

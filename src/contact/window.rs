@@ -1,20 +1,19 @@
-//! Which of the facet pairs within reach take part in a step: those whose gap, somewhere on their overlap, could close in it.
+//! Selection of the facet pairs that take part in a step: those whose gap could close in it somewhere on their overlap.
 //!
-//! A pair with an opening would make up for the overlap of another one in the weighted gap of their node, and a pair that looks through
-//! both bodies from their far sides would count as a deep overlap. So a pair takes part while, on its overlap,
+//! An open pair would offset the overlap of another pair in the weighted gap of a node, and a pair of far sides of two thin bodies would
+//! count as a deep overlap. A pair therefore takes part while, on its overlap,
 //!
 //! ```text
 //! least gap <= h/2 + travel      and      largest gap > -1/2 min(|t|, thickness of both bodies)
 //! ```
 //!
-//! with the shortest secondary facet `h`, the pair's own relative motion in the step, and the length `|t|` of its secondary facet; while
-//! its facets look at each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 travel` of each other, which every search sees.
-//! All of it is known at the start of the step, and of the pair alone: neither the reach of the search nor a fast node elsewhere changes
-//! what takes part. Of the pairs that are left, `slivers.rs` takes out those whose overlap may begin or end in the step beside a corner.
+//! with the shortest secondary facet `h`, the relative motion bound `travel` of the pair, and the length `|t|` of its secondary facet;
+//! while its facets face each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 travel` of each other, which every search
+//! covers. The decision depends on the pair and on the start of the step only, not on the search distance or on fast nodes elsewhere.
+//! `slivers.rs` then excludes pairs whose overlap may begin or end in the step beside a corner.
 //!
-//! At rest bodies may be pressed together that overlap by many facets. There whoever begins a step says how deep its contact overlaps
-//! ([`Outlook::depth`]), and that takes the place of `|t|/2`; both boxes may be as much farther apart, and thickness is measured to twice
-//! that depth, so that far sides stay out.
+//! At rest, bodies that overlap by many facets may be pressed apart. The overlap is then given ([`Outlook::depth`]) and replaces `|t|/2`:
+//! boxes may be farther apart by the same amount, and thickness is measured to twice that depth, which keeps far sides excluded.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -23,63 +22,61 @@ use super::faces;
 use super::surface::{Sides, Surface};
 use crate::math::tolerances::{FACING, OPPOSITE};
 
-/// Opening beyond the expected approach, in shortest secondary facets, up to which a pair takes part.
+/// Opening beyond the motion bound, in shortest secondary facets, up to which a pair takes part.
 const OPEN: f64 = 0.5;
 
 /// Overlap in secondary facets, or in thicknesses of both bodies together, up to which a pair takes part.
 const DEEP: f64 = 0.5;
 
-/// Reach of the search, beyond the shortest secondary facet, in units of the largest relative motion: an approach along the normal and as
-/// much sliding across it.
+/// Search distance beyond the shortest secondary facet, in units of the largest relative motion: normal approach plus equal sliding.
 const DIAGONAL: f64 = 1.5;
 
-/// What is known of a step before it is solved.
+/// Predicted motion of a step, from which its search horizon follows.
 #[derive(Clone, Copy, Debug)]
 pub struct Outlook<'a> {
-    /// Positions at its start.
+    /// Positions at the start of the step `[length]`.
     pub q: &'a [f64],
-    /// How nodes may move.
+    /// Motion bound of the nodes.
     pub travel: Travel<'a>,
-    /// Multiple of the reach with which pairs are searched for; results do not depend on it.
+    /// Factor on the search distance; results do not depend on it.
     pub reach: f64,
-    /// Overlap up to which pairs take part at rest, where bodies are pressed apart; 0 in motion, where no pair comes to be so deep
-    /// `[length]`.
+    /// Overlap up to which pairs take part at rest, where bodies are pressed apart; 0 in motion `[length]`.
     pub depth: f64,
 }
 
-/// Motion of nodes relative to each other within a step.
+/// Bound of the relative motion of nodes within a step.
 #[derive(Clone, Copy, Debug)]
 pub enum Travel<'a> {
-    /// Any two nodes by up to this much `[length]`.
+    /// Common bound for any two nodes `[length]`.
     UpTo(f64),
-    /// Each node by so much in any direction.
+    /// Bound for each node in any direction.
     Each {
-        /// Of every node `[length]`.
+        /// Bound of each node `[length]`.
         sizes: &'a [f64],
-        /// Of any two nodes besides `[length]`.
+        /// Additional relative motion of any two nodes `[length]`.
         besides: f64,
     },
-    /// As by either of two guesses of all displacements, times a factor.
+    /// Two predicted displacement fields; the bound is the larger relative motion times a factor.
     Guessed {
         /// Displacements `[length]`, component by component.
         displacements: [&'a [f64]; 2],
-        /// By how much larger the motion may be.
+        /// Safety factor on the predicted motion.
         factor: f64,
     },
 }
 
 impl<'a> Outlook<'a> {
-    /// A step from `q` in which nodes move relative to each other by no more than `travel` `[length]`.
+    /// Step from `q` in which nodes move relative to each other by at most `travel` `[length]`.
     pub fn within(q: &'a [f64], travel: f64) -> Self {
         Outlook { q, travel: Travel::UpTo(travel), reach: 1.0, depth: 0.0 }
     }
 
-    /// Distance within which a pair of surfaces is searched `[length]`.
+    /// Search distance for facet pairs `[length]`.
     pub(super) fn search_margin(&self, sides: &Sides) -> f64 {
         self.reach * self.margin(sides)
     }
 
-    /// Distance within which nothing is missed that may take part `[length]`.
+    /// Search horizon: distance within which all pairs are that may take part `[length]`.
     pub(super) fn margin(&self, sides: &Sides) -> f64 {
         let travel = match self.travel {
             Travel::UpTo(travel) => travel,
@@ -103,7 +100,7 @@ impl<'a> Outlook<'a> {
         sides.facet_size + DIAGONAL * travel + self.depth
     }
 
-    /// Relative motion of nodes of two facets, or of a node and a facet, in `D` dimensions `[length]`.
+    /// Bound of the relative motion of nodes of two facets, or of a node and a facet, in `D` dimensions `[length]`.
     pub(super) fn travel<const D: usize>(&self, own: &[u32], other: &[u32]) -> f64 {
         match self.travel {
             Travel::UpTo(travel) => travel,
@@ -122,28 +119,28 @@ impl<'a> Outlook<'a> {
     }
 }
 
-/// Largest of some nodes' values.
+/// Largest value of some nodes.
 fn largest(sizes: &[f64], nodes: &[u32]) -> f64 {
     nodes.iter().fold(0.0, |largest, &node| largest.max(sizes[node as usize]))
 }
 
-/// What decides which pairs of two surfaces take part.
+/// Geometry of two surfaces that selects the pairs which take part.
 #[derive(Clone, Debug)]
 pub struct Window {
-    /// Thickness of the bodies behind the facets of both sides in the reference positions, as far as their far sides are in the contact
+    /// Body thickness behind the facets of both sides in the reference positions, measured to far sides that belong to the contact
     /// `[length]`.
     thickness: [Vec<f64>; 2],
-    /// How far thickness has been measured on each side, infinite beyond `[length]`.
+    /// Distance to which thickness has been measured on each side; larger values are infinite `[length]`.
     measured: [f64; 2],
-    /// Positions there, and the sizes of the facets `[length]`.
+    /// Reference positions, and sizes of the facets `[length]`.
     reference: Vec<f64>,
     lengths: [Vec<f64>; 2],
     facet_size: f64,
-    /// Overlap up to which pairs take part in this step, where that is more than in motion `[length]`.
+    /// Overlap up to which pairs take part in this step at rest; 0 in motion `[length]`.
     depth: f64,
 }
 
-/// Least and largest gap of a pair on its overlap, and the overlap that is too deep for it.
+/// Least and largest gap of a pair on its overlap, and the penetration from which it is excluded `[length]`.
 #[derive(Clone, Copy, Debug)]
 struct Gaps {
     least: f64,
@@ -152,17 +149,17 @@ struct Gaps {
 }
 
 impl Window {
-    /// The window of two surfaces, their bodies measured in the reference positions.
+    /// Window of two surfaces; facets and bodies are measured in the reference positions.
     pub fn new(sides: &Sides, reference: &[f64]) -> Self {
         let surfaces = [&sides.secondary, &sides.primary];
         let lengths = surfaces.map(|surface| (0..surface.count()).map(|facet| surface.facet_size(facet, reference)).collect::<Vec<f64>>());
-        // In motion only what is thinner than a facet matters.
+        // In motion only thickness below a facet length matters.
         let measured = [0, 1].map(|side| lengths[side].iter().copied().fold(0.0, f64::max));
         let thickness = [0, 1].map(|side| thickness(surfaces[side], reference, measured[side]));
         Window { thickness, measured, reference: reference.to_vec(), lengths, facet_size: sides.facet_size, depth: 0.0 }
     }
 
-    /// Makes ready for a step in which pairs may be so deep at the start `[length]`.
+    /// Prepares for a step whose pairs may overlap by `depth` at its start `[length]`.
     pub fn begin(&mut self, sides: &Sides, depth: f64) {
         self.depth = depth;
         let needed = depth / DEEP;
@@ -173,17 +170,17 @@ impl Window {
         }
     }
 
-    /// Overlap from which on facets of that length, or bodies so thick between their sides, are too deep for each other `[length]`.
+    /// Penetration from which pairs with that facet length and total body thickness are excluded `[length]`.
     fn deep(&self, length: f64, thickness: f64) -> f64 {
         (DEEP * length.min(thickness)).max(self.depth.min(DEEP * thickness))
     }
 
-    /// Overlap up to which a node takes part in this step, where that is more than in motion `[length]`.
+    /// Overlap up to which nodes take part in this step at rest; 0 in motion `[length]`.
     pub(super) fn depth(&self) -> f64 {
         self.depth
     }
 
-    /// Whether a pair (secondary facet, primary facet) takes part in a step.
+    /// True if a pair (secondary facet, primary facet) takes part in a step.
     pub fn admits(&self, pair: [u32; 2], sides: &Sides, outlook: &Outlook) -> bool {
         let travel = Self::travel(pair, sides, outlook);
         if !self.is_within(pair, sides, outlook.q, self.facet_size + DIAGONAL * travel + self.depth) {
@@ -193,19 +190,19 @@ impl Window {
         gaps.is_some_and(|gaps| gaps.least <= OPEN * self.facet_size + travel && gaps.largest > -gaps.deep)
     }
 
-    /// Relative motion of the nodes of a pair in a step `[length]`.
+    /// Bound of the relative motion of a pair's nodes in a step `[length]`.
     fn travel([own, other]: [u32; 2], sides: &Sides, outlook: &Outlook) -> f64 {
         let (own, other) = (sides.secondary.facet(own as usize), sides.primary.facet(other as usize));
         if sides.secondary.dimension() == 2 { outlook.travel::<2>(own, other) } else { outlook.travel::<3>(own, other) }
     }
 
-    /// True if the least gap of a pair on its overlap at `q` is at most the shortest secondary facet: a measure that turns with the model,
-    /// which the distance of the boxes along the axes does not.
+    /// True if the least gap of a pair on its overlap at `q` is at most the shortest secondary facet. Unlike the distance of axis-aligned
+    /// boxes, this is invariant under rotation of the model.
     pub(super) fn is_beside(&self, pair: [u32; 2], sides: &Sides, q: &[f64]) -> bool {
         self.gaps(pair, sides, q, 0.0).is_some_and(|gaps| gaps.least <= self.facet_size)
     }
 
-    /// Whether the boxes of a pair's facets are within `margin` of each other.
+    /// True if the boxes of a pair's facets are within `margin` of each other.
     fn is_within(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], margin: f64) -> bool {
         let (own, other) = (sides.secondary.facet(own as usize), sides.primary.facet(other as usize));
         let dimension = sides.secondary.dimension();
@@ -219,13 +216,13 @@ impl Window {
         })
     }
 
-    /// Distance within which all pairs are that overlap at `q` and are not too deep for it `[length]`.
+    /// Distance within which all pairs are that overlap at `q` and are not excluded as too deep `[length]`.
     pub fn deepest(&self, sides: &Sides, q: &[f64]) -> f64 {
         let now = (0..sides.secondary.count()).map(|facet| sides.secondary.facet_size(facet, q));
         self.depth.max(DEEP * self.lengths.iter().flatten().copied().chain(now).fold(0.0, f64::max))
     }
 
-    /// Whether a pair that took no part in the step from `q_0` to `q_1`, because it was open, overlaps at its end.
+    /// True if a pair that was open at `q_0`, and excluded from the step to `q_1`, overlaps at its end.
     pub fn is_overlooked(&self, pair: [u32; 2], sides: &Sides, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let closed = |gaps: Gaps| gaps.least < -tolerance && gaps.largest > -gaps.deep;
         if !self.gaps(pair, sides, q_1, 0.0).is_some_and(closed) {
@@ -237,8 +234,8 @@ impl Window {
         self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
     }
 
-    /// Whether a facet of the other side may be opposite a node of a side (0: secondary), between these facets, that lies `gap` in front of
-    /// it, as far as depth decides.
+    /// True unless a node of `side` (0: secondary) with the adjacent facets `own_facets` is too deep behind facet `other` of the other
+    /// side; `gap` is the gap of the node to that facet.
     pub fn admits_depth(&self, side: usize, own_facets: &[u32], other: u32, gap: f64) -> bool {
         let (thickness, lengths, other) = (&self.thickness[side], &self.lengths[side], other as usize);
         let own = own_facets.iter().map(|&facet| thickness[facet as usize]).fold(f64::INFINITY, f64::min);
@@ -246,7 +243,7 @@ impl Window {
         gap > -self.deep(length, own + self.thickness[1 - side][other])
     }
 
-    /// Gaps of a pair where the facets are opposite each other, or would be after sliding by `spare`; nothing where they never are.
+    /// Gaps of a pair on its overlap, widened by a sliding distance `spare`; `None` without overlap.
     fn gaps(&self, [own, other]: [u32; 2], sides: &Sides, q: &[f64], spare: f64) -> Option<Gaps> {
         if sides.secondary.dimension() == 3 {
             let [least, largest] = faces::gaps(sides.secondary.facet(own as usize), sides.primary.facet(other as usize), q, spare)?;
@@ -280,8 +277,8 @@ impl Window {
     }
 }
 
-/// Distance from the middle of each facet of a surface to the nearest one behind it that looks the other way, as far as it is below
-/// `reach`; infinite beyond.
+/// Distance from the middle of each facet along the inward normal to the next facet with the opposite orientation; infinite from `reach`
+/// on.
 fn thickness(surface: &Surface, reference: &[f64], reach: f64) -> Vec<f64> {
     if surface.dimension() == 3 {
         return faces::thickness((0..surface.count()).map(|facet| surface.facet(facet)), reference, reach);
@@ -296,7 +293,7 @@ fn thickness(surface: &Surface, reference: &[f64], reach: f64) -> Vec<f64> {
         let inward = [-t[1] / length, t[0] / length];
         let end = [middle[0] + reach * inward[0], middle[1] + reach * inward[1]];
         let distance = |[c, d]: [[f64; 2]; 2]| -> Option<f64> {
-            // middle + r inward = c + k (d - c); the ray leaves a body where a facet's outward normal (u_y, -u_x) has a part along it.
+            // middle + r inward = c + k (d - c); the ray leaves a body where the outward normal (u_y, -u_x) has a component along it.
             let (u, from) = ([d[0] - c[0], d[1] - c[1]], [c[0] - middle[0], c[1] - middle[1]]);
             let cross = inward[0] * u[1] - inward[1] * u[0];
             if cross <= FACING * u[0].hypot(u[1]) {
@@ -316,7 +313,7 @@ fn thickness(surface: &Surface, reference: &[f64], reach: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A plate of two facets on each face, its lower left corner at `(x, y)`, nodes counter-clockwise from the lower left.
+    /// Plate with two facets on each face, its lower left corner at `(x, y)`, nodes counter-clockwise from the lower left.
     fn plate(first: u32, x: f64, y: f64, thick: f64) -> (Vec<[u32; 2]>, Vec<f64>) {
         let facets = vec![[first, first + 1], [first + 1, first + 2], [first + 3, first + 4], [first + 4, first + 5]];
         let q = vec![x, y, x + 1.0, y, x + 2.0, y, x + 2.0, y + thick, x + 1.0, y + thick, x, y + thick];
@@ -341,7 +338,7 @@ mod tests {
         assert!(Window::new(&only, &q).thickness[0].iter().all(|t| t.is_infinite()), "the far side is not in the contact");
     }
 
-    /// The faces that meet take part, from the window's opening on; those that look through both plates never do.
+    /// Facing pairs take part from the opening of the window on; pairs of far sides never do.
     #[test]
     fn faces_that_look_through_the_bodies_take_no_part() {
         for (distance, travel, meet) in [(0.05, 0.0, true), (-0.02, 0.0, true), (0.49, 0.0, true), (0.51, 0.0, false), (0.9, 0.41, true)] {
@@ -368,7 +365,7 @@ mod tests {
         let (sides, q) = sides(0.6);
         let window = Window::new(&sides, &q);
         let mut u = vec![0.0; q.len()];
-        // The whole lower plate and the upper one move together, but for the left end of the upper plate.
+        // All nodes move together except the left end of the upper plate.
         u.chunks_exact_mut(2).for_each(|u| u[1] = -5.0);
         let together = [&u[..]; 2];
         let outlook = Outlook { q: &q, travel: Travel::Guessed { displacements: together, factor: 1.0 }, reach: 1.0, depth: 0.0 };
@@ -391,7 +388,8 @@ mod tests {
         assert!(!window.is_overlooked([2, 1], &sides, &q_0, &lowered(0.65), 1e-12), "looks through both plates");
     }
 
-    /// What is told to be deep at rest takes part as deep, but never the far sides of thin bodies: the plates are 0.1 and 0.2 thick.
+    /// With a given depth at rest, pairs take part up to that depth, but never the far sides of thin bodies: the plates are 0.1 and 0.2
+    /// thick.
     #[test]
     fn at_rest_pairs_take_part_as_deep_as_is_told() {
         for (distance, depth, meet) in [(-0.14, 0.0, true), (-0.16, 0.0, false), (-0.14, 0.2, true), (-0.16, 0.2, false)] {
@@ -402,7 +400,7 @@ mod tests {
             assert_eq!(window.admits([0, 3], &sides, &outlook), meet, "{distance} {depth}");
             assert!(!meet || !window.admits([2, 0], &sides, &outlook), "far sides: {distance} {depth}");
         }
-        // The near faces alone are deep inside each other by three facets.
+        // Only the near faces overlap, by three facets.
         let (upper, mut q) = plate(0, 0.0, -3.0, 4.0);
         let (lower, below) = plate(6, 0.3, -4.0, 4.0);
         q.extend(below);

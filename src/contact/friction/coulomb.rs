@@ -1,30 +1,30 @@
-//! Coulomb's law and its kin.
+//! Coulomb's friction law with static friction, adhesion, maximum shear stress and a viscous film.
 
 use std::sync::Arc;
 
 use super::law::{FrictionLaw, Limit, Sliding};
 
+/// Largest shear stress `L`, and film stress:
 /// ```text
 /// L = min(mu(v) p + min(adhesion(v), 10 p), most),    and a film of shear stress min(viscosity v, 10 p)
 /// mu(v) = mu (1 + (static_ratio - 1) exp(-(v/transition_speed)^exponent)),    adhesion(v) = adhesion exp(-(v/transition_speed)^exponent)
 /// ```
 ///
-/// with the pressure `p`, the speed `v` and the coefficient `mu` of sliding. Coulomb's law has `mu` alone; `static_ratio` is the
-/// coefficient at rest over it (Stribeck's curve with `exponent` 2 and a viscosity), `most` the shear stress that the material bears (Shaw,
-/// Orowan).
+/// with the pressure `p`, the slip speed `v` and the kinetic coefficient `mu`. `mu` alone is Coulomb's law, `static_ratio` with `exponent`
+/// 2 and a viscosity the Stribeck curve. `most` is the maximum shear stress of the material (Shaw, Orowan).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coulomb {
-    /// Coefficient at rest over that of sliding, 1 or more.
+    /// Static over kinetic friction coefficient, at least 1.
     pub static_ratio: f64,
-    /// Speed that parts rest from sliding `[length/time]`; infinite: everything counts as rest.
+    /// Speed of the transition from static to kinetic friction `[length/time]`; infinite: static at every speed.
     pub transition_speed: f64,
     /// Exponent of the transition, 1 or 2.
     pub exponent: f64,
-    /// Shear stress that a point bears at rest without pressure, while it is in contact `[stress]`.
+    /// Shear strength at zero pressure and zero speed, while in contact `[stress]`.
     pub adhesion: f64,
-    /// The most that friction of either kind comes to `[stress]`.
+    /// Maximum shear stress of dry friction `[stress]`.
     pub most: f64,
-    /// Shear stress per speed of a film between the surfaces `[stress time/length]`.
+    /// Film shear stress per slip speed `[stress time/length]`.
     pub viscosity: f64,
 }
 
@@ -45,7 +45,7 @@ impl FrictionLaw for Coulomb {
         };
         let over = self.static_ratio - 1.0;
         let mu = coefficient * (1.0 + over * rest);
-        // What does not fade with the pressure has no state that holds where a node opens.
+        // A stress that does not vanish with the pressure admits no equilibrium where a node opens.
         let (adhesion, bound) = (self.adhesion * rest, ROUGH * pressure);
         let is_bound = adhesion > bound;
         let dry = mu * pressure + adhesion.min(bound);
@@ -74,8 +74,8 @@ impl FrictionLaw for Coulomb {
     }
 }
 
-/// Shear stress over pressure that nothing exceeds: were it not bound by the pressure, a node that opens would lose a finite shear
-/// stress at once, and find no state that holds. It is the coefficient of surfaces that count as rough.
+/// Largest ratio of shear stress to pressure, also the coefficient of rough surfaces. Without this bound a node that opens would lose a
+/// finite shear stress at once, and the step would have no solution.
 pub const ROUGH: f64 = 10.0;
 
 #[cfg(test)]

@@ -1,25 +1,25 @@
-//! A coefficient of friction that any function of the speed gives.
+//! Friction law whose coefficient is a piecewise linear function of the slip speed.
 
 use std::sync::Arc;
 
 use super::law::{FrictionLaw, Limit, Sliding};
 
-/// `L = mu f(v) p` with a function of the speed that is linear between given points and constant beyond them.
+/// `L = mu f(v) p`; `f` is linear between the given points and constant beyond them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionCurve {
-    /// Speeds and the coefficients there.
+    /// Points `(speed, f)`, speeds ascending.
     points: Vec<(f64, f64)>,
 }
 
 impl FrictionCurve {
-    /// Through `(speed, coefficient)` points; `None` where there are none, speeds do not increase, or a number is negative or not finite.
+    /// Law through `(speed, coefficient)` points; `None` without points, for speeds that do not increase, negative or non-finite numbers.
     pub fn new(points: Vec<(f64, f64)>) -> Option<Self> {
         let is_sound = points.iter().all(|(speed, value)| speed.is_finite() && value.is_finite() && *speed >= 0.0 && *value >= 0.0);
         let increases = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
         (is_sound && increases && !points.is_empty()).then_some(FrictionCurve { points })
     }
 
-    /// The coefficient at a speed, and its derivative.
+    /// Coefficient at a speed, and its derivative.
     fn at(&self, speed: f64) -> (f64, f64) {
         match self.points.partition_point(|point| point.0 <= speed) {
             0 => (self.points[0].1, 0.0),

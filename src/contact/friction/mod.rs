@@ -1,4 +1,4 @@
-//! Laws of friction: how large the shear stress between two surfaces is. One file each.
+//! Friction laws, one file each: largest shear stress as a function of pressure and slip speed.
 
 mod coulomb;
 mod curve;

@@ -1,17 +1,17 @@
-//! Part of the gap that the height profiles of two triangles close (`profiles.rs`).
+//! Part of the gap closed by the height profiles of two triangles (`profiles.rs`), with derivatives; used by `pair.rs` and `polygon.rs`.
 //!
-//! With the secondary profile `B_1(L)`, the primary one `B_2(M)` and the slope `m` of the primary triangle against the view,
+//! With the secondary profile `B_1(L)`, the primary profile `B_2(M)`, and the slope `m` of the primary triangle to the plane of projection,
 //!
 //! ```text
 //! C = B_1 + B_2 (1 + |mu|^2/2) - B_2 mu.grad B_2,      mu = m/(1 + |m|^2/2)                     [length]
 //! ```
 //!
-//! A point at the height `B` over the place `xi` of the primary triangle is seen at `xi + m B/c`, lower than the triangle there by `c B`,
-//! `c^2 = 1 + |m|^2`: `C` is `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. `C` is a cubic
-//! polynomial on a polygon, so a rule of degree four and three Gauss points on an edge are exact, however a polygon is cut.
+//! A point of the primary curve at the height `B` over `xi` projects to `xi + m B/c`, lower than the triangle there by `c B`,
+//! `c^2 = 1 + |m|^2`. `C` equals `B_1 + c B_2(p - m B_2/c)` to second order in `m`; the bounded `mu` keeps steep pairs finite. On a polygon
+//! `C` is a cubic polynomial, so that a rule of degree four and three Gauss points per edge are exact for every subdivision of the polygon.
 //!
-//! `Phi` has the term `-int W C dA`. With `q_k = mu.grad M_k`, `e = 1 + |mu|^2/2 - sum q_k dB_2/dM_k`, `A = int W B_2`,
-//! `Q = -int W B_2 grad B_2` and `G = (d mu/d m)(A mu + Q)` its derivatives are, beside those of edges (`polygon.rs`),
+//! The profiles contribute `-int W C dA` to `Phi`. With `q_k = mu.grad M_k`, `e = 1 + |mu|^2/2 - sum q_k dB_2/dM_k`, `A = int W B_2`,
+//! `Q = -int W B_2 grad B_2` and `G = (d mu/d m)(A mu + Q)` its derivatives, without those of edges (`polygon.rs`), are
 //!
 //! ```text
 //! d/dp_j =   int N_j (W grad B_1 + C grad W) dA
@@ -24,7 +24,7 @@ use super::profiles::{Form, derivatives, value};
 use super::vertices::{Forces, OfBoth, Vertex, shape_gradients, slope_of};
 use crate::contact::numbers::Number;
 
-/// Points of a triangle with their shares of its area: polynomials of degree four are integrated exactly (Dunavant, IJNME 21, 1985).
+/// Quadrature points of a triangle (area coordinates) and weights, exact to degree four (Dunavant, IJNME 21, 1985).
 const POINTS: [([f64; 3], f64); 6] = {
     const A: f64 = 0.445_948_490_915_964_9;
     const B: f64 = 0.091_576_213_509_770_74;
@@ -45,12 +45,12 @@ const POINTS: [([f64; 3], f64); 6] = {
 /// Three Gauss points on [0, 1] with their weights.
 const GAUSS: [(f64, f64); 3] = [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
-/// Height profiles of the two triangles of a polygon, seen along the view.
+/// Height profiles of the two triangles of a polygon, in the plane of projection.
 pub struct Closing<T> {
     forms: OfBoth2<Form>,
     /// Gradients of the shape functions of both triangles.
     gradients: OfBoth<[T; 2]>,
-    /// Slope `m` of the primary triangle, `1/(1 + |m|^2/2)` and `mu`.
+    /// Slope `m` of the primary triangle, `1/(1 + |m|^2/2)`, and `mu`.
     slope: [T; 2],
     per: T,
     mu: [T; 2],
@@ -60,12 +60,12 @@ pub struct Closing<T> {
     r: [T; 3],
 }
 
-/// One for each side, the secondary one first.
+/// One value per side, secondary first.
 type OfBoth2<T> = [T; 2];
 
-/// Integrals over a polygon of which the forces of profiles consist.
+/// Integrals over a polygon from which the forces of profiles are computed.
 struct Integrals<T, R> {
-    /// `int W N_j` and `int W M_j` times the differences of the derivatives of `B_1` and `C` with respect to shape functions.
+    /// `int W N_j` and `int W M_j` times differences of the derivatives of `B_1` and `C` with respect to shape functions.
     of_slopes: [[[R; 2]; 3]; 2],
     /// `int C N_j`.
     closed: [T; 3],
@@ -79,13 +79,13 @@ fn plane_product<T: Copy, R: Number + Mul<T, Output = R>>(a: [R; 2], b: [T; 2]) 
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Differences against the first of three numbers.
+/// Differences of the second and third number to the first one.
 #[inline(always)]
 fn differences<T: Number>(of: &[T; 3]) -> [T; 2] {
     [of[1] - of[0], of[2] - of[0]]
 }
 
-/// Shape functions of both triangles at a point, by its shares in three corners of a polygon.
+/// Shape functions of both triangles at a point, given by its area coordinates in three corners of a polygon.
 #[inline(always)]
 fn shapes<T: Number>(corners: [&Vertex<T>; 3], at: &[f64; 3]) -> OfBoth<T> {
     let mut shapes = [[T::from(0.0); 3]; 2];
@@ -100,7 +100,7 @@ fn shapes<T: Number>(corners: [&Vertex<T>; 3], at: &[f64; 3]) -> OfBoth<T> {
 }
 
 impl<T: Number> Closing<T> {
-    /// Height profiles of the two triangles of a polygon, from areas of the triangles and places and heights of their corners.
+    /// Height profiles of the two triangles of a polygon: double areas of the triangles, plane coordinates and heights of their corners.
     #[inline(always)]
     pub fn new(areas: &[T; 2], places: &OfBoth<[T; 2]>, heights: &OfBoth<f64>, forms: [Form; 2]) -> Self
     where
@@ -119,20 +119,20 @@ impl<T: Number> Closing<T> {
         Closing { forms, gradients, slope, per, mu, even, q, r: derivatives(&forms[1], &q) }
     }
 
-    /// Factor `e` of the primary height, by the derivatives of that.
+    /// Factor `e` of the primary height, from its derivatives.
     #[inline(always)]
     fn factor(&self, rises: &[T; 3]) -> T {
         self.even - (self.q[0] * rises[0] + self.q[1] * rises[1] + self.q[2] * rises[2])
     }
 
-    /// `C` at a point.
+    /// Closed part `C` of the gap at a point.
     #[inline(always)]
     fn at(&self, [l, m]: &OfBoth<T>) -> T {
         let [own, other] = [derivatives(&self.forms[0], l), derivatives(&self.forms[1], m)];
         value(&own, l) + value(&other, m) * self.factor(&other)
     }
 
-    /// `int C N_j dA` over a polygon.
+    /// Integrals `int C N_j dA` over a polygon.
     #[inline(always)]
     pub fn closed(&self, vertices: &[Vertex<T>]) -> [T; 3] {
         let mut closed = [T::from(0.0); 3];
@@ -185,21 +185,21 @@ impl<T: Number> Closing<T> {
         sums
     }
 
-    /// Vector in the plane by its components along the gradients of the second and third shape function of a side.
+    /// Plane vector from its components along the gradients of the second and third shape function of a side.
     #[inline(always)]
     fn along<R: Number + Mul<T, Output = R>>(&self, side: usize, parts: [R; 2]) -> [R; 2] {
         let [_, b, c] = self.gradients[side];
         [parts[0] * b[0] + parts[1] * c[0], parts[0] * b[1] + parts[1] * c[1]]
     }
 
-    /// `(d mu/d m) g`.
+    /// Product `(d mu/d m) g`.
     #[inline(always)]
     fn by_slope<R: Number + Mul<T, Output = R>>(&self, g: [R; 2]) -> [R; 2] {
         let along = plane_product(g, self.mu);
         [g[0] * self.per - along * self.mu[0], g[1] * self.per - along * self.mu[1]]
     }
 
-    /// Adds the forces of the profiles on a polygon, those of its edges apart.
+    /// Adds the forces of the profiles on a polygon, without those of its edges.
     #[inline(always)]
     pub fn forces_into<W, R>(&self, vertices: &[Vertex<T>], weights: &[W; 3], forces: &mut Forces<R>)
     where
@@ -222,7 +222,7 @@ impl<T: Number> Closing<T> {
         }
     }
 
-    /// Integrals of `W C f` over an edge for an affine `f`, over the edge's length: one share for the value at either end.
+    /// Integrals of `W C f` over an edge for affine `f`, divided by the edge's length: coefficients of the values of `f` at both ends.
     #[inline(always)]
     pub fn along_edge<R: Number + Mul<T, Output = R>>(&self, ends: [&Vertex<T>; 2], weight: [R; 2]) -> [R; 2] {
         let mut sums = [R::from(0.0); 2];
@@ -259,7 +259,7 @@ impl Closing<f64> {
         let (tilt, [m, mu]) = (self.along(1, sums.tilt), [self.slope, self.mu]);
         let g: [f64; 2] = std::array::from_fn(|i| sums.height * mu[i] + tilt[i]);
         let along = plane_product(m, g);
-        // Derivative of (d mu/d m) g at a constant g, and that of g.
+        // Derivative of (d mu/d m) g at constant g, plus that of g.
         let square = self.per * self.per;
         let of_slope = |a: usize, b: usize| {
             let unit = if a == b { 1.0 } else { 0.0 };

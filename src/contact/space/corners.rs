@@ -1,11 +1,11 @@
-//! Sharp vertices and edges of two bodies in space that the weighted gaps of their surfaces do not see.
+//! Constraints of sharp vertices and edges of two bodies in space, whose penetration the weighted gaps of their surfaces do not detect.
 //!
-//! For convex bodies the depth of an overlap is the largest gap over the faces of the Minkowski difference: every such face is a vertex of
-//! one body on a facet of the other, or two edges that cross. So a vertex on a sharp edge, or on a bump, has a row against each facet
-//! opposite it, and a sharp edge one against each sharp edge that it crosses, if all next to the feature recedes along the row's normal:
-//! then the pair is such a face. Rows and their signs are chosen at the start of a step, where it begins and where it is predicted to end.
-//! A row with an overlap goes where a shallower one near by parts the bodies along another direction (`found.rs`). Rows stand in a few
-//! slots for each feature, taken in the order of what is opposite; weights are the square of the smallest facet.
+//! The penetration of convex bodies is the largest gap over the faces of their Minkowski difference: a vertex of one body on a facet of the
+//! other, or two crossing edges. A vertex on a sharp edge or bump therefore has constraints against the facets opposite it, and a sharp
+//! edge against sharp edges that it crosses, if all material next to the feature recedes along the constraint's normal: then the pair is
+//! such a face. Constraints and signs are selected at the start of a step, for its start and predicted end. An overlapping constraint is
+//! dropped for a shallower one nearby that separates the bodies in another direction (`found.rs`). Each feature has a few slots, filled in
+//! the order of the opposite facets and edges. Weights are the square of the smallest facet.
 
 use super::features::{self, Features};
 use super::found::{ALIKE, Found};
@@ -24,65 +24,65 @@ use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
-/// Rows of a feature, as of a vertex in a pocket; those of a ball on all facets around a node, and its largest radius in facets.
+/// Constraints per feature, as for a vertex in a pocket; for balls: constraints for all facets around a node, and largest radius in facets.
 pub(super) const SLOTS: usize = 3;
 pub(super) const OF_BALL: (usize, f64) = (6, 3.0);
 
-/// Margin beyond the need with which candidates are searched, in smallest facets.
+/// Search distance beyond the required one, in smallest facets.
 const SPARE: f64 = 1.0;
 
-/// Depth and opening up to which a row is looked at, in smallest facets.
+/// Penetration and opening up to which a constraint is considered, in smallest facets.
 const DEEP: f64 = 0.55;
 const OPEN: f64 = 0.25;
 
-/// Sine of the angle between two edges below which they have no row: there the vertices on them have.
+/// Sine of the angle between two edges below which they have no constraint; the vertices on them have constraints then.
 const CROSSING: f64 = 0.05;
 
-/// Cosine up to which what is next to a feature may rise along the normal, and up to which the row may dominate others.
+/// Cosine up to which material next to a feature may rise along the normal, and the stricter one for constraints that dominate others.
 const CONE: f64 = 0.1;
 const STRICT: f64 = 0.01;
 
-/// What a patch is between.
+/// Pair of features of a contact element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
-    /// A vertex of the side (0: secondary) and a facet of the other one.
+    /// Vertex of `side` (0: secondary) and facet of the other side.
     Vertex { side: usize, vertex: usize, facet: usize },
     /// Sharp edges of the secondary and of the primary side.
     Edges([usize; 2]),
 }
 
-/// Rows of the sharp vertices and edges of two surfaces.
+/// Constraints of the sharp vertices and edges of two surfaces.
 #[derive(Clone, Debug)]
 pub struct CornersInSpace {
     pub(super) sides: Sides,
     features: [Features; 2],
-    /// Points and edges that own rows, and facets and edges that they meet, as surfaces to be searched.
+    /// Points and edges that own constraints, and opposite facets and edges, as surfaces for the search.
     pub(super) owners: Surface,
     pub(super) partners: Surface,
     candidates: Candidates,
-    /// For each row-owning feature a node of it.
+    /// A node of each feature that owns constraints.
     row_nodes: Vec<u32>,
     pub(super) kinds: Vec<Kind>,
-    /// For each patch its row, of those of its feature, and what measures it in this step.
+    /// Constraint slot of each contact element and its gap function in this step; `None` without a constraint.
     pub(super) rows: Vec<Option<(usize, Measure)>>,
     start: Vec<Vec<f64>>,
-    /// Whether vertices of the secondary side have rows of their own elsewhere.
+    /// True if other kernels constrain the vertices of the secondary side.
     pub(super) has_nodal_rows: bool,
     /// Radius of a ball whose center is the only point of the primary side.
     pub(super) radius: f64,
     pub(super) slots: usize,
-    /// What the facets of either side are of a curve.
+    /// Height profiles of the facets of both sides.
     profiles: [Profiles; 2],
-    /// Height at rest of the nodes of each facet of either side above and below its plane, 0 with a height profile `[length]`.
+    /// Reference warp of each facet of both sides, half the height difference of its nodes; 0 with a height profile `[length]`.
     warps: [Vec<f64>; 2],
-    /// For each patch what is added to its gap.
+    /// Offset added to the gap of each contact element.
     clearances: Vec<f64>,
-    /// Rows of all nodes of the secondary side, where the rows are these (`nodes.rs`).
+    /// Data of nodal constraints for all secondary nodes (`nodes.rs`); `None` for sharp features.
     pub(super) of_nodes: Option<NodalRows>,
 }
 
 impl CornersInSpace {
-    /// The rows of two surfaces; nothing where neither has anything sharp.
+    /// Constraints of two surfaces; `None` without sharp features on either side.
     pub fn kernel(seen: &SeenInSpace) -> Option<Box<dyn ContactKernel>> {
         let SeenInSpace { secondary, primary, reference, curve, .. } = seen;
         let profiles = [secondary, primary].map(|surface| Profiles::new(surface, curve));
@@ -92,7 +92,7 @@ impl CornersInSpace {
             return None;
         }
         let facet_size = secondary.shortest_facet(reference).min(primary.shortest_facet(reference));
-        // Facets with a height profile are measured to the curve.
+        // Gaps to facets with a height profile are measured to the curve.
         let warps = [(secondary, &profiles[0]), (primary, &profiles[1])].map(|(side, profiles)| {
             let warp = |facet: usize| if profiles.height(facet) == 0.0 { faces::warp(side.facet(facet), reference) } else { 0.0 };
             (0..side.count()).map(warp).collect()
@@ -136,7 +136,7 @@ impl CornersInSpace {
         if side == 0 { &self.sides.secondary } else { &self.sides.primary }
     }
 
-    /// What a listed pair is, if it is one of a contact.
+    /// Features of a listed pair; `None` for pairs that are no contact.
     fn kind(&self, owner: usize, partner: usize) -> Option<Kind> {
         let vertices = [0, 1].map(|side| self.features[side].vertices.len());
         let facets = [self.sides.primary.count(), self.sides.secondary.count()];
@@ -165,8 +165,8 @@ impl CornersInSpace {
         self.sides.list_slips();
     }
 
-    /// Overlap of features of which the curved surfaces just touch `[length]`: facets of a hollow lie up to 1.5 times the mean height above
-    /// it, points of a round side that are no bumps may be raised by that, and nodes of a facet warped at rest lie behind its plane.
+    /// Overlap of features of touching curved surfaces `[length]`: facets lie above a hollow surface by up to 1.5 times its mean height,
+    /// points of a convex surface are raised by that height unless they are bumps; nodes of a warped facet lie behind its plane.
     fn clearance(&self, kind: Kind) -> f64 {
         match kind {
             Kind::Vertex { vertex, .. } if let Some(rows) = &self.of_nodes => -rows.heights[vertex],
@@ -186,17 +186,17 @@ impl CornersInSpace {
         }
     }
 
-    /// The feature that owns the rows of a patch.
+    /// Feature that owns the constraints of a contact element.
     pub(super) fn owner(&self, patch: usize) -> usize {
         self.sides.patches.rows(patch)[0] as usize / self.slots
     }
 
-    /// Gap of a row's measure.
+    /// Gap of a contact element for the gap function `measure`.
     fn gap_of(&self, patch: usize, measure: Measure, z: &[f64]) -> f64 {
         measure.gap(z.as_chunks().0) + self.clearances[patch] - self.radius
     }
 
-    /// Decides which rows there are in a step, from the configurations between which it leads.
+    /// Selects the constraints of a step from the configurations between which it leads.
     fn choose(&mut self, configurations: &[&[f64]], outlook: &Outlook) {
         let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
         for q in configurations {
@@ -217,7 +217,7 @@ impl CornersInSpace {
         let mut of_owner: Vec<Found> = chosen.into_iter().flatten().collect();
         of_owner.sort_by_key(|row| (self.owner(row.patch), row.patch));
         for rows in of_owner.chunk_by_mut(|a, b| self.owner(a.patch) == self.owner(b.patch)) {
-            // The deepest ones, where there are more than slots.
+            // The deepest constraints fill the slots.
             rows.sort_by(|a, b| a.gap.total_cmp(&b.gap));
             let mut kept: Vec<Found> = rows.iter().take(self.slots).copied().collect();
             kept.sort_by_key(|row| row.patch);
@@ -228,7 +228,7 @@ impl CornersInSpace {
         self.rows = chosen_rows;
     }
 
-    /// Of facets that look nearly the same way a vertex keeps the nearest.
+    /// Keeps, for each vertex, the nearest of the facets with nearly equal normals.
     fn nearest_facets(&self, mut found: Vec<Found>) -> Vec<Found> {
         found.sort_by_key(|row| (self.owner(row.patch), row.patch));
         let mut kept: Vec<Found> = Vec::with_capacity(found.len());
@@ -245,7 +245,7 @@ impl CornersInSpace {
         kept
     }
 
-    /// Depth of a row: of a vertex near an edge of the other body the least of those behind the facets that meet there.
+    /// Penetration of a constraint: for a vertex near an edge of the other body the least one behind the facets adjacent to that edge.
     fn depth(&self, row: &Found, q: &[f64]) -> f64 {
         let size = self.sides.facet_size;
         let outlook = Outlook::within(q, size);
@@ -255,7 +255,7 @@ impl CornersInSpace {
         -beside.map(|other| other.gap).fold(row.gap, f64::max)
     }
 
-    /// The row of a patch at a configuration, if it has one there.
+    /// Constraint of a contact element at a configuration; `None` if absent there.
     pub(super) fn find(&self, patch: usize, q: &[f64], outlook: &Outlook) -> Option<Found> {
         let nodes = self.sides.patches.nodes(patch);
         let own = self.owners_nodes(patch);
@@ -307,18 +307,18 @@ impl CornersInSpace {
         }
     }
 
-    /// How many nodes of a patch are those of the feature that owns its rows.
+    /// Number of nodes of the owning feature in a contact element.
     fn owners_nodes(&self, patch: usize) -> usize {
         if matches!(self.kinds[patch], Kind::Vertex { .. }) { 1 } else { 2 }
     }
 
-    /// The row of a patch with its measure.
+    /// Constraint of a contact element in this step, with its gap function.
     fn row(&self, patch: usize) -> Option<(usize, Measure)> {
         let (slot, measure) = self.rows[patch]?;
         Some((self.sides.patches.rows(patch)[slot] as usize, measure))
     }
 
-    /// The rows of this step that are still there at `q`, with what they are there.
+    /// Constraints of this step that are present at `q`, with their state there.
     fn rows_at(&self, q: &[f64]) -> Vec<(usize, Found)> {
         let outlook = Outlook::within(q, self.sides.facet_size);
         (0..self.kinds.len()).filter_map(|patch| Some((self.row(patch)?.0, self.find(patch, q, &outlook)?))).collect()
@@ -427,7 +427,7 @@ impl PatchFunctions for CornersInSpace {
     }
 }
 
-/// Slip of a vertex on the point of the facet below it, and of the points of two edges where they cross.
+/// Slip of a vertex relative to the opposite point of a facet, and of two edges at their crossing.
 impl SlipsInSpace for CornersInSpace {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let Some((place, measure)) = self.rows[p] else { return Vec::new() };

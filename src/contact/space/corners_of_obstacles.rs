@@ -1,4 +1,4 @@
-//! Constraints of sharp vertices and edges against rigid obstacles in space, and of rigid balls.
+//! Constraints of a surface against sharp features of rigid obstacles in space and small rigid balls (for `rigid_corners.rs`).
 
 use super::corners::{CornersInSpace, OF_BALL, SLOTS};
 use super::features::{Features, Vertex};
@@ -6,8 +6,8 @@ use crate::contact::kernel::ContactKernel;
 use crate::contact::surface::Surface;
 
 impl CornersInSpace {
-    /// Constraints of a surface against a rigid obstacle, whose nodes are in `positions`, too; `None` where the obstacle has nothing sharp.
-    /// Vertices of the surface have constraints elsewhere. `facet_size` is that of the whole contact `[length]`.
+    /// Constraints of a surface against a rigid obstacle, whose nodes are part of `positions`; `None` for obstacles without sharp features.
+    /// Vertices of the surface are constrained elsewhere. `facet_size` is that of the whole contact `[length]`.
     pub(crate) fn of_obstacle(surface: Surface, obstacle: Surface, positions: &[f64], facet_size: f64) -> Option<Box<dyn ContactKernel>> {
         let features = [Features::with_smooth_edges(&surface, positions), Features::new(&obstacle, positions)];
         if features[1].vertices.is_empty() {

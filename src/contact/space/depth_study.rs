@@ -1,7 +1,7 @@
-//! How much of the depth of convex bodies the rows of their vertices and edges see, over features of every kind that meet at random.
+//! Test of the penetration of convex bodies that constraints of vertices and edges (`corners.rs`) detect, for random pairs of features.
 //!
-//! Oracle: the least translation that parts two convex polyhedra, found along the normals of all faces and the products of all edges; it
-//! knows nothing of facets, rows and candidates.
+//! Oracle: the least translation that separates two convex polyhedra, over the normals of all faces and cross products of all edges. It
+//! does not use facets, constraints or candidates.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -10,7 +10,7 @@ use crate::contact::window::{Outlook, Travel};
 
 type Vector = Vector3<f64>;
 
-/// Numbers between -1 and 1 that look random (xorshift).
+/// Pseudorandom numbers between -1 and 1 (xorshift).
 struct Random(u64);
 
 impl Random {
@@ -26,18 +26,18 @@ impl Random {
     }
 }
 
-/// A convex body with six faces of four corners, each of several facets.
+/// Convex body with six faces of four corners, each divided into several facets.
 struct Solid {
     corners: Vec<Vector>,
     points: Vec<Vector>,
     facets: Vec<[u32; 4]>,
 }
 
-/// Corners of the faces of a cube, numbered by the bits of their coordinates, seen from outside counter-clockwise.
+/// Corners of the faces of a cube, numbered by the bits of their coordinates, counter-clockwise as seen from outside.
 const FACES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
 impl Solid {
-    /// The cube between -0.5 and 0.5 as it is deformed.
+    /// Cube between -0.5 and 0.5, deformed.
     fn new(cells: usize, deform: impl Fn(Vector) -> Vector) -> Self {
         let corner = |k: usize| Vector::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64).add_scalar(-0.5);
         let (mut points, mut facets): (Vec<Vector>, Vec<[u32; 4]>) = (Vec::new(), Vec::new());
@@ -86,7 +86,7 @@ impl Solid {
     }
 }
 
-/// The least translation that parts two bodies; below zero the distance along the best axis.
+/// Length of the least translation that separates two bodies; negative: distance along the best axis.
 fn depth(a: &Solid, b: &Solid) -> f64 {
     let products: Vec<Vector> = a.edges().flat_map(|one| b.edges().map(move |other| one.cross(&other))).collect();
     let axes = a.normals().chain(b.normals()).chain(products.into_iter().filter_map(|axis| axis.try_normalize(1e-9)));
@@ -97,7 +97,7 @@ fn depth(a: &Solid, b: &Solid) -> f64 {
     .fold(f64::INFINITY, f64::min)
 }
 
-/// What the rows say of the depth, and the size of a facet.
+/// Penetration that the constraints detect, and the size of a facet.
 fn seen(upper: &Solid, lower: &Solid) -> [f64; 2] {
     let q: Vec<f64> = upper.points.iter().chain(&lower.points).flat_map(|x| [x.x, x.y, x.z]).collect();
     let first = upper.points.len() as u32;
@@ -112,7 +112,7 @@ fn seen(upper: &Solid, lower: &Solid) -> [f64; 2] {
     [gaps.fold(0.0, |deepest: f64, gap| deepest.max(-gap)), size]
 }
 
-/// A body with a face, an edge or a corner down.
+/// Rotation that places a body on a face (0), an edge (1) or a corner (2).
 fn standing(random: &mut Random, on: usize) -> Rotation3<f64> {
     let noise = Vector::from_fn(|_, _| random.next());
     let tilt = Rotation3::new(noise * if random.next() > 0.5 { 0.2 } else { 0.0 });
@@ -122,7 +122,7 @@ fn standing(random: &mut Random, on: usize) -> Rotation3<f64> {
         1 => on_edge,
         _ => Rotation3::new(Vector::y() * (1.0f64 / 2f64.sqrt()).atan()) * on_edge,
     };
-    // Spins of all sizes, edges that are parallel among them.
+    // Rotations about the vertical of all sizes, including parallel edges.
     let spin = match (random.between(0.0, 4.0)) as usize {
         0 => 0.0,
         1 => 10f64.powf(random.between(-2.5, -1.0)),
@@ -135,16 +135,16 @@ fn shape(random: &mut Random) -> Solid {
     let cells = [2, 3, 4][random.between(0.0, 2.999) as usize];
     match random.between(0.0, 3.999) as usize {
         0 => Solid::new(cells, |x| x),
-        // A plate.
+        // Plate.
         1 => Solid::new(cells, |x| Vector::new(x.x, x.y, 0.4 * x.z)),
-        // A prism that narrows.
+        // Tapered prism.
         2 => Solid::new(cells, |x| Vector::new(x.x * (0.6 - 0.7 * x.z), x.y, x.z)),
-        // A box that is pushed over.
+        // Sheared box.
         _ => Solid::new(cells, |x| Vector::new(0.5 * x.x + 0.4 * x.z, 0.5 * x.y, x.z)),
     }
 }
 
-/// What is found in one configuration: the share of a facet that is not seen, that is seen too much, whether bodies apart seem to touch.
+/// Errors in one configuration in facet sizes: undetected penetration, and detected penetration in excess of the true one.
 fn study(random: &mut Random, kind: usize, wanted: f64) -> Option<[f64; 2]> {
     let (a, b) = (shape(random), shape(random));
     let lower = b.moved(&standing(random, kind % 3), Vector::zeros());
@@ -166,7 +166,7 @@ fn study(random: &mut Random, kind: usize, wanted: f64) -> Option<[f64; 2]> {
     Some([(there - said) / size, (said - there) / size])
 }
 
-/// Largest unseen depth 0.03 facets; rows that say more than there is, or touch where nothing does, are rare.
+/// The undetected penetration is at most 0.03 facets; excessive or false penetration is rare.
 #[test]
 fn rows_of_vertices_and_edges_see_all_of_a_depth() {
     let (mut random, mut unseen, mut count, mut over, mut alarms, mut apart) = (Random(2007), 0.0f64, 0, 0, 0, 0);

@@ -1,15 +1,15 @@
-//! Dual multiplier shape functions in space: what they are of a facet's own ones, and which facets have them in a step.
+//! Dual multiplier shape functions in space: their coefficients, and the facets that use them in a step (dual mortar method).
 //!
-//! With the mass matrix of a facet in the reference positions, `M_jk = int N_j N_k dA`, and `D_j = int N_j dA`, the functions
+//! With the reference mass matrix of a facet, `M_jk = int N_j N_k dA`, and `D_j = int N_j dA`, the functions
 //!
 //! ```text
 //! psi_j = sum_k C_jk N_k,      C = D M^-1,      int psi_j N_k dA = delta_jk D_j
 //! ```
 //!
-//! are biorthogonal to the facet's own ones, their sum is one and their integrals are `D_j` (Wohlmuth, SIAM J. Numer. Anal. 38, 2000). They
-//! stay so in deformations that are affine in the facet; in others nearly. They are made once, so that what is closed at the end of a step
-//! is closed at the start of the next one. All that is linear in the shape functions of a pair (`pair.rs`) is combined in the same way:
-//! values and gradients by `C`, the weights of the second derivatives by its transpose. A constant matrix changes no law of conservation.
+//! are biorthogonal to the facet's shape functions, their sum is one, and their integrals are `D_j` (Wohlmuth, SIAM J. Numer. Anal. 38,
+//! 2000). Affine deformations of the facet preserve this, other ones nearly. Constant coefficients keep a constraint that is closed at the
+//! end of a step closed at the start of the next one. All quantities that are linear in the shape functions (`pair.rs`) are combined
+//! accordingly: values and gradients by `C`, weights of second derivatives by its transpose. A constant `C` changes no conservation law.
 
 use std::array;
 use std::ops::{Add, Mul};
@@ -21,19 +21,19 @@ use crate::contact::numbers::Each;
 use crate::contact::search::PairSearch;
 use crate::contact::surface::{Sides, Surface};
 
-/// Shares of a facet between which dual functions take the place of its own ones. More than the last is left of facets at rims that lie on
-/// each other when bodies deform, or functions would change in every step; down to the first all integrals over what is left are positive.
+/// Covered shares of a facet between which dual functions replace standard ones. Facets at coinciding borders stay covered by more than the
+/// upper value as bodies deform. Above the lower value all integrals are positive.
 const PARTLY: [f64; 2] = [0.75, 0.9];
 
-/// Multiplier shape functions of a facet as combinations of its own ones, `C`; without one they are these.
+/// Multiplier shape functions of a facet as coefficients `C` of its own shape functions; `None` for the identity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape(Option<[[f64; CORNERS]; CORNERS]>);
 
 impl Shape {
-    /// The facet's own shape functions.
+    /// Shape functions of the facet.
     pub const STANDARD: Shape = Shape(None);
 
-    /// Those dual to a facet's own ones at these positions of its nodes; standard ones where the facet is folded or has no area.
+    /// Dual functions for these positions of the nodes; standard ones for folded facets or facets without area.
     fn dual(nodes: &[Vec3<f64>]) -> Shape {
         let of_pair = |both: &[Vec3<f64>]| {
             let mass = Pair::new(both, [nodes.len(); 2])?.mortar_weights();
@@ -41,11 +41,11 @@ impl Shape {
             let (shares, inverse) = (mass.column_sum(), mass.cholesky()?.inverse());
             Some(array::from_fn(|j| array::from_fn(|k| if j.max(k) < nodes.len() { shares[j] * inverse[(j, k)] } else { 0.0 })))
         };
-        // The facet opposite itself.
+        // Facet opposite itself.
         Shape(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
     }
 
-    /// These with such a share in the facet's own ones.
+    /// Interpolation `share C + (1 - share) I`.
     fn in_part(&self, share: f64) -> Shape {
         let of = |by: &[[f64; CORNERS]; CORNERS]| -> [[f64; CORNERS]; CORNERS] {
             array::from_fn(|j| array::from_fn(|k| share * by[j][k] + if j == k { 1.0 - share } else { 0.0 }))
@@ -53,19 +53,19 @@ impl Shape {
         if share > 0.0 { Shape(self.0.as_ref().map(of)) } else { Shape::STANDARD }
     }
 
-    /// What the multipliers' functions give, from what the facet's own ones do.
+    /// Combination of values for the facet's shape functions to those for the multiplier shape functions, `C own`.
     #[inline(always)]
     pub fn of<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(&self, own: [T; CORNERS]) -> [T; CORNERS] {
         let Shape(Some(by)) = self else { return own };
         by.map(|by| own[0] * by[0] + own[1] * by[1] + own[2] * by[2] + own[3] * by[3])
     }
 
-    /// The same of gradients.
+    /// Combination of gradients for the facet's shape functions to those for the multiplier shape functions.
     pub fn of_gradients(&self, own: Gradients) -> Gradients {
         if self.0.is_none() { own } else { own.map(|node| node.map(|each| Each(self.of(each.0)))) }
     }
 
-    /// The same of lists.
+    /// Combination of lists of values for the facet's shape functions to those for the multiplier shape functions.
     pub fn of_lists<T: Copy + Add<Output = T> + Mul<f64, Output = T>, const N: usize>(
         &self,
         mut own: [[T; N]; CORNERS],
@@ -77,24 +77,24 @@ impl Shape {
         own
     }
 
-    /// The weights of the facet's own functions with which their sum is that of the multipliers' functions with these.
+    /// Weights `C^T w` of the facet's shape functions in the sum of the multiplier shape functions with weights `w`.
     pub fn back(&self, weights: [f64; CORNERS]) -> [f64; CORNERS] {
         let Shape(Some(by)) = self else { return weights };
         array::from_fn(|k| (0..CORNERS).map(|j| by[j][k] * weights[j]).sum())
     }
 }
 
-/// Multiplier shape functions of a surface whose facets have dual ones where they can.
+/// Multiplier shape functions of a surface: dual where possible.
 #[derive(Clone, Debug)]
 pub struct Duals {
-    /// The dual functions of each facet.
+    /// Dual functions of each facet.
     dual: Vec<Shape>,
-    /// What each facet has in this step.
+    /// Functions of each facet in this step.
     in_step: Vec<Shape>,
 }
 
 impl Duals {
-    /// Those of a surface with these reference positions: standard ones until a step begins.
+    /// Dual functions of a surface for these reference positions; standard ones are active until a step begins.
     pub fn new(surface: &Surface, reference: &[f64]) -> Self {
         let of = |facet: usize| {
             let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
@@ -103,21 +103,20 @@ impl Duals {
         Duals { dual: (0..surface.count()).map(of).collect(), in_step: vec![Shape::STANDARD; surface.count()] }
     }
 
-    /// The shape functions of a facet in this step.
+    /// Multiplier shape functions of a facet in this step.
     pub fn shape(&self, facet: u32) -> &Shape {
         &self.in_step[facet as usize]
     }
 
-    /// Chooses the functions for a step from `q_0`, where `pair` gives the pairs whose facets are opposite each other.
+    /// Selects the functions for a step from `q_0`; `pair` returns pairs with overlapping facets.
     ///
-    /// Dual ones are negative in places, where a facet that is covered in part would take an opening for a penetration. So facets have them
-    /// that are covered by the pairs that take part, and whose neighbors have something opposite, if only a facet away. Would that have to
-    /// take part, too, the functions, and with them the constraints that are closed, would change wherever two bodies roll on each other.
-    /// With what is missing they pass into the facet's own ones: a switch would change the forces with any motion where it lies, and no
-    /// position be in equilibrium.
+    /// Dual functions are partly negative, so that an opening of a partly covered facet would count as penetration. They are used on facets
+    /// covered by active pairs whose neighbors have opposite facets within a facet's length. A requirement of active pairs at the neighbors
+    /// would change functions, and thus active constraints, throughout rolling. The functions are interpolated to the standard ones as the
+    /// covered share decreases: a jump would change the forces with any motion, without an equilibrium.
     pub fn choose(&mut self, search: &PairSearch, sides: &Sides, q_0: &[f64], pair: impl Fn(usize) -> Option<Pair<f64>>) {
         let secondary = &sides.secondary;
-        // Of each facet, seen along its normal, the area that is covered by pairs that take part, and by these and open ones.
+        // Covered area of each facet, projected along its normal: by pairs that take part, and by these and open pairs.
         let mut covered = vec![[0.0; 2]; secondary.count()];
         for (p, &[own, _]) in search.candidates.pairs().iter().enumerate() {
             if !search.near[p] && !search.is_beside(p, sides, q_0) {
@@ -143,7 +142,7 @@ impl Duals {
     }
 }
 
-/// The part that dual functions have where such a share is covered.
+/// Weight of the dual functions for a covered share.
 fn part(share: f64) -> f64 {
     ((share - PARTLY[0]) / (PARTLY[1] - PARTLY[0])).clamp(0.0, 1.0)
 }
@@ -167,7 +166,7 @@ mod tests {
         })
     }
 
-    /// Nodes 0 to 15 are the primary side, 3 x 3 facets that look up; 16 to 20 a quadrilateral and a triangle above it, which look down.
+    /// Nodes 0 to 15 are the primary side, 3 x 3 facets facing up; nodes 16 to 20 a quadrilateral and a triangle above, facing down.
     const SECONDARY: [&[u32]; 2] = [&[16, 17, 18, 19], &[19, 18, 20]];
     const COUNT: usize = 21;
     const UNKNOWNS: usize = 3 * COUNT;
@@ -178,7 +177,7 @@ mod tests {
         below.chain(above).collect()
     }
 
-    /// Positions on a surface that is curved along the first axis, so that facets have profiles.
+    /// Positions on a surface that is curved along the first axis, so that facets have height profiles.
     fn bent(q: &[f64], by: f64) -> Vec<f64> {
         q.chunks_exact(3).flat_map(|x| [x[0], x[1], x[2] - by * x[0] * x[0]]).collect()
     }
@@ -209,7 +208,7 @@ mod tests {
         #[test]
         fn dual_functions_are_biorthogonal_to_those_of_the_facet(nodes in facets()) {
             let count = nodes.len();
-            // Opposite something larger.
+            // Opposite a larger facet.
             let all = [[-9.0, 9.0, 1.0], [9.0, 9.0, 1.0], [9.0, -9.0, 1.0], [-9.0, -9.0, 1.0]];
             let x: Vec<Vec3<f64>> = nodes.iter().copied().chain(all).collect();
             let pair = Pair::new(&x, [count, 4]).expect("it has an area");
@@ -221,7 +220,7 @@ mod tests {
                     prop_assert!((integral - expected).abs() < 1e-14, "{j} {k}: {integral} {expected}");
                 }
             }
-            // They have the same integrals, and their sum is one.
+            // Integrals equal those of the shape functions, and the sum is one.
             for (dual, own) in shape.of(shares).iter().zip(shares) {
                 prop_assert!((dual - own).abs() < 1e-14);
             }
@@ -230,7 +229,7 @@ mod tests {
             }
         }
 
-        /// Whatever part of a facet is left beside a straight rim, no function takes an opening there for a penetration.
+        /// For any part of a facet covered beside a straight border, no function takes an opening for a penetration.
         #[test]
         fn a_constant_opening_is_one_for_every_row(nodes in facets(), angle in 0.0..6.3f64, place in -0.8..0.8f64) {
             let count = nodes.len();
@@ -267,8 +266,8 @@ mod tests {
             }
         }
 
-        /// Gradients and tangents along a random direction against differences, as far as these agree on both sides; with kinks in place of
-        /// bands, in which a discrete gradient's tangent is not exact.
+        /// Gradients and tangents along a random direction against one-sided difference quotients that agree; with kinks instead of bands,
+        /// in which the tangent of a discrete gradient is not exact.
         #[test]
         fn gradients_and_tangents_are_derivatives(
             (q_0, q_1) in steps(),
@@ -303,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Closed form: those of a triangle are three times its own one less the other two, whatever the triangle.
+    /// Closed form: each dual function of a triangle is three times its own shape function minus the two others.
     #[test]
     fn the_functions_of_triangles_are_known() {
         let shape = Shape::dual(&[[0.3, 0.1, 0.0], [2.0, 0.4, 0.7], [-0.5, 1.5, 0.2]]);
@@ -321,7 +320,7 @@ mod tests {
         }
     }
 
-    /// What they are for: the gradient of a constraint with respect to the secondary side lives at its own node alone.
+    /// Dual functions: the gradient of a constraint with respect to the secondary side is nonzero at its own node only.
     #[test]
     fn a_dual_multiplier_presses_its_own_node_alone() {
         let q = base();
@@ -335,7 +334,7 @@ mod tests {
         }
     }
 
-    /// Where something is missing opposite a facet, it and its neighbors have their own functions.
+    /// A facet that is not fully covered and its neighbors have standard functions.
     #[test]
     fn facets_that_are_covered_in_part_have_standard_functions() {
         let q: Vec<f64> = base().iter().enumerate().map(|(k, x)| if k == 60 { 5.0 } else { *x }).collect();

@@ -1,11 +1,11 @@
-//! A rigid surface of flat triangles: signed distances from the nearest face, edge or vertex.
+//! Rigid surface of flat triangles: signed distances from the nearest face, edge or vertex, with gradient and Hessian (`obstacle.rs`).
 //!
-//! The sign is that of the normal at the nearest place: of a face; of an edge the sum of those of its faces; of a vertex the sum weighted
-//! with the angles of its faces (Baerentzen and Aanaes, IEEE TVCG 11, 2005): outside of a closed surface it is positive everywhere.
+//! The sign follows from the normal at the nearest point: that of the face, the sum over both faces of an edge, or the sum over the faces
+//! of a vertex weighted with their angles (Baerentzen and Aanaes, IEEE TVCG 11, 2005). Outside of a closed surface it is positive.
 //!
-//! In a re-entrant edge a point touches two sides at once, and the distance from the nearest one has a kink there. So a surface with such
-//! edges is cut along edges that bend by more than 30 degrees into *sides*, and a point has a distance from each side that rises from its
-//! nearest one.
+//! In a re-entrant edge a point touches two sides simultaneously, and the distance from the nearest one has a kink. Surfaces with
+//! re-entrant edges are divided along edges of more than 30 degrees into *sides*; a point has a distance from its nearest side, and from
+//! each adjacent side across a re-entrant edge.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,13 +15,13 @@ use thiserror::Error;
 
 use crate::math::tolerances::{COPLANAR, FACING};
 
-/// Cosine of the angle by which faces turn at an edge that parts two sides: 30 degrees.
+/// Cosine of the angle between the faces at an edge between two sides: 30 degrees.
 const SAME_SIDE: f64 = 0.866_025_403_784_438_6;
 
-/// Cosine of the angle by which faces turn at an edge that is sharp: 10 degrees.
+/// Cosine of the angle between the faces at a sharp edge: 10 degrees.
 const SMOOTH: f64 = super::features::SMOOTH;
 
-/// Distance, its gradient and second derivative with respect to the point, and whether the point has an opposite.
+/// Signed distance of a point, its gradient and Hessian, and true if the point is opposite the surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Distance {
     pub gap: f64,
@@ -36,29 +36,29 @@ pub struct Facets {
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     whole: RTree<Face>,
-    /// The sides; none where no edge is re-entrant.
+    /// Sides; empty without re-entrant edges.
     sides: Vec<RTree<Face>>,
     side_of: Vec<usize>,
-    /// For each side those that rise from it.
+    /// Adjacent sides of each side across re-entrant edges.
     rising: Vec<Vec<usize>>,
 }
 
-/// Why triangles bound no obstacle.
+/// Error in triangles that should bound an obstacle.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FacetsError {
-    /// There is no triangle with an area.
+    /// No triangle has an area.
     #[error("there is no triangle with an area")]
     Empty,
     /// A coordinate is not finite.
     #[error("point {0} has a coordinate that is not finite")]
     NotFinite(usize),
-    /// More than two triangles at an edge, or two that look to opposite sides.
+    /// An edge with more than two triangles, or with two of opposite orientation.
     #[error("the triangles at the edge from ({:?}) to ({:?}) do not look to the same side", .0[0], .0[1])]
     Turned([[f64; 3]; 2]),
 }
 
 impl FacetsError {
-    /// Its stable code, which `conserva doc` explains.
+    /// Stable message code, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
             FacetsError::Empty => "C0281",
@@ -74,16 +74,16 @@ impl PartialEq for Facets {
     }
 }
 
-/// Where on a triangle.
+/// Kind of the nearest point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Face,
-    /// Between that corner and the next one.
+    /// Edge from this corner to the next one.
     Edge(usize),
     Vertex(usize),
 }
 
-/// A triangle with all that the distance from it needs.
+/// Triangle with the normals of its edges and vertices.
 #[derive(Clone, Debug)]
 struct Face {
     triangle: usize,
@@ -91,11 +91,11 @@ struct Face {
     normal: Vector3<f64>,
     of_edges: [Vector3<f64>; 3],
     of_vertices: [Vector3<f64>; 3],
-    /// Whether the surface ends at an edge, or at a vertex.
+    /// True for each edge, and each vertex, at which the surface ends.
     ends: [[bool; 3]; 2],
-    /// Whether another side rises there: beyond, this one goes on as a plane.
+    /// True for each edge, and each vertex, at a re-entrant border to another side, beyond which this side continues as a plane.
     goes_on: [[bool; 3]; 2],
-    /// Whether an edge is sharp and not re-entrant.
+    /// True for each sharp edge that is not re-entrant.
     is_sharp: [bool; 3],
 }
 
@@ -115,7 +115,7 @@ impl PointDistance for Face {
 }
 
 impl Face {
-    /// The nearest point of the triangle, and where it is (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
+    /// Nearest point of the triangle, and its kind (Ericson, Real-Time Collision Detection, 2005, section 5.1.5).
     fn nearest(&self, x: Vector3<f64>) -> (Vector3<f64>, Place) {
         let [a, b, c] = self.corners;
         let (ab, ac) = (b - a, c - a);
@@ -147,7 +147,7 @@ impl Face {
             Place::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
             Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
         };
-        // An edge between faces of one plane, such as the diagonal of a side, is no edge: what is above it is as above the faces.
+        // An edge between coplanar faces, such as a diagonal, is none: the distance above it is that from the faces.
         let is_flat = covered && pseudo.dot(&self.normal) >= 1.0 - COPLANAR;
         if is_plane || is_flat {
             let gap = self.normal.dot(&(x - self.corners[0]));
@@ -168,21 +168,21 @@ impl Face {
     }
 }
 
-/// What an edge joins.
+/// Edge between two faces.
 #[derive(Clone, Copy, Debug)]
 struct Edge {
     faces: [usize; 2],
-    /// Cosine of the angle by which the faces turn.
+    /// Cosine of the angle between the faces.
     cosine: f64,
     is_reentrant: bool,
 }
 
-/// The faces of a surface before they are put into trees.
+/// Faces and edges of a surface, from which the search trees are built.
 struct Net<'a> {
     points: &'a [[f64; 3]],
     triangles: &'a [[u32; 3]],
     normals: Vec<Vector3<f64>>,
-    /// Both faces of each edge that two have, by its nodes in ascending order.
+    /// Edges with two faces, by their nodes in ascending order.
     edges: BTreeMap<[u32; 2], Edge>,
 }
 
@@ -213,7 +213,7 @@ impl<'a> Net<'a> {
         Ok(Net { points, triangles, normals, edges })
     }
 
-    /// Numbers of the sides of all triangles, and how many there are.
+    /// Side number of each triangle, and number of sides.
     fn sides(&self) -> (Vec<usize>, usize) {
         let mut next: Vec<Vec<usize>> = vec![Vec::new(); self.triangles.len()];
         for edge in self.edges.values().filter(|edge| edge.cosine >= SAME_SIDE) {
@@ -238,7 +238,7 @@ impl<'a> Net<'a> {
         (sides, count)
     }
 
-    /// The faces of a side, or of all; `of`: whether a triangle belongs to it.
+    /// Search tree of the triangles for which `of` is true: one side, or all.
     fn tree(&self, of: impl Fn(usize) -> bool) -> RTree<Face> {
         let faces: Vec<usize> = (0..self.triangles.len()).filter(|&face| of(face)).collect();
         let at = |node: u32| Vector3::from(self.points[node as usize]);
@@ -288,11 +288,10 @@ impl<'a> Net<'a> {
 }
 
 impl Facets {
-    /// The surface of triangles, counter-clockwise as seen from where bodies are. Equal points become one, and triangles without an area
-    /// are left out.
+    /// Surface of triangles, counter-clockwise as seen from the bodies. Equal points are merged, and triangles without area are removed.
     ///
     /// # Errors
-    /// Nothing is left; a coordinate is not finite; more than two triangles have an edge, or two that look to opposite sides.
+    /// All triangles are removed; a coordinate is not finite; an edge has more than two triangles, or two of opposite orientation.
     pub fn new(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self, FacetsError> {
         if let Some(point) = points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
             return Err(FacetsError::NotFinite(point));
@@ -300,7 +299,7 @@ impl Facets {
         let mut kept: Vec<[f64; 3]> = Vec::new();
         let mut known: BTreeMap<[u64; 3], u32> = BTreeMap::new();
         let mut number = |node: u32| {
-            // Without the sign of a zero.
+            // Adding 0.0 removes the sign of a zero.
             let point = points[node as usize].map(|x| x + 0.0);
             *known.entry(point.map(f64::to_bits)).or_insert_with(|| {
                 kept.push(point);
@@ -333,10 +332,10 @@ impl Facets {
         Ok(Facets { points: kept, triangles, whole, sides, side_of, rising })
     }
 
-    /// A box with edges along the axes, from its lowest to its highest corner.
+    /// Box with edges along the axes, between its lowest and its highest corner.
     ///
     /// # Errors
-    /// It has no volume.
+    /// The box has no volume.
     pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Result<Self, FacetsError> {
         let corner = |k: usize| std::array::from_fn(|i| if k >> i & 1 == 1 { high[i] } else { low[i] });
         let points: Vec<[f64; 3]> = (0..8).map(corner).collect();
@@ -346,7 +345,7 @@ impl Facets {
         if made.triangles.len() == 12 { Ok(made) } else { Err(FacetsError::Empty) }
     }
 
-    /// The same surface with other points; `map` keeps what is outside outside.
+    /// Surface with mapped points; `map` must preserve the orientation.
     ///
     /// # Errors
     /// As in [`Facets::new`].
@@ -355,7 +354,7 @@ impl Facets {
         Facets::new(&points, &self.triangles)
     }
 
-    /// The same surface, turned by an angle `[rad]` about an axis through a point.
+    /// Surface rotated by an angle `[rad]` about an axis through a point.
     ///
     /// # Errors
     /// As in [`Facets::new`].
@@ -367,37 +366,37 @@ impl Facets {
         self.mapped(|x| (point + turn * (Vector3::from(x) - point)).into())
     }
 
-    /// Its points `[length]`.
+    /// Points `[length]`.
     pub fn points(&self) -> &[[f64; 3]] {
         &self.points
     }
 
-    /// Its triangles, counter-clockwise as seen from where bodies are.
+    /// Triangles, counter-clockwise as seen from the bodies.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// True if the surface has edges with one triangle only.
+    /// True if the surface has edges with only one triangle.
     pub(in crate::contact) fn is_open(&self) -> bool {
         self.whole.iter().any(|face| face.ends[0].contains(&true))
     }
 
-    /// Distance from the whole surface.
+    /// Signed distance from the whole surface.
     pub(super) fn distance(&self, x: Vector3<f64>) -> Distance {
         from(&self.whole, x)
     }
 
-    /// Distance from one side.
+    /// Signed distance from one side.
     pub(super) fn side_distance(&self, side: usize, x: Vector3<f64>) -> Distance {
         from(&self.sides[side], x)
     }
 
-    /// Whether a point may touch several sides at once.
+    /// True if a point may touch several sides simultaneously.
     pub(super) fn has_pockets(&self) -> bool {
         !self.sides.is_empty()
     }
 
-    /// The side that is nearest to a point, and those that rise from it near the point and are opposite it, the nearest first.
+    /// Nearest side of a point, and adjacent sides across re-entrant edges that are opposite the point within `near`, nearest first.
     pub(super) fn around(&self, x: Vector3<f64>, near: f64) -> (usize, Vec<usize>) {
         let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return (0, Vec::new()) };
         let side = self.side_of[nearest.triangle];
@@ -408,8 +407,8 @@ impl Facets {
         (side, close.into_iter().map(|(_, other)| other).collect())
     }
 
-    /// The planes of the faces at the sharp edge or vertex at which a point is, each by a point and the normal: first that which the point
-    /// is in front of, or least behind; none away from edges.
+    /// Planes (point, normal) of the faces at the sharp edge or vertex within `near` of a point, by descending signed distance of the
+    /// point; empty away from sharp edges.
     pub(super) fn planes_at_edge(&self, x: Vector3<f64>, near: f64) -> Vec<[Vector3<f64>; 2]> {
         let Some(nearest) = self.whole.nearest_neighbor(x.into()) else { return Vec::new() };
         let at = nearest.nearest(x).0;
@@ -429,7 +428,7 @@ impl Facets {
         around.into_iter().map(|face| [face.corners[0], face.normal]).collect()
     }
 
-    /// Whether the straight way between two points leads through a face.
+    /// True if the straight path between two points crosses a face.
     pub(in crate::contact) fn is_crossed(&self, x_0: Vector3<f64>, x_1: Vector3<f64>) -> bool {
         let way = x_1 - x_0;
         let area = AABB::from_points(&[x_0, x_1].map(<[f64; 3]>::from));
@@ -444,7 +443,7 @@ impl Facets {
     }
 }
 
-/// Distance from the faces of a tree, which has some.
+/// Signed distance from the faces of a tree; infinite for an empty tree.
 fn from(tree: &RTree<Face>, x: Vector3<f64>) -> Distance {
     let none = Distance { gap: f64::INFINITY, normal: Vector3::zeros(), curvature: Matrix3::zeros(), covered: false };
     tree.nearest_neighbor(x.into()).map_or(none, |face| face.distance(x))

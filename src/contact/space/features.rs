@@ -1,75 +1,75 @@
-//! Sharp vertices and edges of a surface in space, in the reference positions.
+//! Detection of sharp vertices, sharp edges and bumps of a surface in space in the reference positions (`corners.rs`, `round.rs`).
 
 use super::profiles::Profiles;
 use crate::contact::faces::{self, Vector};
 use crate::contact::surface::{Edge, Surface};
 
-/// Cosine of the angle by which facets turn at an edge that is sharp: 10 degrees.
+/// Cosine of the angle between the facets at a sharp edge: 10 degrees.
 pub const SMOOTH: f64 = 0.984_807_753_012_208;
 
-/// Cosine of the angle by which facets turn away at an edge whose ends may be bumps: 2.5 degrees.
+/// Cosine of the angle between the facets at a convex edge whose ends may be bumps: 2.5 degrees.
 const BUMP: f64 = 0.999_048;
 
-/// Height of a curve above its facets, over how far each of them is below the next one's plane in its middle, below which they are bumpy:
-/// of a circle it is a sixth.
+/// Smallest height of a curve over its facets, relative to the drop of a facet's middle below the plane of the next one; less is bumpy. For
+/// a circle the ratio is 1/6.
 const ROUND: f64 = 1.0 / 24.0;
 
-/// How far a facet, or a sharp edge, may be left and still be met, over its size: across a border behind which the surface goes on
-/// smoothly, and across one into which another part of the surface rises (a point in the crease of two coarse facets would be opposite
-/// neither).
+/// Distances beyond a facet or a sharp edge, in its size, up to which a point is still opposite it: across a border to a smoothly
+/// continuing surface, and across a concave border. Without the second one, a point in the crease between two coarse facets would be
+/// opposite neither.
 const LAP_SMOOTH: f64 = 0.05;
 const LAP_CONCAVE: f64 = 0.25;
 
-/// A node on sharp edges, or a bump.
+/// Node on sharp edges, or bump.
 #[derive(Clone, Debug)]
 pub struct Vertex {
     pub node: u32,
-    /// The other ends of the edges that meet there.
+    /// Other ends of all edges at the node.
     pub spokes: Vec<u32>,
-    /// Whether it has no sharp edge.
+    /// True for a bump: a node without a sharp edge.
     pub is_bump: bool,
 }
 
-/// A sharp edge that is not re-entrant, or a smooth one.
+/// Sharp edge that is not re-entrant, or smooth edge.
 #[derive(Clone, Debug)]
 pub struct SharpEdge {
     pub nodes: [u32; 2],
-    /// The facets that meet there; one on the rim of an open surface.
+    /// Adjacent facets; one at the border of an open surface.
     pub facets: [Option<u32>; 2],
-    /// How far it may be left at either end, over its length.
+    /// Admissible distance beyond each end, in lengths of the edge.
     pub laps: [f64; 2],
 }
 
-/// What is sharp on a surface.
+/// Sharp features of a surface.
 #[derive(Clone, Debug)]
 pub struct Features {
     pub vertices: Vec<Vertex>,
     pub edges: Vec<SharpEdge>,
-    /// For each facet how far it may be left across the border that begins at each of its nodes, over its size.
+    /// Admissible distance beyond each border of each facet, in its size; the border starts at the node of the same index.
     pub laps: Vec<Vec<f64>>,
 }
 
-/// How a surface goes on across an edge.
+/// Continuation of a surface across an edge.
 #[derive(Clone, Copy, PartialEq)]
 enum Bend {
-    /// Not at all, or turned away by more than 10 degrees.
+    /// End of the surface, or convex angle of more than 10 degrees.
     Sharp,
     Smooth,
     Concave,
 }
 
 impl Features {
-    /// The features of a surface. Where it ends, its body is taken to have a sharp edge.
+    /// Sharp features of a surface; a border of the surface counts as a sharp edge of its body.
     pub fn new(surface: &Surface, q: &[f64]) -> Features {
         Features::with_edges(surface, q, &[], |bend| bend == Bend::Sharp)
     }
 
-    /// Features of a surface with its bumps among the vertices: nodes from which the surface turns away at an edge that is no curve.
+    /// Sharp features of a surface and its bumps: ends of convex edges that belong to no curve.
     pub fn with_bumps(surface: &Surface, q: &[f64], profiles: &Profiles) -> Features {
         Features::with_edges(surface, q, &bumps(surface, q, profiles), |bend| bend == Bend::Sharp)
     }
 
-    /// The same with its smooth edges among the sharp ones: for what lies across flat ground on a line.
+    /// Sharp and smooth edges of a surface, for obstacle edges that lie across flat regions.
     pub fn with_smooth_edges(surface: &Surface, q: &[f64]) -> Features {
         Features::with_edges(surface, q, &[], |bend| bend != Bend::Concave)
     }
@@ -129,9 +129,9 @@ impl Features {
     }
 }
 
-/// Ends of edges at which a surface turns away and beside which it is no curve.
+/// Bumps: ends of convex edges that belong to no curve.
 fn bumps(surface: &Surface, q: &[f64], profiles: &Profiles) -> Vec<u32> {
-    // How far the middle of the facet behind an edge is below the plane of the one in front of it.
+    // Depth of the middle of the facet behind an edge below the plane of the facet in front of it.
     let drop = |edge: &Edge| {
         let [one, other] = edge.facets.map(|facet| facet.map(|facet| surface.facet(facet as usize)));
         let [normal, next] = [faces::normal(one?, q), faces::normal(other?, q)];
@@ -150,7 +150,7 @@ fn bumps(surface: &Surface, q: &[f64], profiles: &Profiles) -> Vec<u32> {
     bumps
 }
 
-/// How a surface goes on at an edge.
+/// Continuation of a surface across an edge.
 fn bend(surface: &Surface, facets: [Option<u32>; 2], nodes: [u32; 2], q: &[f64]) -> Bend {
     let [Some(one), Some(other)] = facets.map(|facet| facet.map(|facet| surface.facet(facet as usize))) else { return Bend::Sharp };
     let [n_one, n_other] = [one, other].map(|nodes| faces::normal(nodes, q));
@@ -161,7 +161,7 @@ fn bend(surface: &Surface, facets: [Option<u32>; 2], nodes: [u32; 2], q: &[f64])
     if n_one.dot(&(faces::middle(other, q) - on_edge)) > 0.0 { Bend::Concave } else { Bend::Sharp }
 }
 
-/// Unit vectors in the facets that meet at an edge, away from it.
+/// Unit vectors in the adjacent facets of an edge, perpendicular to the edge and away from it.
 pub fn into_facets(edge: &SharpEdge, surface: &Surface, q: &[f64]) -> Vec<Vector> {
     let [a, b] = edge.nodes.map(|node| faces::at(node, q));
     let along = (b - a).try_normalize(0.0).unwrap_or_default();
@@ -172,12 +172,12 @@ pub fn into_facets(edge: &SharpEdge, surface: &Surface, q: &[f64]) -> Vec<Vector
     edge.facets.iter().flatten().map(|&facet| into(facet)).collect()
 }
 
-/// Sum of the outward normals of the facets that meet at an edge.
+/// Sum of the outward normals of the adjacent facets of an edge.
 pub fn outward(edge: &SharpEdge, surface: &Surface, q: &[f64]) -> Vector {
     edge.facets.iter().flatten().map(|&facet| faces::normal(surface.facet(facet as usize), q)).sum()
 }
 
-/// Whether a point lies over a facet, seen along its normal; `laps` how far its borders may be left.
+/// True if a point projects into a facet along its normal; `laps` are the admissible distances beyond its borders.
 pub fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f64]) -> bool {
     let size = faces::area_vector(nodes, q).norm().sqrt();
     (0..nodes.len()).all(|k| {
@@ -191,7 +191,7 @@ pub fn is_inside(x: Vector, nodes: &[u32], normal: Vector, laps: &[f64], q: &[f6
 mod tests {
     use super::*;
 
-    /// A face of `n` by `n` facets of size 0.5 at these heights.
+    /// Face of `n` by `n` facets of size 0.5 with the given heights.
     fn face(n: u32, height: impl Fn(f64, f64) -> f64) -> (Surface, Vec<f64>) {
         let place = |k: u32| 0.5 * f64::from(k) - 0.25 * f64::from(n);
         let nodes = (0..=n).flat_map(|j| (0..=n).map(move |i| (place(i), place(j))));
@@ -206,7 +206,7 @@ mod tests {
     fn bumps_stick_out_of_a_face_that_is_no_curve() {
         let found = |(surface, q): (Surface, Vec<f64>)| bumps(&surface, &q, &Profiles::new(&surface, &q));
         let waves = found(face(4, |x, y| 0.05 * (3.0 * x).sin() * (3.0 * y).sin()));
-        // The nodes at (-0.5, -0.5) and (0.5, 0.5), where it is highest; at (-0.5, 0.5) it is lowest.
+        // Nodes at (-0.5, -0.5) and (0.5, 0.5) are maxima, the node at (-0.5, 0.5) is a minimum.
         assert!(waves.contains(&6) && waves.contains(&18) && !waves.contains(&16), "{waves:?}");
         assert_eq!(found(face(6, |x, _| -0.08 * x * x)), []);
         assert_eq!(found(face(6, |x, y| -0.06 * (x * x + y * y))), []);

@@ -1,36 +1,36 @@
-//! Rows that sharp vertices and edges may have at a configuration, and which of them go because of others (*dominance*).
+//! Possible constraints of sharp features at a configuration, and their *dominance*: shallower ones replace others (`corners.rs`).
 
 use super::features;
 use super::gaps::Measure;
 use crate::contact::faces::Vector;
 
-/// Cosine of the angle between the normals of two facets from which on a vertex has a row against the nearer one alone: 10 degrees.
+/// Cosine of the angle between the normals of two facets, 10 degrees, above which a vertex has a constraint against the nearer one only.
 pub const ALIKE: f64 = features::SMOOTH;
 
-/// How far, in smallest facets, a body may reach beyond a row's plane and still recede along it.
+/// Distance in smallest facets by which a receding body may reach beyond the plane of a constraint.
 const RECEDES: f64 = 0.02;
 
-/// A row that may be there at a configuration.
+/// Possible constraint at a configuration.
 #[derive(Clone, Copy)]
 pub struct Found {
     pub patch: usize,
     pub measure: Measure,
     pub gap: f64,
-    /// Direction in which the secondary side has to go to part them.
+    /// Direction in which the secondary side must move to separate the bodies.
     pub normal: Vector,
-    /// Points of the secondary and of the primary side that touch.
+    /// Contact points of the secondary and of the primary side.
     pub at: [Vector; 2],
-    /// Whether all that is next to it strictly recedes.
+    /// True if all material next to the feature recedes within the stricter tolerance.
     pub is_strict: bool,
 }
 
 impl Found {
-    /// Whether it overlaps and goes, because a shallower one near by parts the bodies along another direction.
+    /// True if this constraint overlaps and a strict, shallower one nearby separates the bodies in another direction.
     pub fn is_dominated(&self, found: &[Found], facet_size: f64) -> bool {
         self.gap < 0.0 && found.iter().any(|other| other.is_strict && self.is_beside(other, facet_size))
     }
 
-    /// Whether another one near by is shallower and parts the bodies along another direction, behind which both recede.
+    /// True if `other` is shallower, near, has another normal, and both bodies recede behind its plane.
     pub fn is_beside(&self, other: &Found, facet_size: f64) -> bool {
         let reach = RECEDES * facet_size;
         let middle = |row: &Found| 0.5 * (row.at[0] + row.at[1]);

@@ -1,38 +1,38 @@
-//! Gaps of a vertex against a facet, and of two edges that cross, as functions of their four or five nodes.
+//! Gaps of a vertex against a facet, and of two crossing edges, as functions of four or five nodes (for `corners.rs`, `nodes.rs`).
 //!
 //! ```text
 //! vertex v, facet y_1..y_k (mean point y):  g = n.(v - y),        n = N/|N|, N = (y_3 - y_1) x (y_4 - y_2)
-//! the same above a triangle, or one of the four of y_k, y_k+1 and the mean point, less the height profile B where v is seen
+//! vertex v, triangle with profile B:        g - B at the projection of v; facets of four nodes have four triangles about y
 //! edges a b, c d:                           g = sigma n.(c - a),  n = N/|N|, N = (b - a) x (d - c)
 //! ```
 //!
-//! positive when open. `sigma = +-1` is chosen at the start of a step so that `n` points out of the body of the first edge. The gradient of
-//! the second needs no derivative of `n`: it is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common
-//! perpendicular, where the terms of `n` vanish. All is generic in its numbers, so that a pass with derivatives gives the Hessian.
+//! positive when open. The sign `sigma = +-1` is chosen at the start of a step so that `n` points out of the first edge's body. The
+//! gradient of the edge gap is `-n (1 - s)`, `-n s`, `n (1 - t)`, `n t` with the feet `s`, `t` of the common perpendicular, where the terms
+//! with the derivative of `n` vanish. All functions are generic in the number type, so that numbers with derivatives give the Hessian.
 
 use super::profiles::{Form, Profile, derivatives, value};
 use super::vectors::{self, Frame, Gradient, Jet, Vec3, cross, diagonals, dot, scaled, sub};
 use crate::contact::numbers::Number;
 
-/// Nodes of a row, at most.
+/// Largest number of nodes of a constraint.
 pub const NODES: usize = 5;
 
-/// Unknowns of a row, at most.
+/// Largest number of unknowns of a constraint.
 pub const UNKNOWNS: usize = 3 * NODES;
 
-/// What measures a row in a step.
+/// Gap function of a constraint in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// A vertex against a facet of so many nodes.
+    /// Vertex against a flat facet with this number of nodes.
     Facet(usize),
-    /// A vertex against a triangle with a height profile: a facet of three nodes, or the triangle of a facet of four nodes that begins at
-    /// the given node. The triangle's shape functions carry the force.
+    /// Vertex against a triangle with a height profile, whose shape functions distribute the force. `None`: a facet of three nodes;
+    /// `Some(k)`: the triangle of nodes `k`, `k + 1` and the mean point of a facet of four nodes.
     Over(Option<usize>, Form),
-    /// Two edges, with the sign of their normal.
+    /// Two edges, with the sign `sigma` of their normal.
     Edges(f64),
 }
 
-/// Two vectors with their cross product's length and direction.
+/// Two vectors with length and direction of their cross product.
 struct Spread<T> {
     first: Vec3<T>,
     second: Vec3<T>,
@@ -49,13 +49,13 @@ impl<T: Number> Spread<T> {
         Spread { first, second, length, normal: product.map(|x| x * inverse) }
     }
 
-    /// Of two edges, by their ends.
+    /// Vectors of two edges, given by their ends.
     #[inline(always)]
     fn of_edges(z: &[Vec3<T>]) -> Self {
         Spread::new([sub(z[1], z[0]), sub(z[3], z[2])])
     }
 
-    /// The feet of the common perpendicular of lines along both vectors, the second of which begins at `from` the first.
+    /// Feet of the common perpendicular of two lines along both vectors; `from` leads from the start of the first to that of the second.
     #[inline(always)]
     fn feet(&self, from: Vec3<T>) -> [T; 2] {
         let square = (self.length * self.length).recip();
@@ -65,7 +65,7 @@ impl<T: Number> Spread<T> {
 }
 
 impl Measure {
-    /// The gap at the positions of its nodes `[length]`.
+    /// Gap at the node positions `z` `[length]`.
     pub fn gap(self, z: &[Vec3<f64>]) -> f64 {
         match self {
             Measure::Facet(count) => {
@@ -78,7 +78,7 @@ impl Measure {
         }
     }
 
-    /// Its gradient.
+    /// Gradient of the gap with respect to the nodes.
     #[inline(always)]
     pub fn gradient<T: Number>(self, z: &[Vec3<T>]) -> [Vec3<T>; NODES] {
         let mut gradient = [[T::from(0.0); 3]; NODES];
@@ -132,18 +132,18 @@ impl Measure {
         gradient
     }
 
-    /// `weight` times its gradient at the unknowns `z`.
+    /// Writes `weight` times the gradient at the unknowns `z`.
     pub fn gradient_into(self, z: &[f64], weight: f64, out: &mut [f64]) {
         let gradient = self.gradient::<f64>(z.as_chunks().0);
         out.iter_mut().zip(gradient.as_flattened()).for_each(|(out, g)| *out = weight * g);
     }
 
-    /// `share` times its Hessian at the unknowns `z`.
+    /// Writes `share` times the Hessian at the unknowns `z`.
     pub fn hessian_into(self, z: &[f64], share: f64, out: &mut [f64]) {
         vectors::hessian_into(z, share, out, &self);
     }
 
-    /// Weights of the motions of its nodes in that of one side against the other where they touch; their sum is zero.
+    /// Weights of the nodal displacements in the relative displacement at the contact point; their sum is zero.
     #[inline(always)]
     pub fn weights<T: Number>(self, z: &[Vec3<T>]) -> [T; NODES] {
         let mut weights = [T::from(0.0); NODES];
@@ -160,7 +160,7 @@ impl Measure {
         weights
     }
 
-    /// Two unit vectors across the direction of the gap, which go with the facet or with the first edge.
+    /// Two unit tangents perpendicular to the gap direction, fixed to the facet or to the first edge.
     pub fn tangents<T: Number>(self, z: &[Vec3<T>]) -> Option<[Vec3<T>; 2]> {
         match self {
             Measure::Facet(_) | Measure::Over(..) => Frame::new(&z[1..]).map(|Frame { axes: [first, second, _], .. }| [first, second]),
@@ -172,13 +172,13 @@ impl Measure {
         }
     }
 
-    /// The measure of a vertex above the triangle of the facet where it is.
+    /// Gap function of a vertex for the triangle of the facet below it.
     pub fn above(z: &[Vec3<f64>], profile: &Profile) -> Measure {
         let first = (z.len() > 4).then(|| foot(z[0], &z[1..]).0);
         Measure::Over(first, *profile.form(first.unwrap_or(0)))
     }
 
-    /// Feet of the common perpendicular of two edges, and the sine of the angle between them.
+    /// Feet of the common perpendicular of two edges, and sine of the angle between them.
     pub fn feet(z: &[Vec3<f64>]) -> ([f64; 2], f64) {
         let spread = Spread::of_edges(z);
         let sine = spread.length / (dot(spread.first, spread.first) * dot(spread.second, spread.second)).sqrt();
@@ -193,7 +193,7 @@ impl Gradient<NODES> for Measure {
     }
 }
 
-/// A vertex and a triangle: a facet of three nodes, or that of a facet of four which begins at one of them.
+/// Vertex and triangle: the facet of three nodes (`None`), or the triangle of a facet of four nodes that starts at node `first`.
 #[inline(always)]
 fn triangle<T: Number>(z: &[Vec3<T>], first: Option<usize>) -> [Vec3<T>; 4] {
     let y = &z[1..];
@@ -202,7 +202,7 @@ fn triangle<T: Number>(z: &[Vec3<T>], first: Option<usize>) -> [Vec3<T>; 4] {
     [z[0], y[k], y[(k + 1) % 4], middle]
 }
 
-/// Gap of a vertex above a triangle with a height profile, and its gradient. With the flat gap `g`, the dual vectors `e_a` of the sides
+/// Gap of a vertex over a triangle with a height profile, and its gradient. With the flat gap `g`, the dual vectors `e_a` of the sides
 /// `d_a` and the gradient `b` of the profile, `d gap = (n - b).(dv - sum M_k dy_k) - g sum (b.e_a) n.dd_a`.
 #[inline(always)]
 fn over<T: Number>([v, y_0, y_1, y_2]: [Vec3<T>; 4], form: &Form) -> (T, [Vec3<T>; 4]) {
@@ -233,8 +233,8 @@ fn over<T: Number>([v, y_0, y_1, y_2]: [Vec3<T>; 4], form: &Form) -> (T, [Vec3<T
     (flat - value(&rises, &shares), gradient)
 }
 
-/// Shares of a facet's nodes in the point below `v`, seen along its normal, linear on each of the triangles about its mean point; and the
-/// triangle where that is.
+/// Triangle of a facet about its mean point into which `v` projects along the facet's normal, and piecewise linear coefficients of the
+/// facet's nodes in that point.
 #[inline(always)]
 fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> (usize, [T; 4]) {
     let (count, zero) = (y.len(), T::from(0.0));
@@ -249,7 +249,7 @@ fn foot<T: Number>(v: Vec3<T>, y: &[Vec3<T>]) -> (usize, [T; 4]) {
         let (a, b, r) = (sub(y[k], middle), sub(y[next], middle), sub(v, middle));
         let inverse = dot(cross(a, b), normal).recip();
         let (of_a, of_b) = (dot(cross(r, b), normal) * inverse, dot(cross(a, r), normal) * inverse);
-        // The triangle in which the point is, or which it has left least.
+        // Triangle that contains the point, or that the point is least outside of.
         let within = of_a.re().min(of_b.re());
         if within > least {
             (least, triangle) = (within, k);

@@ -1,5 +1,5 @@
-//! Surfaces of triangles made sound where there is one way to do it: points that round-off holds apart are joined, doubled triangles and
-//! slivers are taken out, triangles that look to the other side than those around them are turned.
+//! Repair of triangulated surfaces where it is unique: merges points that differ by round-off, removes doubled triangles and slivers, and
+//! reverses triangles whose orientation differs from their neighbors (obstacles from files).
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,16 +10,16 @@ use rstar::primitives::GeomWithData;
 use super::facets::{Facets, FacetsError};
 use crate::math::tolerances::{FACING, SAME_POINT};
 
-/// Repairs made to a surface.
+/// Numbers of repairs made to a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mending {
-    /// Points that were joined with others.
+    /// Points merged with others.
     pub joined: usize,
-    /// Triangles without an area that were taken out.
+    /// Removed triangles without area.
     pub slivers: usize,
-    /// Triangles on others that were taken out.
+    /// Removed triangles that coincide with others.
     pub doubled: usize,
-    /// Triangles that were turned.
+    /// Reversed triangles.
     pub turned: usize,
 }
 
@@ -41,12 +41,11 @@ impl std::fmt::Display for Mending {
 type Triangle = [u32; 3];
 
 impl Facets {
-    /// The surface of triangles as in [`Facets::new`]. A surface that is refused there for edges at which triangles do not fit is made
-    /// sound first where there is one way to do it. Returns what was done.
+    /// Surface of triangles as in [`Facets::new`], with the repairs made. Triangles that [`Facets::new`] refuses for their orientation at
+    /// an edge are repaired first.
     ///
     /// # Errors
-    /// As in [`Facets::new`]: edges of more than two triangles that are left, a surface of one side, as many triangles by their areas that
-    /// look to one side as to the other.
+    /// As in [`Facets::new`] after the repair: edges with more than two triangles, one-sided surfaces, equal areas of both orientations.
     pub fn mended(points: &[[f64; 3]], triangles: &[Triangle]) -> Result<(Self, Mending), FacetsError> {
         match Facets::new(points, triangles) {
             Err(FacetsError::Turned(_)) => {}
@@ -69,7 +68,7 @@ fn ascending([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Triangles at each edge, whose ends ascend.
+/// Triangles at each edge; the ends of edges are ascending.
 fn around(triangles: &[Triangle]) -> BTreeMap<[u32; 2], Vec<usize>> {
     let mut found: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
     for (index, triangle) in triangles.iter().enumerate() {
@@ -78,7 +77,7 @@ fn around(triangles: &[Triangle]) -> BTreeMap<[u32; 2], Vec<usize>> {
     found
 }
 
-/// Points nearer than round-off of files become one.
+/// Merges points that are nearer to each other than the round-off of files.
 fn join(points: &[[f64; 3]], triangles: &[Triangle], mending: &mut Mending) -> (Vec<[f64; 3]>, Vec<Triangle>) {
     let (low, high) = points.iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), x| {
         ([0, 1, 2].map(|i| f64::min(low[i], x[i])), [0, 1, 2].map(|i| f64::max(high[i], x[i])))
@@ -103,8 +102,8 @@ fn join(points: &[[f64; 3]], triangles: &[Triangle], mending: &mut Mending) -> (
     (kept, triangles)
 }
 
-/// A triangle whose points are on a line is taken out: where two are one point without a trace, else its middle point cuts the triangle on
-/// the other side of its longest edge in two.
+/// Removes triangles with collinear points. If two points are equal, nothing else changes; else the middle point divides the triangle on
+/// the other side of the longest edge.
 fn without_slivers(points: &[[f64; 3]], triangles: Vec<Triangle>, mending: &mut Mending) -> Vec<Triangle> {
     let at = |node: u32| Vector3::from(points[node as usize]);
     let length = |[a, b]: [u32; 2]| (at(b) - at(a)).norm();
@@ -141,7 +140,7 @@ fn without_slivers(points: &[[f64; 3]], triangles: Vec<Triangle>, mending: &mut 
     kept.into_iter().flatten().collect()
 }
 
-/// Of triangles with the same points one is left, or none where they look to both sides in pairs.
+/// Keeps one of several triangles with the same points, or none if both orientations are equally frequent.
 fn without_doubles(triangles: Vec<Triangle>, mending: &mut Mending) -> Vec<Triangle> {
     let key = |triangle: &Triangle| {
         let mut key = *triangle;
@@ -167,7 +166,7 @@ fn without_doubles(triangles: Vec<Triangle>, mending: &mut Mending) -> Vec<Trian
     kept
 }
 
-/// Triangles turned so that neighbors look to one side: in each connected piece that to which the larger area looks.
+/// Reverses triangles so that neighbors have equal orientations; in each connected part the orientation with the larger area is kept.
 fn turned(points: &[[f64; 3]], mut triangles: Vec<Triangle>, mending: &mut Mending) -> Result<Vec<Triangle>, FacetsError> {
     let at = |node: u32| Vector3::from(points[node as usize]);
     let around = around(&triangles);
@@ -195,7 +194,7 @@ fn turned(points: &[[f64; 3]], mut triangles: Vec<Triangle>, mending: &mut Mendi
                         piece.push(other);
                     }
                     known if known == wanted => {}
-                    // a surface with one side
+                    // one-sided surface
                     _ => return Err(failed(edge)),
                 }
             }

@@ -1,4 +1,4 @@
-//! Contact in space: facets of three and four nodes, faces of second order that are split into them, and rigid obstacles.
+//! Contact in space: facets of three and four nodes, faces of second order divided into them, and rigid obstacles.
 
 mod closing;
 mod corners;

@@ -1,8 +1,8 @@
-//! Mortar contact in space: one multiplier per secondary node, its constraint the weighted gap summed over facet pairs (`pair.rs`).
+//! Mortar contact in space: one multiplier per secondary node, whose constraint is the weighted gap summed over facet pairs (`pair.rs`).
 //!
-//! A patch is a candidate pair, its nodes those of both facets, its rows those of the secondary one. The discrete gradient is taken pair by
-//! pair, projected off the rigid motions of the pair's nodes in mid-step, so that energy and both momenta are exact while facets slide over
-//! each other.
+//! A contact element is a candidate pair with the nodes of both facets and the constraints of the secondary nodes. The discrete gradient of
+//! each pair is projected orthogonally to the rigid motions of its nodes at mid-step, so that energy, linear and angular momentum are exact
+//! while facets slide.
 
 use super::dual::{Duals, Shape};
 use super::gaps::Measure;
@@ -22,13 +22,13 @@ use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 use crate::math::tolerances::{EDGES_MEET, PROJECTED_INCREMENT};
 use crate::math::workers::Workers;
 
-/// Margin beyond the need with which candidates are searched, in smallest secondary facets.
+/// Search distance beyond the required one, in smallest secondary facets.
 const SPARE: f64 = 0.5;
 
-/// Pairs that a thread takes at a time.
+/// Number of pairs per task of a thread.
 const SHARED: usize = 32;
 
-/// Unknowns of a pair, at most.
+/// Largest number of unknowns of a pair.
 const UNKNOWNS: usize = 3 * NODES;
 
 /// Mortar contact of two surfaces in space.
@@ -40,13 +40,13 @@ pub struct MortarInSpace {
     /// Height profiles of the facets of both sides, and heights of the curves above nodes.
     profiles: [Vec<Profile>; 2],
     heights: [Vec<f64>; 2],
-    /// By facet and node, how tangents lie on the facet.
+    /// Orientation of the tangents on each facet, per node: cosine and sine.
     turns: Vec<Vec<[f64; 2]>>,
-    /// Threads among which pairs are shared.
+    /// Threads that evaluate the pairs.
     workers: Workers,
-    /// Which discrete gradient is taken.
+    /// Variant of the discrete gradient.
     correction: Correction,
-    /// Dual functions of the secondary side, where multipliers have them.
+    /// Dual functions of the secondary side; `None` for standard multipliers.
     duals: Option<Duals>,
 }
 
@@ -58,36 +58,36 @@ struct Start {
     overlaps: bool,
 }
 
-/// Storage of one evaluation, used again from pair to pair.
+/// Buffers of one evaluation, reused for all pairs.
 #[derive(Default)]
 struct Scratch {
     end: Vec<f64>,
     middle: Vec<f64>,
-    /// Gradient of one function; its Hessian weighted by multipliers, and so the gradients in the middle and at the end of the step.
+    /// Gradient of one function; Hessian, and gradients at mid-step and at the end, weighted by the multipliers.
     row: Vec<f64>,
     hessian: Vec<f64>,
     weighted: [Vec<f64>; 2],
     projection: Projection<3>,
 }
 
-/// What a pair adds to sums over the pairs of its rows.
+/// Contributions of a pair to sums over the pairs of its constraints.
 #[derive(Clone, Default)]
 struct Sums {
-    /// Values and areas at the end, where it overlaps there.
+    /// Values and areas at the end of the step; `None` without overlap there.
     end: Option<[[f64; CORNERS]; 2]>,
-    /// Where the pairs of a row share a correction: their remainders, the projected increment of its nodes, and the square of its extent.
+    /// For corrections shared by the pairs of a constraint: remainders, projected increment of the pair's nodes, squared size of the pair.
     remainders: [f64; CORNERS],
     increment: Vec<f64>,
     size: f64,
 }
 
 impl MortarInSpace {
-    /// Contact of two surfaces, sized in the reference positions. A surface with itself takes each pair of facets once.
+    /// Contact of two surfaces with standard multipliers, sized in the reference positions. Self-contact lists each pair of facets once.
     pub fn kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
         Box::new(Self::new(seen))
     }
 
-    /// The same with dual multiplier shape functions, so that a multiplier presses its own secondary node and no other.
+    /// Contact of two surfaces with dual multiplier shape functions: each multiplier loads its own secondary node only.
     pub fn dual_kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
         Box::new(MortarInSpace { duals: Some(Duals::new(&seen.secondary, &seen.reference)), ..Self::new(seen) })
     }
@@ -116,28 +116,28 @@ impl MortarInSpace {
         [&self.profiles[0][own as usize], &self.profiles[1][other as usize]]
     }
 
-    /// Shape functions of the multipliers of pair `p` in this step.
+    /// Multiplier shape functions of pair `p` in this step.
     fn shape(&self, p: usize) -> &Shape {
         self.duals.as_ref().map_or(&Shape::STANDARD, |duals| duals.shape(self.search.candidates.pairs()[p][0]))
     }
 
-    /// Numbers of nodes of the facets of pair `p`.
+    /// Numbers of nodes of both facets of pair `p`.
     fn counts(&self, p: usize) -> [usize; 2] {
         let [own, other] = self.search.candidates.pairs()[p];
         [self.sides.secondary.facet(own as usize).len(), self.sides.primary.facet(other as usize).len()]
     }
 
-    /// Pair `p` at the positions of its nodes.
+    /// Pair `p` at the positions of its nodes; `None` without overlap.
     fn pair(&self, p: usize, z: &[f64]) -> Option<Pair<f64>> {
         Some(Pair::new(z.as_chunks().0, self.counts(p)).filter(Pair::overlaps)?.curved(self.profiles(p)))
     }
 
-    /// Band within which forces pass from edges to others that nearly coincide with them.
+    /// Width of the band, in triangle heights, within which edge forces pass from one facet to the other.
     fn band(&self) -> f64 {
         if self.correction == Correction::SteadyEnds { 0.0 } else { EDGES_MEET }
     }
 
-    /// Adds the corrections that pairs of a row share, `e_A = sum R / sum p.p` times each pair's projected increment `p`.
+    /// Adds corrections shared by the pairs of a constraint, `e_A = sum R / sum p.p` times each pair's projected increment `p`.
     fn correct(&self, sums: &[Sums], out: &mut Evaluation) {
         let patches = &self.sides.patches;
         let mut of_rows = vec![[0.0; 3]; self.sides.weights.len()];
@@ -160,7 +160,7 @@ impl MortarInSpace {
         }
     }
 
-    /// Sums what each pair that takes part and overlaps at `q` has for its secondary nodes into these.
+    /// Sum over all participating pairs that overlap at `q` of `contribution`, per secondary node.
     fn sum(&self, q: &[f64], contribution: impl Fn(&Pair<f64>) -> [f64; CORNERS]) -> Vec<f64> {
         let mut z = Vec::with_capacity(UNKNOWNS);
         let of_pair = |p: usize| {
@@ -174,12 +174,12 @@ impl MortarInSpace {
     }
 }
 
-/// The gradients of all secondary nodes as lists of so many unknowns, one after the other.
+/// Gradients of all secondary nodes, each with `unknowns` entries, concatenated.
 fn lists_into(gradients: Option<&Gradients>, unknowns: usize, out: &mut [f64]) {
     out.chunks_exact_mut(unknowns).enumerate().for_each(|(k, block)| list_into(gradients, k, block));
 }
 
-/// The gradient of secondary node `k` as one list; zeros without a pair.
+/// Gradient of secondary node `k`; zeros without a pair.
 fn list_into(gradients: Option<&Gradients>, k: usize, out: &mut [f64]) {
     match gradients {
         Some(gradients) => out.iter_mut().zip(gradients.as_flattened()).for_each(|(out, each)| *out = each.0[k]),
@@ -264,7 +264,7 @@ impl PatchFunctions for MortarInSpace {
 }
 
 impl Scratch {
-    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` where its functions vanish throughout.
+    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` if its functions vanish throughout the step.
     fn evaluate(
         &mut self,
         kernel: &MortarInSpace,
@@ -347,7 +347,7 @@ impl Scratch {
     }
 }
 
-/// Slip weighted as the gap is: the multipliers' shape functions against those of the facet opposite, over the overlap.
+/// Slip with the weights of the gap: multiplier shape functions times shape functions of the opposite facet, over the overlap.
 impl SlipsInSpace for MortarInSpace {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let Some(pair) = Pair::new(z, self.counts(p)).filter(Pair::overlaps) else { return Vec::new() };

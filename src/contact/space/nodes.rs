@@ -1,10 +1,10 @@
-//! The node-to-segment method in space: one multiplier for each secondary node, its constraint the node's gap to one facet.
+//! Node-to-segment method in space: one multiplier per secondary node, whose constraint is the gap of the node to one facet.
 //!
-//! `Phi_A = w_A g_A` with the node's weight in the reference configuration, so that a multiplier is a pressure, and the height `g` above
-//! the height profile of the opposite triangle; facets of four nodes are triangles about their mean points. A step keeps the triangle of
-//! its start, continued as a plane, or the triangle opposite the predicted end: so energy and momenta are exact (`corners.rs`, whose rows
-//! these are), and a node that slides from facet to facet finds the next one in the next step. Facets that look the same way as the
-//! surface at the node, the far side of a thin body, are no opposite.
+//! `Phi_A = w_A g_A` with the reference weight of the node, so that multipliers are pressures. `g` is the height over the height profile of
+//! the opposite triangle; facets of four nodes are triangles about their mean points. Within a step a node keeps the triangle opposite its
+//! start, continued as a plane, or opposite its predicted end. Energy and momenta are exact (constraints of `corners.rs`), and a sliding
+//! node is assigned to the next facet in the next step. Facets with normals like the surface at the node (far side of a thin body) are not
+//! opposite.
 
 use super::corners::CornersInSpace;
 use super::features::{Features, Vertex};
@@ -18,12 +18,12 @@ use crate::contact::kernel::ContactKernel;
 use crate::contact::surface::{Sides, Surface};
 use crate::contact::window::Outlook;
 
-/// How far a facet may be left across a border behind which its surface does not go on smoothly, over its size: nodes exactly above it, as
-/// those of meshes that match, are held.
+/// Admissible distance beyond the border of a facet without smooth continuation, in facet sizes. Nodes exactly above the border, as in
+/// matching meshes, are constrained.
 const RIM: f64 = 0.01;
 
 impl CornersInSpace {
-    /// The rows of the nodes of a surface against the facets of another one.
+    /// Constraints of the nodes of a surface against the facets of another one.
     pub(crate) fn of_nodes(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
         let SeenInSpace { secondary, primary, reference, profiles, .. } = seen;
         let vertex = |&node: &u32| Vertex { node, spokes: Vec::new(), is_bump: true };
@@ -39,14 +39,14 @@ impl CornersInSpace {
         Box::new(made)
     }
 
-    /// Which nodes have a row already, where each has one: at the start of the step.
+    /// True for each node with a constraint from the start of the step; empty for sharp features.
     pub(super) fn settled(&self, chosen: &[Option<Found>]) -> Vec<bool> {
         let mut settled = vec![false; if self.of_nodes.is_some() { self.owners.count() } else { 0 }];
         chosen.iter().flatten().filter(|_| self.of_nodes.is_some()).for_each(|row| settled[self.owner(row.patch)] = true);
         settled
     }
 
-    /// What measures the gap of a node, and the gap: the triangle below it alone, so that a node on another one has its whole force.
+    /// Gap function of a node for the triangle below it, which takes the whole force, and the gap; `None` for sharp features.
     pub(super) fn measure(&self, facet: usize, nodes: &[u32], q: &[f64]) -> Option<(Measure, f64)> {
         let rows = self.of_nodes.as_ref()?;
         let z: Vec<Vec3<f64>> = nodes.iter().map(|&node| faces::at(node, q).into()).collect();
@@ -54,14 +54,14 @@ impl CornersInSpace {
         Some((measure, measure.gap(&z)))
     }
 
-    /// Whether the surface at a vertex and a facet with this normal look at each other, where that is asked for.
+    /// True if the surface at a vertex and a facet with this normal face each other; always true for sharp features.
     pub(super) fn faces(&self, vertex: usize, normal: Vector, q: &[f64]) -> bool {
         let surface = &self.sides.secondary;
         let looks = || surface.adjacent_facets(vertex).iter().map(|&facet| faces::normal(surface.facet(facet as usize), q)).sum::<Vector>();
         self.of_nodes.is_none() || looks().dot(&normal) < 0.0
     }
 
-    /// Whether a node without a row comes to be deeper than this behind a facet in a step.
+    /// True if a node without a constraint penetrates a facet by more than `tolerance` at `q_1`, but not at `q_0`.
     pub(super) fn comes_through(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let mut has_row = vec![false; self.owners.count()];
         (0..self.kinds.len()).filter(|&patch| self.rows[patch].is_some()).for_each(|patch| has_row[self.owner(patch)] = true);

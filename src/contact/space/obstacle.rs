@@ -1,7 +1,7 @@
-//! Rigid obstacles in space: their shapes, and distance, normal, curvature and discrete gradient at points in the obstacle's frame.
+//! Rigid obstacles in space: shapes, and signed distance, normal, curvature and discrete gradient at points in the obstacle's frame.
 //!
-//! Distances are exact, and not those of facets, wherever there is a formula. With `r` the place of a point, the discrete gradient of its
-//! distance satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
+//! Distances of smooth shapes are exact, not those of facets. With the position `r` of a point, the discrete gradient of its distance
+//! satisfies `Gbar.(r_1 - r_0) = g(r_1) - g(r_0)`:
 //!
 //! ```text
 //! plane        n                                      momentum along it is kept
@@ -10,9 +10,9 @@
 //! facets       n_mid + (g_1 - g_0 - n_mid.dr)/dr.dr dr
 //! ```
 //!
-//! (Gonzalez, CMAME 190, 2000.) A cylinder with or without ends, a cone and a torus are revolved about an axis `a`: their distance is a
-//! function of the distance `rho = |p|` from the axis and of the height `z` along it. `(G_rho, G_z)` is that function's discrete gradient,
-//! by the formula of facets, so that the force on a node has no moment about the axis. For a cylinder without ends `G = (+-1, 0)`.
+//! (Gonzalez, CMAME 190, 2000.) Cylinders, cones and tori are bodies of revolution about an axis `a`: the distance is a function of the
+//! distance `rho = |p|` from the axis and the height `z` along it. `(G_rho, G_z)` is the discrete gradient of that function by the formula
+//! of facets, so that nodal forces have no moment about the axis. For a cylinder without ends `G = (+-1, 0)`.
 
 use std::sync::Arc;
 
@@ -23,86 +23,86 @@ use super::slip::Carrier;
 use crate::contact::surface::Surface;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
 
-/// Round obstacles so much larger than the longest facet need no rows but those of nodes: between two nodes on one a facet, even stretched
-/// to half more, is less than a tenth of it deep in it.
+/// Ratio of the radius of round obstacles to the longest facet above which nodal constraints suffice: between two nodes on such an obstacle
+/// even a facet stretched by half penetrates by less than a tenth of its length.
 const LARGE: f64 = 3.0;
 
-/// At how many places on a node's way its distance is looked at, at most.
+/// Largest number of samples on a node's path at which its distance is evaluated.
 const LOOKS: f64 = 64.0;
 
-/// Shape of a rigid obstacle in space at its undisplaced place. Directions may have any length but zero.
+/// Shape of a rigid obstacle in space at its undisplaced position. Directions have any nonzero length.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObstacleInSpace {
-    /// All points `x` with `normal.(x - point) <= 0`.
+    /// Points `x` with `normal.(x - point) <= 0`.
     Plane {
-        /// A point of the border `[length]`.
+        /// Point of the border `[length]`.
         point: [f64; 3],
         /// Outward normal.
         normal: [f64; 3],
     },
-    /// A ball, or everything outside of one.
+    /// Ball, or complement of a ball.
     Sphere {
         /// Center `[length]`.
         center: [f64; 3],
         /// Radius `[length]`.
         radius: f64,
-        /// Whether bodies are inside.
+        /// True if bodies are inside.
         is_hollow: bool,
     },
-    /// A cylinder without ends, or everything outside of one.
+    /// Cylinder without ends, or its complement.
     Cylinder {
-        /// A point of the axis `[length]`.
+        /// Point of the axis `[length]`.
         point: [f64; 3],
         /// Direction of the axis.
         axis: [f64; 3],
         /// Radius `[length]`.
         radius: f64,
-        /// Whether bodies are inside.
+        /// True if bodies are inside.
         is_hollow: bool,
     },
-    /// A cylinder with flat ends and rounded edges between these and its side.
+    /// Cylinder with flat ends and rounded edges between ends and side.
     FiniteCylinder {
-        /// Its middle `[length]`.
+        /// Middle of the axis `[length]`.
         center: [f64; 3],
         /// Direction of the axis.
         axis: [f64; 3],
         /// Radius `[length]`.
         radius: f64,
-        /// Distance of the ends `[length]`.
+        /// Distance between the ends `[length]`.
         length: f64,
-        /// Radius of the edges, no larger than the radius and half the length `[length]`.
+        /// Radius of the edges, at most the radius and half the length `[length]`.
         edge: f64,
     },
-    /// A cone without an end, or everything outside of one: a funnel.
+    /// Infinite cone, or its complement (a funnel).
     Cone {
         /// Tip `[length]`.
         tip: [f64; 3],
         /// Direction of the axis, from the tip into the cone.
         axis: [f64; 3],
-        /// Angle between axis and side, between 0 and a quarter turn `[rad]`.
+        /// Angle between axis and side, between 0 and a right angle `[rad]`.
         angle: f64,
-        /// Whether bodies are inside.
+        /// True if bodies are inside.
         is_hollow: bool,
     },
-    /// A torus, or everything outside of one: a ring of a tube.
+    /// Torus, or its complement (the inside of a tube).
     Torus {
         /// Center `[length]`.
         center: [f64; 3],
         /// Direction of the axis.
         axis: [f64; 3],
-        /// Radius of the circle on which the tube's centers lie `[length]`.
+        /// Radius of the center circle of the tube `[length]`.
         radius: f64,
-        /// Radius of the tube, smaller than that `[length]`.
+        /// Radius of the tube, smaller than that of the center circle `[length]`.
         tube: f64,
-        /// Whether bodies are inside the tube.
+        /// True if bodies are inside the tube.
         is_hollow: bool,
     },
-    /// Flat facets with outward normals; bodies are where these point.
+    /// Flat facets with normals towards the bodies.
     Facets(Arc<Facets>),
 }
 
 impl ObstacleInSpace {
-    /// Largest coordinate of which a distance is a difference: of a plane's none, as it is one product `[length]`.
+    /// Largest coordinate in the differences that give distances, for round-off; 0 for a plane, whose distance is one product `[length]`.
     pub fn reach(&self) -> f64 {
         let size = |x: &[f64; 3]| Vector3::from(*x).norm();
         match self {
@@ -116,7 +116,7 @@ impl ObstacleInSpace {
         }
     }
 
-    /// Whether bodies are outside of something round that is so small that facets between nodes may enter it.
+    /// True for a round obstacle with bodies outside that is small enough to enter facets between their nodes.
     pub fn is_small(&self, surface: &Surface, reference: &[f64], facet_size: f64) -> bool {
         let radius = match *self {
             ObstacleInSpace::Sphere { radius, is_hollow: false, .. } | ObstacleInSpace::Cylinder { radius, is_hollow: false, .. } => radius,
@@ -130,14 +130,14 @@ impl ObstacleInSpace {
     }
 }
 
-/// A discrete gradient and its derivative with respect to the end point.
+/// Discrete gradient, and its derivative with respect to the end point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepGradient {
     pub bar: Vector3<f64>,
     pub tangent: Matrix3<f64>,
 }
 
-/// An obstacle made ready for evaluation. `sign` is +1 where bodies are outside, -1 inside.
+/// Obstacle prepared for evaluation. `sign` is +1 for bodies outside, -1 inside.
 #[derive(Clone, Debug)]
 pub(in crate::contact) enum Shape {
     Plane {
@@ -155,11 +155,11 @@ pub(in crate::contact) enum Shape {
         profile: Profile,
     },
     Facets(Arc<Facets>),
-    /// One side of it alone.
+    /// One side of a triangulated surface.
     Side(Arc<Facets>, usize),
 }
 
-/// Rigid motions that leave an obstacle as it is: rotations about axes through a center, translations.
+/// Rigid motions that map an obstacle to itself: rotations about axes through a center, translations.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Symmetries {
     pub center: Vector3<f64>,
@@ -167,14 +167,14 @@ pub(super) struct Symmetries {
     pub translations: Vec<Vector3<f64>>,
 }
 
-/// What is revolved, as a function of the distance from the axis and the height along it.
+/// Meridian of a body of revolution, a function of the distance from the axis and the height along it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::contact) enum Profile {
     Cylinder {
         radius: f64,
         sign: f64,
     },
-    /// From the middle: radius and half the length of what its edges are around, and their radius.
+    /// Radius and half length of the cylinder without its rounded edges, and radius of the edges.
     FiniteCylinder {
         inner: [f64; 2],
         edge: f64,
@@ -191,7 +191,7 @@ pub(in crate::contact) enum Profile {
     },
 }
 
-/// Value, gradient and second derivative of a function of `N` variables.
+/// Value, gradient and Hessian of a function of `N` variables.
 #[derive(Clone, Copy, Debug)]
 struct Local<const N: usize> {
     value: f64,
@@ -199,14 +199,14 @@ struct Local<const N: usize> {
     curvature: [[f64; N]; N],
 }
 
-/// Discrete gradient of a function between two points that are `d` apart, and its derivative with respect to the end point; increments
-/// below `PROJECTED_INCREMENT * size` have no correction.
+/// Discrete gradient of a function between two points with the difference `d`, and its derivative with respect to the end point; not
+/// corrected for increments below `PROJECTED_INCREMENT * size`.
 fn corrected<const N: usize>(start: f64, middle: &Local<N>, end: &Local<N>, d: [f64; N], size: f64) -> ([f64; N], [[f64; N]; N]) {
     let dot = |a: &[f64; N]| a.iter().zip(&d).map(|(a, b)| a * b).sum::<f64>();
     let square = dot(&d);
     let (mut bar, mut tangent) = (middle.slope, middle.curvature.map(|row| row.map(|h| 0.5 * h)));
     let remainder = end.value - start - dot(&middle.slope);
-    // In a small step only a corner has a remainder that is more than round-off.
+    // In a small step only a corner gives a remainder above round-off.
     let is_doubtful = square <= (PROJECTED_INCREMENT * size).powi(2);
     if square > 0.0 && !(is_doubtful && remainder.abs() <= REMAINDER * size) {
         let e = remainder / square;
@@ -247,7 +247,7 @@ impl Profile {
     }
 }
 
-/// Signed distance from a circle about the origin of the plane.
+/// Signed distance from a circle about the origin.
 fn around([x, y]: [f64; 2], radius: f64, sign: f64) -> Local<2> {
     let length = x.hypot(y);
     let [a, b] = if length > 0.0 { [x / length, y / length] } else { [0.0; 2] };
@@ -289,19 +289,19 @@ impl Shape {
         }
     }
 
-    /// Number of points of an edge that may be deeper than their neighbors: an edge across the hole of a torus has two.
+    /// Largest number of local minima of the distance along an edge: 2 for an edge across the hole of a torus.
     pub fn rows_per_edge(&self) -> usize {
         if matches!(self, Shape::Revolved { profile: Profile::Torus { .. }, .. }) { 2 } else { 1 }
     }
 
-    /// True if an edge comes nearer to the axis between its ends than the circle in the tube of a torus.
+    /// True if an edge comes nearer to the axis of a torus, between its ends, than the center circle of the tube.
     pub fn is_across_hole(&self, ends: [Vector3<f64>; 2]) -> bool {
         let Shape::Revolved { origin, axis, profile: Profile::Torus { radius, .. } } = self else { return false };
         let share = self.nearest_to_axis(ends);
         0.0 < share && share < 1.0 && axis.cross(&(ends[0].lerp(&ends[1], share) - origin)).norm() < *radius
     }
 
-    /// Share of an edge at which it is nearest to the axis of what is revolved; 0 for other shapes and along the axis.
+    /// Edge coordinate nearest to the axis of revolution; 0 for other shapes and parallel edges.
     pub fn nearest_to_axis(&self, [a, b]: [Vector3<f64>; 2]) -> f64 {
         let Shape::Revolved { origin, axis, .. } = self else { return 0.0 };
         let [from, along] = [axis.cross(&(a - origin)), axis.cross(&(b - a))];
@@ -309,27 +309,27 @@ impl Shape {
         if square > 0.0 { (-from.dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 }
     }
 
-    /// Whether it has sharp edges: two distances meet inside of them.
+    /// True for shapes with sharp edges, inside of which two distances meet.
     pub fn has_edges(&self) -> bool {
         matches!(self, Shape::Revolved { profile: Profile::FiniteCylinder { .. }, .. })
     }
 
-    /// Whether a point is opposite the rounded edge of a cylinder with ends.
+    /// True if a point is opposite the rounded edge of a cylinder with ends.
     pub fn is_at_rim(&self, x: Vector3<f64>) -> bool {
         let Shape::Revolved { origin, axis, profile: Profile::FiniteCylinder { inner, .. } } = self else { return false };
         let ([rho, z], _) = polar(x - origin, *axis);
         rho > inner[0] && z.abs() > inner[1]
     }
 
-    /// How it moves what sticks to it when it is displaced by `shift` and has turned by an angle about its axis, if it has one; `end` is
-    /// where it is displaced to at last.
+    /// Motion of points that stick to the obstacle, for a displacement `shift` and a rotation angle about its axis; `end` is the
+    /// translation at the end of the step.
     pub fn carrier(&self, (shift, angle): ([f64; 3], f64), end: [f64; 3]) -> Carrier {
         let Shape::Revolved { origin, axis, .. } = self else { return Carrier { shift, ..Carrier::default() } };
         let center = origin + Vector3::from(end) - Vector3::from(shift) * 0.5;
         Carrier { shift, turn: (axis * (2.0 * (0.5 * angle).tan())).into(), center: center.into() }
     }
 
-    /// The motions that leave something round as it is.
+    /// Symmetries of round obstacles; none for other ones.
     pub(super) fn symmetries(&self) -> Symmetries {
         match self {
             Shape::Sphere { center, .. } => {
@@ -343,7 +343,7 @@ impl Shape {
         }
     }
 
-    /// Distance of a point in the obstacle's frame.
+    /// Signed distance of a point in the obstacle's frame.
     pub(super) fn distance(&self, x: Vector3<f64>) -> Distance {
         match self {
             Shape::Plane { point, normal } => {
@@ -375,13 +375,13 @@ impl Shape {
         }
     }
 
-    /// Signed distance of a point in the obstacle's frame, its gradient, and whether the point is opposite the obstacle.
+    /// Signed distance of a point in the obstacle's frame, its gradient, and true if the point is opposite the obstacle.
     pub(in crate::contact) fn signed_distance(&self, x: [f64; 3]) -> (f64, [f64; 3], bool) {
         let Distance { gap, normal, covered, .. } = self.distance(Vector3::from(x));
         (gap, normal.into(), covered)
     }
 
-    /// Discrete gradient between two points in the obstacle's frame; `size` is that of the facets beside them.
+    /// Discrete gradient between two points in the obstacle's frame; `size` is the facet size.
     pub(super) fn step_gradient(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, size: f64) -> StepGradient {
         match self {
             Shape::Plane { normal, .. } => StepGradient { bar: *normal, tangent: Matrix3::zeros() },
@@ -412,9 +412,9 @@ impl Shape {
         }
     }
 
-    /// By how much the distance changes on the straight way between two points, what is farther away than `near` taken as so far.
+    /// Range of the signed distance on the straight path between two points, with distances above `near` replaced by `near`.
     pub fn swing(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> f64 {
-        // A distance changes by no more than the way.
+        // A distance changes by at most the path length.
         if self.is_one_sided() || (x_1 - x_0).norm() <= near * PASSING {
             return 0.0;
         }
@@ -423,7 +423,7 @@ impl Shape {
         (high - low).max(0.0)
     }
 
-    /// Whether the straight way from one point outside to another one leads through to the other side.
+    /// True if the straight path between two outer points crosses the obstacle to its other side.
     pub fn is_crossed(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> bool {
         if self.is_one_sided() {
             return false;
@@ -438,13 +438,13 @@ impl Shape {
         }
     }
 
-    /// Distances along the straight way between two points.
+    /// Signed distances at samples of the straight path between two points.
     fn looks(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> impl Iterator<Item = f64> {
         let count = (4.0 * (x_1 - x_0).norm() / near).ceil().clamp(8.0, LOOKS);
         (0..=count as usize).map(move |k| self.distance(x_0.lerp(&x_1, k as f64 / count)).gap)
     }
 
-    /// Whether there is no other side to come out at.
+    /// True for obstacles without another side that a node could reach.
     fn is_one_sided(&self) -> bool {
         match self {
             Shape::Plane { .. } => true,
@@ -455,14 +455,14 @@ impl Shape {
     }
 }
 
-/// Distance from an axis and height along it, and the unit vector away from the axis.
+/// Distance from an axis, height along it, and unit vector away from the axis.
 fn polar(r: Vector3<f64>, axis: Vector3<f64>) -> ([f64; 2], Vector3<f64>) {
     let z = axis.dot(&r);
     let across = r - axis * z;
     ([across.norm(), z], across.try_normalize(0.0).unwrap_or_default())
 }
 
-/// `sign` times the discrete gradient of the length of a vector, parallel to the vector in mid-step.
+/// Discrete gradient of the length of a vector times `sign`, parallel to the vector at mid-step.
 fn mean_direction(r_0: Vector3<f64>, r_1: Vector3<f64>, sign: f64) -> StepGradient {
     let lengths = r_0.norm() + r_1.norm();
     if lengths == 0.0 {

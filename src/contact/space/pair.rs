@@ -1,23 +1,23 @@
-//! The weighted gap functions of one facet pair in space, with gradient and Hessian, as one continuous function of its six to eight nodes.
+//! Weighted gaps of one facet pair in space as continuous functions of its six to eight nodes, with gradient and Hessian.
 //!
-//! Everything is seen along one direction: the normal `n` of the secondary facet, along `(x_3 - x_1) x (x_4 - x_2)`, through its mean
-//! point. Nodes have plane coordinates `p` and heights `h`; a facet of four nodes is four flat triangles about its mean point, which has a
-//! quarter of each node. Each primary triangle is clipped by each secondary one, and on the polygons (`polygon.rs`)
+//! Both facets are projected along the normal `n` of the secondary facet, parallel to `(x_3 - x_1) x (x_4 - x_2)`, on the plane through its
+//! mean point. Nodes have plane coordinates `p` and heights `h`; a facet of four nodes consists of four flat triangles about its mean
+//! point, a quarter of each node. Each primary triangle is clipped by each secondary one, and over the polygons (`polygon.rs`)
 //!
 //! ```text
 //! Phi_A = sum int N_A (h_primary - h_secondary) dA          [length^3], > 0 when open
 //! ```
 //!
-//! is integrated exactly: the integrand is a product of two affine functions (Puso and Laursen, CMAME 193, 2004, take an average plane and
-//! quadrature instead; a value that depends on how a polygon is cut jumps where a vertex appears). The value is continuous everywhere, the
-//! gradient where vertices come and go; it has kinks where edges of the two facets coincide.
+//! is integrated exactly: the integrand is a product of two affine functions. (Puso and Laursen, CMAME 193, 2004, use an average plane and
+//! quadrature; a value that depends on the subdivision of a polygon jumps where a vertex appears.) The value is continuous everywhere, the
+//! gradient also where vertices appear and vanish; it has kinks where edges of both facets coincide.
 //!
-//! Facets may have height profiles (`profiles.rs`), which close a part of the gap (`closing.rs`). The frame turns with the secondary
-//! facet: with the moment `m` of the derivatives with respect to plane coordinates and heights, as forces, the turn of `n` adds
-//! `b = -m x n / |N|`, `d N.b`.
+//! Height profiles of facets (`profiles.rs`) close a part of the gap (`closing.rs`). The projection rotates with the secondary facet: with
+//! the moment `m` of the derivatives with respect to plane coordinates and heights, taken as forces, the rotation of `n` adds `d N.b`,
+//! `b = -m x n / |N|`.
 //!
-//! A polygon depends on twelve plane coordinates, and linearly on heights without profiles: one pass over it with derivatives by plane
-//! coordinates gives its part of the Hessian, which is then carried to the positions of the nodes by the derivatives of the view.
+//! A polygon depends on twelve plane coordinates and, without profiles, linearly on heights. One evaluation with derivatives by plane
+//! coordinates gives its part of the Hessian, which the chain rule then transforms to the node positions.
 
 use std::ops::Mul;
 
@@ -29,37 +29,37 @@ use super::vertices::{Forces, OfBoth};
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
-/// Nodes of a facet, at most.
+/// Largest number of nodes of a facet.
 pub const CORNERS: usize = 4;
 
-/// Nodes of a pair, at most.
+/// Largest number of nodes of a pair.
 pub const NODES: usize = 2 * CORNERS;
 
-/// Points of a pair, at most: its nodes, then the mean points of both facets.
+/// Largest number of points of a pair: its nodes, then the mean points of both facets.
 const POINTS: usize = NODES + 2;
 
-/// The nodes of a pair as they are seen along the secondary normal.
+/// Projection of a pair's nodes along the secondary normal.
 struct View<T> {
-    /// Nodes of the secondary and of the primary facet.
+    /// Numbers of nodes of the secondary and of the primary facet.
     counts: [usize; 2],
-    /// Axes of the plane, and the normal; diagonals of the secondary facet and the length of their product.
+    /// Plane axes and normal; diagonals of the secondary facet and length of their cross product.
     frame: Frame<T>,
-    /// Positions from the mean point of the secondary facet.
+    /// Positions relative to the mean point of the secondary facet.
     arms: [Vec3<T>; NODES],
     /// Plane coordinates and heights of the points.
     p: [[T; 2]; POINTS],
     h: [T; POINTS],
-    /// Height profiles of both facets, unless both are flat.
+    /// Height profiles of both facets; `None` if both are flat.
     profiles: Option<[Profile; 2]>,
 }
 
-/// A pair as it is seen along the secondary normal.
+/// Facet pair, projected along the secondary normal.
 pub struct Pair<T> {
     view: View<T>,
     polygons: Vec<Polygon<T>>,
 }
 
-/// Corners of the triangles of a facet, whose nodes begin at `first` and whose mean point is at `middle`, in the list of points.
+/// Corners of the triangles of a facet as point indices; its nodes start at `first`, its mean point is `middle`.
 #[inline(always)]
 fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..if count == 3 { 1 } else { count })
@@ -67,7 +67,7 @@ fn triangles(count: usize, first: usize, middle: usize) -> impl Iterator<Item = 
 }
 
 impl<T: Number> View<T> {
-    /// The view of nodes at these positions, secondary ones first; nothing where the secondary facet has no area.
+    /// Projection of nodes at these positions, secondary ones first; `None` if the secondary facet has no area.
     #[inline(always)]
     fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let [own, other] = counts;
@@ -99,7 +99,7 @@ impl<T: Number> View<T> {
         Some(view)
     }
 
-    /// The nodes that have a part of a point's value, and which part.
+    /// Nodes that define a point, and the coefficient of each.
     #[inline(always)]
     fn shares(&self, point: usize) -> (std::ops::Range<usize>, f64) {
         let [own, other] = self.counts;
@@ -110,22 +110,22 @@ impl<T: Number> View<T> {
         }
     }
 
-    /// Height profiles of the triangles with these corners; nothing where both facets are flat.
+    /// Height profiles of the triangles with these corners; `None` if both facets are flat.
     #[inline(always)]
     fn forms(&self, [[first, ..], [_, second, _]]: &OfBoth<usize>) -> Option<[Form; 2]> {
         let [own, other] = self.profiles.as_ref()?;
-        // Triangles of a facet begin at its corners in turn; primary ones are listed from their second corner back.
+        // Triangles of a facet start at its corners in order; corners of primary ones are listed in reverse from the second.
         Some([*own.form(*first), turned(other.form(second - self.counts[0]))])
     }
 
-    /// Places of the corners of triangles.
+    /// Plane coordinates of the corners of both triangles.
     #[inline(always)]
     fn places(&self, corners: &OfBoth<usize>) -> OfBoth<[T; 2]> {
         let [[a, b, c], [d, e, f]] = *corners;
         [[self.p[a], self.p[b], self.p[c]], [self.p[d], self.p[e], self.p[f]]]
     }
 
-    /// Values of the weight `sum w_A N_A` at the corners of a secondary triangle.
+    /// Weight function `sum w_A N_A` at the corners of a secondary triangle.
     #[inline(always)]
     fn weights<W: Number>(&self, secondary: [usize; 3], weights: &[W; CORNERS]) -> [W; 3] {
         let mut at = [W::from(0.0); 3];
@@ -138,7 +138,7 @@ impl<T: Number> View<T> {
         at
     }
 
-    /// Whether the boxes about two triangles have nothing in common.
+    /// True if the bounding boxes of two triangles are disjoint.
     #[inline(always)]
     fn are_apart(&self, [secondary, primary]: &OfBoth<usize>) -> bool {
         (0..2).any(|axis| {
@@ -151,7 +151,7 @@ impl<T: Number> View<T> {
         })
     }
 
-    /// Derivatives with respect to the positions of the nodes from those with respect to their plane coordinates and heights.
+    /// Derivatives with respect to node positions from those with respect to plane coordinates and heights.
     #[inline(always)]
     fn spread<R: Number + Mul<T, Output = R>>(&self, of_p: &[[R; 2]; POINTS], of_h: &[R; POINTS]) -> [Vec3<R>; NODES] {
         let Frame { axes: [first, second, normal], diagonals: [c, d], length } = self.frame;
@@ -181,15 +181,15 @@ impl<T: Number> View<T> {
 }
 
 impl<T: Number> Pair<T> {
-    /// The pair at the positions of its nodes, secondary ones first; `counts` how many either facet has. Nothing where the secondary facet
-    /// has no area.
+    /// Pair at the positions of its nodes, secondary ones first; `counts` are the numbers of nodes of both facets. `None` if the secondary
+    /// facet has no area.
     #[inline(always)]
     pub fn new(x: &[Vec3<T>], counts: [usize; 2]) -> Option<Self> {
         let (view, mut polygons, [own, other]) = (View::new(x, counts)?, Vec::new(), counts);
         let mut polygon = Polygon::empty();
         for secondary in triangles(own, 0, NODES) {
             for [a, b, c] in triangles(other, own, NODES + 1) {
-                // The other facet looks the other way.
+                // Projected primary triangles have the opposite orientation.
                 let corners = [secondary, [b, a, c]];
                 if !view.are_apart(&corners) && polygon.set(corners, &view.places(&corners)) {
                     polygons.push(polygon.clone());
@@ -199,24 +199,24 @@ impl<T: Number> Pair<T> {
         Some(Pair { view, polygons })
     }
 
-    /// The pair between the height profiles of both facets.
+    /// Adds the height profiles of both facets.
     #[inline(always)]
     pub fn curved(mut self, profiles: [&Profile; 2]) -> Self {
         self.view.profiles = profiles.iter().any(|profile| !profile.is_flat()).then(|| profiles.map(|profile| *profile));
         self
     }
 
-    /// Whether the facets are opposite each other anywhere.
+    /// True if the projected facets overlap.
     pub fn overlaps(&self) -> bool {
         !self.polygons.is_empty()
     }
 
-    /// Axes of the secondary facet.
+    /// Plane axes and normal of the secondary facet.
     pub fn axes(&self) -> [Vec3<T>; 3] {
         self.view.frame.axes
     }
 
-    /// What is covered of each secondary node, `int N_A dA` over the overlap `[length^2]`.
+    /// Covered area of each secondary node, `int N_A dA` over the overlap `[length^2]`.
     pub fn covered(&self) -> [f64; CORNERS] {
         let mut covered = [0.0; CORNERS];
         for polygon in &self.polygons {
@@ -229,7 +229,7 @@ impl<T: Number> Pair<T> {
         covered
     }
 
-    /// Mortar weights of the secondary nodes: `int N_A N_B dA` of secondary nodes, `-int N_A M_C dA` of primary ones, over the overlap.
+    /// Mortar integrals over the overlap for each secondary node: `int N_A N_B dA` of secondary nodes, `-int N_A M_C dA` of primary ones.
     pub fn mortar_weights(&self) -> [[T; NODES]; CORNERS] {
         let mut weights = [[T::from(0.0); NODES]; CORNERS];
         for polygon in &self.polygons {
@@ -252,7 +252,7 @@ impl<T: Number> Pair<T> {
     }
 }
 
-/// Gradients of the `Phi_A` of all secondary nodes, which are computed together.
+/// Gradients of all weighted gaps of a pair, computed simultaneously.
 pub type Gradients = [Vec3<Each<CORNERS>>; NODES];
 
 impl Pair<f64> {
@@ -262,7 +262,7 @@ impl Pair<f64> {
         corners.map(|corners| corners.map(|point| self.view.h[point]))
     }
 
-    /// `Phi_A` of the secondary nodes.
+    /// Weighted gaps `Phi_A` of the secondary nodes `[length^3]`.
     pub fn values(&self) -> [f64; CORNERS] {
         let mut values = [0.0; CORNERS];
         for polygon in &self.polygons {
@@ -280,14 +280,14 @@ impl Pair<f64> {
         values
     }
 
-    /// Largest distance of the facets, on either side, along the normal.
+    /// Largest absolute distance of the facets along the normal.
     pub fn farthest(&self) -> f64 {
         let gaps = |polygon: &Polygon<f64>| polygon.gaps(&self.heights(&polygon.corners));
         self.polygons.iter().flat_map(gaps).fold(0.0, |largest, gap| largest.max(gap.abs()))
     }
 
-    /// Gradient of `sum w_A Phi_A` with respect to the positions of the nodes, in which forces on edges that nearly coincide pass from one
-    /// facet to the other within a band of this part of a triangle's height; with none it is that of the function, kinks included.
+    /// Gradient of `sum w_A Phi_A` with respect to the node positions. Forces on nearly coinciding edges pass from one facet to the other
+    /// within a band, as a fraction of a triangle's height. With band 0 it is the exact gradient, including its kinks.
     #[inline(always)]
     pub fn gradient<R: Number>(&self, weights: &[R; CORNERS], band: f64) -> [Vec3<R>; NODES] {
         let zero = R::from(0.0);
@@ -318,18 +318,18 @@ impl Pair<f64> {
         self.view.spread(&of_p, &of_h)
     }
 
-    /// The gradients of the functions, with this band: see [`Pair::gradient`].
+    /// Gradients of all weighted gaps with this band, see [`Pair::gradient`].
     pub fn gradients(&self, band: f64) -> Gradients {
         dispatch(OfEach { pair: self, band })
     }
 
-    /// Writes `share` times the derivatives of [`Pair::gradient`], row by row over the unknowns of the nodes.
+    /// Writes `share` times the derivatives of [`Pair::gradient`], row-major over the unknowns of the nodes.
     pub fn hessian_into(&self, weights: &[f64; CORNERS], band: f64, share: f64, out: &mut [f64]) {
         dispatch(Hessian { pair: self, weights, band, share, out });
     }
 }
 
-/// The gradients of a pair's functions, with the instructions that the processor has.
+/// Gradients of a pair, compiled for the instruction set of the processor.
 struct OfEach<'a> {
     pair: &'a Pair<f64>,
     band: f64,
@@ -345,7 +345,7 @@ impl Kernel for OfEach<'_> {
     }
 }
 
-/// The Hessian of a pair, with the instructions that the processor has.
+/// Hessian of a pair, compiled for the instruction set of the processor.
 struct Hessian<'a> {
     pair: &'a Pair<f64>,
     weights: &'a [f64; CORNERS],
@@ -354,7 +354,7 @@ struct Hessian<'a> {
     out: &'a mut [f64],
 }
 
-/// Plane coordinates and height of the points, one after the other.
+/// Number of plane coordinates and heights of all points.
 const SEEN: usize = 3 * POINTS;
 
 /// Derivatives of forces with respect to plane coordinates and heights, and the forces.
@@ -364,7 +364,7 @@ struct Stiffness {
 }
 
 impl Stiffness {
-    /// Adds that of a polygon.
+    /// Adds the contribution of a polygon.
     #[inline(always)]
     fn add(&mut self, pair: &Pair<f64>, polygon: &Polygon<f64>, jets: &mut Polygon<Jet>, weights: &[f64; 3], band: f64) {
         let (corners, zero) = (&polygon.corners, Jet::from(0.0));
@@ -408,7 +408,7 @@ impl Stiffness {
         }
     }
 
-    /// Gives the nodes their parts of what mean points have.
+    /// Distributes the rows and columns of mean points to the nodes.
     #[inline(always)]
     fn fold(&mut self, view: &View<f64>) {
         for point in [NODES, NODES + 1] {
@@ -475,7 +475,7 @@ mod tests {
     use super::*;
     use crate::math::tolerances::EDGES_MEET;
 
-    /// Two facets of three or four nodes that face each other, warped, tilted and off each other at random.
+    /// Two facets of three or four nodes that face each other, randomly warped, tilted and displaced.
     fn nodes(counts: [usize; 2]) -> impl Strategy<Value = Vec<Vec3<f64>>> {
         let noise = prop::collection::vec(-0.2..0.2f64, 3 * (counts[0] + counts[1]));
         (noise, -0.8..0.8f64, -0.8..0.8f64).prop_map(move |(noise, x, y)| {
@@ -486,7 +486,7 @@ mod tests {
         })
     }
 
-    /// Profiles of both facets: flat, round, hollow against round.
+    /// Height profiles of both facets: flat, round, hollow against round.
     fn profiles(kind: usize, counts: [usize; 2]) -> [Profile; 2] {
         let made = |side: usize, by: f64| {
             let (corners, sagittas) = ([0.02, -0.01, 0.03, 0.0], [0.1, 0.02, 0.06, 0.04]);
@@ -512,7 +512,7 @@ mod tests {
         prop::sample::select(vec![0, 1, 2])
     }
 
-    /// Gradient of the weighted sum of the functions, kinks included.
+    /// Exact gradient of the weighted sum of the functions, including kinks.
     fn gradient(pair: &Pair<f64>, weights: &[f64; CORNERS]) -> [Vec3<f64>; NODES] {
         let of_each = |each: Each<CORNERS>| each.0.iter().zip(weights).map(|(slope, weight)| slope * weight).sum();
         pair.gradients(0.0).map(|node| node.map(of_each))
@@ -540,7 +540,7 @@ mod tests {
                             values(&moved, counts, kind)[row]
                         };
                         let [fine, coarse] = [1e-5, 2e-5].map(|step| (at(step) - at(-step)) / (2.0 * step));
-                        // At a kink differences of different widths disagree.
+                        // At kinks difference quotients of different widths disagree.
                         if (fine - coarse).abs() < 1e-7 {
                             prop_assert!((gradient[node][i] - fine).abs() < 1e-6, "{node} {i}: {} {fine}", gradient[node][i]);
                         }
@@ -580,7 +580,7 @@ mod tests {
             }
         }
 
-        /// Invariant: no resultant and no moment, the same value after a rigid motion, and after renumbering a facet.
+        /// Zero resultant and moment; invariance under rigid motion and renumbering of a facet.
         #[test]
         fn values_do_not_change_with_rigid_motions(
             x in nodes([4, 4]),
@@ -612,7 +612,7 @@ mod tests {
             }
         }
 
-        /// The gradient that acts is continuous where edges coincide, as steep as its band is narrow, and that of the function elsewhere.
+        /// The gradient with a band is continuous where edges coincide, as steep as the band is narrow, and exact elsewhere.
         #[test]
         fn the_gradient_that_acts_has_no_kink(
             noise in prop::collection::vec(-1.0..1.0f64, 24),
@@ -638,7 +638,7 @@ mod tests {
             }
         }
 
-        /// The value is continuous along lines through configurations whose edges coincide.
+        /// The value is continuous along lines through configurations with coinciding edges.
         #[test]
         fn values_are_continuous_where_edges_coincide(
             noise in prop::collection::vec(-1.0..1.0f64, 24),
@@ -661,7 +661,7 @@ mod tests {
         }
     }
 
-    /// Closed form: a circle of radius 1 in one of radius 1.001 with other facets, at any place: the mean gap is 0.001.
+    /// Closed form: a circle of radius 1 in one of radius 1.001 with other facets, at any angle: the mean gap is 0.001.
     #[test]
     fn concentric_cylinders_have_the_gap_of_their_radii() {
         let facet = |radius: f64, from: f64, to: f64| {
@@ -692,7 +692,7 @@ mod tests {
         }
     }
 
-    /// Closed form: two equal squares half off each other, a constant gap: the weights of the published overlap.
+    /// Closed form: two equal squares displaced by half, constant gap: weights of the published overlap.
     #[test]
     fn weights_of_two_faces_that_overlap_by_a_quarter() {
         let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -705,7 +705,7 @@ mod tests {
         }
         let away: Vec<Vec3<f64>> = x.iter().enumerate().map(|(k, x)| if k < 4 { *x } else { [x[0] + 2.0, x[1], x[2]] }).collect();
         assert!(!Pair::new(&away, [4, 4]).expect("it has an area").overlaps());
-        // Facets that look the same way have nothing between them.
+        // No overlap between facets with equal normals.
         let same: Vec<Vec3<f64>> = [0, 1, 2, 3, 7, 6, 5, 4].iter().map(|&k| x[k]).collect();
         assert!(!Pair::new(&same, [4, 4]).expect("it has an area").overlaps());
     }

@@ -1,17 +1,17 @@
-//! The polygons that a pair of facets has in common: a primary triangle cut by a secondary one, with the shape functions of both, and what
-//! each adds to the derivatives of `Phi = int W g dA` with `W = sum w_A N_A`.
+//! Overlap polygons of a facet pair: a primary triangle clipped by a secondary one, with the shape functions of both, and their
+//! contributions to the derivatives of `Phi = int W g dA` with `W = sum w_A N_A` (`pair.rs`).
 //!
-//! The gradient is that of a domain that moves: with the gap `g`, shape functions `N_j` and `M_m` of the triangles,
+//! The gradient is that of a moving domain. With the gap `g` and the shape functions `N_j` and `M_m` of the triangles
 //!
 //! ```text
 //! d/dh_m =  int W M_m dA               d/dp_m = - grad h_primary   int W M_m dA                       + sum_edges nu int W g M_m ds
 //! d/dh_j = -int W N_j dA               d/dp_j =   grad h_secondary int W N_j dA - grad W int g N_j dA + sum_edges nu int W g N_j ds
 //! ```
 //!
-//! over the edges of the polygon that lie on the triangle's own border. Where edges of both triangles nearly coincide, these forces go from
-//! one to the other gradually, so that the gradient that acts has no kink; a discrete gradient is exact whatever gradient it corrects.
+//! over the polygon edges (normals `nu`) on the triangle's own border. At nearly coinciding edges of both triangles these forces pass
+//! gradually from one to the other, which removes the kink of the gradient; a discrete gradient is exact for any gradient that it corrects.
 //!
-//! What is called here is inlined, arrays are filled by loops: else it would be compiled without the wide registers of its caller.
+//! All called functions are inlined and arrays are filled by loops; otherwise they are compiled without the wide registers of the caller.
 
 use std::ops::Mul;
 
@@ -20,22 +20,22 @@ use super::vertices::{Border, Forces, OfBoth, Vertex, sides, slope};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
 
-/// Corners of a polygon: a triangle cut by three lines has six at most, rounding may leave one more at each cut.
+/// Largest number of corners: six for a triangle cut by three lines, plus one per cut by rounding.
 pub const VERTICES: usize = 9;
 
-/// A corner of a polygon that is being cut: its place, what the edge that begins there lies on.
+/// Corner of a polygon during clipping: plane coordinates, and the border on which the edge that starts there lies.
 #[derive(Clone, Copy)]
 struct Corner<T> {
     p: [T; 2],
     border: Border,
 }
 
-/// A secondary triangle cut out of a primary one.
+/// Part of a primary triangle inside of a secondary one.
 #[derive(Clone)]
 pub struct Polygon<T> {
-    /// Corners of the triangles in the list of points.
+    /// Point indices of the triangles' corners.
     pub corners: OfBoth<usize>,
-    /// Twice their areas.
+    /// Twice the areas of the triangles.
     pub areas: [T; 2],
     vertices: [Vertex<T>; VERTICES],
     count: usize,
@@ -47,7 +47,8 @@ fn area<T: Number>(a: &[T; 2], b: &[T; 2], c: &[T; 2]) -> T {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Copies what is on the left of a line, on which side of it corners are, of a polygon to another; returns how many corners that has.
+/// Clips a polygon to the left of a line; `side` is the position of its corners relative to the line, positive on the left. Returns the new
+/// number of corners.
 #[inline(always)]
 fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>; VERTICES]) -> usize {
     let mut left = 0;
@@ -59,11 +60,11 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
             left += 1;
         }
         if is_in != is_next_in && left < VERTICES {
-            // Not a quotient, which numbers with derivatives round in another way: both are to decide alike.
+            // No division: numbers with derivatives round it differently, and plain numbers must make the same decisions.
             let share = side[k] * (side[k] - side[next]).recip();
             let (from, to) = (&old[k].p, &old[next].p);
             new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-            // Leaving, the line itself follows.
+            // Where the polygon leaves the half plane, the line itself follows.
             new[left].border = if is_in { Border::Secondary } else { old[k].border };
             left += 1;
         }
@@ -71,13 +72,13 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
     left
 }
 
-/// Shape functions of a triangle at a point, by one over twice its area.
+/// Shape functions of a triangle at a point; `inverse` is 1 over twice its area.
 #[inline(always)]
 fn shares<T: Number>([a, b, c]: &[[T; 2]; 3], inverse: T, p: &[T; 2]) -> [T; 3] {
     [area(b, c, p) * inverse, area(c, a, p) * inverse, area(a, b, p) * inverse]
 }
 
-/// Integrals of `W g f` over an edge for an affine `f`, over the edge's length: one share for its value at either end.
+/// Integrals of `W g f` over an edge for affine `f`, divided by the edge's length: coefficients of the values of `f` at both ends.
 #[inline(always)]
 fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 2]) -> [R; 2] {
     let (aa, bb) = (weight[0] * gap[0], weight[1] * gap[1]);
@@ -85,19 +86,19 @@ fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 
     [(aa * 3.0 + ab + bb) * (1.0 / 12.0), (aa + ab + bb * 3.0) * (1.0 / 12.0)]
 }
 
-/// The triangle that an edge of a polygon goes with (0 the secondary, 1 the primary one), and with which share with the other one.
+/// Triangle to which the force of a polygon edge belongs (0: secondary, 1: primary), and the share of the other triangle.
 pub struct Bearer<T> {
     side: usize,
     share: Option<T>,
 }
 
-/// The normal of an edge, as long as the edge is.
+/// Outward normal of an edge with the edge's length.
 #[inline(always)]
 fn outward<T: Number>([a, b]: [&Vertex<T>; 2]) -> [T; 2] {
     [b.p[1] - a.p[1], a.p[0] - b.p[0]]
 }
 
-/// Moves corners of a triangle with what an edge has of it, by what counts at either end.
+/// Distributes the force of an edge, given by its coefficients at both ends, to the corners of triangle `side`.
 #[inline(always)]
 fn push<T: Copy, R: Number + Mul<T, Output = R>>(
     of_p: &mut [[R; 2]; 3],
@@ -115,7 +116,7 @@ fn push<T: Copy, R: Number + Mul<T, Output = R>>(
 }
 
 impl<T: Number> Polygon<T> {
-    /// One to be [`Polygon::set`].
+    /// Empty polygon, to be filled by [`Polygon::set`].
     #[inline(always)]
     pub fn empty() -> Self {
         let zero = T::from(0.0);
@@ -123,8 +124,8 @@ impl<T: Number> Polygon<T> {
         Polygon { corners: [[0; 3]; 2], areas: [zero; 2], vertices: [vertex; VERTICES], count: 0 }
     }
 
-    /// Makes it the part of a primary triangle within a secondary one, by the numbers and places of their corners; `false` where they have
-    /// none in common or do not face each other.
+    /// Clips a primary triangle by a secondary one, given by point indices and plane coordinates of their corners; `false` without overlap
+    /// or for triangles that do not face each other.
     #[inline(always)]
     pub fn set(&mut self, corners: OfBoth<usize>, places: &OfBoth<[T; 2]>) -> bool {
         let [[s_0, s_1, s_2], [m_0, m_1, m_2]] = places;
@@ -163,22 +164,21 @@ impl<T: Number> Polygon<T> {
         true
     }
 
-    /// Its corners.
+    /// Corners of the polygon.
     #[inline(always)]
     pub fn vertices(&self) -> &[Vertex<T>] {
         &self.vertices[..self.count]
     }
 
-    /// The edge that begins at corner `k` and what its ends are numbered.
+    /// Edge that starts at corner `k`, and the indices of its ends.
     #[inline(always)]
     fn edge(&self, k: usize) -> ([&Vertex<T>; 2], [usize; 2]) {
         let next = if k + 1 == self.count { 0 } else { k + 1 };
         ([&self.vertices[k], &self.vertices[next]], [k, next])
     }
 
-    /// Which triangles an edge goes with: that on whose border it lies, and in part the other one where that has its own border nearer than
-    /// `band` of its height, half with either where both coincide. Forces do not jump there, and have neither a resultant nor a moment of
-    /// their own.
+    /// Triangles that share the force of an edge: the one on whose border it lies, and partly the other one if its own border is nearer
+    /// than `band` in units of its height; half each where both coincide. This makes the forces continuous, without resultant or moment.
     #[inline(always)]
     fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> Bearer<T> {
         let side = if ends[0].border == Border::Secondary { 0 } else { 1 };
@@ -200,7 +200,8 @@ impl<T: Number> Polygon<T> {
         Bearer { side, share: Some(near * near * 0.5) }
     }
 
-    /// How much the values of an affine function at the corners count in its integral together with another one, of these values: exact.
+    /// Coefficients of the corner values of an affine function in the integral of its product with another affine function with the values
+    /// `other`; exact.
     #[inline(always)]
     pub fn counting<R: Number + Mul<T, Output = R>>(&self, other: &[R; VERTICES]) -> [R; VERTICES] {
         let mut counts = [R::from(0.0); VERTICES];
@@ -214,7 +215,7 @@ impl<T: Number> Polygon<T> {
         counts
     }
 
-    /// Integrals of a function, by [`Polygon::counting`], together with the shape functions of a triangle.
+    /// Integrals of an affine function, given by [`Polygon::counting`], times the shape functions of a triangle.
     #[inline(always)]
     pub fn integrals<R: Number + Mul<T, Output = R>>(&self, counts: &[R; VERTICES], side: usize) -> [R; 3] {
         let mut integrals = [R::from(0.0); 3];
@@ -240,7 +241,7 @@ impl<T: Number> Polygon<T> {
         gaps
     }
 
-    /// What the weights at the corners of the secondary triangle are at those of the polygon.
+    /// Weight function at the corners of the polygon, from its values at the corners of the secondary triangle.
     #[inline(always)]
     fn weights<W: Copy + Mul<T, Output = R>, R: Number>(&self, weights: &[W; 3]) -> [R; VERTICES] {
         let mut at = [R::from(0.0); VERTICES];
@@ -251,7 +252,7 @@ impl<T: Number> Polygon<T> {
         at
     }
 
-    /// What it gives to the derivatives, from places and heights of the triangles' corners and weights at those of the secondary one.
+    /// Contribution to the derivatives of `Phi`, from plane coordinates, heights and (secondary) weights at the triangles' corners.
     #[inline(always)]
     pub fn forces<W, R>(
         &self,
@@ -310,8 +311,7 @@ impl<T: Number> Polygon<T> {
 }
 
 impl Polygon<f64> {
-    /// How what passes from edge to edge within a band changes with heights: derivatives of the forces in the plane, corner by corner, with
-    /// respect to the heights of the corners.
+    /// Derivatives of the forces that pass between edges within a band with respect to the heights of the corners `[12 x 6]`.
     pub fn passed(&self, closing: &Option<Closing<f64>>, weights: &[f64; 3], band: f64) -> [[f64; 6]; 12] {
         let mut passed = [[0.0; 6]; 12];
         let weight: [f64; VERTICES] = self.weights(weights);

@@ -1,5 +1,5 @@
-//! Press fits of facets in space that are too coarse for them: facets of a curve that turn too far are taken for what they are
-//! (`profiles.rs`), and what the curve rises above them is missed.
+//! Press fits of facets in space that are too coarse: curves through nodes whose facets turn too far have no height profile
+//! (`profiles.rs`), and their height over the facets is missing in the fit (finding of `checks.rs`).
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -9,30 +9,30 @@ use crate::contact::faces::{self, Vector};
 use crate::contact::polygon_fit::{DISTORTED, FEW, fit_each_other};
 use crate::contact::surface::Surface;
 
-/// Cosine of the turn between two facets up to which they follow a curve: 50 degrees.
+/// Cosine of the largest angle between two facets of a curve: 50 degrees.
 const CURVE: f64 = 0.642_787_609_686_54;
 
-/// A press fit of curves, and how far the facets that stand for them are off.
+/// Press fit of curves, and error of the facets that represent them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PressFit {
-    /// Overlap of the curves `[length]`.
+    /// Interference of the curves `[length]`.
     pub interference: f64,
-    /// Mean distance by which a curve rises above facets that are not taken for it, of the side on which it is larger `[length]`.
+    /// Mean height of a curve over facets without height profile, on the side with the larger one `[length]`.
     pub missed: f64,
 }
 
 impl PressFit {
-    /// Whether much of the interference is missed.
+    /// True if the missed height exceeds the fraction `DISTORTED` of the interference.
     pub fn is_coarse(&self) -> bool {
         self.missed > DISTORTED * self.interference
     }
 }
 
-/// The press fit of two surfaces of flat facets at `q`, where they stand for curves that fit and overlap.
+/// Press fit of two surfaces at `q`; `None` unless their facets represent matching curves that overlap.
 ///
-/// A secondary node is on its curve, and its depth behind a primary facet is that of the curve but for what the facet is off there: nothing
-/// at its corners, up to its height elsewhere. So the interference is the least depth where the primary side is hollow, the largest where
-/// it is not.
+/// Secondary nodes lie on their curve. The depth behind a primary facet differs from that of the primary curve by zero at the corners and
+/// by up to the facet's height elsewhere. The interference is therefore the least depth for a hollow primary side, the largest for other
+/// ones.
 pub fn press_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<PressFit> {
     let of = |surface| [Profiles::of_curve(surface, q, CURVE), Profiles::new(surface, q)];
     let [own, other] = [of(secondary), of(primary)];
@@ -65,7 +65,7 @@ pub fn press_fit(secondary: &Surface, primary: &Surface, q: &[f64]) -> Option<Pr
 mod tests {
     use super::*;
 
-    /// Quarters of two cylinders of length 1 with `inner` and `outer` facets, the inner one larger by `fit`.
+    /// Quarter cylinders of length 1 with `inner` and `outer` facets, the inner one larger by `fit`.
     fn found(inner: u32, outer: u32, fit: f64) -> Option<PressFit> {
         let points = |count: u32, radius: f64| {
             (0..=count).flat_map(move |i| {

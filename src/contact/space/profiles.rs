@@ -1,19 +1,19 @@
 //! Height profiles in space: the curved surface through the nodes as a height over each facet of three or four nodes.
 //!
-//! At a node the surface has the normal of the sphere through its neighbors where there is one (N. Max, J. Graphics Tools 4, 1999), over
-//! the facets that go on smoothly from the one in question; of cylinders it is exact on facets of four nodes along the axis. Between
-//! triangles it is the first guess `n_0` of a normal `n = n_0 + t` which satisfies, with the second fundamental form `k`, for the vectors
-//! `r` to the neighbors and in the sense of least squares
+//! Nodal normals are those of the sphere through the neighboring nodes where one exists (N. Max, J. Graphics Tools 4, 1999), over the
+//! facets that continue smoothly. On facets of four nodes along the axis of a cylinder they are exact. Between triangles this is the
+//! initial guess `n_0` of the normal `n = n_0 + t` with the second fundamental form `k` that satisfies in the least-squares sense, for the
+//! vectors `r` to the neighbors,
 //!
 //! ```text
 //! n.r/|r|^2 = -k(r, r)/(2 |r|^2)
 //! ```
 //!
-//! of which spheres and circles are exact solutions. Where neighbors at a rim are too few, `t` and `k` are those of least norm. Along an
-//! edge `e` of a facet with the normal `n` from node `i` to node `j` the turns `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the
-//! mean angle `a`, limited to twice the lesser and zero where their signs differ: a single bend is no curve. At a rim one turn stands for
-//! both. The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` keeps the area of the circular segment. The surface is quadratic over the facet,
-//! with the mean height `sum_e s_e/3`: heights are constant in the facet's coordinates, so that the surface moves with the facet.
+//! Spheres and circles are exact solutions. With too few neighbors at a border, `t` and `k` have minimum norm. Along an edge `e` of a facet
+//! with the normal `n` from node `i` to node `j` the angles `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean `a`, at most
+//! twice the smaller one and zero for different signs: an isolated kink is not taken for curvature. At a border one angle stands for both.
+//! The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` preserves the area of the circular segment. The height is quadratic over the facet with
+//! the mean `sum_e s_e/3`, and constant in facet coordinates, so that the surface moves with the facet.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -24,21 +24,21 @@ use crate::contact::numbers::Number;
 use crate::contact::surface::Surface;
 use crate::math::tolerances::STRAIGHT;
 
-/// Cosine of the turn between two facets up to which a curve goes on from one to the other: 25 degrees, so that spheres of 24 cells
-/// around are round, whose facets turn by 15 and, over corners, 21 degrees.
+/// Cosine of the largest angle between two facets of a curve, 25 degrees: on spheres with 24 cells around, facets turn by 15 and, across
+/// corners, by 21 degrees.
 const SMOOTH: f64 = 0.906_307_787_036_65;
 
-/// Cosine of the angle between an edge and the way to a neighbor with which the surface goes on along the edge.
+/// Cosine of the largest angle between an edge and the vector to a neighbor along which the surface continues.
 const ONWARDS: f64 = 0.3;
 
-/// Singular value of a fit, over the largest one, below which its direction is left open.
+/// Relative singular value of a fit below which its direction is undetermined.
 const OPEN: f64 = 0.05;
 
 /// Quadratic height over a triangle with the shape functions `L_i`, `sum b_ij L_i L_j`: `b_00, b_11, b_22, b_01, b_12, b_20` `[length]`,
 /// outwards.
 pub type Form = [f64; 6];
 
-/// The form of a triangle whose first two corners change places.
+/// Form of a triangle with exchanged first two corners.
 pub fn turned(&[a, b, c, ab, bc, ca]: &Form) -> Form {
     [b, a, c, ab, ca, bc]
 }
@@ -50,13 +50,13 @@ pub fn derivatives<T: Number>(form: &Form, l: &[T; 3]) -> [T; 3] {
     [l[0] * a + l[1] * ab + l[2] * ca, l[0] * ab + l[1] * b + l[2] * bc, l[0] * ca + l[1] * bc + l[2] * c]
 }
 
-/// Value of a form by its derivatives.
+/// Value of a form from its derivatives.
 #[inline(always)]
 pub fn value<T: Number>(derivatives: &[T; 3], l: &[T; 3]) -> T {
     (derivatives[0] * l[0] + derivatives[1] * l[1] + derivatives[2] * l[2]) * 0.5
 }
 
-/// Height profile of a facet of three nodes, or of the four triangles about the mean point of a facet of four `[length]`, outwards.
+/// Height profile of a facet of three nodes, or of the four triangles about the mean point of a facet of four nodes `[length]`, outwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Profile {
     forms: [Form; 4],
@@ -64,9 +64,9 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// The profile of a facet that follows a curve, from heights of the curve above its corners and from sagittas along its sides, by the
-    /// corner at which they begin. Over a facet of four nodes the height is that of the quadratic serendipity functions, of which the
-    /// triangles have the values at the corners, in the middle of the sides and of the spokes, and at the mean point.
+    /// Profile from heights of the curve over the corners and from sagittas along the sides, each at the index of the corner where the side
+    /// starts. Over a facet of four nodes the height is the quadratic serendipity interpolation; the triangles have its values at the
+    /// corners, at the middles of sides and spokes, and at the mean point.
     pub fn new(corners: &[f64], sagittas: &[f64]) -> Self {
         let form = |[a, b, c]: [f64; 3], [ab, bc, ca]: [f64; 3]| {
             [a, b, c, 2.0 * ab + 0.5 * (a + b), 2.0 * bc + 0.5 * (b + c), 2.0 * ca + 0.5 * (c + a)]
@@ -78,8 +78,8 @@ impl Profile {
         }
         let (count, sum) = (corners.len(), sagittas.iter().sum::<f64>());
         let middle = corners.iter().sum::<f64>() / count as f64 + 0.5 * sum;
-        // A quarter of the way from a corner the height above the corners is 3/4 (3/4 (s + s) + 1/4 (s + s)), with the sagittas of the two
-        // sides that meet there, and of the other two.
+        // At a quarter of the diagonal from a corner the height is 3/4 (3/4 (s + s) + 1/4 (s + s)), with the sagittas of the two adjacent
+        // sides and of the two other ones.
         let spoke = |k: usize| {
             let near = sagittas[k] + sagittas[(k + count - 1) % count];
             0.1875 * sum + 0.375 * near - 0.25 * sum
@@ -91,54 +91,54 @@ impl Profile {
         profile
     }
 
-    /// True for a facet without curvature, whose profile is zero.
+    /// True for a facet without curvature.
     #[inline(always)]
     pub fn is_flat(&self) -> bool {
         !self.is_curved
     }
 
-    /// Height of the curve above a corner of the facet, which has so many.
+    /// Height of the curve over corner `k` of a facet with `count` corners `[length]`.
     pub fn corner(&self, k: usize, count: usize) -> f64 {
         if count == 3 { self.forms[0][k] } else { self.forms[k][0] }
     }
 
-    /// Height over the triangle of that number.
+    /// Height over the triangle of that index.
     #[inline(always)]
     pub fn form(&self, triangle: usize) -> &Form {
         &self.forms[triangle]
     }
 }
 
-/// Rows of all nodes of the secondary side, one each.
+/// Data of nodal constraints, one per secondary node.
 #[derive(Clone, Debug)]
 pub struct NodalRows {
-    /// Height of the curve above each secondary node `[length]`.
+    /// Height of the curve over each secondary node `[length]`.
     pub heights: Vec<f64>,
     /// Height profiles of the primary facets.
     pub profiles: Vec<Profile>,
 }
 
-/// Curved surface that the facets of a surface stand for.
+/// Mean heights of the curved surface over the facets of a surface.
 #[derive(Clone, Debug, Default)]
 pub struct Profiles {
-    /// Mean height of the surface above each facet `[length]`.
+    /// Mean height over each facet `[length]`.
     heights: Vec<f64>,
 }
 
 impl Profiles {
-    /// The profiles of a surface at the positions `q`.
+    /// Heights of a surface at the positions `q`.
     pub fn new(surface: &Surface, q: &[f64]) -> Self {
         Self::of_curve(surface, q, SMOOTH)
     }
 
-    /// Profiles with another cosine of the turn between two facets up to which a curve goes on.
+    /// Heights with another cosine of the largest angle between two facets of a curve.
     pub fn of_curve(surface: &Surface, q: &[f64], smooth: f64) -> Self {
         let facets = Facets::new(surface, q, smooth);
         let heights = (0..surface.count()).map(|facet| facets.sagittas(facet).iter().sum::<f64>() / 3.0).collect();
         Profiles { heights }
     }
 
-    /// Mean height of the surface above a facet, 0 where it is flat `[length]`.
+    /// Mean height of the curved surface over a facet, 0 for flat facets `[length]`.
     pub fn height(&self, facet: usize) -> f64 {
         self.heights[facet]
     }
@@ -148,23 +148,23 @@ impl Profiles {
         facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::max)
     }
 
-    /// Largest distance of the middles of facets from a hollow surface below them `[length]`: 1.5 times the mean height, by a parabola.
+    /// Largest distance of facet middles from a hollow surface below them, 1.5 times the mean height of a parabola `[length]`.
     pub fn hollow(&self, facets: &[u32]) -> f64 {
         -1.5 * facets.iter().filter_map(|&facet| self.heights.get(facet as usize)).copied().fold(0.0, f64::min)
     }
 }
 
-/// The facets of a surface.
+/// Facets of a surface, with the normals from which profiles are computed.
 struct Facets<'a> {
     surface: &'a Surface,
     q: &'a [f64],
     normals: Vec<Vector>,
     smooth: f64,
-    /// Normals of the surface at nodes where all facets go on smoothly from each other.
+    /// Surface normals at nodes around which all facets continue smoothly.
     at_nodes: Vec<Option<Vector>>,
 }
 
-/// Height profiles of the facets of a surface between the points `seen`, which stand for points of the curve at `truth`.
+/// Height profiles of the facets of a surface between the points `seen`, which represent points of the curve at `truth`.
 pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64]) -> Vec<Profile> {
     let facets = Facets::new(surface, truth, SMOOTH);
     (0..surface.count()).map(|facet| facets.profile(facet, seen)).collect()
@@ -184,27 +184,27 @@ impl<'a> Facets<'a> {
         facets
     }
 
-    /// Facets that meet at the corner `k` of a facet and go on smoothly from it, itself among them.
+    /// Facets adjacent to corner `k` of a facet that continue it smoothly, including itself.
     fn around(&self, facet: usize, k: usize) -> impl Iterator<Item = usize> {
         let node = self.surface.local_facet(facet)[k] as usize;
         let goes_on = move |&other: &usize| self.normals[other].dot(&self.normals[facet]) >= self.smooth;
         self.surface.adjacent_facets(node).iter().map(|&other| other as usize).filter(goes_on)
     }
 
-    /// The edges of a facet that meet at one of its nodes, away from it.
+    /// Edge vectors of a facet from one of its nodes.
     fn sides(&self, facet: usize, node: u32) -> [Vector; 2] {
         let nodes = self.surface.facet(facet);
         let place = nodes.iter().position(|&other| other == node).unwrap_or(0);
         [place + 1, place + nodes.len() - 1].map(|k| faces::at(nodes[k % nodes.len()], self.q) - faces::at(node, self.q))
     }
 
-    /// Normal of the surface at the corner `k` of a facet.
+    /// Surface normal at corner `k` of a facet.
     fn normal(&self, facet: usize, k: usize) -> Vector {
         let node = self.surface.local_facet(facet)[k] as usize;
         self.at_nodes[node].unwrap_or_else(|| self.fitted(self.surface.facet(facet)[k], &self.around(facet, k).collect::<Vec<_>>()))
     }
 
-    /// Normal at a node of the quadric that fits the nodes of some facets about it.
+    /// Normal at a node of the quadric fitted to the nodes of the facets `around`.
     fn fitted(&self, node: u32, around: &[usize]) -> Vector {
         let weighted = |&other: &usize| {
             let [a, b] = self.sides(other, node);
@@ -231,7 +231,7 @@ impl<'a> Facets<'a> {
         (normal + (first * found[0] + second * found[1]) * size).normalize()
     }
 
-    /// Ways from a node to the other nodes of some facets about it.
+    /// Vectors from a node to the other nodes of the facets `around`.
     fn ring(&self, node: u32, around: &[usize]) -> Vec<Vector> {
         let mut nodes: Vec<u32> =
             around.iter().flat_map(|&facet| self.surface.facet(facet)).copied().filter(|&other| other != node).collect();
@@ -241,8 +241,8 @@ impl<'a> Facets<'a> {
         ways.filter(|way| way.norm_squared() > 0.0).collect()
     }
 
-    /// Angle by which the surface turns from a facet's middle to its corner `k` along `way`, which leads from there on; nothing where the
-    /// surface ends.
+    /// Angle of the surface from a facet's middle to its corner `k`, along `way`, which leads away from the facet; `None` where the surface
+    /// ends.
     fn turn(&self, facet: usize, k: usize, way: Vector) -> Option<f64> {
         let around: Vec<usize> = self.around(facet, k).collect();
         let goes_on = |r: &Vector| r.dot(&way) > ONWARDS * r.norm() * way.norm();
@@ -250,7 +250,7 @@ impl<'a> Facets<'a> {
         self.ring(self.surface.facet(facet)[k], &around).iter().any(goes_on).then(|| sine().clamp(-1.0, 1.0).asin())
     }
 
-    /// Height profile over a facet between other points, which stand for its nodes.
+    /// Height profile over a facet between other points that represent its nodes.
     fn profile(&self, facet: usize, seen: &[f64]) -> Profile {
         let nodes = self.surface.facet(facet);
         let sagittas = self.sagittas(facet);
@@ -259,7 +259,7 @@ impl<'a> Facets<'a> {
         }
         let normal = faces::normal(nodes, seen);
         let apart = |k: usize| faces::at(nodes[k], self.q) - faces::at(nodes[k], seen);
-        // Along the normal of the facet to the plane that touches the surface at the node.
+        // Distance along the facet's normal to the tangent plane of the surface at the node.
         let height = |k: usize| {
             let of_curve = self.normal(facet, k);
             apart(k).dot(&of_curve) / of_curve.dot(&normal)
@@ -273,7 +273,7 @@ impl<'a> Facets<'a> {
         Profile::new(&corners, &(0..nodes.len()).map(stretched).collect::<Vec<_>>())
     }
 
-    /// Sagittas along the sides of a facet; zero where the mean height is negligible.
+    /// Sagittas along the sides of a facet; zero if the mean height is negligible.
     fn sagittas(&self, facet: usize) -> [f64; 4] {
         let nodes = self.surface.facet(facet);
         let mut sagittas = [0.0; 4];
@@ -296,7 +296,7 @@ impl<'a> Facets<'a> {
 mod tests {
     use super::*;
 
-    /// A strip of a cylinder of radius 1 with so many facets in a quarter, round or hollow.
+    /// Strip of a quarter cylinder of radius 1 with `count` facets, round or hollow.
     fn strip(count: u32, is_hollow: bool) -> (Surface, Vec<f64>) {
         let angle = |k: u32| std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(count);
         let q = (0..=count).flat_map(|k| [0.0, 0.3].map(|z| [angle(k).cos(), angle(k).sin(), z])).flatten().collect();
@@ -321,7 +321,7 @@ mod tests {
         Surface::in_space(facets.iter().map(|facet| &facet[..]))
     }
 
-    /// Closed form: sides around a cylinder and diagonals have the sagittas of its circle, sides along the axis none.
+    /// Closed form: sides around a cylinder and diagonals have the sagittas of the circle, sides along the axis none.
     #[test]
     fn triangles_of_a_cylinder_have_its_sagittas() {
         let (surface, q) = strip(8, true);
@@ -331,7 +331,7 @@ mod tests {
         for facet in 0..triangles.count() {
             let nodes = triangles.facet(facet);
             for k in 0..3 {
-                // Ends of the strip apart, nodes 2 k and 2 k + 1 are at the same angle.
+                // Except at the ends of the strip: nodes 2 k and 2 k + 1 have the same angle.
                 let around = if nodes[k] / 2 == nodes[(k + 1) % 3] / 2 { 0.0 } else { exact };
                 if nodes.iter().all(|&node| (2..16).contains(&node)) {
                     let sagitta = found.sagittas(facet)[k];
@@ -341,7 +341,7 @@ mod tests {
         }
     }
 
-    /// Closed form: the mean height of the segment of a circle, at rims too.
+    /// Closed form: mean height of a circular segment, also at borders.
     #[test]
     fn heights_keep_the_area_of_segments() {
         for (count, is_hollow) in [(5, false), (12, true)] {
@@ -355,7 +355,7 @@ mod tests {
         }
     }
 
-    /// The profile of a curved strip is the parabola over the whole facet; facets of a plane, of an isolated kink and of a fold have none.
+    /// The profile of a curved strip is a parabola over the whole facet; facets of a plane, of an isolated kink and of a fold have none.
     #[test]
     fn profiles_are_those_of_curves() {
         let profile = Profile::new(&[0.0; 4], &[0.1, 0.0, 0.1, 0.0]);

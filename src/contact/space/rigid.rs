@@ -1,11 +1,11 @@
-//! Contact of a surface in space with a rigid obstacle; the gap of a secondary node is its signed distance (`obstacle.rs`).
+//! Contact of a surface in space with a rigid obstacle (`obstacle.rs`): the gap of a secondary node is its signed distance.
 //!
-//! `Phi_A = w_A g(x_A - u(t))` with the node's share `w_A` of the facets' areas and the obstacle's translation `u`. The contact forces do
-//! the work `sum lambda_A (Phi_A(1) - Phi_A(0))` and, where the obstacle moves, `sum lambda_A Gbar_A.(u_1 - u_0)` besides, which the ledger
-//! books as work of a load. An obstacle that is revolved about an axis may turn about it, which friction alone feels.
+//! `Phi_A = w_A g(x_A - u(t))` with the tributary area `w_A` and the obstacle's translation `u`. The contact forces do the work
+//! `sum lambda_A (Phi_A(1) - Phi_A(0))`; a moving obstacle does the further work `sum lambda_A Gbar_A.(u_1 - u_0)`, which the ledger counts
+//! as work of loads. An obstacle of revolution may rotate about its axis, which affects friction only.
 //!
-//! A node has one row, or three where the obstacle has pockets: for the side that is nearest to it at the start of the step, and for up to
-//! two that rise from that one. Which shape a row feels is fixed for the step.
+//! A node has one constraint, or three for obstacles with pockets: for the side nearest at the start of the step, and for up to two sides
+//! that adjoin it across re-entrant edges. The shape of each constraint is fixed within a step.
 
 use std::sync::Arc;
 
@@ -25,16 +25,16 @@ use crate::contact::surface::{Sides, Surface};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::CROSSING;
 
-/// Rows of a node of an obstacle with pockets: three sides meet in a corner.
+/// Constraints of a node for an obstacle with pockets: three sides meet in a corner.
 const SLOTS: usize = 3;
 
-/// How near a node must be to a sharp edge of an obstacle, in smallest facets, to keep to one face of it in a step.
+/// Distance from a sharp edge of an obstacle, in smallest facets, within which a node keeps to one face in a step.
 const AT_EDGE: f64 = 0.02;
 
-/// Cosine up to which the surface beside a node may go behind the face that the node keeps to.
+/// Cosine up to which the surface beside a node may lie behind the face of that node.
 const RECEDES: f64 = 0.1;
 
-/// How near a node must be to a side of an obstacle, in smallest facets, to have a row for it besides that for the nearest one.
+/// Distance from a further side of an obstacle, in smallest facets, within which a node has a constraint for it.
 const IN_POCKET: f64 = 1.0;
 
 /// Contact of a surface in space with a rigid obstacle.
@@ -43,27 +43,27 @@ pub struct RigidInSpace {
     sides: Sides,
     shape: Shape,
     slots: usize,
-    /// Height of the curve above each node or point `[length]`.
+    /// Height of the curve over each node or point `[length]`.
     heights: Vec<f64>,
     translations: [[f64; 3]; 3],
-    /// How far it carries along what sticks to it, and by which angle about its axis.
+    /// Displacement and rotation angle about its axis with which the obstacle carries sticking points.
     carried: ([f64; 3], f64),
     start: Vec<Vector3<f64>>,
-    /// Nodes at the other ends of the edges of each node.
+    /// Nodes connected to each node by an edge.
     neighbors: Vec<Vec<usize>>,
-    /// True for nodes or points without rows: those inside of round parts of a rigid body, whose rows are in `contact/rolling.rs`.
+    /// True for nodes or points without constraints: those inside of round parts of a rigid body, which `contact/rolling.rs` constrains.
     is_hidden: Vec<bool>,
-    /// What each row feels in this step; `None`: it is not there.
+    /// Shape from which each constraint is measured in this step; `None` for absent constraints.
     felt: Vec<Option<Shape>>,
 }
 
 impl RigidInSpace {
-    /// Contact of a surface with an obstacle, sized in the reference positions.
+    /// Contact of a surface with height profiles with an obstacle, sized in the reference positions.
     pub fn of_curve(seen: &SeenInSpace, obstacle: &ObstacleInSpace) -> Self {
         RigidInSpace { heights: seen.heights(0), ..Self::new(seen.secondary.clone(), obstacle, &seen.reference) }
     }
 
-    /// Contact of a surface whose nodes are on the curve with an obstacle, sized in the reference positions.
+    /// Contact of a surface whose nodes lie on the curve with an obstacle, sized in the reference positions.
     pub fn new(secondary: Surface, obstacle: &ObstacleInSpace, reference: &[f64]) -> Self {
         let shape = Shape::new(obstacle);
         let slots = match &shape {
@@ -72,7 +72,7 @@ impl RigidInSpace {
         };
         let mut sides = Sides::of(secondary, Surface::in_space([]), reference);
         sides.weights = sides.weights.iter().flat_map(|&weight| std::iter::repeat_n(weight, slots)).collect();
-        // Every node lies opposite the obstacle: the list of patches is known and lasts.
+        // Every node is opposite the obstacle: the list of contact elements never changes.
         for (index, &node) in (0u32..).zip(sides.secondary.nodes()) {
             let rows: Vec<u32> = (0..slots as u32).map(|slot| slots as u32 * index + slot).collect();
             sides.patches.push(&[node], &rows);
@@ -102,14 +102,14 @@ impl RigidInSpace {
         contact
     }
 
-    /// Without rows of the nodes or points of these indices.
+    /// Removes the constraints of nodes or points; `is_hidden` is indexed like the secondary nodes.
     pub fn without(mut self, is_hidden: Vec<bool>) -> Self {
         self.is_hidden = is_hidden;
         self.feel();
         self
     }
 
-    /// Decides what each row feels of the obstacle, where the step starts.
+    /// Selects the shape from which each constraint is measured, at the start of the step.
     fn feel(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
         let mut felt = vec![None; self.sides.weights.len()];
@@ -119,14 +119,14 @@ impl RigidInSpace {
             let Shape::Facets(facets) = &self.shape else { continue };
             let (nearest, rising) = if facets.has_pockets() { facets.around(x, IN_POCKET * size) } else { (0, Vec::new()) };
             if !rising.is_empty() {
-                // In an order that does not change with the distances: rows keep their sides, and with them their multipliers.
+                // The order is independent of the distances, so that constraints keep their sides and multipliers.
                 let mut sides: Vec<usize> = std::iter::once(nearest).chain(rising).take(SLOTS).collect();
                 sides.sort_unstable();
                 of_node.iter_mut().zip(sides).for_each(|(felt, side)| *felt = Some(Shape::Side(Arc::clone(facets), side)));
                 continue;
             }
-            // A node that a face pushes past the edge, and that comes back without the push, would find no solution. Where its surface goes
-            // on behind all faces, the edge itself is in front of it.
+            // Without the face's plane, a node that a face pushes past an edge, and that returns without the push, has no solution. If its
+            // surface continues behind all faces, the edge itself is in front of it.
             let planes = facets.planes_at_edge(x, AT_EDGE * size);
             if !planes.is_empty() {
                 let rises = |normal: Vector3<f64>, other: usize| normal.dot(&(self.start[other] - self.start[index]).normalize());
@@ -138,17 +138,17 @@ impl RigidInSpace {
         self.felt = felt;
     }
 
-    /// Position of a node in the frame of the obstacle when it is displaced by `translation`.
+    /// Position of a node relative to the obstacle displaced by `translation`.
     fn position(&self, index: usize, q: &[f64], translation: [f64; 3]) -> Vector3<f64> {
         faces::at(self.sides.secondary.nodes()[index], q) - Vector3::from(translation)
     }
 
-    /// Where a node is in the frame of the obstacle at the start of the step.
+    /// Position of a node relative to the obstacle at the start of the step.
     fn begins(&self, index: usize) -> Vector3<f64> {
         self.start[index] - Vector3::from(self.translations[0])
     }
 
-    /// Force gradient of a step and its tangent for a node that feels `shape`, without its weight.
+    /// Algorithmic gradient of a step, and its derivative, for a node and `shape`, without weight.
     fn step_gradient(&self, shape: &Shape, derivative: Derivative, index: usize, q_1: &[f64]) -> StepGradient {
         let [_, middle, end] = self.translations;
         let plain = |x: Vector3<f64>, at: Configuration| {
@@ -164,13 +164,13 @@ impl RigidInSpace {
         }
     }
 
-    /// The rows that are there: their number, their node's index and what they feel.
+    /// Present constraints: index, index of the node, shape.
     fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &Shape)> {
         let slots = self.slots;
         self.felt.iter().enumerate().filter_map(move |(row, felt)| Some((row, row / slots, felt.as_ref()?)))
     }
 
-    /// Distance of each node that has rows from the whole obstacle where the step ends, for nodes at `q`, with the node's index.
+    /// Signed distance from the whole obstacle at the end of the step for nodes at `q`, with the index of each node that has constraints.
     fn distances(&self, q: &[f64]) -> impl Iterator<Item = (usize, Distance)> {
         let end = self.translations[2];
         let shown = (0..self.start.len()).filter(|&index| !self.is_hidden[index]);
@@ -230,7 +230,7 @@ impl PatchFunctions for RigidInSpace {
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        // A row stands for the whole obstacle at places where its step does not lead.
+        // The first constraint of a node represents the whole obstacle at positions outside of the step.
         for (index, distance) in self.distances(q) {
             let row = self.slots * index;
             gaps[row] = self.sides.weights[row] * (distance.gap - self.heights[index]);
@@ -247,7 +247,7 @@ impl PatchFunctions for RigidInSpace {
     }
 }
 
-/// Slip of a node on the obstacle, as it translates.
+/// Slip of a node relative to the translating and rotating obstacle.
 impl SlipsInSpace for RigidInSpace {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let x = Vector3::from(z[0].map(|x| x.re())) - Vector3::from(self.translations[1]);
@@ -380,7 +380,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig { cases: 500, rng_seed: RngSeed::Fixed(2007), failure_persistence: None, ..Default::default() })]
 
-        /// Work of the forces = multipliers times change of the gaps + work of the obstacle's motion.
+        /// Work of the forces = multipliers times changes of the gaps + work of the obstacle's motion.
         #[test]
         fn work_is_what_the_gaps_and_the_motion_say((q_0, q_1, translations) in step()) {
             for obstacle in obstacles() {
@@ -403,7 +403,7 @@ mod tests {
             }
         }
 
-        /// What the obstacle's symmetry keeps: momentum along a plane, the moment about a center and about an axis.
+        /// Conservation by symmetry of the obstacle: momentum along a plane, angular momentum about a center and about an axis.
         #[test]
         fn symmetries_of_the_obstacle_are_kept((q_0, q_1, _) in step()) {
             for obstacle in obstacles() {
@@ -452,7 +452,7 @@ mod tests {
                                 [0, 1, 2].map(|i| (high[i] - low[i]) / (2.0 * h))
                             });
                             for i in 0..3 {
-                                // At an edge, a tip, an axis, where distances have a kink, differences of different widths disagree.
+                                // At kinks (edges, tips, axes) difference quotients of different widths disagree.
                                 if (fine[i] - coarse[i]).abs() < 1e-7 {
                                     let ours = out.tangent[9 * node + 3 * i + k];
                                     prop_assert!((ours - fine[i]).abs() < 1e-6, "{obstacle:?} {derivative:?}: {ours} {}", fine[i]);
@@ -493,7 +493,7 @@ mod tests {
         near(gap(torus(true), [0.0, -3.5, 0.0]), 0.5);
     }
 
-    /// A box from its faces, edges and vertices, by the closed form of its distance.
+    /// Closed form of the distance from the faces, edges and vertices of a box.
     #[test]
     fn a_box_is_as_far_as_its_closed_form_says() {
         let half = [0.5, 1.0, 1.5];
@@ -513,7 +513,7 @@ mod tests {
         }
     }
 
-    /// In a corner of a tray a node has a row for each side; away from it one for the nearest.
+    /// In a corner of a tray a node has one constraint per side, away from it one for the nearest side.
     #[test]
     fn a_pocket_has_a_row_for_each_side() {
         let obstacle = ObstacleInSpace::Facets(tray().into());
@@ -527,7 +527,7 @@ mod tests {
         three.sort_by(f64::total_cmp);
         assert!(three.iter().zip([0.1, 0.2, 0.3]).all(|(a, b)| (a - b).abs() < 1e-15) && three.len() == 3, "{three:?}");
         assert_eq!(gaps_at([2.5, 2.5, 0.25]).len(), 1);
-        // A node pushed out of two sides sees both depths.
+        // A node outside of two sides has both penetrations.
         let out = gaps_at([-0.05, 1.0, -0.1]);
         assert!(out.len() == 2 && out.iter().all(|gap| *gap < 0.0), "{out:?}");
     }

@@ -1,4 +1,4 @@
-//! Round parts of rigid bodies in space on rigid obstacles: what of `contact/rolling.rs` is that of space.
+//! Contact of round parts of rigid bodies (`contact/rolling.rs`) in space: distances from obstacles, and slip.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -12,7 +12,7 @@ use crate::contact::patches::Evaluation;
 use crate::contact::rolling::{RollingContact, Slips};
 use crate::contact::slip::SlipStep;
 
-/// Largest number of sides of an obstacle with pockets that a round part touches at once.
+/// Largest number of sides of an obstacle with pockets that a round part touches simultaneously.
 const SIDES: usize = 3;
 
 impl Felt<3> for Shape {
@@ -61,7 +61,7 @@ impl Felt<3> for Shape {
     }
 }
 
-/// Slip of round parts on the obstacle, as it translates and turns.
+/// Slip of round parts relative to the translating and rotating obstacle.
 impl SlipsInSpace for RollingContact<3, Shape> {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let first = self.felt_by(p).len() * p;

@@ -1,16 +1,16 @@
-//! Contact of a round obstacle in space with the edges of a surface: what the distances of the nodes do not see of a small one.
+//! Contact of a small round obstacle in space with the edges of a surface, for penetration that the distances of the nodes do not detect.
 //!
-//! Where a cylinder, a cone or a torus lies on facets, it lies across their edges, and so does a sphere on a sharp edge. Each edge has a
-//! row, the distance of its deepest point, with the shares `N_k` of the ends in that point `x`:
+//! Cylinders, cones and tori touch facets along lines that cross their edges, spheres touch sharp edges. Each edge has a constraint, the
+//! signed distance of its deepest point `x`, with the shape functions `N_k` of its ends at that point:
 //!
 //! ```text
 //! Phi = w min g(x - u),   x = sum N_k x_k,   dPhi/dx_k = w N_k n(x - u)
 //! ```
 //!
-//! as the minimum does not change with the shares to first order. The discrete gradient is `G_mid + (dPhi - G_mid.d)/p.p p` with the
-//! increment `d` of the ends as seen from the obstacle and its part `p` beside the obstacle's symmetries in mid-step, rotations and
-//! translations, so that the moment about a center or an axis is kept (Gonzalez, J. Nonlinear Sci. 6, 1996). A row is there in a step if
-//! its deepest point is no node, which has a row of its own. Inside of the rim of a cylinder with ends there is a kink (`Kink`).
+//! because the minimum is stationary in the edge coordinate. The discrete gradient is `G_mid + (dPhi - G_mid.d)/p.p p` with the increment
+//! `d` of the ends relative to the obstacle, and its part `p` orthogonal to the symmetries (rotations, translations) of the obstacle at
+//! mid-step, which conserves the moment about a center or an axis (Gonzalez, J. Nonlinear Sci. 6, 1996). A constraint is present in a step
+//! if its deepest point is not a node, which has its own constraint. Inside of a cylinder's rim the distance has a kink (`Kink`).
 
 use nalgebra::{Matrix3, RowSVector, SMatrix, SVector, Vector3};
 
@@ -29,19 +29,19 @@ use crate::contact::window::{Outlook, Travel};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
-/// Depth in smallest facets beyond which an edge has no row: what overlaps as much at the start of a step, the nodes hold.
+/// Penetration in smallest facets beyond which an edge has no constraint: larger initial overlaps are held by the nodes.
 const SUNK: f64 = 0.55;
 
-/// Opening in smallest facets, besides what the step may close, up to which an edge has one.
+/// Opening in smallest facets, in addition to the motion bound, up to which an edge has a constraint.
 const OPEN: f64 = 0.25;
 
-/// Share of an edge at its ends where the node alone has a row.
+/// Edge coordinate from each end within which only the node has a constraint.
 const AT_END: f64 = 0.02;
 
-/// Jump of the slope along an edge that is a kink: what is round turns by round-off from one number to the next.
+/// Relative jump of the slope along an edge that counts as a kink; smaller jumps are round-off of a smooth shape.
 const KINK: f64 = 0.01;
 
-/// Steps of the search for the deepest point of an edge: each halves what is left.
+/// Bisections in the search for the deepest point of an edge.
 const HALVINGS: usize = 60;
 
 type Six = SVector<f64, 6>;
@@ -54,18 +54,18 @@ pub struct RoundInSpace {
     sides: Sides,
     shape: Shape,
     translations: [[f64; 3]; 3],
-    /// How far it carries along what sticks to it, and by which angle about its axis.
+    /// Displacement and rotation angle about its axis with which the obstacle carries sticking points.
     carried: ([f64; 3], f64),
-    /// Whether edges have rows at the rim alone: what else there is of the obstacle is large.
+    /// True if edges have constraints at the rim only, because the obstacle is otherwise large.
     only_at_rim: bool,
-    /// Which rows are there in this step, and the stretches of their edges.
+    /// True for constraints of this step, and the searched segments of their edges.
     is_there: Vec<bool>,
     stretches: Vec<Stretch>,
-    /// Their ends at the start of the step as seen from the obstacle.
+    /// Ends of the edges at the start of the step, relative to the obstacle.
     start: Vec<Ends>,
 }
 
-/// Stretch of an edge that is searched for its deepest point. Across the hole of a torus there is one on either side, with a row for each.
+/// Segment of an edge that is searched for its deepest point. Across the hole of a torus an edge has two segments with a constraint each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stretch {
     Whole,
@@ -73,7 +73,7 @@ enum Stretch {
     AfterHole,
 }
 
-/// The function of an edge at a configuration.
+/// Deepest point of an edge at a configuration.
 struct Deepest {
     at: Distance,
     share: f64,
@@ -81,22 +81,22 @@ struct Deepest {
     kink: Option<Kink>,
 }
 
-/// What meets inside of a sharp edge of the obstacle, where the deepest point is as deep below one side as below the other one. There the
-/// gradient is that mean of both which has no part along the edge of the surface (Danskin, SIAM J. Appl. Math. 14, 1966).
+/// Kink of the distance inside of a sharp edge of the obstacle, where the deepest point has the same depth below both sides. The gradient
+/// is the convex combination of both normals without component along the surface's edge (Danskin, SIAM J. Appl. Math. 14, 1966).
 struct Kink {
     normal: Vector3<f64>,
     curvature: Matrix3<f64>,
-    /// Difference of both normals, and its part along the edge.
+    /// Difference of both normals, and its component along the edge.
     difference: Vector3<f64>,
     jump: f64,
 }
 
 impl Kink {
-    /// Of the distances on either side of a place along an edge; nothing where they go over into each other.
+    /// Kink from the distances on both sides of a point of an edge; `None` for a smooth distance.
     fn between([a, b]: [Distance; 2], along: Vector3<f64>) -> Option<Self> {
         let difference = b.normal - a.normal;
         let jump = difference.dot(&along);
-        // Of the first one.
+        // Coefficient of the first side.
         let share = b.normal.dot(&along) / jump;
         (jump > KINK * along.norm()).then(|| Kink {
             normal: b.normal - difference * share,
@@ -141,7 +141,7 @@ impl Deepest {
         Deepest { at, share, gradient, kink }
     }
 
-    /// How the slope along the edge changes with the ends at a fixed share, and with the share; nothing of that where the share is fixed.
+    /// Derivatives of the slope along the edge: with respect to the ends, and to the edge coordinate (0 if that is fixed).
     fn turning(&self, [a, b]: Ends) -> (Six, f64) {
         let Deepest { ref at, share, ref kink, .. } = *self;
         let (along, shares) = (b - a, [1.0 - share, share]);
@@ -156,7 +156,7 @@ impl Deepest {
         (coupling, if is_free { bend } else { 0.0 })
     }
 
-    /// Derivative of the share with respect to the ends.
+    /// Derivative of the edge coordinate with respect to the ends.
     fn slide(&self, ends: Ends) -> Six {
         if let Some(kink) = &self.kink {
             return self.apart(kink) / -kink.jump;
@@ -165,7 +165,7 @@ impl Deepest {
         if bend > 0.0 { coupling / -bend } else { Six::zeros() }
     }
 
-    /// How the distances from both sides at a kink come apart with the ends.
+    /// Derivative of the difference of the distances from both sides at a kink with respect to the ends.
     fn apart(&self, kink: &Kink) -> Six {
         let mut apart = Six::zeros();
         apart.fixed_rows_mut::<3>(0).copy_from(&(kink.difference * (1.0 - self.share)));
@@ -173,7 +173,7 @@ impl Deepest {
         apart
     }
 
-    /// Second derivative: that of the point that stays where it is on the edge, less what it gains by moving.
+    /// Hessian of the distance: that at a fixed edge coordinate, reduced by the motion of the deepest point.
     fn hessian(&self, ends: Ends) -> SixBySix {
         let Deepest { ref at, share, .. } = *self;
         let shares = [1.0 - share, share];
@@ -185,7 +185,7 @@ impl Deepest {
         }
         let (coupling, bend) = self.turning(ends);
         if let Some(kink) = &self.kink {
-            // The point moves so that both distances stay the same, and the mean so that it has no part along the edge.
+            // The point keeps equal distances from both sides, and the combined normal keeps no component along the edge.
             let (apart, along) = (self.apart(kink), ends[1] - ends[0]);
             hessian -= (coupling * apart.transpose() + apart * coupling.transpose()) / kink.jump;
             hessian += apart * apart.transpose() * (along.dot(&(at.curvature * along)) / kink.jump.powi(2));
@@ -197,7 +197,7 @@ impl Deepest {
 }
 
 impl RoundInSpace {
-    /// The rows of an obstacle, if it has any that matter; `facet_size` is that of the whole contact.
+    /// Constraints of a small round obstacle; `None` for other obstacles. `facet_size` is that of the whole contact.
     pub fn new(surface: &Surface, obstacle: &ObstacleInSpace, reference: &[f64], facet_size: f64) -> Option<Self> {
         let shape = Shape::new(obstacle);
         if !obstacle.is_small(surface, reference, facet_size) {
@@ -210,7 +210,7 @@ impl RoundInSpace {
             _ => false,
         };
         let edges: Vec<[u32; 2]> = match shape {
-            // On flat ground a sphere touches the facets.
+            // On smooth regions a sphere touches facets.
             Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
             _ => surface.edges().iter().map(|edge| edge.nodes).collect(),
         };
@@ -232,12 +232,12 @@ impl RoundInSpace {
         })
     }
 
-    /// Deepest point in the stretch of a row.
+    /// Deepest point in the segment of a constraint.
     fn deepest_of(&self, row: usize, ends: Ends) -> Deepest {
         Deepest::new(&self.shape, ends, self.stretches[row])
     }
 
-    /// Stretch of a row in a step that begins at `q`; `None` for the second row of an edge that is not across a hole.
+    /// Segment of a constraint in a step that starts at `q`; `None` for the second constraint of an edge that is not across a hole.
     fn stretch(&self, row: usize, q: &[f64]) -> Option<Stretch> {
         match (row % self.shape.rows_per_edge(), self.shape.is_across_hole(self.ends(row, q, 0))) {
             (0, false) => Some(Stretch::Whole),
@@ -246,7 +246,7 @@ impl RoundInSpace {
         }
     }
 
-    /// Ends of an edge as seen from the obstacle where it is at the start, in the middle or at the end of the step.
+    /// Ends of an edge relative to the obstacle at the start (0), in the middle (1) or at the end (2) of the step.
     fn ends(&self, row: usize, q: &[f64], time: usize) -> Ends {
         let nodes = self.sides.patches.nodes(row);
         [nodes[0], nodes[1]].map(|node| faces::at(node, q) - Vector3::from(self.translations[time]))
@@ -265,7 +265,7 @@ impl RoundInSpace {
             return false;
         }
         let Deepest { at, share, kink, .. } = self.deepest_of(row, ends);
-        // Above the hole there is no point that is deeper than its neighbors.
+        // Over the hole no point is deeper than its neighbors.
         if self.stretches[row] != Stretch::Whole && (share - self.shape.nearest_to_axis(ends)).abs() < AT_END {
             return false;
         }
@@ -275,13 +275,13 @@ impl RoundInSpace {
         (AT_END..=1.0 - AT_END).contains(&share) && at.gap < reach && at.gap > -SUNK * size
     }
 
-    /// How far the obstacle goes in the step.
+    /// Distance that the obstacle moves in the step.
     fn moved(&self) -> f64 {
         let [from, _, to] = self.translations.map(Vector3::from);
         (to - from).norm()
     }
 
-    /// Force gradient of a step and its tangent, without its weight.
+    /// Algorithmic gradient of a step, and its derivative, without weight.
     fn step_gradient(&self, derivative: Derivative, row: usize, q_1: &[f64], end: &Deepest) -> (Six, SixBySix) {
         let (start, ends) = (self.start[row], self.ends(row, q_1, 2));
         let plain = |ends: Ends, at: Configuration| {
@@ -316,11 +316,11 @@ impl RoundInSpace {
     }
 }
 
-/// The part of an increment beside the symmetries of an obstacle at the ends in mid-step, and its derivative with respect to the ends at
-/// the end of the step.
+/// Part of an increment that is orthogonal to the symmetries of an obstacle for the ends at mid-step, and its derivative with respect to
+/// the ends at the end of the step.
 fn beside(symmetries: &Symmetries, middle: Ends, d: Six) -> (Six, SixBySix) {
     let stacked = |vectors: Ends| Six::from_iterator(vectors[0].iter().chain(vectors[1].iter()).copied());
-    // Motions r_j of the ends, and their derivatives.
+    // Symmetry motions r_j of the ends, and their derivatives.
     let mut motions: Vec<(Six, SixBySix)> = Vec::new();
     for axis in &symmetries.rotations {
         let half = axis.cross_matrix() * 0.5;
@@ -366,7 +366,7 @@ impl PatchFunctions for RoundInSpace {
     }
 
     fn row_nodes(&self) -> &[u32] {
-        // Its rows are those of edges.
+        // Constraints belong to edges.
         &[]
     }
 
@@ -394,7 +394,7 @@ impl PatchFunctions for RoundInSpace {
             (out.gap[row], out.coverage[row]) = (weight * end.at.gap, 1.0);
             out.gradient_end[6 * row..6 * (row + 1)].copy_from_slice((end.gradient * weight).as_slice());
             out.gradient_bar[6 * row..6 * (row + 1)].copy_from_slice((bar * weight).as_slice());
-            // Row by row: the transposed matrix's columns.
+            // Row-major: columns of the transposed matrix.
             let block = tangent.transpose() * (weight * lambda[row]);
             out.tangent[36 * row..36 * (row + 1)].copy_from_slice(block.as_slice());
         }
@@ -417,7 +417,7 @@ impl PatchFunctions for RoundInSpace {
     }
 }
 
-/// Slip of the deepest point of an edge, as the obstacle translates.
+/// Slip of the deepest point of an edge relative to the moving obstacle.
 impl SlipsInSpace for RoundInSpace {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         if !self.is_there[p] {
@@ -452,7 +452,7 @@ impl CandidateSearch for RoundInSpace {
         let is_there =
             |row: usize| self.is_near(row, outlook.q, 0, outlook) || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, outlook));
         self.is_there = stretches.iter().enumerate().map(|(row, stretch)| stretch.is_some() && is_there(row)).collect();
-        // The list of patches is known and lasts.
+        // The list of contact elements never changes.
         false
     }
 
@@ -506,7 +506,7 @@ mod tests {
     use super::*;
     use crate::contact::fixtures::{difference, evaluated, product};
 
-    /// Obstacles under a facet that lies about the plane z = 0.5.
+    /// Obstacles below a facet near the plane z = 0.5.
     fn obstacles() -> Vec<ObstacleInSpace> {
         let (axis, tilted, is_hollow) = ([0.0, 0.0, 1.0], [0.6, 1.0, 0.1], false);
         vec![
@@ -515,7 +515,7 @@ mod tests {
             ObstacleInSpace::FiniteCylinder { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },
             ObstacleInSpace::Torus { center: [0.5, 0.5, 0.2], axis, radius: 0.4, tube: 0.2, is_hollow },
-            // Under the edge from (0, 0) to (1, 0) twice.
+            // Two contact points below the edge from (0, 0) to (1, 0).
             ObstacleInSpace::Torus { center: [0.5, 0.1, 0.2], axis, radius: 0.3, tube: 0.25, is_hollow },
         ]
     }
@@ -532,7 +532,7 @@ mod tests {
         })
     }
 
-    /// A facet with the rows of all its edges that the obstacle touches between their ends.
+    /// Facet with constraints of all edges that the obstacle touches between their ends.
     fn contact(obstacle: &ObstacleInSpace, q_0: &[f64], translations: &[[f64; 3]; 3]) -> RoundInSpace {
         let surface = Surface::in_space([&[0, 1, 2, 3][..]]);
         let mut kernel = RoundInSpace::new(&surface, obstacle, q_0, 1.0).expect("it is small");
@@ -589,7 +589,7 @@ mod tests {
                 for derivative in Derivative::ALL {
                     let out = evaluated(&kernel, derivative, &q_1, &lambda);
                     for (row, (component, node)) in (0..kernel.rows()).flat_map(|row| (0..6).map(move |k| (row, (k % 3, k / 3)))) {
-                        // Above the hole, where its stretch of the edge ends, a row has no derivative.
+                        // Over the hole, where the segment of a constraint ends, the constraint has no derivative.
                         let [start, end] = [kernel.ends(row, &q_0, 0), kernel.ends(row, &q_1, 2)];
                         let ends_at_hole = |ends: Ends| {
                             let share = kernel.deepest_of(row, ends).share;
@@ -611,7 +611,7 @@ mod tests {
                             difference(&at(h), &at(-h)).into_iter().map(|d| d / (2.0 * h)).collect::<Vec<f64>>()
                         });
                         for i in 0..6 {
-                            // Where the deepest point reaches an end, differences of different widths disagree.
+                            // Where the deepest point reaches an end, difference quotients of different widths disagree.
                             if (fine[i] - coarse[i]).abs() < 1e-7 {
                                 let ours = out.tangent[36 * row + 6 * i + 3 * node + component];
                                 prop_assert!((ours - fine[i]).abs() < 1e-6, "{obstacle:?} {derivative:?}: {ours} {}", fine[i]);
@@ -623,14 +623,14 @@ mod tests {
         }
     }
 
-    /// A rod across an edge: the common perpendicular less its radius.
+    /// Rod across an edge: the gap is the common perpendicular less the radius.
     #[test]
     fn a_rod_is_as_far_from_an_edge_as_the_common_perpendicular_says() {
         let q = [0.0, 0.0, 0.5, 0.0, 1.0, 0.5, 1.0, 1.0, 0.5, 1.0, 0.0, 0.5];
         let rod = ObstacleInSpace::Cylinder { point: [0.5, 0.3, 0.0], axis: [1.0, 0.0, 0.0], radius: 0.4, is_hollow: false };
         let kernel = contact(&rod, &q, &[[0.0; 3]; 3]);
         let rows: Vec<usize> = kernel.rows_there().collect();
-        // Along x the edges lie along the rod, and their nodes see all of it.
+        // Edges along x are parallel to the rod; their nodes have the whole penetration.
         assert_eq!(rows.len(), 2);
         assert!(rows.iter().all(|&row| (kernel.gap(&q)[row] - 0.1).abs() < 1e-12));
     }

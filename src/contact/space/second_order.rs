@@ -1,8 +1,8 @@
-//! Contact of faces of second order in space: each is four facets between points that are linear combinations of its nodes.
+//! Contact of faces of second order in space: four facets per face between combinations of its nodes (`on_curves.rs`).
 //!
-//! A triangle of six nodes is cut into four triangles, a quadrilateral of eight or nine into four quadrilaterals about its center. With the
-//! offset `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` of each edge's middle from its chord (`tau` the share by which the middle lies off
-//! the chord's middle in the reference positions), and `D` that of a ninth node from where eight nodes have the center,
+//! Triangles of six nodes are divided into four triangles, quadrilaterals of eight or nine into four about the center. With the offset
+//! `d = x_m - (1/2 - tau) x_a - (1/2 + tau) x_b` of a mid-side node from its chord (`tau`: its shift from the middle along the chord in the
+//! reference positions, in chord lengths), and the offset `D` of a ninth node from the center of the eight-node interpolation,
 //!
 //! ```text
 //! corner            y = x_a + R_a,           R_a = mean over the faces there, and the two edges of each, of k d, k = 1/4 of triangles,
@@ -12,14 +12,14 @@
 //! center            y = center of the chords + sum of r d/2 over the edges + mean of R + g D
 //! ```
 //!
-//! `r` and `g` of each edge and face are such that the sum over the points of their areas (`faces::shares`) times their shares of `d`, `D`
-//! is the integral over the faces of what goes with `d`, `D` in the shape functions. So a constant pressure on plane faces with straight
-//! edges goes to the nodes exactly as the consistent forces of the cell. In even meshes of curved surfaces `r` is 1: all points are raised
-//! alike, at rims too, so that the polyhedron holds the volume of what it stands for. Corners of plane faces stay where their nodes are,
-//! which couples the nodes of two faces and no others.
+//! The factors `r` and `g` of each edge and face are chosen so that the sum over the points of area (`faces::shares`) times coefficient of
+//! `d`, `D` equals the integral of the corresponding shape functions over the faces. Nodal forces of a constant pressure on plane faces
+//! with straight edges then equal the consistent forces. On even meshes of curved surfaces `r` is 1: all points, also at borders, are
+//! raised equally, so that the polyhedron preserves the volume. Corners of plane faces stay at their nodes, so that only nodes of two faces
+//! are coupled.
 //!
-//! Multipliers are those of the nodes, linear between them on the sub-facets; a center without a node has the mean of the middles'.
-//! (Facets of first order on quadratic faces: Puso, Laursen and Solberg, CMAME 197, 2008; the points that keep the forces are ours.)
+//! Multipliers belong to the nodes and are linear on the sub-facets; a center without a node has the mean of the mid-side multipliers.
+//! (First-order facets on quadratic faces: Puso, Laursen and Solberg, CMAME 197, 2008; the force-preserving points are new here.)
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,24 +35,24 @@ use crate::elements::face_points;
 use crate::math::tolerances;
 use crate::mesh::{flat_pieces, pieces_of};
 
-/// Share of the edges' offsets by which corners of triangles and of quadrilaterals are raised.
+/// Fractions of the edges' offsets by which corners of triangles and of quadrilaterals are raised.
 const OF_TRIANGLES: f64 = 1.0 / 4.0;
 const OF_QUADRILATERALS: f64 = 1.0 / 3.0;
 
-/// How often areas and points are adjusted to each other: once is exact where the points of plane faces are the nodes.
+/// Iterations that adjust areas and points to each other; one is exact if the points of plane faces are the nodes.
 const ROUNDS: usize = 3;
 
-/// Two surfaces as a contact method sees them: between their nodes, or between points on faces of second order.
+/// Contact representation of two surfaces in space: between their nodes, or between points on faces of second order.
 pub struct SeenInSpace<'a> {
-    /// The side with the constraints.
+    /// Side with the constraints.
     pub secondary: Surface,
-    /// The other side.
+    /// Side without constraints.
     pub primary: Surface,
     /// Reference positions of the nodes or points `[length]`.
     pub reference: Cow<'a, [f64]>,
-    /// Reference positions of the points of the curve that the nodes or points stand for `[length]`.
+    /// Reference positions of the curve's points that the nodes or points represent `[length]`.
     pub(super) curve: Cow<'a, [f64]>,
-    /// A node within the body behind each primary facet, where they were asked for.
+    /// Node inside of the body behind each primary facet, for ties; otherwise empty.
     pub inner: Vec<u32>,
     /// Height profiles of the facets of both sides.
     pub(super) profiles: [Vec<Profile>; 2],
@@ -60,12 +60,12 @@ pub struct SeenInSpace<'a> {
 }
 
 impl<'a> SeenInSpace<'a> {
-    /// Two surfaces given by the nodes of their faces: three, four, six, eight or nine.
+    /// Two surfaces given by the nodes of their faces: three, four, six, eight or nine each.
     pub fn new(sides: [&[Vec<u32>]; 2], reference: &'a [f64]) -> Self {
         Self::with_inner(sides, &[], reference)
     }
 
-    /// The same with a node within the body behind each primary face.
+    /// Two surfaces given by the nodes of their faces, with a node inside of the body behind each primary face.
     pub fn with_inner(sides: [&[Vec<u32>]; 2], inner: &[u32], reference: &'a [f64]) -> Self {
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
@@ -97,7 +97,7 @@ impl<'a> SeenInSpace<'a> {
         SeenInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, on_faces }
     }
 
-    /// These surfaces with facets of another shape.
+    /// Removes the height profiles for the facet shape `Straight`.
     pub fn of_shape(mut self, shape: FacetShape) -> Self {
         if shape == FacetShape::Straight {
             self.profiles.iter_mut().flatten().for_each(|profile| *profile = Profile::default());
@@ -105,13 +105,13 @@ impl<'a> SeenInSpace<'a> {
         self
     }
 
-    /// For each node or point of the secondary side true if it belongs to one of these nodes of the model, ascending.
+    /// True for each secondary node or point that belongs to one of these model nodes (ascending).
     pub fn belongs_to(&self, nodes: &[u32]) -> Vec<bool> {
         let home = |&point: &u32| self.on_faces.as_ref().map_or(point, |(_, homes, _)| homes.parts(point as usize)[0].0);
         self.secondary.nodes().iter().map(|point| nodes.binary_search(&home(point)).is_ok()).collect()
     }
 
-    /// Height of the curve above each node or point of a side, the mean over its facets with profiles `[length]`.
+    /// Height of the curve over each node or point of a side, averaged over its facets with profiles `[length]`.
     pub(super) fn heights(&self, side: usize) -> Vec<f64> {
         let (surface, profiles) = ([&self.secondary, &self.primary][side], &self.profiles[side]);
         let of_node = |node: usize| {
@@ -127,8 +127,8 @@ impl<'a> SeenInSpace<'a> {
         (0..surface.nodes().len()).map(of_node).collect()
     }
 
-    /// A method made for these surfaces, on the nodes of the model; `is_of_surface`: whether each secondary node has its rows, and not some
-    /// points of either side.
+    /// Transforms a contact method for these surfaces to the nodes of the model. `is_of_surface`: constraints belong to the secondary
+    /// nodes, not to selected points of either side.
     pub fn on_nodes(&self, kernel: Box<dyn ContactKernel>, is_of_surface: bool) -> Box<dyn ContactKernel> {
         let Some((points, homes, mut sides)) = self.on_faces.clone() else { return kernel };
         let mut rows = Combinations::default();
@@ -152,16 +152,16 @@ impl<'a> SeenInSpace<'a> {
     }
 }
 
-/// An edge of second order.
+/// Edge of second order.
 struct Edge {
     middle: u32,
     ends: [u32; 2],
-    /// By how much of the chord the middle lies off its middle in the reference positions.
+    /// Shift of the mid-side node along the chord from the chord's middle in the reference positions, in chord lengths.
     shift: f64,
     is_curved: bool,
-    /// What its offset raises corners by.
+    /// Factor `k` by which the offset raises corners.
     by: f64,
-    /// `r`.
+    /// Factor `r` of the edge's offset `d` in its points.
     raised: f64,
 }
 
@@ -172,48 +172,48 @@ impl Edge {
         Edge { middle, ends, shift, is_curved: false, by, raised: 1.0 }
     }
 
-    /// How far its middle lies off the chord along a normal of a face, over the chord.
+    /// Distance of the mid-side node from the chord along a face normal, in chord lengths.
     fn sagitta(&self, normal: Vector, q: &[f64]) -> f64 {
         let [a, b, m] = [self.ends[0], self.ends[1], self.middle].map(|node| faces::at(node, q));
         (m - 0.5 * (a + b)).dot(&normal) / (b - a).norm()
     }
 
-    /// The point of the chord below the middle, times a factor.
+    /// Point of the chord below the mid-side node, times a factor.
     fn chord(&self, by: f64) -> [(u32, f64); 2] {
         [(self.ends[0], by * (0.5 - self.shift)), (self.ends[1], by * (0.5 + self.shift))]
     }
 }
 
-/// A face of eight or nine nodes.
+/// Face of eight or nine nodes.
 struct Center {
     nodes: Vec<u32>,
-    /// `g`.
+    /// Factor `g` of the ninth node's offset `D` in the center.
     raised: f64,
 }
 
-/// What a point is made of.
+/// Coefficients of a point.
 #[derive(Default)]
 struct Proxy {
-    /// Without offsets.
+    /// Coefficients of the nodes without offsets.
     base: Vec<(u32, f64)>,
-    /// Edges by whose offsets it is raised, those times `r` apart.
+    /// Edges whose offsets raise the point, with factors: independent of `r`, and to be multiplied by `r`.
     raised: Vec<(usize, f64)>,
     own: Vec<(usize, f64)>,
-    /// Nodes whose multipliers it has.
+    /// Nodes whose multipliers the point interpolates.
     homes: Vec<(u32, f64)>,
 }
 
-/// The points of some faces.
+/// Points on the faces of two surfaces.
 struct Proxies {
     edges: Vec<Edge>,
     edge_of: BTreeMap<u32, usize>,
     centers: Vec<Center>,
-    /// The point of each node, and the one in the middle of each face of eight nodes.
+    /// Point of each node, and center of each face of eight or nine nodes.
     point_of: BTreeMap<u32, u32>,
     center_of: BTreeMap<Vec<u32>, u32>,
     proxies: Vec<Proxy>,
     faces: Vec<Vec<u32>>,
-    /// Integrals over the faces of what goes with an edge's offset in the shape functions.
+    /// Integrals over the faces of the shape functions that multiply each edge's offset.
     wanted: Vec<f64>,
 }
 
@@ -223,7 +223,7 @@ fn corners(face: &[u32]) -> usize {
 }
 
 impl Proxies {
-    /// The points of faces, and those of other nodes beside them.
+    /// Points on faces, and points of other nodes beside them.
     fn new(sides: [&[Vec<u32>]; 2], others: &[u32], q: &[f64]) -> Self {
         let faces: BTreeSet<Vec<u32>> = sides.into_iter().flatten().cloned().collect();
         let mut made = Proxies {
@@ -297,7 +297,7 @@ impl Proxies {
         made
     }
 
-    /// What goes with the offsets of edges in the shape functions, over the reference faces.
+    /// Integrates the shape functions that multiply the edges' offsets over the reference faces.
     fn integrate(&mut self, q: &[f64]) {
         for face in self.faces.iter().filter(|face| face.len() > 4) {
             let (places, count) = (face.iter().map(|&node| faces::at(node, q).into()).collect::<Vec<[f64; 3]>>(), corners(face));
@@ -305,7 +305,7 @@ impl Proxies {
                 let [x, y, z] = point.normal(&places);
                 let area = point.weight * x.hypot(y).hypot(z);
                 for k in 0..count {
-                    // The ninth function is zero at the middles, and so has its half of each of theirs back.
+                    // The ninth function vanishes at the mid-side nodes: half of it is returned to each of their functions.
                     let shape = point.shapes[count + k] + point.shapes.get(8).map_or(0.0, |center| 0.5 * center);
                     self.wanted[self.edge_of[&face[count + k]]] += area * shape;
                 }
@@ -313,14 +313,14 @@ impl Proxies {
         }
     }
 
-    /// The facets of a face between points.
+    /// Facets of a face between points.
     fn pieces(&self, face: &[u32]) -> Vec<Vec<u32>> {
         let point = |k: &usize| if *k == 8 { self.center_of[face] } else { self.point_of[&face[*k]] };
         let pieces = flat_pieces(if face.len() == 8 { 9 } else { face.len() });
         pieces.iter().map(|piece| piece.iter().map(point).collect()).collect()
     }
 
-    /// Points by nodes, and the nodes whose multipliers they have.
+    /// Points as combinations of nodes, and the nodes whose multipliers they interpolate.
     fn combinations(&self) -> (Combinations, Combinations) {
         let (mut points, mut homes) = (Combinations::default(), Combinations::default());
         let ninth: BTreeMap<u32, &Center> =
@@ -344,7 +344,7 @@ impl Proxies {
         (points, homes)
     }
 
-    /// The places of the nodes that the points stand for, and those of the centers of faces of eight nodes.
+    /// Positions of the nodes that the points represent, and of the centers of eight-node faces.
     fn nodes(&self, seen: &[f64], q: &[f64]) -> Vec<f64> {
         let mut places = seen.to_vec();
         let mut set = |point: u32, place: Vector| places[3 * point as usize..][..3].copy_from_slice(place.as_slice());
@@ -356,7 +356,7 @@ impl Proxies {
         places
     }
 
-    /// Chooses `r` and `g` for the areas that the points have in the reference positions.
+    /// Computes `r` and `g` from the areas of the points in the reference positions.
     fn adjust(&mut self, q: &[f64]) {
         let seen = self.combinations().0.points(3, q);
         let mut areas = vec![0.0; self.proxies.len()];

@@ -1,19 +1,18 @@
-//! The slips of constraint rows in space: what friction works on.
+//! Slip of constraints in space in a step, with gradients and tangent: the kinematics of friction (in the plane: `contact/slip.rs`).
 //!
-//! The slip of row `A` has two components, each a linear function of the displacement `d = q_1 - q_0` in the step as in the plane
-//! (`contact/slip.rs`),
+//! The slip of constraint `A` has two components, each linear in the displacement `d = q_1 - q_0` of the step,
 //!
 //! ```text
 //! u_Ak = sum_patches G_Ak(q_mid) d,    G_Ak d = t_k . sum_j w_Aj (P d)_j          [length^3]
 //! ```
 //!
-//! with weights `w` whose sum is zero, those of the gap, and two tangents. `P` takes the rigid motions of `q_mid` out of the displacement
-//! of a patch, so that forces have neither resultant nor moment and a rigid motion of everything, however large, has no slip. `P` is its
-//! own transpose: the force of multipliers `tau` is `P` of `sum_A w_Aj (tau_A1 t_1 + tau_A2 t_2)`.
+//! with the weights `w` of the gap, whose sum is zero, and two tangents. `P` removes the rigid motions of `q_mid` from the displacement of
+//! a contact element, so that forces have zero resultant and moment, and rigid motions of any size have no slip. `P` is symmetric: the
+//! force of multipliers `tau` is `P` applied to `sum_A w_Aj (tau_A1 t_1 + tau_A2 t_2)`.
 //!
-//! Tangents go with the material of the secondary facet: its own first axis, turned about its normal by an angle that is chosen once, in
-//! the reference configuration, so that the facets around a node agree. Components of a multiplier mean the same from step to step, and
-//! nothing has to be carried over when a body turns.
+//! Tangents move with the material of the secondary facet: its first axis, rotated about its normal by a constant angle from the reference
+//! configuration, so that the facets around a node agree. Multiplier components keep their meaning from step to step, without transport as
+//! a body rotates.
 
 use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
 use crate::contact::faces;
@@ -23,48 +22,48 @@ use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
 use crate::integrators::Configuration;
 
-/// Nodes of a patch, at most.
+/// Largest number of nodes of a contact element.
 pub const NODES: usize = 8;
 
-/// The two tangential rows beside a row that presses, at a configuration of a patch.
+/// Two tangential constraints of a normal constraint, at a configuration of a contact element.
 #[derive(Clone)]
 pub struct Group<T> {
-    /// Place of the row that presses among those of the patch.
+    /// Index of the normal constraint in the contact element.
     pub place: usize,
-    /// Weights of the motions of the nodes, their sum is zero `[length^2]`.
+    /// Weights of the nodal displacements, with zero sum `[length^2]`.
     pub weights: [T; NODES],
-    /// Unit vectors along which slips are measured.
+    /// Unit tangents along which slip is measured.
     pub tangents: [Vec3<T>; 2],
-    /// What the row has opposite.
+    /// Covered measure of the constraint.
     pub covered: f64,
 }
 
-/// What the slips of a kernel in space are.
+/// Slip definition of a contact kernel in space.
 pub trait SlipsInSpace {
-    /// The tangential rows of patch `p` at the positions of its nodes.
+    /// Tangential constraints of contact element `p` at the positions of its nodes.
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>>;
 
-    /// How the other side moves in the step where it is no node: then rigid motions of a patch have slips, too.
+    /// Motion in the step of an obstacle as the other side; rigid motions of a contact element then have slip. `None` for two surfaces.
     fn carrier(&self) -> Option<Carrier> {
         None
     }
 }
 
-/// A rigid motion in a step: `o(x) = shift + turn x (x - center)` at a place in mid-step.
+/// Rigid motion in a step: displacement `o(x) = shift + turn x (x - center)` of a point `x` in mid-step.
 ///
-/// With the length `2 tan(angle/2)` of `turn` the points of a circle that turns by the angle move by the chords of their arcs.
+/// With the length `2 tan(angle/2)` of `turn`, points of a rotating circle move by the chords of their arcs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Carrier {
     /// Displacement of the center `[length]`.
     pub shift: Vec3<f64>,
-    /// Along the axis, twice the tangent of half the angle.
+    /// Vector along the axis with twice the tangent of half the rotation angle as length.
     pub turn: Vec3<f64>,
-    /// A point of the axis in mid-step `[length]`.
+    /// Point of the axis in mid-step `[length]`.
     pub center: Vec3<f64>,
 }
 
 impl Carrier {
-    /// What a displacement of a place in mid-step is as seen from there.
+    /// Displacement `moved` of a point at `x` in mid-step, relative to the rigid motion.
     fn against<T: Number>(&self, moved: Vec3<f64>, x: &Vec3<T>) -> Vec3<T> {
         let beside = sub(moved, self.shift).map(T::from);
         if self.turn == [0.0; 3] {
@@ -74,7 +73,7 @@ impl Carrier {
     }
 }
 
-/// Vectors at the places `z`, without what a rigid motion of these makes of them where the other side has nodes.
+/// Vectors at the points `z`, without their rigid motion if `is_relative`.
 fn relative<T: Number>(is_relative: bool, z: &[Vec3<T>], vectors: Vec<Vec3<T>>) -> Vec<Vec3<T>> {
     if is_relative { without_rigid_motion(z, &vectors) } else { vectors }
 }
@@ -99,7 +98,7 @@ impl<T: Number> Group<T> {
         dot(self.tangents[tangent], sum)
     }
 
-    /// Adds the forces of multipliers along the tangents.
+    /// Adds the forces of multipliers along both tangents.
     fn add_forces(&self, shear: [f64; 2], forces: &mut [Vec3<T>]) {
         let [first, second] = self.tangents;
         let along: Vec3<T> = std::array::from_fn(|i| first[i] * shear[0] + second[i] * shear[1]);
@@ -109,8 +108,8 @@ impl<T: Number> Group<T> {
     }
 }
 
-/// Slips (as gaps of the evaluation), their gradients at the end of the step, the rows that carry forces, and their tangent with the
-/// multipliers `lambda`; coverage as what each row has opposite in mid-step.
+/// Evaluates slips (as gaps of `out`), their gradients at the end of the step, the gradients that transmit forces, and the tangent for the
+/// multipliers `lambda`; coverage is the covered measure in mid-step.
 pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
     let patches = sides.slip_patches();
     out.prepare(patches, lambda.len());
@@ -129,7 +128,7 @@ pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambd
     }
 }
 
-/// What is known of the nodes of a patch, used again from patch to patch.
+/// Positions and displacements of a contact element's nodes, reused for all elements.
 #[derive(Default)]
 struct Patch {
     middle: Vec<f64>,
@@ -138,8 +137,8 @@ struct Patch {
 }
 
 impl Patch {
-    /// Writes what a pass with derivatives with respect to some unknowns finds, from `first` on; values with the first ones. `false` where
-    /// the patch has no slip.
+    /// Writes the results of one pass with derivatives with respect to [`LANES`] unknowns, from `first` on; values only in the first pass.
+    /// `false` without slip.
     fn differentiate(
         &self,
         kernel: &impl SlipsInSpace,
@@ -198,14 +197,14 @@ impl Patch {
     }
 }
 
-/// The row of a slip at the positions of the nodes.
+/// Gradient of a slip at the positions of the nodes.
 fn row_of(group: &Group<f64>, tangent: usize, is_relative: bool, z: &[Vec3<f64>]) -> Vec<Vec3<f64>> {
     let mut row = vec![[0.0; 3]; z.len()];
     group.add_forces([[1.0, 0.0], [0.0, 1.0]][tangent], &mut row);
     relative(is_relative, z, row)
 }
 
-/// Tangents beside a rigid obstacle, by its normal: the first one along an axis of the frame, as far as that is tangential.
+/// Tangents at a rigid obstacle with the given normal; the first one is the projection of a coordinate axis on the tangent plane.
 pub fn tangents<T: Number>(normal: Vec3<T>, axis: usize) -> [Vec3<T>; 2] {
     let mut along = normal.map(|n| -n * normal[axis]);
     along[axis] += T::from(1.0);
@@ -213,18 +212,18 @@ pub fn tangents<T: Number>(normal: Vec3<T>, axis: usize) -> [Vec3<T>; 2] {
     [first, cross(normal, first)]
 }
 
-/// The axis of the frame that is farthest from a normal.
+/// Coordinate axis with the largest angle to a normal.
 pub fn farthest_axis(normal: [f64; 3]) -> usize {
     (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0)
 }
 
-/// A function of the places `z` from its value there and its derivative.
+/// Linear function of the points `z`, from its value and derivative there.
 pub fn linear<T: Number>(value: f64, derivative: &[f64], z: &[Vec3<T>]) -> T {
     let by = |sum: T, (slope, z): (&f64, &T)| sum + (*z - z.re()) * *slope;
     derivative.iter().zip(z.as_flattened()).fold(T::from(value), by)
 }
 
-/// Vectors at the places `z` without what a rigid motion of these makes of them: `P`.
+/// Vectors at the points `z` without their rigid motion, `P`.
 fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Vec3<T>> {
     let mean = |of: &[Vec3<T>]| -> Vec3<T> {
         let mut mean = [T::from(0.0); 3];
@@ -246,14 +245,14 @@ fn without_rigid_motion<T: Number>(z: &[Vec3<T>], vectors: &[Vec3<T>]) -> Vec<Ve
     }
     let cofactors: [Vec3<T>; 3] = std::array::from_fn(|i| cross(inertia[(i + 1) % 3], inertia[(i + 2) % 3]));
     let inverse = dot(inertia[0], cofactors[0]).recip();
-    // Symmetric: rows and columns of the inverse are the same.
+    // Symmetric: rows equal columns of the inverse.
     let turn: Vec3<T> = cofactors.map(|cofactor| dot(cofactor, moment) * inverse);
     let rest = |(z, v): (&Vec3<T>, &Vec3<T>)| sub(sub(*v, shift), cross(turn, sub(*z, center)));
     z.iter().zip(vectors).map(rest).collect()
 }
 
-/// For each facet of a surface and each of its nodes cosine and sine of the angle between the facet's first axis and the node's first
-/// tangent: that of the node's first facet, as it continues over its other ones.
+/// Cosine and sine of the angle between the first axis of each facet and the first tangent of each of its nodes. A node's tangent is that
+/// of its first facet, projected to the mean tangent plane.
 pub fn turns(surface: &Surface, reference: &[f64]) -> Vec<Vec<[f64; 2]>> {
     let axes = |facet: usize| {
         let nodes: Vec<Vec3<f64>> = surface.facet(facet).iter().map(|&node| faces::at(node, reference).into()).collect();
@@ -296,7 +295,7 @@ mod tests {
     use crate::contact::{ContactKernel, Outlook};
     use crate::integrators::Derivative;
 
-    /// Four facets of a body below, three nodes by three, one facet of a body above.
+    /// Four facets of a lower body with three by three nodes, one facet of an upper body.
     const FACETS: [[u32; 4]; 4] = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
     const COUNT: usize = 13;
     const UNKNOWNS: usize = 3 * COUNT;
@@ -313,7 +312,7 @@ mod tests {
         let seen = SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base);
         let mut kernels = vec![MortarInSpace::kernel(&seen)];
         kernels.extend(CornersInSpace::kernel(&seen));
-        // The facet above lies wholly over those below.
+        // The upper facet lies entirely over the lower ones.
         kernels.push(MortarInSpace::dual_kernel(&SeenInSpace::new([&faces[1], &faces[0]], &base)));
         for kernel in &mut kernels {
             kernel.update_candidates(&Outlook::within(q, 1.0));
@@ -322,7 +321,7 @@ mod tests {
         kernels
     }
 
-    /// The surface below and round obstacles that move.
+    /// Lower surface with moving round obstacles.
     fn obstacles(q: &[f64], angle: f64) -> Vec<Box<dyn ContactKernel>> {
         let below = Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
         let (point, axis) = ([0.9, 1.1, 0.15], [0.1, 1.0, 0.05]);
@@ -384,7 +383,7 @@ mod tests {
             }
         }
 
-        /// Slips are those against the motion of an obstacle: none where everything goes with it.
+        /// Slip is relative to the obstacle's motion: zero if all nodes move with it.
         #[test]
         fn what_an_obstacle_carries_along_does_not_slide((q_0, q_1) in steps()) {
             let against: Vec<f64> = difference(&q_1, &q_0).iter().enumerate().map(|(k, d)| d - [0.1, -0.04, 0.02][k % 3]).collect();
@@ -400,7 +399,7 @@ mod tests {
             }
         }
 
-        /// What turns with a rod, however far, does not slide on it.
+        /// Nodes that rotate with a rod by any angle do not slide on it.
         #[test]
         fn what_turns_with_an_obstacle_does_not_slide((q_0, _) in steps(), angle in -1.0..1.0f64) {
             let (point, shift) = (nalgebra::Vector3::new(0.9, 1.1, 0.15), nalgebra::Vector3::new(0.1, -0.04, 0.02));
@@ -413,7 +412,7 @@ mod tests {
             prop_assert!(out.gap.iter().all(|slip| slip.abs() < 1e-14), "{:?}", out.gap);
         }
 
-        /// However large it is, a rigid motion of both sides is no slip.
+        /// A rigid motion of both sides, of any size, has no slip.
         #[test]
         fn a_rigid_motion_has_no_slip((q_0, _) in steps(), angles in prop::array::uniform3(-1.0..1.0f64)) {
             let rotation = nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
@@ -425,7 +424,7 @@ mod tests {
             }
         }
 
-        /// Gradients and tangents along a random direction against differences, but where these meet a kink.
+        /// Gradients and tangents along a random direction against difference quotients, except at kinks.
         #[test]
         fn gradients_and_tangents_are_derivatives((q_0, q_1) in steps(), direction in prop::collection::vec(-1.0..1.0f64, UNKNOWNS)) {
             for kernel in kernels(&q_0).into_iter().chain(obstacles(&q_0, 0.3)) {
@@ -454,8 +453,8 @@ mod tests {
         }
     }
 
-    /// Closed form: what slides by a length has that slip, times what the row has opposite, whatever the direction; and the facets around a
-    /// node agree on its tangents, however they are numbered.
+    /// Closed form: the slip is the sliding distance times the covered measure for any direction, and the facets around a node agree on its
+    /// tangents for any numbering.
     #[test]
     fn sliding_by_a_length_is_that_slip() {
         let q_0: Vec<f64> = base().iter().map(|&x| if x == 0.02 { 0.0 } else { x }).collect();

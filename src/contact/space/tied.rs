@@ -1,14 +1,14 @@
-//! Ties of two surfaces in space: the mortar average of the whole gap vector is zero (see `tie.rs`).
+//! Facet pairs of ties in space: the mortar average of the gap vector vanishes (`tie.rs`).
 //!
 //! ```text
 //! Phi_A = int N_A (sum_B N_B x_B - sum_C M_C y_C) dA - sum_k alpha_Ak (y_k - y_0)          [length^3], a vector
 //! ```
 //!
-//! over the overlap of each pair of facets in the reference positions, seen along the secondary facet's normal. The second term is the part
-//! of the first that does not vanish there, where polyhedra stand for one curved surface or a gap is bridged: written by two edges of the
-//! primary facet and by the vector to a node within the primary body, `y_3`, of the cell behind the facet. Weights are numbers, so an
-//! affine map of all positions maps `Phi_A` linearly: it stays zero, forces have no resultant, and no moment while `Phi = 0`. Where the
-//! offset vanishes but for round-off, the node within the body takes no part.
+//! over the overlap of each facet pair in the reference positions, projected along the secondary facet's normal. The second term is the
+//! reference value of the first one (polyhedra on one curved surface, bridged gaps), expressed by two edges of the primary facet and the
+//! vector to a node `y_3` inside of the primary body, in the cell behind the facet. The coefficients are constant, so that an affine map of
+//! all positions maps `Phi_A` linearly: it stays zero, forces have zero resultant, and zero moment while `Phi = 0`. For offsets at
+//! round-off level the inner node takes no part.
 
 use nalgebra::Matrix3;
 
@@ -20,7 +20,7 @@ use crate::contact::tie::{Tie, TiedPair};
 use crate::math::tolerances::TIE_OFFSET;
 
 impl Tie {
-    /// Ties what lies within `reach` `[length]` of each other in the reference positions; `inner` names a node within the body behind each
+    /// Ties points within `reach` `[length]` of each other in the reference positions; `inner` is a node inside of the body behind each
     /// primary facet.
     pub fn in_space(secondary: Surface, primary: Surface, inner: &[u32], reference: &[f64], reach: f64) -> Self {
         let mut candidates = Candidates::new(0.0);
@@ -34,7 +34,7 @@ impl Tie {
     }
 }
 
-/// A pair of facets; nothing where they lie opposite nothing within reach.
+/// Data of a tied facet pair; `None` without overlap within reach.
 fn tied_pair([own, other]: [&[u32]; 2], rows: &[u32], inner: u32, q: &[f64], reach: f64) -> Option<TiedPair> {
     let mut nodes: Vec<u32> = own.iter().chain(other).copied().collect();
     let places: Vec<[f64; 3]> = nodes.iter().map(|&node| faces::at(node, q).into()).collect();
@@ -44,7 +44,7 @@ fn tied_pair([own, other]: [&[u32]; 2], rows: &[u32], inner: u32, q: &[f64], rea
     }
     let (weights, covered) = (pair.mortar_weights(), pair.covered());
     let mut shares: Vec<[f64; NODES + 1]> = Vec::new();
-    // Edges of the primary facet and the vector to the node within.
+    // Edges of the primary facet, and vector to the inner node.
     let (first, at) = (own.len(), |node: u32| faces::at(node, q));
     let ends = [other[1], other[other.len() - 1], inner];
     let frame = Matrix3::from_columns(&ends.map(|end| at(end) - at(other[0])));
@@ -84,7 +84,7 @@ mod tests {
         values.iter().fold(0.0, |largest, value| largest.max(value.abs()))
     }
 
-    /// A facet of four nodes `rise` above one of three and another of three that share a diagonal, and a node below them.
+    /// Facet of four nodes at a distance `rise` over two triangles with a common diagonal, and a node below them.
     fn facets(rise: f64) -> (Tie, Vec<f64>) {
         let mut q = vec![0.1, 0.0, rise, 0.2, 0.9, rise, 1.1, 1.0, 1.2 * rise, 1.0, 0.1, rise];
         q.extend([0.0, 0.0, 0.0, 1.2, 0.0, 0.0, 1.2, 1.2, 0.0, 0.0, 1.2, 0.0, 0.3, 0.4, -1.0]);
@@ -96,7 +96,7 @@ mod tests {
         (tie, q)
     }
 
-    /// Rows are linear combinations of positions that do not see an affine map; so forces have no resultant, and no moment at rest.
+    /// Constraints are linear in positions and invariant under affine maps; forces have zero resultant, and zero moment at rest.
     #[test]
     fn affine_motions_keep_the_constraints() {
         for rise in [0.0, 0.2] {
@@ -110,7 +110,7 @@ mod tests {
                 .flat_map(|x| <[f64; 3]>::from(turn * (stretch * Vector3::from_row_slice(x)) + Vector3::new(3.0, -2.0, 1.0)))
                 .collect();
             assert!(largest(&tie.gap(&moved)) < 1e-15);
-            // A body that moves alone opens the gap by its way times what is covered.
+            // A body that moves alone opens the gap by displacement times covered area.
             let alone: Vec<f64> = q.iter().enumerate().map(|(k, x)| if k < 12 && k % 3 == 1 { x + 0.1 } else { *x }).collect();
             let covered: f64 = tie.sides().weights.iter().step_by(3).sum();
             let opened: f64 = tie.gap(&alone).iter().skip(1).step_by(3).sum();
@@ -118,7 +118,7 @@ mod tests {
         }
     }
 
-    /// Linear: directional without correction, resultant and moment of unit multipliers zero.
+    /// Linear constraints are directional without correction; unit multipliers have zero resultant and moment.
     #[test]
     fn forces_are_balanced_and_directional() {
         let (tie, q) = facets(0.2);
@@ -137,7 +137,7 @@ mod tests {
         }
     }
 
-    /// What lies beyond the reach, or opposite nothing, is left out.
+    /// Pairs beyond the reach or without overlap are excluded.
     #[test]
     fn only_what_lies_opposite_within_reach_is_tied() {
         let (_, q) = facets(0.2);

@@ -1,17 +1,17 @@
-//! Vectors of any numbers, and what makes a second derivative of a gradient that is written for any numbers.
+//! Vectors and facet frames for any number type, and Hessians from gradients with numbers that carry derivatives.
 
 use std::ops::Mul;
 
 use crate::contact::numbers::{self, Number};
 use crate::math::simd::{Kernel, dispatch};
 
-/// A vector in space.
+/// Vector in space.
 pub type Vec3<T> = [T; 3];
 
-/// Unknowns with respect to which one pass differentiates: half of those of two facets, all plane coordinates of two triangles.
+/// Number of unknowns per differentiation pass: half of those of two facets, all plane coordinates of two triangles.
 pub const LANES: usize = 12;
 
-/// A number with its derivatives with respect to some unknowns.
+/// Number with its derivatives with respect to [`LANES`] unknowns.
 pub type Jet = numbers::Jet<LANES>;
 
 #[inline(always)]
@@ -40,23 +40,23 @@ pub fn cross<T: Copy, R: Number + Mul<T, Output = R>>(a: Vec3<R>, b: Vec3<T>) ->
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The diagonals of a facet of four nodes, two sides of one of three: their product is along its normal.
+/// Diagonals of a facet of four nodes, or two sides of a triangle; their cross product is along the normal.
 #[inline(always)]
 pub fn diagonals<T: Number>(nodes: &[Vec3<T>]) -> [Vec3<T>; 2] {
     if nodes.len() == 3 { [sub(nodes[1], nodes[0]), sub(nodes[2], nodes[0])] } else { [sub(nodes[2], nodes[0]), sub(nodes[3], nodes[1])] }
 }
 
-/// The axes of a facet: its first one along the first side and that opposite, its third one normal to its diagonals.
+/// Axes of a facet: the first along the mean of the first side and the opposite one, the third along the normal.
 pub struct Frame<T> {
     /// Unit vectors.
     pub axes: [Vec3<T>; 3],
-    /// Diagonals, or two sides of a triangle, and the length of their product.
+    /// Diagonals, or two sides of a triangle, and length of their cross product.
     pub diagonals: [Vec3<T>; 2],
     pub length: T,
 }
 
 impl<T: Number> Frame<T> {
-    /// That of a facet with these nodes; nothing where it has no area.
+    /// Frame of a facet with these nodes; `None` for a facet without area.
     #[inline(always)]
     pub fn new(x: &[Vec3<T>]) -> Option<Self> {
         let diagonals = diagonals(x);
@@ -74,26 +74,25 @@ impl<T: Number> Frame<T> {
     }
 }
 
-/// The unknowns `z`, three for each node, as numbers that carry the derivatives with respect to some of them, from `first` on.
+/// Unknowns `z`, three per node, as numbers with derivatives with respect to [`LANES`] of them, from `first` on.
 #[inline(always)]
 pub fn jets(z: &[f64], first: usize) -> Vec<Vec3<Jet>> {
     let jet = |k: usize| Jet::unknown(z[k], k.checked_sub(first));
     (0..z.len() / 3).map(|node| std::array::from_fn(|i| jet(3 * node + i))).collect()
 }
 
-/// A gradient of a function of `N` nodes that is written for numbers with derivatives. `at` must be `#[inline(always)]`, and so must all it
-/// calls.
+/// Gradient of a function of `N` nodes, for numbers with derivatives. `at` and all functions that it calls must be `#[inline(always)]`.
 pub trait Gradient<const N: usize> {
-    /// The gradient at positions of the nodes.
+    /// Gradient at the positions of the nodes.
     fn at(&self, x: &[Vec3<Jet>]) -> [Vec3<Jet>; N];
 }
 
-/// `share` times the derivatives of a gradient at the unknowns `z`, row by row over them, some columns at a time.
+/// Writes `share` times the derivatives of a gradient at the unknowns `z`, row-major, [`LANES`] columns at a time.
 pub fn hessian_into<const N: usize>(z: &[f64], share: f64, out: &mut [f64], gradient: &impl Gradient<N>) {
     dispatch(Hessian { z, share, out, gradient });
 }
 
-/// A Hessian, with the instructions that the processor has.
+/// Hessian, compiled for the instruction set of the processor.
 struct Hessian<'a, G, const N: usize> {
     z: &'a [f64],
     share: f64,
@@ -112,7 +111,7 @@ impl<G: Gradient<N>, const N: usize> Kernel for Hessian<'_, G, N> {
     }
 }
 
-/// `share` times the derivatives that a gradient carries as columns of its Hessian, from `first` on.
+/// Writes `share` times the derivatives that a gradient carries as columns of its Hessian, from `first` on.
 #[inline(always)]
 pub fn columns_into(gradient: &[Vec3<Jet>], first: usize, share: f64, out: &mut [f64]) {
     let unknowns = out.len().isqrt();

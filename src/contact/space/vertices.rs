@@ -1,11 +1,11 @@
-//! Corners of the polygons that two triangles have in common, and what is said of triangles in the plane.
+//! Corners of overlap polygons, and affine functions on triangles in the plane (`polygon.rs`, `closing.rs`).
 
 use std::ops::Mul;
 
 use super::vectors::sub;
 use crate::contact::numbers::Number;
 
-/// A corner of a polygon with the shape functions of both triangles there, and twice the area between it, the next and the first one.
+/// Corner of a polygon, shape functions of both triangles there, and twice the area of the triangle to the next and the first corner.
 #[derive(Clone, Copy)]
 pub struct Vertex<T> {
     pub p: [T; 2],
@@ -22,7 +22,7 @@ pub enum Border {
     Primary,
 }
 
-/// Values at the corners of both triangles, those of the secondary triangle first.
+/// Values at the corners of both triangles, secondary first.
 pub type OfBoth<T> = [[T; 3]; 2];
 
 /// Derivatives with respect to plane coordinates and heights of the corners.
@@ -39,13 +39,13 @@ impl<T: Copy> Vertex<T> {
     }
 }
 
-/// Sides of a triangle opposite to its corners: turned by a quarter, over twice the area, they are the gradients of its shape functions.
+/// Sides of a triangle opposite its corners; rotated by a right angle, over twice the area, they are the shape functions' gradients.
 #[inline(always)]
 pub fn sides<T: Number>([a, b, c]: &[[T; 2]; 3]) -> [[T; 2]; 3] {
     [sub(*c, *b), sub(*a, *c), sub(*b, *a)]
 }
 
-/// Gradients of the shape functions of a triangle, by twice its area.
+/// Gradients of the shape functions of a triangle; `area` is twice its area.
 #[inline(always)]
 pub fn shape_gradients<T: Number>(places: &[[T; 2]; 3], area: T) -> [[T; 2]; 3] {
     let inverse = area.recip();
@@ -56,14 +56,14 @@ pub fn shape_gradients<T: Number>(places: &[[T; 2]; 3], area: T) -> [[T; 2]; 3] 
     gradients
 }
 
-/// Gradient of an affine function on a triangle, by the gradients of the shape functions, from its values at the corners.
+/// Gradient of an affine function on a triangle, from the gradients of the shape functions and the values at the corners.
 #[inline(always)]
 pub fn slope_of<T: Number, W: Copy + Mul<T, Output = R>, R: Number>(gradients: &[[T; 2]; 3], at: &[W; 3]) -> [R; 2] {
     let along = |i: usize| at[0] * gradients[0][i] + at[1] * gradients[1][i] + at[2] * gradients[2][i];
     [along(0), along(1)]
 }
 
-/// Gradient of an affine function on a triangle, by its sides and one over twice its area, from its values at the corners.
+/// Gradient of an affine function on a triangle, from its sides, 1 over twice its area, and the values at the corners.
 #[inline(always)]
 pub fn slope<T: Number, W: Copy + Mul<T, Output = R>, R: Number + Mul<T, Output = R>>(
     sides: &[[T; 2]; 3],

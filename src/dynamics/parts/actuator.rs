@@ -1,7 +1,7 @@
-//! An actuator between two ends, such as a cylinder: it pushes them apart with a force that a time function gives.
+//! An actuator between two ends (hydraulic cylinder): a force element whose force, a time function, pushes the ends apart.
 //!
-//! `f = F(t) e` on its head and `-f` on its tail, `e` the direction of the line between them where forces act in the step: momenta are
-//! kept, but for an end on the ground, and its work is that of a load.
+//! `f = F(t) e` on the head and `-f` on the tail, with the direction `e` of the line between them where forces act in the step. Linear and
+//! angular momentum are conserved unless an end is on the ground. The work is that of a load.
 
 use super::line::{Line, LineDefinition, LineElement};
 use super::time_values::value_of;

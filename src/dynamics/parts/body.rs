@@ -57,7 +57,7 @@ impl<const D: usize> Part for Body<D> {
     }
 }
 
-/// A step as cells see it that have no mass.
+/// Step data for cells without mass.
 pub(super) fn step_of<'a>(at: &Iterate<'a>, history: &'a [f64]) -> Step<'a> {
     let Iterate { derivative, weight, u_0, u_1, dt, .. } = *at;
     Step { derivative, weight, inertia: 0.0, u_0, u_1, history, dt }

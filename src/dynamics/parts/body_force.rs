@@ -1,7 +1,7 @@
-//! A force per mass on a body that a field of position, velocity and time gives: `f = M b`, with the field at the nodes where forces act in
+//! Force per mass on a body as a function of position, velocity and time: `f = M b`, with the field `b` at the nodes where forces act in
 //! the step, and the body's consistent mass.
 //!
-//! The field needs no potential, so its work is that of a load. Its derivatives are computed by differences.
+//! The field needs no potential: its work is that of a load. Its derivatives are difference quotients.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -21,11 +21,11 @@ pub trait BodyField: Send + Sync {
     /// Force per mass at a position with a velocity at a time `[length/time^2]`.
     ///
     /// # Errors
-    /// Whatever a user's function fails with.
+    /// The user's function failed.
     fn value(&self, position: [f64; 3], velocity: [f64; 3], time: f64) -> Result<[f64; 3], TimeFunctionError>;
 }
 
-/// A field of accelerations in a model that is moved, turned or in other units: `x' = length R x + offset`.
+/// Field of accelerations in a transformed model (translated, rotated, other units): `x' = length R x + offset`.
 struct Moved {
     inner: Arc<dyn BodyField>,
     /// Images of the axes, the columns of `R`.

@@ -1,4 +1,4 @@
-//! The consistent mass of one body in the numbering of the model, for forces that are proportional to it.
+//! Consistent mass of one body in the numbering of the model, for forces proportional to mass.
 
 use crate::bodies::{BodyCells, ElementLoop, Elements, Space};
 use crate::dynamics::model::definitions::BodyDefinition;
@@ -34,7 +34,7 @@ impl BodyMass {
         BodyMass { nodes: numbering.reference.len() / numbering.dimension, cells, entries: Vec::new() }
     }
 
-    /// Finds its places; nodes of a cell are coupled by their body.
+    /// Finds the matrix blocks; nodes of a cell are coupled by their body.
     pub fn place(&mut self, pattern: &Pattern) {
         let mut mass = NodeMatrix::new(pattern, self.nodes);
         match &self.cells {
@@ -46,7 +46,7 @@ impl BodyMass {
         self.entries = entries.map(|(row, column, mass)| (row, column, mass, pattern.block(row, column))).collect();
     }
 
-    /// Tells `M x`, term by term: unknown and value.
+    /// Visits the components of `M x`, term by term: unknown and value.
     pub fn visit(&self, dimension: usize, x: &[f64], mut visit: impl FnMut(usize, f64)) {
         for &(row, column, mass, _) in &self.entries {
             for i in 0..dimension {
@@ -56,7 +56,7 @@ impl BodyMass {
     }
 }
 
-/// A body in other units, as far as its mass goes.
+/// Body in other units; only the data for the mass are converted.
 pub fn changed_mass(body: &BodyDefinition, change: &Change) -> BodyDefinition {
     let ([mass, length, _], mut changed) = (change.units, body.clone());
     let density = |dimension: &str| Some(if dimension == "mass/volume" { mass / length.powi(3) } else { 1.0 });

@@ -1,6 +1,6 @@
-//! A bushing between two rigid bodies, or a rigid body and the ground: stiffness and damping against all their relative motions.
+//! A bushing between two rigid bodies, or a rigid body and the ground: stiffness and damping for all relative displacements and rotations.
 //!
-//! With axes `a_i` of the second body and `b_i` of the first, alike at rest, and the vector `r` between the points that were one,
+//! With axes `a_i` of the second body and `b_i` of the first, equal at rest, and the vector `r` between the points that coincide at rest,
 //!
 //! ```text
 //! d_i = r.a_i,    c = cos phi,    sin phi n = sum e_i (a_k.b_j - a_j.b_k) / 2        (plane: b_1.a_1 and b_1.a_2)
@@ -8,10 +8,9 @@
 //! ```
 //!
 //! `(4 - cos phi) / 3 sin phi` is `phi (1 - phi^4 / 30 + ...)`. `d`, `c` and `sin phi n` are products of vectors, hence quadratic in
-//! positions and unchanged by rigid motions; their gradients in the middle of a step are discrete gradients, and so are those of `s` and
-//! `V` by the rule for products, `u_1 v_1 - u_0 v_0 = (u_0 + u_1)/2 (v_1 - v_0) + (v_0 + v_1)/2 (u_1 - u_0)`: the energy is exact, and so
-//! are the momenta between two bodies (O. Gonzalez, J. Nonlinear Science 6, 1996). Damping adds `C ds/dt` to `K s`; the heat is
-//! `dt s'.C s'`.
+//! positions and invariant under rigid motions. Their gradients at mid-step are discrete gradients, and so are those of `s` and `V` by the
+//! product rule `u_1 v_1 - u_0 v_0 = (u_0 + u_1)/2 (v_1 - v_0) + (v_0 + v_1)/2 (u_1 - u_0)`: energy is exact, and momenta between two
+//! bodies are conserved (O. Gonzalez, J. Nonlinear Science 6, 1996). Damping adds `C ds/dt` to `K s`; the heat is `dt s'.C s'`.
 
 use std::sync::Arc;
 
@@ -28,7 +27,7 @@ use crate::math::tolerances::EQUAL;
 const REMEDY: &str = "a stiffness and a damping are symmetric, without negative eigenvalues, and have a row for each motion: those along \
                       the axes, then turns about them";
 
-/// A bushing.
+/// Bushing between two bodies, or a body and the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BushingDefinition {
     /// Name, unique among the parts.
@@ -146,7 +145,7 @@ impl PartDefinition for BushingDefinition {
 struct Side {
     masters: Vec<u32>,
     origin: Vector3<f64>,
-    /// Shares of the edges from the first master to the others in a vector.
+    /// Inverse of the edges from the first master to the others, which gives the coefficients of a vector.
     inverse: Matrix3<f64>,
 }
 
@@ -257,10 +256,10 @@ impl Bushing {
             return Response { force, slope: None, power };
         }
         let hessian = |weights: &[f64]| DMatrix::from_row_slice(count, count, &evaluated(weights).tangent);
-        // Of the invariants about which shares and motions are taken.
+        // Derivatives of the invariants at which shares and motions are evaluated.
         let changes = DMatrix::from_row_slice(rows, count, &plain.gradient_end) * share;
         let last = rows - 1;
-        // Change of the shares, applied to a vector over the invariants, and to one over the motions.
+        // Derivatives of the shares, applied to a vector over the invariants, and to one over the motions.
         let bent = |vector: &DVector<f64>| {
             DMatrix::from_fn(last, count, |k, i| {
                 if k < self.dimension { 0.0 } else { -(changes[(last, i)] * vector[k] + changes[(k, i)] * vector[last]) / 3.0 }
@@ -360,7 +359,7 @@ mod tests {
         }
     }
 
-    /// Masters of two bodies at rest, then turned and moved, each by a step of that size.
+    /// Masters of two bodies at rest, then rotated and displaced, each by a step of the given size.
     fn positions(dimension: usize, size: f64) -> [Vec<f64>; 2] {
         let unit = |k: usize, i: usize| if k == i + 1 { 1.0 } else { 0.0 };
         let rest: Vec<f64> = (0..2 * (dimension + 1) * dimension).map(|k| unit(k / dimension % (dimension + 1), k % dimension)).collect();

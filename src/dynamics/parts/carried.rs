@@ -1,4 +1,4 @@
-//! A rigid body in the numbering of the model: its masters, and the nodes that follow them.
+//! A rigid body in the numbering of the model: its masters, and the nodes that are carried by them.
 
 use crate::bodies::Frame;
 use crate::math::norms::largest_extent;
@@ -7,11 +7,11 @@ use crate::math::norms::largest_extent;
 pub struct Carried {
     /// Frame of the masters, in which all points of the body are fixed.
     pub frame: Frame,
-    /// All of its nodes, in the numbering of the model: they move together.
+    /// All nodes of the body in the numbering of the model; they move together.
     pub nodes: Vec<u32>,
     /// Nodes other than masters, with the weights of the masters.
     pub carried: Vec<(u32, Vec<f64>)>,
-    /// Followers: carried nodes that are no unknowns, by their index in `carried`.
+    /// Followers: carried nodes that are not unknowns, by their index in `carried`.
     pub followers: Vec<usize>,
     /// Masters in the numbering of the model.
     pub masters: Vec<u32>,
@@ -20,7 +20,7 @@ pub struct Carried {
 }
 
 impl Carried {
-    /// A rigid body whose nodes begin at `first`, all but the masters being followers.
+    /// Rigid body whose nodes begin at `first`; all nodes but the masters are followers.
     pub fn new(points: &[[f64; 3]], frame: Frame, first: usize) -> Self {
         let masters: Vec<u32> = frame.masters.iter().map(|node| node + first as u32).collect();
         let others = (0..points.len() as u32).filter(|node| !frame.masters.contains(node));
@@ -35,7 +35,7 @@ impl Carried {
         }
     }
 
-    /// Nodes that are no unknowns.
+    /// Followers: nodes that are not unknowns.
     pub fn followers(&self) -> impl Iterator<Item = usize> {
         self.followers.iter().map(|&index| self.carried[index].0 as usize)
     }

@@ -1,8 +1,8 @@
-//! A chamber of gas that surfaces of bodies enclose: a pressure that follows the surface, with its potential.
+//! A gas chamber enclosed by surfaces of bodies: a follower pressure with a potential.
 //!
-//! The energy is a function of the enclosed volume, `U(V) = p_a (V - V_r) - int p dV` with the gas law `p (V/V_r)^n = p_r` and the pressure
-//! `p_a` outside. The volume is a polynomial of the positions with the gradient `g`, the forces of a unit pressure: of degree two in the
-//! plane (an area, per thickness), three in space and around an axis. Over a step with `d = q_1 - q_0`
+//! The energy is a function of the enclosed volume, `U(V) = p_a (V - V_r) - int p dV` with the gas law `p (V/V_r)^n = p_r` and the ambient
+//! pressure `p_a`. The volume is a polynomial of the positions, of degree two in the plane (area per thickness) and three in space and
+//! around an axis; its gradient `g` are the forces of a unit pressure. Over a step with `d = q_1 - q_0`
 //!
 //! ```text
 //! V_1 - V_0 = Gbar.d     Gbar = g(q_mid)                        in the plane
@@ -11,9 +11,9 @@
 //! force = P Gbar         P = -(U(V_1) - U(V_0)) / (V_1 - V_0)
 //! ```
 //!
-//! with `V(d)` and `g(d)` those of the increment taken for a surface. `P` comes from `ln_1p` and `exp_m1`, in which nothing cancels. The
-//! forces do exactly the work by which `U` changes, and those of a closed surface keep both momenta. The volume couples all nodes of the
-//! surface, so they have a full block in the matrix.
+//! with `V(d)` and `g(d)` for the increment in place of positions. `P` is computed with `ln_1p` and `exp_m1`, without cancellation. The
+//! work of the forces equals the change of `U`, and forces of a closed surface conserve linear and angular momentum. The volume couples all
+//! nodes of the surface: they have a full block in the matrix.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,16 +27,16 @@ use crate::integrators::{Configuration, Derivative};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances::{PROJECTED_INCREMENT, VOLUME_CHANGE};
 
-/// A gas: `p (V/V_r)^n = p_r`.
+/// Polytropic gas: `p (V/V_r)^n = p_r`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gas {
     /// Pressure `p_r` at the volume `V_r` `[stress]`.
     pub pressure: f64,
-    /// The volume `V_r` `[volume]` (in the plane an area).
+    /// Volume `V_r` `[volume]` (area in the plane).
     pub volume: f64,
-    /// The exponent `n`: 1 at constant temperature, the ratio of the heat capacities without exchange of heat.
+    /// Exponent `n`: 1 at constant temperature, the ratio of the heat capacities for adiabatic changes.
     pub exponent: f64,
-    /// Pressure outside `[stress]`.
+    /// Ambient pressure `[stress]`.
     pub ambient: f64,
 }
 
@@ -53,8 +53,7 @@ impl Gas {
         self.ambient * change - self.pressure * self.volume * expanded
     }
 
-    /// Mean pressure beyond that outside on the way from a volume to one that is larger by `change`, and its derivative with respect to the
-    /// latter.
+    /// Mean pressure above the ambient one between a volume and one larger by `change`, and its derivative with respect to the latter.
     fn mean(&self, volume: f64, change: f64) -> (f64, f64) {
         let (x, a) = (change / volume, 1.0 - self.exponent);
         let at_start = self.pressure_at(volume);
@@ -69,7 +68,7 @@ impl Gas {
         let slope = if x.abs() > VOLUME_CHANGE {
             (self.pressure_at(volume + change) - mean) / change
         } else {
-            // int s p'(V + s dV) ds over the way: the mean of s is at two thirds.
+            // int s p'(V + s dV) ds: the mean of s is at two thirds.
             0.5 * self.slope_at(volume + 2.0 / 3.0 * change)
         };
         (mean - self.ambient, slope)
@@ -85,7 +84,7 @@ impl Gas {
 pub struct ChamberDefinition {
     /// Name, unique among the parts.
     pub name: String,
-    /// Facets of bodies around it: body, and nodes of its mesh.
+    /// Facets around the chamber: body, and nodes of its mesh.
     pub facets: Vec<(usize, Vec<u32>)>,
     /// Space dimension of the bodies.
     pub dimension: usize,
@@ -93,12 +92,12 @@ pub struct ChamberDefinition {
     pub is_round: bool,
     /// Gas law; a volume of 0 stands for the volume in the undeformed bodies.
     pub gas: Gas,
-    /// Where the surface is open: a point in the planes (in the plane: lines) of all rims, which must stay in them.
+    /// For open surfaces: a point in the planes (in the plane: lines) of all rims, which must stay in them; `None` for closed ones.
     pub rim_point: Option<[f64; 3]>,
 }
 
 impl ChamberDefinition {
-    /// Corners of a facet with so many nodes.
+    /// Number of corners of a facet with `count` nodes.
     fn corners(&self, count: usize) -> usize {
         match (self.dimension, count) {
             (2, _) => 2,
@@ -107,7 +106,7 @@ impl ChamberDefinition {
         }
     }
 
-    /// A node of a rim, at which the surface is open.
+    /// Node of a rim, at which the surface is open; `None` for closed surfaces.
     fn open_at(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Option<[f64; 3]> {
         let mut balance: HashMap<(usize, u32, u32), i32> = HashMap::new();
         let mut order = Vec::new();
@@ -115,7 +114,7 @@ impl ChamberDefinition {
             let corners = self.corners(nodes.len());
             for k in 0..corners {
                 let (a, b) = (nodes[k], nodes[(k + 1) % corners]);
-                // Of an edge in the plane the ends count, of a face its edges.
+                // Ends of edges in the plane, edges of faces in space.
                 let (key, sign) = match self.dimension {
                     2 => ((*body, a, a), if k == 0 { 1 } else { -1 }),
                     _ => ((*body, a.min(b), a.max(b)), if a < b { 1 } else { -1 }),
@@ -220,7 +219,7 @@ struct Chamber {
     is_round: bool,
     /// Nodes of the surface.
     nodes: Vec<u32>,
-    /// Facets by places in that list.
+    /// Facets as indices into `nodes`.
     facets: Vec<Vec<usize>>,
     gas: Gas,
     rim_point: Option<[f64; 3]>,
@@ -231,10 +230,10 @@ struct Chamber {
     places: Vec<Block>,
 }
 
-/// A share of the derivative of a gradient: nodes' places in the list, components, value.
+/// Visitor of the entries of a gradient's derivative: indices of both nodes, components, value.
 type Visit<'a> = &'a mut dyn FnMut([usize; 2], [usize; 2], f64);
 
-/// The discrete gradient of the volume over a step.
+/// Discrete gradient of the volume over a step.
 struct VolumeStep {
     gradient: Vec<f64>,
     change: f64,
@@ -243,7 +242,7 @@ struct VolumeStep {
 }
 
 impl Chamber {
-    /// Positions of its nodes.
+    /// Positions of the chamber's nodes, collected from all positions.
     fn own(&self, q: &[f64]) -> Vec<f64> {
         let d = self.dimension;
         self.nodes.iter().flat_map(|&node| q[node as usize * d..(node as usize + 1) * d].iter().copied()).collect()
@@ -253,7 +252,7 @@ impl Chamber {
         facet.iter().map(|&node| std::array::from_fn(|i| x[node * D + i])).collect()
     }
 
-    /// Forces of a unit pressure on its surface at positions of its nodes: the gradient of the volume.
+    /// Gradient of the volume: forces of a unit pressure on the surface, for these positions of its nodes.
     fn gradient(&self, x: &[f64]) -> Vec<f64> {
         let (d, mut sum) = (self.dimension, vec![0.0; x.len()]);
         for facet in &self.facets {
@@ -277,7 +276,7 @@ impl Chamber {
         sum
     }
 
-    /// Tells the derivative of the gradient.
+    /// Visits the entries of the derivative of the volume gradient.
     fn slopes(&self, x: &[f64], visit: Visit) {
         for facet in &self.facets {
             let pairs = || (0..facet.len()).flat_map(|a| (0..facet.len()).map(move |b| (a, b)));
@@ -320,13 +319,13 @@ impl Chamber {
         if self.dimension == 2 && !self.is_round { linear } else { linear + along(&self.gradient(&moved)) / 12.0 }
     }
 
-    /// Enclosed volume by the theorem of Gauss.
+    /// Enclosed volume by Gauss's theorem.
     fn polynomial(&self, x: &[f64]) -> f64 {
         let (d, g) = (self.dimension, self.gradient(x));
         if self.is_round {
             return 0.5 * x.iter().zip(&g).step_by(2).map(|(r, g)| r * g).sum::<f64>();
         }
-        // Of a closed surface any point serves; one in the middle loses no digits.
+        // For a closed surface any point serves; one in the middle loses no digits.
         let mut middle = [0.0; 3];
         match self.rim_point {
             Some(point) => middle = point,
@@ -335,7 +334,7 @@ impl Chamber {
         x.iter().zip(&g).enumerate().map(|(k, (x, g))| (x - middle[k % d]) * g).sum::<f64>() / d as f64
     }
 
-    /// The discrete gradient between two configurations of its nodes.
+    /// Discrete gradient of the volume between two configurations of the chamber's nodes.
     fn step(&self, x_0: &[f64], x_1: &[f64]) -> VolumeStep {
         let middle: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| 0.5 * (a + b)).collect();
         let moved: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| b - a).collect();
@@ -356,7 +355,7 @@ impl Chamber {
         VolumeStep { gradient, change, projected }
     }
 
-    /// Adds `-P dGbar/dq_1` of a step.
+    /// Adds the derivative `-P dGbar/dq_1` of the forces of a step at a fixed pressure `P`.
     fn slopes_of_step(&self, x_0: &[f64], x_1: &[f64], step: &VolumeStep, pressure: f64, add: Visit) {
         let middle: Vec<f64> = x_0.iter().zip(x_1).map(|(a, b)| 0.5 * (a + b)).collect();
         self.slopes(&middle, &mut |nodes, components, slope| add(nodes, components, -0.5 * pressure * slope));
@@ -370,14 +369,14 @@ impl Chamber {
             }
             return;
         };
-        // Of p itself only that it moves with its node: what its mean and rotation take from it is of higher order in the step.
+        // Derivative of p with respect to its own node only; contributions of mean and rotation are of higher order in the step.
         let of_moved = self.gradient(&moved);
         let de: Vec<f64> = of_moved.iter().zip(p).map(|(g, p)| inverse * (0.25 * g - 2.0 * e * p)).collect();
         self.add_product(p, &de, -pressure, add);
         (0..self.nodes.len()).for_each(|node| (0..3).for_each(|i| add([node, node], [i, i], -pressure * e)));
     }
 
-    /// Adds `factor a (x) b`.
+    /// Adds the product `factor a (x) b` of nodal vectors.
     fn add_product(&self, a: &[f64], b: &[f64], factor: f64, add: Visit) {
         let (d, count) = (self.dimension, self.nodes.len());
         for (row, column) in (0..count).flat_map(|row| (0..count).map(move |column| (row, column))) {
@@ -388,8 +387,7 @@ impl Chamber {
     }
 }
 
-/// Increments of nodes without the rigid motion of the nodes that is nearest to them, and the sum of the nodes' squared distances from
-/// their mean.
+/// Increments of nodes without the rigid motion that fits them best, and sum of the squared distances of the nodes from their mean.
 fn without_rigid_motion(x: &[f64], moved: &[f64]) -> (Vec<f64>, f64) {
     let share = 3.0 / x.len() as f64;
     let vector = |x: &[f64]| Vector3::new(x[0], x[1], x[2]);
@@ -476,11 +474,11 @@ mod tests {
     use crate::linear::Vertex;
     use crate::math::workers::Workers;
 
-    /// Dimension, whether it is round, facets, positions.
+    /// Dimension, `is_round`, facets, positions.
     type Case = (usize, bool, Vec<Vec<u32>>, Vec<f64>);
 
-    /// Chambers: a square and one of edges of second order in the plane, a cone around an axis, a tetrahedron in space; facets look away
-    /// from the gas's side, as those of the bodies around it.
+    /// Chambers: a square and one with edges of second order in the plane, a cone around an axis, a tetrahedron in space. The normals of
+    /// the facets point into the gas, as those of the surrounding bodies.
     fn chambers() -> Vec<Case> {
         vec![
             (2, false, vec![vec![1, 0], vec![2, 1], vec![3, 2], vec![0, 3]], vec![0.0, 0.0, 1.0, 0.1, 1.2, 1.0, 0.0, 0.9]),
@@ -549,7 +547,7 @@ mod tests {
                         for row in 0..q_0.len() {
                             let entry = values[pattern.block((row / d) as u32, (column / d) as u32).at(row % d, column % d)];
                             let difference = (up[row] - down[row]) / 2e-6;
-                            // In space the rotation of the increment is left out.
+                            // In space the derivative of the increment's rotation is omitted.
                             let tolerance = if is_exact && d == 3 { 2.0 * size * size + 1e-6 } else { 1e-7 };
                             assert!((difference - entry).abs() < tolerance, "{d} {is_round} {derivative:?} {size} {difference} {entry}");
                         }

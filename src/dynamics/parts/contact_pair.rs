@@ -48,23 +48,23 @@ impl PairKind {
     }
 }
 
-/// Nodes on which the constraint forces of a coupling act, constraint by constraint: those of the plane or of the second boundary.
+/// Nodes on which the constraint forces of a coupling act, one per constraint: those of the plane, or of the second boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledNodes {
     /// Index of the coupling in the model.
     pub coupling: usize,
-    /// Direction of the forces, of length 1.
+    /// Unit direction of the forces.
     pub along: [f64; 3],
-    /// The nodes.
+    /// Nodes, in the order of the constraints.
     pub nodes: Vec<u32>,
 }
 
-/// Additional constraints of sharp corners between the nodes of an earlier contact pair, which its weighted gaps do not resolve.
+/// Reference from corner constraints to the contact pair whose weighted gaps do not resolve the corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CornersOf {
     /// Index of the contact pair.
     pub pair: usize,
-    /// Overlap that is admitted `[length]`: where surfaces lie flat on each other, corner constraints would depend on those of the pair.
+    /// Admitted overlap `[length]`: on surfaces that lie flat on each other, corner constraints depend linearly on those of the pair.
     pub slack: f64,
 }
 
@@ -152,7 +152,7 @@ pub struct PatchRow<'a> {
 }
 
 impl PatchRow<'_> {
-    /// The unknowns of its nodes in `D` dimensions, each with the entry of its gradient.
+    /// Unknowns of the nodes in `D` dimensions, each with the index of its gradient entry.
     pub fn unknowns<const D: usize>(&self) -> impl Iterator<Item = (usize, usize)> {
         let components = self.nodes.iter().flat_map(|&node| (0..D).map(move |i| node as usize * D + i));
         components.zip(self.gradient.clone())
@@ -160,8 +160,8 @@ impl PatchRow<'_> {
 }
 
 impl ContactPair {
-    /// Makes a pair of the contact `name` with multipliers under the `gap` rule; `modulus` is that of the secondary body and `reach` the
-    /// largest coordinate of the model.
+    /// Contact pair `name` with multipliers under the `gap` rule; `modulus` is that of the secondary body, `reach` the largest coordinate
+    /// of the model.
     pub fn new(name: &str, kind: PairKind, kernel: Box<dyn ContactKernel>, modulus: f64, reach: f64) -> Self {
         let (size, dimension) = (kernel.facet_size(), kernel.patches().dimension() as i32);
         let gap_tolerance = (tolerances::GAP * size.powi(dimension)).max(tolerances::GAP_FLOOR * reach * size.powi(dimension - 1));
@@ -203,11 +203,11 @@ impl ContactPair {
     }
 
     /// Replaces the multipliers by penalty potentials: the pressure at a node is `factor * youngs_modulus / h` times its penetration,
-    /// independent of the node's length of the surface and its circumference. `q`: positions at rest; `has_middles`: whether the edges of
-    /// the surface are of second order, whose ends on the axis have no weight.
+    /// independent of the node's tributary length and circumference. `q` are the reference positions; `has_middles`: edges are of second
+    /// order, whose ends on the axis have no weight.
     pub fn penalize(&mut self, factor: f64, q: &[f64], has_middles: bool) {
         let of_depth = factor * self.c * self.kernel.facet_size().powi(self.kernel.patches().dimension() as i32 - 1);
-        // Half a facet that ends on the axis stands for what a third of the facet away from it does.
+        // A half facet that ends on the axis has the stiffness of a third of a facet away from it.
         let on_axis = if self.is_axisymmetric && !has_middles { std::f64::consts::TAU * 2.0 / 3.0 } else { 0.0 };
         let around = |row: usize| self.node_of(row).map_or(1.0, |node| self.circumference(node, q));
         let rows = self.rows.clone().zip(self.kernel.weights());
@@ -248,10 +248,10 @@ impl ContactPair {
         self.update.holds == Holds::AsItIs && self.is_unilateral()
     }
 
-    /// Puts a rigid obstacle or a drive where it is in a step of that size from `time`.
+    /// Sets the positions of a rigid obstacle, or the coordinate of a drive, for a step of size `dt` from `time`.
     ///
     /// # Errors
-    /// A time function of its motion failed.
+    /// A time function of the motion failed, or the prescribed angle of the step is too large.
     pub fn move_obstacle(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
         if let Some((coordinate, function)) = &self.drive {
             let [start, end] = [value_of(&self.name, function, time)?, value_of(&self.name, function, time + dt)?];
@@ -275,7 +275,7 @@ impl ContactPair {
     /// Moves the points of a rigid obstacle to which nodes stick, by the obstacle's motion between two times.
     ///
     /// # Errors
-    /// A time function of its motion failed.
+    /// A time function of the motion failed.
     pub fn carry(&mut self, from: f64, to: f64) -> Result<(), StepError> {
         if self.kind != PairKind::Obstacle || self.friction.is_none() {
             return Ok(());
@@ -340,7 +340,7 @@ impl ContactPair {
             visit(&clique);
         }
         if let Some(friction) = &self.friction {
-            // What no patch holds has a row of its own, too.
+            // Constraints outside of all contact elements have matrix rows, too.
             for (local, row) in self.rows.clone().enumerate() {
                 clique.clear();
                 clique.extend(std::iter::once(row).chain(friction.group(local)).map(|row| (nodes + row) as u32));
@@ -349,7 +349,7 @@ impl ContactPair {
         }
     }
 
-    /// Finds its places in a new pattern.
+    /// Finds the blocks of the pair in a new matrix pattern.
     pub fn place(&mut self, pattern: &Pattern, nodes: usize) {
         let mut places = Places::default();
         let patches = self.kernel.patches();
@@ -412,17 +412,17 @@ impl<'a> RowBlock<'a> {
         self.rows.start != self.pair.rows.start
     }
 
-    /// Share of its multipliers in the balance of momentum.
+    /// Weight of the block's multipliers in the balance of momentum.
     pub fn share(&self, shares: ForceShares) -> f64 {
         if self.pair.acts_alone() { shares.alone } else { shares.lagging }
     }
 
-    /// Work of its multipliers on its slips `[energy]`.
+    /// Work of the multipliers on the slips `[energy]`.
     pub fn work(&self, lambda: &[f64]) -> f64 {
         lambda[self.rows.clone()].iter().zip(&self.evaluation.gap).map(|(tau, slip)| tau * slip).sum()
     }
 
-    /// Constraints of the block, contact element by contact element, where these contribute.
+    /// Constraints of the contact elements of the block that contribute, element by element.
     pub fn live_rows(&self) -> impl Iterator<Item = PatchRow<'a>> {
         live_rows(self.rows.start, self.patches, self.evaluation)
     }
@@ -450,7 +450,7 @@ impl<'a> RowBlock<'a> {
         }
     }
 
-    /// Clears the rows and columns of its constraints.
+    /// Clears the matrix rows and columns of the block's constraints.
     pub fn clear_constraints<const D: usize>(&self, values: &mut [f64]) {
         let [rows, columns] = self.places;
         for (row, column) in rows.iter().zip(columns) {
@@ -480,7 +480,7 @@ impl<'a> RowBlock<'a> {
                             values[column_place.at(i, 0)] -= weight * columns[entry];
                         }
                         if beside[0] != 0.0 {
-                            // The rows of a group follow each other.
+                            // Constraints of a group are consecutive.
                             let other = first + (m ^ 1) * count + u * D;
                             (0..D).for_each(|i| values[row_place.at(0, i)] += beside[0] * evaluation.gradient_end[other + i]);
                         }

@@ -1,8 +1,8 @@
 //! Linear equations between nodes of boundaries in the numbering of the model: planes of symmetry, periodic pairs.
 //!
-//! Each is `sum_k d_k . x_k = c + s(t)` with constant directions `d_k`. What is linear is its own discrete gradient: energy stays exact.
-//! Forces of a plane come from outside; those of a periodic pair have no resultant (but where it turns) and a moment, which neighbouring
-//! cells exert.
+//! Each equation is `sum_k d_k . x_k = c + s(t)` with constant directions `d_k`. Linear functions are their own discrete gradients: energy
+//! is exact. Forces of a plane are external. Forces of a periodic pair have zero resultant (unless it includes a rotation) and a moment,
+//! which neighboring cells exert.
 
 use std::sync::Arc;
 
@@ -20,14 +20,14 @@ use crate::dynamics::model::joints::Coordinate;
 use crate::math::norms::{largest_size, length};
 use crate::math::tolerances;
 
-/// Nodes with the directions along which an equation sums them.
+/// Nodes, each with the direction by which its position enters an equation.
 type Terms = Vec<(u32, [f64; 3])>;
 
-/// Equations of a coupling in one direction; they differ in their nodes alone.
+/// Equations of a coupling in one direction; they differ in their nodes only.
 struct Direction {
-    /// The direction of the force that the equations exert on the nodes of the plane, or of the second boundary.
+    /// Direction of the force that the equations exert on the nodes of the plane, or of the second boundary.
     along: [f64; 3],
-    /// One equation for each node, of which that node is the first.
+    /// One equation per node, which is its first term.
     equations: Vec<Terms>,
     /// Value added to the right side of all equations over time.
     offset: Option<Amplitude>,
@@ -45,7 +45,7 @@ fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coup
             vec![Direction { along, equations, offset: None }]
         }
         CouplingKind::Periodic { from, to, turn, offset, follows } => {
-            // Checked when the model was.
+            // Checked with the model.
             let pairs = model.opposite_nodes(from, to, turn.as_ref()).unwrap_or_default();
             let unit = |i: usize| -> [f64; 3] { std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 }) };
             let rotation = turn.map_or(Rotation3::identity(), |turn| turn.rotation());
@@ -65,13 +65,13 @@ fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coup
     }
 }
 
-/// The center of mass of a rigid body as shares of its masters.
+/// Center of mass of a rigid body as coefficients of its masters.
 fn center_of<const D: usize>(body: &Body<D>, inertia: Option<&Inertia>) -> Vec<(u32, f64)> {
     let (Some(rigid), Some(inertia)) = (&body.rigid, inertia) else { return Vec::new() };
     rigid.masters.iter().copied().zip(rigid.frame.shares(inertia.center)).collect()
 }
 
-/// Pairs of all couplings, one for each direction, in the order of the model; equations hold at the positions at the `start`.
+/// Pairs of all couplings in the order of the model, one per direction; the equations hold at the positions `start`.
 pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: &[f64]) -> Vec<ContactPair> {
     let (reach, size) = (largest_size(start), model.extent());
     let mut pairs = Vec::new();
@@ -93,7 +93,7 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
     pairs
 }
 
-/// Equations that hold at the start and, if driven, move by a value over time.
+/// Constraints that hold at the start; if driven, their right side follows a prescribed value.
 fn constraints(equations: Vec<Terms>, is_driven: bool, start: &[f64], size: f64, dimension: usize) -> PointConstraints {
     let mut kernel = PointConstraints::new(dimension, size);
     for terms in equations {

@@ -1,9 +1,9 @@
 //! A damper between two ends: nodes, means of boundaries, points of the ground.
 //!
-//! It pulls against the speed `s = e.w` at which its ends part, `e` along the line between them and `w` their relative velocity, both where
-//! forces act in the step, with `F(s) e`. Both ends feel opposite forces along their line, so momenta are kept, but for an end on the
-//! ground; the heat is `dt F(s) s`, never negative, and exactly the work of the forces where velocities are the change of positions over
-//! the step. With `k` the share of the step and `c` the derivative of velocities with respect to positions,
+//! The force `F(s) e` opposes the relative speed `s = e.w` of the ends, with the direction `e` of the line between them and their relative
+//! velocity `w`, both where forces act in the step. The forces on both ends are opposite and along their line: momenta are conserved unless
+//! an end is on the ground. The heat is `dt F(s) s`, never negative, and equals the work of the forces if velocities are the change of
+//! positions over the step. With the share `k` of the step and the derivative `c` of velocities with respect to positions,
 //!
 //! ```text
 //! df/dr_1 = (F' e (x) (c e + k (w - s e)/|r|)) + F k (I - e (x) e)/|r|
@@ -15,10 +15,10 @@ use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembe
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
-/// A damper between two ends.
+/// Damper between two ends.
 pub type DamperDefinition = LineDefinition<DamperElement>;
 
-/// Force law of a damper: force by speed (per thickness in the plane).
+/// Force law of a damper: force as a function of speed (per thickness in the plane).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DamperElement(pub Viscous);
 

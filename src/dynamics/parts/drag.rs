@@ -1,8 +1,8 @@
-//! Drag: forces of what is at rest around the bodies against the velocities of their nodes.
+//! Drag: forces of a medium at rest around the bodies, opposite to the velocities of their nodes.
 //!
-//! On a boundary it is `-F(|v|) v/|v|` per undeformed area, at each node by its share. On a body it is `-alpha M v` with its consistent
-//! mass, the damping of Rayleigh that is proportional to mass: every mode of the body loses `alpha/2` of its amplitude per time, whatever
-//! its frequency, and so do motions of the body as a whole, so neither keeps momenta. The heat is `dt v.f`, never negative.
+//! On a boundary the force is `-F(|v|) v/|v|` per undeformed area, distributed to the nodes by their shares. On a body it is `-alpha M v`
+//! with its consistent mass (mass-proportional Rayleigh damping): the amplitude of every mode decays with the rate `alpha/2` for any
+//! frequency, and so do rigid motions; neither conserves momenta. The heat is `dt v.f`, never negative.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::linear::{Block, Pattern};
 pub enum Dragged {
     /// Nodes of a body with their shares of the area of a boundary `[area]`, and force per area by speed `[stress]`.
     Nodes(usize, Vec<(u32, f64)>, Viscous),
-    /// The mass of a body, with the rate `alpha` `[1/time]`.
+    /// Mass of a body, with the rate `alpha` `[1/time]`.
     Mass(usize, Box<BodyDefinition>, f64),
 }
 
@@ -91,7 +91,7 @@ struct NodeDrag {
 }
 
 impl NodeDrag {
-    /// Velocity of a node and its size.
+    /// Velocity of a node and its magnitude.
     fn velocity(&self, node: u32, v: &[f64]) -> ([f64; 3], f64) {
         let mut velocity = [0.0; 3];
         (0..self.dimension).for_each(|i| velocity[i] = v[node as usize * self.dimension + i]);
@@ -112,7 +112,7 @@ impl Part for NodeDrag {
         for (&(node, share), block) in self.nodes.iter().zip(&self.places) {
             let (v, speed) = self.velocity(node, at.velocity);
             let (force, slope) = self.law.force(speed);
-            // F/|v|, which is F' at rest.
+            // Secant F/|v|, which is F' at rest.
             let secant = if speed > 0.0 { force / speed } else { slope };
             let along = if speed > 0.0 { (slope - secant) / (speed * speed) } else { 0.0 };
             let weighted = at.weight * share;

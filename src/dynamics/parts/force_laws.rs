@@ -1,8 +1,8 @@
 //! Force laws of one variable: springs by elongation, dampers by speed.
 //!
 //! Over a step a spring exerts the mean force `F = (V(x_1) - V(x_0)) / (x_1 - x_0)`, whose work equals the change of the potential. For a
-//! linear law and a table it is an integral without cancellation; for a text it is the quotient, or, where both agree within the quotient's
-//! round-off, Gauss's integral of the slope, which has no cancellation.
+//! linear law and a table it is an integral without cancellation. For a text it is the quotient, or Gauss quadrature of the slope, without
+//! cancellation, where both agree within the quotient's round-off.
 
 use std::sync::Arc;
 
@@ -23,18 +23,18 @@ pub enum Elastic {
     Linear(f64),
     /// Table of increasing elongations and forces, at least two points: linear between the points, extrapolated beyond them.
     Table(Arc<Vec<(f64, f64)>>),
-    /// The stored energy as text, and the factors of its variable and its value in the units of the model.
+    /// Stored energy as text, and the factors of variable and value in the units of the model.
     Energy(Arc<ScalarText>, [f64; 2]),
 }
 
 /// Elongations at which a spring acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sides {
-    /// All.
+    /// All elongations.
     Both,
-    /// Positive ones: a cable, a belt.
+    /// Positive elongations: a cable, a belt.
     Tension,
-    /// Negative ones: a stop.
+    /// Negative elongations: a stop.
     Compression,
 }
 
@@ -61,7 +61,7 @@ impl SpringLaw {
         }
     }
 
-    /// In units of which these are the factors of length, force and stiffness.
+    /// Law in other units, with the conversion factors of length, force and stiffness.
     pub fn changed(&self, [length, force, stiffness]: [f64; 3]) -> Self {
         let elastic = match &self.elastic {
             Elastic::Linear(k) => Elastic::Linear(k * stiffness),
@@ -81,7 +81,7 @@ impl SpringLaw {
         if is_felt { (x, 1.0) } else { (0.0, 0.0) }
     }
 
-    /// Stored energy at an elongation, 0 at none `[energy]`.
+    /// Stored energy at an elongation `[energy]`; 0 at zero elongation.
     pub fn energy(&self, x: f64) -> f64 {
         let x = self.felt(x).0;
         match &self.elastic {
@@ -107,7 +107,7 @@ impl SpringLaw {
         }
     }
 
-    /// Mean force between two elongations, and its derivative with respect to the second.
+    /// Mean force between two elongations, and its derivative with respect to the second one.
     pub fn mean(&self, x_0: f64, x_1: f64) -> (f64, f64) {
         let ((c_0, in_0), (c_1, in_1)) = (self.felt(x_0), self.felt(x_1));
         if in_0 == 0.0 && in_1 == 0.0 {
@@ -117,7 +117,7 @@ impl SpringLaw {
         if in_0 == in_1 {
             return (force, slope);
         }
-        // The spring acts at one of both elongations: the other end of the path is at zero force.
+        // The spring acts at one of both elongations only; the force vanishes at the other end of the path.
         let change = x_1 - x_0;
         let mean = force * (c_1 - c_0) / change;
         (mean, (self.force(x_1).0 - mean) / change)
@@ -175,7 +175,7 @@ fn jet(text: &ScalarText, [of_x, of_value]: &[f64; 2], x: f64) -> Jet {
     Jet { value: of_value * value, slope: slope_factor * slope, curvature: slope_factor / of_x * curvature }
 }
 
-/// Number of the segment of a table in which `x` is, the first and the last without end.
+/// Index of the table segment that contains `x`; the first and the last one are unbounded.
 fn segment(points: &[(f64, f64)], x: f64) -> usize {
     points[1..points.len() - 1].partition_point(|point| point.0 <= x)
 }
@@ -211,22 +211,22 @@ pub enum Viscous {
     Linear(f64),
     /// `F = c v (v^2 + s^2)^((p - 1)/2)`, which is `c |v|^p` for speeds above `s`.
     Power {
-        /// `c` `[force (time/length)^p]`.
+        /// Coefficient `c` `[force (time/length)^p]`.
         coefficient: f64,
-        /// `p`.
+        /// Exponent `p`.
         exponent: f64,
-        /// `s` `[length/time]`.
+        /// Smoothing speed `s` `[length/time]`.
         smoothing: f64,
     },
     /// The force as text, and the factors of speed and force in the units of the model.
     Force(Arc<ScalarText>, [f64; 2]),
 }
 
-/// Decades of speeds at which a text is tried.
+/// Decades of speed at which a text is sampled.
 const DECADES: std::ops::RangeInclusive<i32> = -6..=6;
 
 impl Viscous {
-    /// In units of which these are the factors of speed and force.
+    /// Law in other units, with the conversion factors of speed and force.
     pub fn changed(&self, [speed, force]: [f64; 2]) -> Self {
         match self {
             Viscous::Linear(c) => Viscous::Linear(c * force / speed),
@@ -258,7 +258,7 @@ impl Viscous {
         }
     }
 
-    /// A speed at which it drives instead of damping, or has no value: tried over many decades in both directions.
+    /// Speed at which the law drives instead of damping, or has no value, among samples over many decades in both directions.
     pub fn drives_at(&self) -> Option<f64> {
         let speeds = DECADES.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(decade)));
         let is_wrong = |v: &f64| {
@@ -302,7 +302,7 @@ mod tests {
                 assert!((mean * (x_1 - x_0) - work).abs() < 4e-15, "{law:?} {x_0} {x_1}: {}", mean * (x_1 - x_0) - work);
                 let h = 1e-6;
                 let difference = (law.mean(x_0, x_1 + h).0 - law.mean(x_0, x_1 - h).0) / (2.0 * h);
-                // Near equal elongations the difference itself is round-off.
+                // Near equal elongations the difference quotient is round-off.
                 assert!((difference - slope).abs() < 1e-5, "{law:?} {x_0} {x_1}: {difference} {slope}");
             }
             let moved = law.changed([10.0, 5.0, 0.5]);

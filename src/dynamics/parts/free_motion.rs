@@ -1,7 +1,7 @@
-//! The free coordinate of a joint: its value, its prescription by a drive, its limitation by stops.
+//! Free coordinate of a joint (angle, displacement or distance): its value, its prescription by a drive, its limits by stops.
 //!
-//! An angle `phi` between directions `b` of one end and `a`, `n` of the other, unit vectors across the axis and each other, stands in
-//! `b.a = cos phi`, `b.n = sin phi`, so
+//! An angle `phi` between directions `b` of one end and `a`, `n` of the other one, unit vectors perpendicular to the axis and to each
+//! other, is given by `b.a = cos phi`, `b.n = sin phi`, so that
 //!
 //! ```text
 //! drive   Phi = h sin(phi - s)                                     = h (cos s b.n - sin s b.a)
@@ -9,9 +9,9 @@
 //! gear    Phi = h (phi_1 + ratio phi_2)                            over whole turns, see `contact/geared.rs`
 //! ```
 //!
-//! A travel is `r.t` with the vector `r` between the points and a direction `t` of the first end, a distance `|r|`, prescribed or limited
-//! as `(|r|^2 - s^2) / (2 l)`. All are quadratic in points and directions, so their gradients in the middle of a step are discrete
-//! gradients, and none changes with rigid motions of both ends: the energy is exact, and so are the momenta between two bodies.
+//! A displacement is `r.t` with the vector `r` between the points and a direction `t` of the first end. A distance is `|r|`, prescribed or
+//! limited as `(|r|^2 - s^2) / (2 l)`. All functions are quadratic in points and directions, so that their gradients at mid-step are
+//! discrete gradients, and invariant under rigid motions of both ends: energy is exact, and momenta between two bodies are conserved.
 
 use super::body::Body;
 use super::joint_ends::{End, across};
@@ -19,17 +19,17 @@ use crate::contact::{DrivenFunction, Geared, PointConstraints, PointFunction, Po
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointKind};
 
-/// The coordinate of a joint in the numbering of the model.
+/// Free coordinate of a joint in the numbering of the model.
 pub struct FreeMotion {
     dimension: usize,
     coordinate: Coordinate,
-    /// `b, a, n` of an angle, `r, t` of a travel, `r` of a distance.
+    /// Vectors `b, a, n` of an angle, `r, t` of a displacement, `r` of a distance.
     vectors: Vec<PointVector>,
-    /// Reference value at rest: `r.t` of a travel, `l` of a distance.
+    /// Reference value at rest: `r.t` of a displacement, `l` of a distance.
     rest: f64,
     /// Length that converts an angle to a gap.
     size: f64,
-    /// True if the coordinate may be less than the value of the drive.
+    /// True if the coordinate may be less than the prescribed value.
     is_cable: bool,
     is_grounded: bool,
 }
@@ -112,7 +112,7 @@ impl FreeMotion {
     }
 }
 
-/// The constraint `s_1 + ratio s_2 = 0` of the coordinates of two joints, as a length: an angle counts by `size`.
+/// Constraint `s_1 + ratio s_2 = 0` of the coordinates of two joints, as a length; `size` converts angles.
 pub fn geared(coupled: &[FreeMotion], ratio: f64, size: f64) -> Geared {
     let (mut vectors, mut functions, mut coordinates) = (Vec::new(), Vec::new(), Vec::new());
     let product = |a: usize, b: usize, constant: f64| PointFunction { products: vec![(a, b, 1.0)], linear: Vec::new(), constant };
@@ -126,7 +126,7 @@ pub fn geared(coupled: &[FreeMotion], ratio: f64, size: f64) -> Geared {
         }
         coordinates.push((is_angle, factor));
     }
-    // The larger of both moves by its own length.
+    // The coordinate with the larger coefficient moves by its own length.
     let arm = |(is_angle, factor): &(bool, f64)| factor.abs() / if *is_angle { size } else { 1.0 };
     let largest = coordinates.iter().map(arm).fold(0.0, f64::max);
     coordinates.iter_mut().for_each(|(_, factor)| *factor /= largest);
@@ -136,7 +136,7 @@ pub fn geared(coupled: &[FreeMotion], ratio: f64, size: f64) -> Geared {
     Geared::new(inner, dimension, coordinates, size)
 }
 
-/// `sign (|r|^2 - distance^2) / (2 length)` of the first vector.
+/// Function `sign (|r|^2 - distance^2) / (2 length)` of the first vector.
 fn distance_beyond(sign: f64, distance: f64, length: f64) -> PointFunction {
     let by = 0.5 * sign / length;
     PointFunction { products: vec![(0, 0, by)], linear: Vec::new(), constant: -by * distance * distance }

@@ -1,5 +1,5 @@
-//! Tangential constraints of a contact pair: beside every normal constraint one in the plane and a group of two in space
-//! (`slip_vector.rs`), one for each component of the slip.
+//! Tangential constraints of a contact pair, one per component of slip: one beside each normal constraint in the plane, a group of two in
+//! space (`slip_vector.rs`).
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -31,8 +31,8 @@ pub struct FrictionRows {
 }
 
 impl FrictionRows {
-    /// Friction of `count` rows of a pair, with `tangents` slips each, whose multipliers compare with gaps by `c`; the rows are numbered
-    /// later.
+    /// Friction of `count` normal constraints of a pair with `tangents` slip components each; `c` is the multiplier per gap. Constraint
+    /// numbers are assigned later.
     pub fn new(friction: &Friction, count: usize, tangents: usize, c: f64) -> Self {
         let coefficients = match friction.coefficient {
             Coefficient::Constant(value) => vec![value; count],
@@ -121,12 +121,12 @@ pub struct Pressed<'a> {
 }
 
 impl Pressed<'_> {
-    /// The largest dry multiplier at the speed of a slip of that size, with its derivatives with respect to the pressing multiplier and to
-    /// the size.
+    /// Largest dry multiplier at the speed of a slip of this size, with its derivatives with respect to the normal multiplier and to the
+    /// size.
     pub fn limit(&self, slip: f64) -> Limit {
         let (pressure, speed) = (self.normal.max(0.0) / self.around, slip * self.speed);
         let limit = self.law.limit(Sliding { coefficient: self.coefficient, pressure, speed });
-        // A film that bears no more is as dry friction.
+        // Beyond the film's bearing limit, the film stress acts like dry friction.
         let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
         Limit {
             shear: limit.shear * self.around + film * self.normal.max(0.0),
@@ -135,7 +135,7 @@ impl Pressed<'_> {
         }
     }
 
-    /// Multiplier of the film per slip of that size, as long as the pressure bears it.
+    /// Film multiplier per slip of this size; 0 beyond the bearing limit.
     pub fn film(&self, slip: f64) -> f64 {
         if self.is_film_at(slip) { self.law.film() * self.around * self.speed } else { 0.0 }
     }
@@ -150,7 +150,7 @@ impl Pressed<'_> {
     }
 }
 
-/// Tangential constraint at an iterate, in the plane, where a normal constraint has one.
+/// Tangential constraint at an iterate in the plane.
 pub struct SlipRow<'a> {
     /// Data of the normal constraint.
     pub pressed: Pressed<'a>,
@@ -160,7 +160,7 @@ pub struct SlipRow<'a> {
     pub slip: f64,
     /// Slip for which a constraint that slipped before has zero slip rate at the end of the step; 0 for others.
     pub rest: f64,
-    /// True if supports prevent slip: the multiplier then follows from the prescribed slip, and stays constant without slip.
+    /// True if supports prevent slip: the multiplier then follows from the prescribed slip, and remains constant without slip.
     pub is_held: bool,
 }
 
@@ -186,13 +186,13 @@ impl SlipRow<'_> {
         self.lambda + self.film() * self.slip
     }
 
-    /// Direction of `rest`, and its size: 0 where that is round-off.
+    /// Direction and size of `rest`; size 0 at round-off level.
     fn stop(&self) -> (f64, f64) {
         let size = self.rest.abs();
         (1f64.copysign(self.rest), if self.pressed.is_clear(size) { size } else { 0.0 })
     }
 
-    /// Dry trial multiplier of the constraint, as if it stuck from the present iterate on.
+    /// Dry trial multiplier, for a constraint that sticks from the present iterate on.
     fn trial(&self) -> f64 {
         self.dry() - self.pressed.c * self.slip
     }
@@ -217,13 +217,13 @@ impl SlipRow<'_> {
         if self.pressed.is_clear(self.slip.abs()) { RowState::sliding(-self.slip) } else { RowState::Closed }
     }
 
-    /// The state with which an iteration begins.
+    /// State at the first iteration.
     pub fn first_state(&self) -> RowState {
         if self.is_held {
             return self.held();
         }
         let (limit, trial) = (self.limit(self.slip).shear, self.trial());
-        // What is pressed by nothing yet, and does not move, begins by sticking.
+        // Constraints without pressure and motion start sticking.
         match limit > 0.0 || (trial == 0.0 && self.pressed.normal <= 0.0) {
             true => self.nearest(limit).0,
             false => RowState::sliding(trial),
@@ -262,13 +262,13 @@ impl SlipRow<'_> {
                 _ => self.stuck(0.0),
             };
         };
-        // Slip leads against the multiplier; one that does not yet has no speed.
+        // Slip has the opposite direction of the multiplier; with the wrong sign its speed counts as zero.
         let Limit { shear, by_pressure, by_speed } = self.limit((-sense * self.slip).max(0.0));
         let by = 1.0 / self.pressed.stiffness;
         Equation {
             acts: true,
-            // A friction force that decreases faster than the bodies' compliance has no solution beside this one, but one at a larger
-            // speed: iterations go there.
+            // If the friction force decreases faster than the bodies' compliance, no solution exists near this one, only at a larger speed:
+            // iterations move there.
             gradient: by * (self.film() + by_speed.max(-self.pressed.c)),
             diagonal: by,
             normal: -by * sense * by_pressure,
@@ -278,7 +278,7 @@ impl SlipRow<'_> {
         }
     }
 
-    /// The slip `at`.
+    /// Equation of a given slip `at`.
     fn stuck(&self, at: f64) -> Equation {
         let compliance = self.pressed.compliance;
         Equation { compliance, ..Equation::held(compliance, compliance * self.lambda - self.slip + at) }
@@ -300,13 +300,13 @@ impl SlipRow<'_> {
         let (s, slip) = (-sense * self.dry() / self.pressed.c, sense * self.slip);
         let (most, stopped) = (limit / self.pressed.c, self.limit(self.rest).shear / self.pressed.c);
         let slides = |s: f64| RowState::sliding(-sense * s);
-        // How far it is beyond either end of its part of the graph, and what lies there.
+        // Violation beyond each end of the state's part of the graph, and the adjacent state.
         let (below, above) = match state {
             RowState::Open | RowState::Closed if rest == 0.0 => ((-most - s, slides(-1.0)), (s - most, slides(1.0))),
             RowState::Open | RowState::Closed => ((-most - s, slides(-1.0)), (s, RowState::Turns)),
             RowState::Turns => ((-slip, RowState::Closed), (slip - rest, RowState::Stops)),
             RowState::Stops => ((-s, RowState::Turns), (s - stopped, slides(1.0))),
-            // Without a limit there is nothing but to slide, one way or the other.
+            // Without a friction limit slip is the only state, in either direction.
             RowState::Forward | RowState::Backward if limit <= 0.0 => return None,
             _ if state == slides(-1.0) => ((0.0, state), (slip, RowState::Closed)),
             _ if rest == 0.0 => ((-slip, RowState::Closed), (0.0, state)),
@@ -362,7 +362,7 @@ mod tests {
         for rest in [0.2_f64, -0.2] {
             let sense = rest.signum();
             let at = |slip: f64, s: f64| SlipRow { rest, ..row(&law, 2.0, -sense * s, sense * slip) };
-            // Limit 0.6; along the graph from sliding back to sliding on.
+            // Limit 0.6; along the graph from reverse to forward slip.
             let places = [
                 (-0.1, -0.6, RowState::sliding(sense)),
                 (0.0, -0.3, RowState::Closed),
@@ -376,7 +376,7 @@ mod tests {
                 assert!(found.residual().0.abs() < 1e-15);
                 for (other, (.., wrong)) in places.into_iter().enumerate() {
                     let asked = found.change(wrong).map(|(next, _)| next);
-                    // From any state the graph is gone along towards the right one; where both ends meet there is nothing to ask for.
+                    // From every state the changes lead along the graph towards the right one; where both ends meet none is required.
                     let next = if other < index { other + 1 } else { other.saturating_sub(1) };
                     assert!(asked.is_none() || asked == Some(places[next].2), "{slip} {s}: {wrong:?} asks for {asked:?}");
                     assert!(other != index || asked.is_none());

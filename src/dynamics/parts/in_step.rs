@@ -1,11 +1,11 @@
-//! A part by itself in a step, for the tests of parts.
+//! A single part in a step, for tests of parts.
 
 use crate::dynamics::model::part::{Iterate, Part, Sums};
 use crate::integrators::Derivative;
 use crate::linear::Pattern;
 use crate::math::workers::Workers;
 
-/// Force, values of the tangent, and heat of a part in a step of size `dt` from positions to others, with the mean velocity of the step.
+/// Force, tangent values and heat of a part in a step of size `dt` from `q_0` to `q_1`, with the mean velocity of the step.
 pub(super) fn linearized(
     part: &dyn Part,
     pattern: &Pattern,

@@ -1,4 +1,4 @@
-//! One end of a joint in the numbering of the model: its point, and directions that turn with it.
+//! One end of a joint in the numbering of the model: its point, and directions that rotate with its body.
 
 use super::body::Body;
 use crate::contact::PointVector;
@@ -36,7 +36,7 @@ impl<'a, const D: usize> End<'a, D> {
         }
     }
 
-    /// A direction of it, given at rest.
+    /// Direction that rotates with the body, given at rest; constant on the ground.
     pub fn direction(&self, vector: [f64; 3]) -> PointVector {
         match self.body.and_then(|body| body.rigid.as_ref()) {
             Some(rigid) => {
@@ -47,7 +47,7 @@ impl<'a, const D: usize> End<'a, D> {
     }
 }
 
-/// Two unit vectors across a direction: in the plane the first lies in it.
+/// Unit vector along a direction, and two perpendicular ones, of which the first lies in the plane for plane directions.
 pub fn across(direction: [f64; 3]) -> [[f64; 3]; 3] {
     let size = length(direction);
     let t = direction.map(|x| x / size);

@@ -1,7 +1,7 @@
 //! Line between two ends, along which springs, dampers and actuators act.
 //!
-//! An end is a node, the weighted mean of the nodes of a boundary, or a point of the ground. The vector from one to the other is linear in
-//! the positions, `r = sum s_i q_i + ground`, and a force `f` on its head acts on node `i` as `s_i f`.
+//! An end is a node, the weighted mean of the nodes of a boundary, or a point of the ground. The vector between the ends is linear in the
+//! positions, `r = sum s_i q_i + ground`, and a force `f` on the head acts on node `i` as `s_i f`.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Numbering, Part, PartDefinition, Sums};
 use crate::linear::{Block, Pattern};
 
-/// An end of a spring or a damper.
+/// End of a line element.
 #[derive(Clone, Debug, PartialEq)]
 pub enum End {
     /// A node: body, and node of the body's mesh.
     Node(usize, u32),
-    /// The mean of nodes of a body with these weights, which add up to 1.
+    /// Weighted mean of nodes of a body; the weights add up to 1.
     Mean(usize, Vec<(u32, f64)>),
-    /// A point that does not move `[length]`.
+    /// Fixed point `[length]`.
     Ground([f64; 3]),
 }
 
@@ -28,13 +28,13 @@ impl From<(usize, u32)> for End {
 }
 
 impl End {
-    /// The mean over a boundary whose nodes have these shares of its measure.
+    /// Mean over a boundary whose nodes have these shares of its measure.
     pub fn mean(body: usize, shares: &[(u32, f64)]) -> Self {
         let whole: f64 = shares.iter().map(|(_, share)| share).sum();
         End::Mean(body, shares.iter().map(|&(node, share)| (node, share / whole)).collect())
     }
 
-    /// The body that it is of.
+    /// Body of the end; `None` for the ground.
     pub fn body(&self) -> Option<usize> {
         match self {
             End::Node(body, _) | End::Mean(body, _) => Some(*body),
@@ -89,7 +89,7 @@ pub trait LineElement: Clone + Send + Sync + 'static {
     fn describe(&self, name: &str) -> String;
 }
 
-/// A part between two ends.
+/// Definition of a line element between two ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineDefinition<E> {
     /// Name, unique among the parts.
@@ -128,7 +128,7 @@ impl<E: LineElement> PartDefinition for LineDefinition<E> {
     }
 
     fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
-        // No line leads from one place to itself.
+        // Coinciding ends define no direction.
         let [a, b] = [0, 1].map(|k| self.ends[k].place(point));
         if a == b { Err(ModelError::SpringOfNoLength { spring: self.name.clone() }) } else { Ok(()) }
     }
@@ -149,10 +149,10 @@ impl<E: LineElement> PartDefinition for LineDefinition<E> {
     }
 }
 
-/// A line in the numbering of the model, from its first to its second end.
+/// Line in the numbering of the model, from its first to its second end.
 pub struct Line {
     dimension: usize,
-    /// Nodes with their factors in `r`.
+    /// Nodes with their coefficients in `r`.
     nodes: Vec<(u32, f64)>,
     ground: [f64; 3],
     /// Blocks of the nodes, row by row.
@@ -160,7 +160,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// The line between two ends.
+    /// Line between two ends.
     pub fn new(ends: &[End; 2], numbering: &Numbering) -> Self {
         let mut line = Line { dimension: numbering.dimension, nodes: Vec::new(), ground: [0.0; 3], places: Vec::new() };
         for (end, sign) in ends.iter().zip([-1.0, 1.0]).rev() {
@@ -179,19 +179,19 @@ impl Line {
         self.nodes.iter().map(|(node, _)| *node).collect()
     }
 
-    /// Finds its places.
+    /// Finds the matrix blocks of the line's nodes.
     pub fn place(&mut self, pattern: &Pattern) {
         let nodes = self.nodes();
         self.places = nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| pattern.block(a, b))).collect();
     }
 
-    /// `r` and its length; in the plane the third component is zero.
+    /// Vector `r` and its length; in the plane the third component is zero.
     pub fn vector(&self, q: &[f64]) -> ([f64; 3], f64) {
         let r = self.combined(q, self.ground);
         (r, r[0].hypot(r[1]).hypot(r[2]))
     }
 
-    /// Velocity of the head relative to the tail, of velocities of the nodes.
+    /// Velocity of the head relative to the tail, from nodal velocities.
     pub fn velocity(&self, v: &[f64]) -> [f64; 3] {
         self.combined(v, [0.0; 3])
     }
@@ -204,13 +204,13 @@ impl Line {
         sum
     }
 
-    /// Adds a force on the head, which stands against the motion, and its derivative with respect to `r` at the end of the step.
+    /// Adds a force on the head that opposes the motion, and its derivative with respect to `r` at the end of the step.
     pub fn add(&self, weight: f64, force: [f64; 3], slope: impl Fn(usize, usize) -> f64, sums: &mut Sums) {
         self.push(force.map(|force| weight * force), sums.internal);
         self.add_slope(weight, slope, sums);
     }
 
-    /// Adds a force on the head to a sum of forces.
+    /// Adds a force on the head to nodal forces.
     pub fn push(&self, force: [f64; 3], sum: &mut [f64]) {
         for &(node, factor) in &self.nodes {
             for i in 0..self.dimension {
@@ -219,7 +219,7 @@ impl Line {
         }
     }
 
-    /// Adds the derivative of a force that stands against the motion.
+    /// Adds the derivative of a force that opposes the motion.
     pub fn add_slope(&self, weight: f64, slope: impl Fn(usize, usize) -> f64, sums: &mut Sums) {
         let Some(values) = sums.tangent.as_deref_mut() else { return };
         let pairs = self.nodes.iter().flat_map(|(_, a)| self.nodes.iter().map(move |(_, b)| a * b));

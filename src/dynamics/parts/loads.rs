@@ -1,4 +1,4 @@
-//! Loads: forces on the nodes of a boundary whose size follows a time function.
+//! Loads: forces on the nodes of a boundary whose magnitude follows a time function.
 
 use super::time_values::value_of;
 use crate::bodies::{Plane, face_pressure, face_pressure_arms, pressure_shares, round_pressure, torque_forces};
@@ -12,9 +12,9 @@ use crate::linear::{Block, Pattern};
 pub struct NodalLoad<const D: usize> {
     /// Kind of the load.
     pub kind: LoadKind,
-    /// Nodes and their shares of the boundary.
+    /// Nodes with their shares of the boundary.
     pub weights: Vec<(u32, f64)>,
-    /// Facets of a pressure, each by its nodes, with the places of their blocks, row by row.
+    /// Facets of a pressure by their nodes, each with its matrix blocks, row by row.
     pub facets: Vec<(Vec<u32>, Vec<Block>)>,
     /// True if a cell couples the nodes of each facet, as in deformable bodies.
     pub is_on_cells: bool,
@@ -22,7 +22,7 @@ pub struct NodalLoad<const D: usize> {
     pub plane: Plane,
     /// Amplitude over time.
     pub amplitude: Amplitude,
-    /// `body.boundary` on which it acts.
+    /// Name `body.boundary` of the loaded boundary.
     pub name: String,
 }
 
@@ -35,7 +35,7 @@ impl<const D: usize> NodalLoad<D> {
         value_of(&self.name, &self.amplitude, time)
     }
 
-    /// Adds its forces with an amplitude.
+    /// Adds the forces of the load with an amplitude.
     pub fn force_into(&self, amplitude: f64, q: &[f64], force: &mut [f64]) {
         match self.kind {
             LoadKind::Pressure(pressure) if self.plane == Plane::Axisymmetric => {
@@ -58,12 +58,12 @@ impl<const D: usize> NodalLoad<D> {
                 let size = amplitude * pressure;
                 for (nodes, _) in &self.facets {
                     for (&a, shares) in nodes.iter().zip(pressure_shares(nodes.len())) {
-                        // The shares sum to zero, so that differences alone matter.
+                        // The shares sum to zero: only differences of positions enter.
                         let at = |node: u32, i: usize| q[node as usize * D + i];
                         let along = |i: usize| {
                             nodes[1..].iter().zip(&shares[1..]).map(|(&b, share)| share * (at(b, i) - at(nodes[0], i))).sum::<f64>()
                         };
-                        // Against the outward normal, which is the edge's direction turned to the right.
+                        // Against the outward normal, the edge direction rotated to the right.
                         force[a as usize * D] -= size * along(1);
                         force[a as usize * D + 1] += size * along(0);
                     }

@@ -1,6 +1,6 @@
-//! The model in numbers: nodes, supports, bodies, loads, contact pairs, each with its places in the matrix.
+//! Numerical representation of the model: nodes, supports, bodies, loads, contact pairs, each with its places in the matrix.
 //!
-//! A [`Part`](super::model::part::Part) pushes on nodes; a [`ContactPair`](contact_pair::ContactPair) constrains them.
+//! A [`Part`](super::model::part::Part) is a force element; a [`ContactPair`](contact_pair::ContactPair) is a constraint block.
 
 pub mod actuator;
 pub mod body;

@@ -1,9 +1,9 @@
-//! A motor between two rigid bodies, or a rigid body and the ground: a torque about an axis that a time function gives, on one forward and
-//! on the other back.
+//! A motor between two rigid bodies, or a rigid body and the ground: a torque about an axis, given by a time function, on one body, and its
+//! reaction on the other.
 //!
-//! The edges `d_k` of a body go from its first master to the others. The forces `f_k = w x d_k` on the other masters, and `-sum f_k` on the
-//! first, have no resultant and the moment `J w` with `J = sum |d_k|^2 I - d_k d_k^T`. With `J w = M n` the torque is exact at any
-//! configuration of the step, so that the momenta between two bodies are conserved. The axis `n` turns with the second body. The work is
+//! The edges `d_k` of a body lead from its first master to the others. The forces `f_k = w x d_k` on the other masters, and `-sum f_k` on
+//! the first one, have zero resultant and the moment `J w` with `J = sum |d_k|^2 I - d_k d_k^T`. With `J w = M n` the torque is exact at
+//! every configuration of the step, and momenta between two bodies are conserved. The axis `n` rotates with the second body. The work is
 //! that of a load.
 
 use std::sync::Arc;
@@ -17,14 +17,14 @@ use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinit
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
-/// A motor.
+/// Motor between two bodies, or a body and the ground.
 #[derive(Clone)]
 pub struct MotorDefinition {
     /// Name, unique among the parts.
     pub name: String,
     /// Body with the forward torque and body with the reaction, each with its masters; `None`: the ground.
     pub bodies: [Option<(usize, Vec<u32>)>; 2],
-    /// The axis at rest; in the plane the third one.
+    /// Axis at rest; the third one in the plane.
     pub axis: [f64; 3],
     /// Torque over time `[force * length]` (per thickness in the plane).
     pub torque: Amplitude,
@@ -88,11 +88,11 @@ impl PartDefinition for MotorDefinition {
 struct Motor {
     name: String,
     dimension: usize,
-    /// Masters of both bodies; none of the ground.
+    /// Masters of both bodies; empty for the ground.
     sides: [Vec<u32>; 2],
-    /// The axis as a sum of edges of the second body, in space.
+    /// Coefficients of the axis in the edges of the second body, in space.
     shares: Option<Vector3<f64>>,
-    /// The axis at rest.
+    /// Axis at rest.
     axis: Vector3<f64>,
     torque: Amplitude,
     places: Vec<Block>,
@@ -111,7 +111,7 @@ impl Motor {
         masters.iter().skip(1).map(|&node| Vector3::from_fn(|i, _| at(node, i) - at(masters[0], i))).collect()
     }
 
-    /// The axis by the edges of the second body, of any length.
+    /// Axis from the edges of the second body, of any length.
     fn direction(&self, edges: &[Vector3<f64>]) -> Vector3<f64> {
         self.shares.map_or(self.axis, |shares| edges.iter().zip(shares.iter()).map(|(edge, share)| edge * *share).sum())
     }
@@ -159,7 +159,7 @@ impl Motor {
     }
 }
 
-/// Inverse of the tensor `sum |d|^2 I - d d^T` of some edges: a spin by a moment.
+/// Inverse of the tensor `sum |d|^2 I - d d^T` of the edges, which maps a moment to `w`.
 fn inverse(edges: &[Vector3<f64>]) -> Matrix3<f64> {
     let tensor: Matrix3<f64> = edges.iter().map(|d| Matrix3::identity() * d.norm_squared() - d * d.transpose()).sum();
     tensor.try_inverse().unwrap_or_else(Matrix3::zeros)

@@ -1,6 +1,6 @@
-//! Sums over vectors that have `D` components for each node, node after node.
+//! Sums over nodal vectors with `D` components per node, node by node.
 
-/// `1/2 v.p`: kinetic energy from velocities and their nodal momenta.
+/// Kinetic energy `1/2 v.p` from velocities and nodal momenta.
 pub fn half_product(v: &[f64], p: &[f64]) -> f64 {
     0.5 * v.iter().zip(p).map(|(v, p)| v * p).sum::<f64>()
 }

@@ -9,25 +9,25 @@ use crate::dynamics::model::definitions::Model;
 use crate::linear::NodeMatrix;
 use crate::math::norms::largest_size;
 
-/// The nodes of a model, body after body.
+/// Nodes of a model, body by body.
 pub struct Nodes<const D: usize> {
     /// Positions at rest.
     pub reference: Vec<f64>,
-    /// The mass: consistent, or at the nodes alone.
+    /// Mass matrix: consistent, or lumped at the nodes.
     pub mass: NodeMatrix,
     /// Mass of every node (row sums); zero or negative at the corners of cells of second order.
     pub nodal_mass: Vec<f64>,
     /// Lumped mass for estimates of the motion of single nodes: positive, at least the diagonal of the mass matrix.
     pub lumped_mass: Vec<f64>,
-    /// The largest nodal mass.
+    /// Largest nodal mass.
     pub largest_nodal_mass: f64,
     /// Mass of all bodies.
     pub total_mass: f64,
     /// Force of gravity.
     pub weight: Vec<f64>,
-    /// Largest modulus of a strain in one direction alone and largest extent, for the round-off floor of forces.
+    /// Largest uniaxial-strain modulus, for the round-off limit of forces.
     pub modulus: f64,
-    /// The extent.
+    /// Largest extent of the model `[length]`.
     pub extent: f64,
     /// Number of the connected component that each node belongs to.
     pub component_of: Vec<u32>,
@@ -38,8 +38,7 @@ pub struct Nodes<const D: usize> {
 }
 
 impl<const D: usize> Nodes<D> {
-    /// The nodes of a model's bodies, at rest at `reference`, of which some components are fixed, those of followers of rigid bodies among
-    /// them, with their mass.
+    /// Nodes of a model's bodies at rest at `reference`. `fixed` marks fixed unknowns, including those of `followers` of rigid bodies.
     pub fn new(
         model: &Model,
         bodies: &[Body<D>],
@@ -83,14 +82,14 @@ impl<const D: usize> Nodes<D> {
         }
     }
 
-    /// Force per displacement of the whole model, for round-off limits; in axisymmetric models that of the whole circumference
-    /// `[force/length]`. Times a length squared it is an energy.
+    /// Force per displacement of the whole model, for round-off limits; in axisymmetric models for the whole circumference
+    /// `[force/length]`. Multiplied by a squared length it is an energy.
     pub fn stiffness(&self) -> f64 {
         let around = if self.is_axisymmetric { TAU * self.reference.iter().step_by(D).copied().fold(0.0, f64::max) } else { 1.0 };
         self.modulus * self.extent.powi(D as i32 - 2) * around
     }
 
-    /// Positions of the nodes with these displacements.
+    /// Positions of the nodes for the displacements `u`.
     pub fn positions(&self, u: &[f64]) -> Vec<f64> {
         let mut q = Vec::new();
         self.positions_into(u, &mut q);
@@ -108,7 +107,7 @@ impl<const D: usize> Nodes<D> {
         self.reference.len() / D
     }
 
-    /// `M v`.
+    /// Nodal momenta `M v`.
     pub fn momenta_of(&self, v: &[f64]) -> Vec<f64> {
         let mut momenta = vec![0.0; v.len()];
         self.mass.multiply_into::<D>(v, &mut momenta);
@@ -125,13 +124,13 @@ impl<const D: usize> Nodes<D> {
         -q.iter().zip(&self.weight).map(|(q, w)| q * w).sum::<f64>()
     }
 
-    /// Linear momentum, or resultant of forces, of nodal vectors: of bodies of revolution that along the axis, the others cancel.
+    /// Sum of nodal vectors (linear momentum, resultant force); in axisymmetric models the axial component, as the others cancel.
     pub fn resultant(&self, vectors: &[f64]) -> [f64; 3] {
         let sum = resultant::<D>(vectors);
         if self.is_axisymmetric { [0.0, sum[1], 0.0] } else { sum }
     }
 
-    /// Moment of nodal vectors about the origin: of bodies of revolution none.
+    /// Moment of nodal vectors about the origin; zero in axisymmetric models.
     pub fn moment(&self, q: &[f64], vectors: &[f64]) -> [f64; 3] {
         if self.is_axisymmetric { [0.0; 3] } else { moment::<D>(q, vectors) }
     }

@@ -1,4 +1,4 @@
-//! Makes the contact pairs of a model: its contacts, obstacles and ties, then the corners that belong to them.
+//! Construction of the contact pairs of a model: contacts, obstacles and ties, then their corner and rolling constraints.
 
 use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
@@ -15,8 +15,8 @@ use crate::math::norms::largest_size;
 use crate::math::tolerances;
 use crate::mesh::pieces_of;
 
-/// All pairs of a model, whose bodies' nodes are numbered from where `first` says, `middles` those of edges of second order;
-/// `default_rule` is that of contacts that name none. Constraints of `points` come last. Ties hold the positions at the `start`.
+/// All contact pairs of a model. `first` is the first node of each body, `middles` the mid-side nodes of edges of second order,
+/// `default_rule` the rule of contacts that name none. Pairs of point constraints (`points`) come last. Ties keep the positions `start`.
 pub fn contact_pairs(
     model: &Model,
     first: impl Fn(usize) -> usize,
@@ -56,8 +56,8 @@ pub fn contact_pairs(
     pairs
 }
 
-/// Slack of sharp vertices and edges in space over that of corners in the plane: rows of flat surfaces and of their rims no longer depend
-/// on each other from a thousandth of a facet on.
+/// Slack of sharp vertices and edges in space relative to that of corners in the plane: from a thousandth of a facet on, constraints of
+/// flat surfaces and of their borders are no longer linearly dependent.
 const SLACK_IN_SPACE: f64 = 0.05;
 
 /// Data from which contact pairs are made.
@@ -69,7 +69,7 @@ struct Pairing<'a> {
     facets: &'a dyn Fn(&BodyBoundary) -> Vec<[u32; 2]>,
     /// Faces of a boundary in space, in the numbering of the model.
     faces: &'a dyn Fn(&BodyBoundary) -> Vec<Vec<u32>>,
-    /// Middle nodes of edges of second order.
+    /// Mid-side nodes of edges of second order.
     middles: &'a ProxyNodes,
     /// Positions at rest.
     reference: &'a [f64],
@@ -77,7 +77,7 @@ struct Pairing<'a> {
     start: &'a [f64],
     /// Largest coordinate of the positions at rest.
     reach: f64,
-    /// Rule of contacts that name none.
+    /// Update rule of contacts that name none.
     default_rule: &'static UpdateRule,
 }
 
@@ -98,12 +98,12 @@ impl Pairing<'_> {
         far.pair(name, PairKind::Obstacle, body, kernel)
     }
 
-    /// One pair for each contact of the model, in the order of [`Model::contact_names`].
+    /// One pair per contact of the model, in the order of [`Model::contact_names`].
     fn contacts(&self) -> Vec<ContactPair> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
     }
 
-    /// The sides of a contact in space; an obstacle is none.
+    /// Contact representation of the surfaces of a contact in space; obstacles have no surface.
     fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
         SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3))
@@ -118,7 +118,7 @@ impl Pairing<'_> {
             (pair.motion, pair.turn) = (motion.clone(), turn.clone());
             let mut pair = self.held(pair, interaction, false);
             if matches!(shape, ObstacleInSpace::Facets(_)) && pair.has_multipliers() {
-                // Sides that meet at a flat angle would constrain a node nearly alike.
+                // Sides that meet at a small angle give nearly dependent constraints of a node.
                 pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
             }
             return pair;
@@ -132,7 +132,7 @@ impl Pairing<'_> {
             let kernel = seen.on_nodes(kernel(&seen), true);
             let mut pair = self.held(self.pair(name, PairKind::Surfaces, secondary.body, kernel), interaction, false);
             if pair.has_multipliers() {
-                // Over a small part of a facet the rows of its nodes are nearly the same one.
+                // Over a small part of a facet the constraints of its nodes are nearly dependent.
                 pair.augmentation = pair.augmentation.or(Some(tolerances::SURFACE_AUGMENTATION));
             }
             return pair;
@@ -148,7 +148,7 @@ impl Pairing<'_> {
             }
             Partner::Obstacle { shape, motion, turn } => {
                 let kernel = RigidContact::new(&facets, shape, self.reference).without(&self.nodes_inside(interaction));
-                // Nodes are seen where they are.
+                // Obstacles constrain the nodes themselves.
                 let kernel = match self.middles.lengths(&facets, self.reference) {
                     Some(lengths) => kernel.with_weights(lengths),
                     None => kernel,
@@ -169,7 +169,7 @@ impl Pairing<'_> {
         self.held(pair, interaction, has_middles)
     }
 
-    /// Returns a pair with the enforcement of its interaction; `has_middles`: whether the edges of its surface are of second order.
+    /// Adds the enforcement, restitution and friction of an interaction to a pair; `has_middles`: edges of the surface are of second order.
     fn held(&self, mut pair: ContactPair, interaction: &Interaction, has_middles: bool) -> ContactPair {
         pair.update = interaction.update.unwrap_or(self.default_rule);
         if interaction.equality {
@@ -181,11 +181,11 @@ impl Pairing<'_> {
             Enforcement::AugmentedLagrange { factor } => pair.augmentation = Some(factor),
         }
         if self.model.bodies[interaction.secondary.body].rigid.is_some() && pair.has_multipliers() {
-            // A rigid side has fewer motions than nodes: their rows depend on one another.
+            // A rigid side has fewer motions than nodes: constraints of its nodes are linearly dependent.
             pair.augmentation = pair.augmentation.or(Some(tolerances::CORNER_AUGMENTATION));
         }
         if interaction.equality && pair.has_multipliers() {
-            // What pulls may hold nodes that joints and couplings hold already, for as long as the contact is covered.
+            // Bilateral contacts may hold nodes that joints and couplings hold already, as long as the contact is covered.
             pair.augmentation = pair.augmentation.or(Some(tolerances::SURFACE_AUGMENTATION));
         }
         pair.restitution = self.restitution(interaction, &pair);
@@ -193,24 +193,24 @@ impl Pairing<'_> {
         pair
     }
 
-    /// Coefficient of restitution of a contact between rigid sides; `None` where a side deforms, or the contact is no inequality.
+    /// Coefficient of restitution of a contact between rigid sides; `None` for deformable sides and for bilateral or penalty contacts.
     fn restitution(&self, interaction: &Interaction, pair: &ContactPair) -> Option<f64> {
         let is_rigid = pair.is_unilateral() && self.model.is_rigid_contact(interaction);
         is_rigid.then(|| interaction.restitution.unwrap_or(pair.update.restitution()))
     }
 
-    /// The secondary side of a contact between its own nodes.
+    /// Secondary surface of a contact between its own nodes.
     fn surface(&self, secondary: &BodyBoundary) -> Surface {
         if self.model.dimension() == 2 {
             return Surface::new(&(self.facets)(secondary));
         }
-        // Without the centers of faces of nine nodes, which lie beside the surface that their sides follow.
+        // Without the centers of nine-node faces, which lie beside the surface through their sides.
         let pieces: Vec<Vec<u32>> = (self.faces)(secondary).iter().flat_map(|face| pieces_of(&face[..face.len().min(8)])).collect();
         Surface::in_space(pieces.iter().map(|piece| &piece[..]))
     }
 
-    /// Parts of a rigid body's boundary that roll on an obstacle as arcs or spheres: none of straight facets, of bodies that deform, and
-    /// where nodes are asked for one by one.
+    /// Round parts of a rigid body's boundary that roll on an obstacle; empty for straight facets, deformable bodies, and bilateral
+    /// contacts.
     fn round_parts(&self, interaction: &Interaction) -> Vec<RoundPart> {
         let is_rigid = self.model.bodies[interaction.secondary.body].rigid.is_some();
         let is_curved = interaction.facet_shape(self.model.dimension()) == FacetShape::Curved;
@@ -220,8 +220,7 @@ impl Pairing<'_> {
         round_parts(&self.surface(&interaction.secondary), self.reference)
     }
 
-    /// Nodes of a boundary that arcs and spheres of a rigid body replace, in ascending order. The nodes of a rim stay, since they support
-    /// an upright cylinder.
+    /// Nodes that arcs and spheres of a rigid body replace, ascending. Nodes of a rim are kept: they support an upright cylinder.
     fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
         let mut nodes: Vec<u32> =
             self.round_parts(interaction).into_iter().filter(|part| part.axis.is_none()).flat_map(|part| part.inside).collect();
@@ -229,7 +228,7 @@ impl Pairing<'_> {
         nodes
     }
 
-    /// The pair in which arcs and spheres of a rigid body roll on the obstacle of the contact of that number.
+    /// Pair of the round parts of a rigid body that roll on the obstacle of contact `of`.
     fn rolling(&self, of: usize) -> Option<ContactPair> {
         let interaction = &self.model.interactions[of];
         let (parts, body) = (self.round_parts(interaction), interaction.secondary.body);
@@ -247,7 +246,7 @@ impl Pairing<'_> {
         Some(self.held(pair, interaction, false))
     }
 
-    /// The pairs of the corners that the weighted gaps of other pairs do not see.
+    /// Pairs of the corner constraints of contacts, for penetration that their weighted gaps do not detect.
     fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
         let has_corners = |of: usize| pairs[of].is_unilateral();
         let size = |of: usize| pairs[of].kernel.facet_size();
@@ -276,7 +275,7 @@ impl Pairing<'_> {
             }
             if self.model.dimension() == 3 {
                 let seen = self.in_space(interaction);
-                // Without edges of its own, the primary side would enter between secondary nodes.
+                // Facets without edge constraints of their own would let the primary side enter between secondary nodes.
                 let seen = if interaction.method.is_nodal { seen.of_shape(FacetShape::Straight) } else { seen };
                 let kernel = CornersInSpace::kernel(&seen);
                 if let (Partner::Surfaces(_), Some(kernel)) = (&interaction.partner, kernel) {
@@ -306,8 +305,7 @@ impl Pairing<'_> {
     }
 }
 
-/// Sides of a contact between deformable bodies whose corners may penetrate the other side: all except those whose nodes have constraints
-/// of their own.
+/// Sides of a contact between deformable bodies whose corners may penetrate the other side: all but sides with nodal constraints.
 fn cornered(interaction: &Interaction) -> Vec<(&[BodyBoundary], &[BodyBoundary])> {
     let (secondary, primary) = (std::slice::from_ref(&interaction.secondary), interaction.primary());
     let mut sides = Vec::new();

@@ -1,4 +1,4 @@
-//! A mass at a node: it moves with the node, weighs, and has no extent.
+//! A point mass at a node: it has inertia and weight, but no extent.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ pub struct PointMassDefinition {
     pub name: String,
     /// Body and node of the body's mesh.
     pub node: (usize, u32),
-    /// The mass `[mass]`; per thickness in the plane, of the whole circumference around an axis.
+    /// Mass `[mass]`; per thickness in the plane, of the whole circumference in axisymmetric models.
     pub mass: f64,
 }
 

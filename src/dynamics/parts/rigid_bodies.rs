@@ -1,9 +1,9 @@
-//! Rigid bodies and joints in the numbering of the model: which nodes are carried, and the constraints between points.
+//! Rigid bodies and joints in the numbering of the model: carried nodes, and constraints between points.
 //!
-//! All mesh nodes of a rigid body stay in the numbering, so that boundaries, loads, contacts, probes and pictures know it as they know any
-//! other. Its *masters* have its mass; the distances between them are constant. Nodes on which something acts (a contact, a load, a
-//! support, a spring) are unknowns with a part of the mass that linear constraints tie to the masters; the others are *followers*, which
-//! are no unknowns at all: they are moved along when a step is done.
+//! All mesh nodes of a rigid body are numbered, so that boundaries, loads, contacts, probes and pictures refer to them as to others. Its
+//! *masters* have its mass; the distances between them are constant. Nodes with loads, contacts, supports or springs are unknowns with a
+//! part of the mass, tied to the masters by linear constraints. The others are *followers*: they are not unknowns and are moved along when
+//! a step is accepted.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ use crate::dynamics::model::update_rules::PERSISTENCY;
 use crate::math::norms::{largest_size, length};
 use crate::math::tolerances;
 
-/// Nodes of the model on which boundaries of rigid bodies make something act.
+/// Nodes of rigid bodies on boundaries with contacts, loads or supports.
 pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32> {
     let contacts = model.interactions.iter().flat_map(|one| std::iter::once(&one.secondary).chain(one.primary()));
     let loads = model.loads.iter().map(|load| &load.on);
@@ -33,7 +33,7 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
         model.bodies[on.body].mesh.boundary_nodes(&on.boundary).into_iter().map(move |node| node + first).collect::<Vec<_>>()
     };
     let mut used: BTreeSet<u32> = all.filter(|on| model.bodies[on.body].rigid.is_some()).flat_map(nodes).collect();
-    // The offset of a tie in space goes with a node within the body.
+    // The offset of a tie in space uses a node inside of the body.
     for interaction in model.interactions.iter().filter(|_| model.dimension() == 3) {
         if let Partner::Tied { to, .. } = &interaction.partner
             && model.bodies[to.body].rigid.is_some()
@@ -44,8 +44,8 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
     used
 }
 
-/// The constraints of rigid bodies and joints: for each body its rigidity and what it carries, then for each joint what it
-/// holds and its stops.
+/// Constraints of rigid bodies and joints: for each body its rigidity and its tied nodes, then for each joint its constraints and its
+/// stops.
 pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference: &[f64]) -> Vec<ContactPair> {
     let mut pairs = Vec::new();
     let reach = largest_size(reference);
@@ -87,13 +87,13 @@ pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference:
     pairs
 }
 
-/// Converts a pair to a one-sided one (taut cables, stops) under the persistency rule.
+/// Makes a pair unilateral (taut cables, stops) under the persistency rule.
 fn one_sided(mut pair: ContactPair) -> ContactPair {
     (pair.law, pair.update) = (&Unilateral, &PERSISTENCY);
     pair
 }
 
-/// The distances between masters stay: `(|x_i - x_j|^2 / l - l) / 2 = 0` of every two.
+/// Constant distances between all pairs of masters: `(|x_i - x_j|^2 / l - l) / 2 = 0`.
 fn rigidity<const D: usize>(rigid: &Carried, reference: &[f64]) -> PointConstraints {
     let mut kernel = PointConstraints::new(D, rigid.size);
     let (mut vectors, mut functions) = (Vec::new(), Vec::new());
@@ -125,18 +125,18 @@ fn ties<const D: usize>(rigid: &Carried) -> PointConstraints {
     kernel
 }
 
-/// Each component of the first vector.
+/// Components of the first vector.
 fn components(dimension: usize) -> Vec<PointFunction> {
     let along = |i: usize| std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
     (0..dimension).map(|i| PointFunction { linear: vec![(0, along(i))], ..PointFunction::default() }).collect()
 }
 
-/// The product of two vectors by their numbers.
+/// Product of two vectors, given by their indices, times `by`.
 fn product(a: usize, b: usize, by: f64) -> PointFunction {
     PointFunction { products: vec![(a, b, by)], ..PointFunction::default() }
 }
 
-/// The constraints of a joint; angles count by `size`, so that all are lengths.
+/// Constraints of a joint; `size` converts angles to lengths.
 fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &JointDefinition, size: f64) -> PointConstraints {
     let [a, b] = End::of(model, bodies, joint);
     let between = b.point().minus(&a.point());
@@ -152,7 +152,7 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
     let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let frames: &[[[f64; 3]; 2]] = if D == 2 { &[[x, y]] } else { &[[x, y], [y, z], [z, x]] };
     match joint.kind {
-        // Its distance is limited or prescribed.
+        // Its distance is limited or prescribed instead.
         JointKind::Link | JointKind::Cable(_) if joint.limits.is_some() || joint.drive.is_some() => {}
         JointKind::Link => {
             let length = length(joint.distance());
@@ -161,7 +161,7 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
         JointKind::Cable(longest) => {
             functions.push(PointFunction { constant: 0.5 * longest, ..product(0, 0, -0.5 / longest) });
         }
-        // Two joints hold it, not its ends.
+        // A gear constrains two joints, not its own ends.
         JointKind::Gear(_) => {}
         JointKind::Point => functions.extend(components(D)),
         JointKind::Weld => {
@@ -193,7 +193,7 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
     kernel
 }
 
-/// The stops of a joint.
+/// Constraints of the stops of a joint.
 fn stops<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &JointDefinition, size: f64) -> PointConstraints {
     let mut kernel = PointConstraints::new(D, size);
     if let (Some(limits), Some(free)) = (joint.limits, FreeMotion::new(model, bodies, joint, size)) {

@@ -7,11 +7,11 @@
 //! f = M (w^2 P r  -  2 w n x v  -  dw/dt n x r)         centrifugal, Coriolis, Euler force
 //! ```
 //!
-//! with the mass matrix of the model, so that the motion has the equations of that in a frame at rest, rotated. For constant `w` the
-//! centrifugal force has the quadratic potential `-w^2 r.M P r / 2`, so that its gradient in the middle of a step is a discrete gradient;
-//! for varying `w` its work is that of a load, and so is that of the Euler force. The Coriolis force is normal to the velocity at which
-//! forces act, and does no work where that is the mean velocity of the step. An equilibrium at given `w` includes the centrifugal force
-//! alone. In axisymmetric models, whose axis must be that of the frame, the other two forces act in the hoop direction, without motion.
+//! with the mass matrix of the model: the motion satisfies the equations of a frame at rest, rotated. For constant `w` the centrifugal
+//! force has the quadratic potential `-w^2 r.M P r / 2`, whose gradient at mid-step is a discrete gradient. For varying `w` its work is
+//! that of a load, like that of the Euler force. The Coriolis force is normal to the velocity at which forces act, and does no work if that
+//! is the mean velocity of the step. An equilibrium at given `w` includes the centrifugal force only. In axisymmetric models, whose axis
+//! must be that of the frame, the two other forces act in the hoop direction, without motion.
 
 use std::sync::Arc;
 
@@ -108,9 +108,9 @@ type Matrix = [[f64; 3]; 3];
 struct RotatingFrame {
     dimension: usize,
     center: [f64; 3],
-    /// `n x`.
+    /// Matrix of `n x`.
     cross: Matrix,
-    /// `P`.
+    /// Projection `P`.
     across: Matrix,
     velocity: Spin,
     /// Masses between nodes, with their blocks in the matrix.
@@ -118,7 +118,7 @@ struct RotatingFrame {
 }
 
 impl RotatingFrame {
-    /// Angular velocity, and its rate where something moves.
+    /// Angular velocity, and its rate; the rate is 0 at rest.
     fn spin(&self, time: f64, is_still: bool) -> Result<[f64; 2], StepError> {
         match &self.velocity {
             Spin::Constant(value) => Ok([*value, 0.0]),

@@ -1,4 +1,4 @@
-//! Tangential constraints beside a normal constraint, in any number: one in the plane, two in space.
+//! Tangential constraints beside a normal constraint: one in the plane, two in space.
 
 use super::friction_rows::SlipRow;
 use super::laws::{Equation, RowState};
@@ -6,14 +6,14 @@ use super::slip_vector::SlipVector;
 
 /// Tangential constraints of a group at an iterate.
 pub enum SlipGroup<'a> {
-    /// In the plane.
+    /// One constraint in the plane.
     Row(SlipRow<'a>),
-    /// In space.
+    /// Two constraints in space.
     Vector(SlipVector<'a>),
 }
 
 impl SlipGroup<'_> {
-    /// The state with which an iteration begins.
+    /// State at the first iteration.
     pub fn first_state(&self) -> RowState {
         match self {
             SlipGroup::Row(row) => row.first_state(),
@@ -29,7 +29,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Residual and energy of tangential constraints whose node faces nothing: their whole multipliers are residual.
+    /// Residual and energy of tangential constraints whose node is not covered: their whole multipliers are residual.
     pub fn excess(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => (row.lambda / row.pressed.c, row.lambda * row.slip),
@@ -40,7 +40,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// True if the direction of sliding is defined: in the plane always, in space if the trial is above round-off.
+    /// True if the slip direction is defined: always in the plane, in space if the trial is above round-off.
     pub fn is_directed(&self) -> bool {
         match self {
             SlipGroup::Row(_) => true,

@@ -1,32 +1,31 @@
-//! The two tangential constraints beside a normal constraint in space: a slip and a multiplier with two components.
+//! Two tangential constraints beside a normal constraint in space: slip and multiplier with two components.
 //!
-//! With the dry multiplier `s = lambda + F u` (`F` that of the film), its limit `L`, and `r` the size of the slip for which a constraint
-//! that slipped before has zero slip rate at the end of the step (0 for others), the admissible slips and multipliers are
+//! With the dry multiplier `s = lambda + F u` (film constant `F`), its limit `L`, and the size `r` of the slip for which a constraint that
+//! slipped before has zero slip rate at the end of the step (0 for others), the admissible slips and multipliers are
 //!
 //! ```text
 //! |u| < r: s = 0 (turns)    |u| = r: s = -a u/r, 0 <= a <= L (stops)    |u| > r: s = -L u/|u| (slides)
 //! ```
 //!
-//! and with `r = 0` at `u = 0` all `|s| <= L` (sticks), so that `lambda . u <= 0` always. It is `s = N(z)` with the trial `z = s - c u`,
-//! whatever `c > 0` is: `N = z` up to `|z| = L` (sticks), or `0` up to `c r` (turns), `z - c r z/|z|` up to `c r + L` (stops), `L z/|z|`
-//! beyond (slides). Newton's rows are those of this equation: along `z` and across it `N` has the derivatives `n` and `m`,
+//! and for `r = 0`, `u = 0` all `|s| <= L` (sticks), so that `lambda . u <= 0` always. Equivalently `s = N(z)` with the trial `z = s - c u`
+//! for any `c > 0`: `N = z` up to `|z| = L` (sticks), or `0` up to `c r` (turns), `z - c r z/|z|` up to `c r + L` (stops), `L z/|z|` beyond
+//! (slides). Newton's equations linearize this equation; `N` has the derivatives `n` along `z` and `m` perpendicular to it,
 //!
 //! ```text
 //! (1 - N') (ds)/c + N' du = (N - s)/c,    N' = n z z/|z|^2 + m (1 - z z/|z|^2)
 //! ```
 //!
-//! (Alart and Curnier, CMAME 92, 1991, for `r = 0`). With `kappa` the stiffness of the node in the step, a multiplier of `kappa`
-//! corresponds to a unit slip. So along `z` and across it the equation is divided by `n + (1 - n) kappa/c`, `n` the derivative in that
-//! direction: the equations of slipping constraints then have entries of order one for every step size. The residual is measured with a
-//! constant `c`; iterations use `max(c, 0.1 kappa)`, because with a `c` that is small relative to `kappa` the trial depends on multipliers
-//! alone.
+//! (Alart and Curnier, CMAME 92, 1991, for `r = 0`). With the stiffness `kappa` of the node in the step, a multiplier of `kappa`
+//! corresponds to a unit slip. Along `z` and perpendicular to it the equation is divided by `n + (1 - n) kappa/c` with the derivative `n`
+//! in that direction, so that equations of slipping constraints have entries of order one for every step size. The residual uses a constant
+//! `c`; iterations use `max(c, 0.1 kappa)`, because with a small `c` relative to `kappa` the trial depends on multipliers only.
 
 use super::friction_rows::Pressed;
 use super::laws::{Equation, RowState};
 use crate::contact::Limit;
 use crate::math::tolerances;
 
-/// Two components along the tangents of a row.
+/// Two components along the tangents of a constraint.
 type Pair = [f64; 2];
 
 /// Two tangential constraints of a group at an iterate.
@@ -41,7 +40,7 @@ pub struct SlipVector<'a> {
     pub rest: Pair,
 }
 
-/// `N` at a trial, and its derivatives along the trial and across it.
+/// Dry multiplier `N(z)` at a trial multiplier `z`, and its derivatives along `z` and perpendicular to it.
 struct Map {
     value: Pair,
     along: f64,
@@ -61,14 +60,14 @@ fn plus(a: Pair, s: f64, b: Pair) -> Pair {
     [a[0] + s * b[0], a[1] + s * b[1]]
 }
 
-/// The direction of a vector; of none the first one.
+/// Direction of a vector; the first axis for a zero vector.
 fn direction(a: Pair) -> Pair {
     let size = size(a);
     if size > 0.0 { a.map(|x| x / size) } else { [1.0, 0.0] }
 }
 
 impl SlipVector<'_> {
-    /// Size of the slip at rest: 0 where that is round-off.
+    /// Size of `rest`; 0 at round-off level.
     fn stop(&self) -> f64 {
         let size = size(self.rest);
         if self.pressed.is_clear(size) { size } else { 0.0 }
@@ -87,17 +86,17 @@ impl SlipVector<'_> {
         plus(self.lambda, self.film(), self.slip)
     }
 
-    /// Multiplier per slip of the trial of an iteration.
+    /// Multiplier per slip `c` in the trial multiplier of an iteration.
     fn pace(&self) -> f64 {
         self.pressed.c.max(tolerances::TRIAL_STIFFNESS * self.pressed.stiffness)
     }
 
-    /// The trial with a multiplier `c` per slip.
+    /// Trial multiplier `z = s - c u`.
     fn trial(&self, c: f64) -> Pair {
         plus(self.dry(), -c, self.slip)
     }
 
-    /// The state of the trial with a multiplier `c` per slip.
+    /// Friction state of the trial multiplier `z = s - c u`.
     fn nearest(&self, c: f64, limit: f64) -> RowState {
         let (size, stop) = (size(self.trial(c)), c * self.stop());
         match stop > 0.0 {
@@ -108,7 +107,7 @@ impl SlipVector<'_> {
         }
     }
 
-    /// `N` in a state, at the trial with a multiplier `c` per slip.
+    /// Dry multiplier `N(z)` in a state, at the trial multiplier `z = s - c u`.
     fn map(&self, c: f64, state: RowState, limit: f64) -> Map {
         let z = self.trial(c);
         let (size, stop) = (size(z), c * self.stop());
@@ -126,15 +125,15 @@ impl SlipVector<'_> {
         }
     }
 
-    /// The state with which an iteration begins.
+    /// State at the first iteration.
     pub fn first_state(&self) -> RowState {
         let limit = self.limit(self.slip).shear;
-        // What is pressed by nothing yet, and does not move, begins by sticking.
+        // Constraints without pressure and motion start sticking.
         let is_idle = self.pressed.normal <= 0.0 && self.trial(self.pace()) == [0.0; 2];
         if limit > 0.0 || is_idle { self.nearest(self.pace(), limit) } else { RowState::Forward }
     }
 
-    /// True if the trial has a direction above round-off of the limit. Without one, the equations of sliding rows have an arbitrary
+    /// True if the direction of the trial is above round-off of the limit; otherwise equations of slipping constraints have an arbitrary
     /// direction.
     pub fn is_directed(&self) -> bool {
         let trial = size(self.trial(self.pace()));
@@ -159,7 +158,7 @@ impl SlipVector<'_> {
         let c = self.pace();
         let e = direction(self.trial(c));
         let slides = matches!(state, RowState::Forward | RowState::Backward);
-        // Slip leads against the multiplier; one that does not yet has no speed.
+        // Slip has the opposite direction of the multiplier; with the wrong sign its speed counts as zero.
         let at = if slides { (-dot(e, self.slip)).max(0.0) } else { size(self.slip) };
         let Limit { shear, by_pressure, by_speed } = self.pressed.limit(at);
         let (Map { value, along, across }, film, by) = (self.map(c, state, shear), self.film(), 1.0 / c);
@@ -169,8 +168,8 @@ impl SlipVector<'_> {
             let (along, across) = (scale_along * along, scale_across * across);
             std::array::from_fn(|i| std::array::from_fn(|j| (along - across) * e[i] * e[j] + if i == j { across } else { 0.0 }))
         };
-        // A friction force that decreases faster than the bodies' compliance has no solution beside this one, but one at a larger speed:
-        // iterations go there.
+        // If the friction force decreases faster than the bodies' compliance, no solution exists near this one, only at a larger speed:
+        // iterations move there.
         let weakening = if slides { by_speed.max(-c) } else { 0.0 };
         let gradient = matrix(along + by * ((1.0 - along) * film + weakening), across + by * (1.0 - across) * film);
         let diagonal = matrix(by * (1.0 - along) + compliance * along, by * (1.0 - across) + compliance * across);
@@ -196,7 +195,7 @@ impl SlipVector<'_> {
     pub fn change(&self, state: RowState) -> Option<(RowState, f64)> {
         let (dry, stop, c) = (self.dry(), self.stop(), self.pressed.c);
         let most = self.limit([0.0; 2]).shear / c;
-        // Speed against the multiplier, and multiplier against the slip.
+        // Speed opposite to the multiplier, and multiplier opposite to the slip.
         let (forward, against) = (-dot(direction(dry), self.slip), -dot(dry, direction(self.slip)) / c);
         let (next, off) = match state {
             RowState::Open | RowState::Closed if stop > 0.0 => (RowState::Turns, size(self.slip)),
@@ -204,7 +203,7 @@ impl SlipVector<'_> {
             RowState::Turns => (RowState::Stops, size(self.slip) - stop),
             RowState::Stops if against < 0.0 => (RowState::Turns, -against),
             RowState::Stops => (RowState::Forward, against - self.limit(self.rest).shear / c),
-            // Without a limit there is nothing but to slide.
+            // Without a friction limit slip is the only state.
             RowState::Forward | RowState::Backward if most <= 0.0 => return None,
             RowState::Forward | RowState::Backward => (if stop > 0.0 { RowState::Stops } else { RowState::Closed }, stop - forward),
         };
@@ -223,7 +222,7 @@ mod tests {
         SlipVector { pressed, lambda, slip, rest }
     }
 
-    /// Places on the graph, by limit and size of the slip at rest: multiplier, slip, state.
+    /// Points of the graph for a limit and a size of `rest`: multiplier, slip, state.
     fn places(limit: f64, r: f64) -> Vec<(Pair, Pair, RowState)> {
         let e = [0.6, -0.8];
         let at = |slip: f64, s: f64| (e.map(|e| -s * e), e.map(|e| slip * e));
@@ -248,7 +247,7 @@ mod tests {
                 assert_eq!(at.first_state(), state);
                 assert!(at.residual().0 < 1e-15 && dot(lambda, slip) <= 0.0, "{state:?}");
                 assert_eq!(at.change(state), None, "{state:?}");
-                // The equations hold there: a step of none.
+                // The equations are satisfied there by a zero increment.
                 for (k, equation) in at.equations(state).into_iter().enumerate() {
                     let Equation { diagonal, normal, beside, right, .. } = equation;
                     let left = diagonal * lambda[k] + beside[1] * lambda[1 - k] + normal * 2.0;
@@ -258,7 +257,7 @@ mod tests {
         }
     }
 
-    /// From any state the graph is gone along towards the right one.
+    /// From every state the changes lead along the graph towards the right one.
     #[test]
     fn rows_change_their_state_along_the_graph() {
         let law = Coulomb::default();
@@ -275,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Newton's rows have the derivatives of what they linearize, the map of the trial.
+    /// Newton's equations have the derivatives of the map of the trial.
     #[test]
     fn equations_are_the_derivatives_of_the_map() {
         let law = Coulomb { static_ratio: 1.6, transition_speed: 0.4, exponent: 2.0, viscosity: 0.3, ..Coulomb::default() };
@@ -287,13 +286,13 @@ mod tests {
             (RowState::Turns, [0.01, 0.02], [0.03, 0.05], 0.2),
         ];
         for (state, lambda, slip, r) in cases {
-            // Along the trial and across it divided by what makes the entries of order one.
+            // Along the trial and perpendicular to it, divided by the scale that makes the entries of order one.
             let at = rows(&law, 1.7, lambda, slip, [r, 0.0]);
             let (c, e) = (at.pace(), direction(at.trial(at.pace())));
             let Map { along, across, .. } = at.map(c, state, at.pressed.limit((-dot(e, slip)).max(0.0)).shear);
             let [along, across] = [along, across].map(|n| 1.0 / (n * c + (1.0 - n) * at.pressed.stiffness));
             let scaled = |off: Pair| plus(off.map(|x| across * x), (along - across) * dot(off, e), e);
-            // Speed against the trial, as in the equation: along a slip that leads straight against it both are the same.
+            // Speed opposite to the trial, as in the equation; for a slip exactly opposite to it both are equal.
             let missed = |normal: f64, lambda: Pair, slip: Pair| {
                 let at = rows(&law, normal, lambda, slip, [r, 0.0]);
                 let speed = (-dot(direction(at.trial(c)), slip)).max(0.0);
@@ -309,7 +308,7 @@ mod tests {
                 assert!((by_normal - normal).abs() < 1e-8, "{state:?} {by_normal} {normal}");
                 assert!((by_lambda[0] - diagonal).abs() < 2e-3 && (by_lambda[1] - beside[1]).abs() < 2e-3, "{state:?} {by_lambda:?}");
                 let by_slip = [i, j].map(|k| slope(&|s| missed(1.7, lambda, plus(slip, 1.0, unit(k, s)))));
-                // A film turns the trial besides, and speed follows its direction: terms of their size are left out.
+                // A film also rotates the trial, and the speed depends on its direction; terms of that size are omitted.
                 assert!((by_slip[0] - gradient).abs() < 0.05 && (by_slip[1] - beside[0]).abs() < 0.05, "{state:?} {by_slip:?}");
             }
         }

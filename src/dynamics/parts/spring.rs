@@ -1,15 +1,15 @@
 //! A spring between two ends: nodes, means of boundaries, points of the ground.
 //!
-//! `V(x)` of the elongation `x = l - L`, with the distance `l = |r|`, `r = x_b - x_a`. It is a function of the quadratic invariant
-//! `pi = r.r`, so its discrete gradient is the quotient `g = (V_1 - V_0) / (pi_1 - pi_0) = F / (l_0 + l_1)`, with the mean force `F` over
-//! the step ([`super::force_laws`]). Of a linear spring, `V = k/2 x^2`,
+//! The potential `V(x)` depends on the elongation `x = l - L`, with the distance `l = |r|`, `r = x_b - x_a`. As a function of the quadratic
+//! invariant `pi = r.r` its discrete gradient is the quotient `g = (V_1 - V_0) / (pi_1 - pi_0) = F / (l_0 + l_1)`, with the mean force `F`
+//! over the step ([`super::force_laws`]). For a linear spring, `V = k/2 x^2`,
 //!
 //! ```text
 //! g = k/2 (1 - 2 L / (l_0 + l_1)),    f = 2 g r_mid,    df/dr_1 = g I + 4 T r_mid r_1^T,    T = k L / (2 l_1 (l_0 + l_1)^2)
 //! ```
 //!
-//! It does exactly the work by which `V` changes, pulls both ends with opposite forces along the line of `r_mid`, and keeps both momenta,
-//! but for an end on the ground.
+//! Its work equals the change of `V`. The forces on both ends are opposite and along `r_mid`: linear and angular momentum are conserved
+//! unless an end is on the ground.
 
 use super::force_laws::SpringLaw;
 use super::line::{Line, LineDefinition, LineElement};
@@ -69,7 +69,7 @@ struct Pull {
 }
 
 impl Spring {
-    /// `1 - L/l`, where two ends have come together as in a spring without a length at rest.
+    /// Stretch `1 - L/l`; 1 for coinciding ends, as for a spring of zero rest length.
     fn stretch(&self, length: f64) -> f64 {
         if length > 0.0 { 1.0 - self.rest_length / length } else { 1.0 }
     }
@@ -93,12 +93,12 @@ impl Spring {
         }
     }
 
-    /// Force of a spring with any law, and its derivative; zero direction where the ends coincide.
+    /// Force of a spring with any law, and its derivative; zero direction if the ends coincide.
     fn general(&self, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
         let (share, test, trial, length, (force, slope)) = match derivative {
             Derivative::DiscreteGradient => {
-                // F / ((l_0 + l_1)/2) r_mid, whose distance depends on l_1 by a half.
+                // Force F / ((l_0 + l_1)/2) r_mid; the mean distance depends on l_1 by one half.
                 let mean = self.law.mean(l_0 - self.rest_length, l_1 - self.rest_length);
                 (0.5, middle, r_1, 0.5 * (l_0 + l_1), (mean.0, 2.0 * mean.1))
             }
@@ -163,7 +163,7 @@ mod tests {
     use crate::dynamics::parts::force_laws::{Elastic, Sides};
     use crate::linear::Vertex;
 
-    /// Force and tangent (row by row of both nodes) of a spring of rest length 0.7 in a step.
+    /// Force and tangent (row by row over both nodes) of a spring of rest length 0.7 in a step.
     fn linearized(law: &SpringLaw, dimension: usize, derivative: Derivative, q_0: &[f64], q_1: &[f64]) -> (Vec<f64>, Vec<f64>, Spring) {
         let pattern = Pattern::new(&[Vertex::coordinates(dimension as u8); 2], [&[0u32, 1][..]].into_iter());
         let numbering = Numbering { dimension, first: &[0], reference: q_0 };

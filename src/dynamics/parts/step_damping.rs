@@ -57,9 +57,9 @@ impl<const D: usize> StepDamping<D> {
         0.5 * chi * self.elements.advance(&Step { dt: 1.0, ..step_of(at, &[]) }).viscous
     }
 
-    /// Adds `beta` times the stiffness `B^T C B` at displacements to values of the matrix: its null space are the rigid velocities there.
+    /// Adds `beta` times the stiffness `B^T C B` at the displacements `u` to values of the matrix; its null space are the rigid velocities.
     pub fn add_stiffness(&self, u: &[f64], beta: f64, values: &mut [f64]) {
-        // A strain that does not change has no stress.
+        // A constant strain has no viscous stress.
         let step = Step { derivative: Derivative::AT_END, weight: beta, inertia: 0.0, u_0: u, u_1: u, history: &[], dt: 1.0 };
         self.elements.add_step(&step, &mut vec![0.0; u.len()], Some(values));
     }

@@ -1,6 +1,6 @@
-//! Supports: displacement components that are held or follow a time function.
+//! Supports: displacement components that are fixed or follow a time function.
 //!
-//! They stay in the numbering; their rows and columns of the matrix are replaced by the identity.
+//! Their unknowns stay in the numbering; rows and columns of the matrix are replaced by the identity.
 
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::BodyBoundary;
@@ -13,10 +13,10 @@ pub struct PrescribedUnknown {
     pub unknown: usize,
     /// Index of the prescribed motion among the motions of the supports.
     motion: usize,
-    /// Place of its node at the start `[length]`, and the direction.
+    /// Position of the node at the start `[length]`, and the component.
     place: [f64; 3],
     component: usize,
-    /// Displacement at the start, of a body that has displacements there `[length]`.
+    /// Displacement at the start for bodies with initial displacements, else `None` `[length]`.
     start: Option<f64>,
 }
 
@@ -26,7 +26,7 @@ pub struct Supports {
     pub fixed: Vec<bool>,
     /// Components that follow a time function.
     pub prescribed: Vec<PrescribedUnknown>,
-    /// The motions with the names of their boundaries.
+    /// Prescribed motions with the names of their boundaries.
     motions: Vec<(Prescription, String)>,
     /// Index of the prescribed rotation of each boundary of `held`, if it has one.
     turning: Vec<Option<usize>>,
@@ -40,7 +40,7 @@ impl Supports {
         self.fixed[node as usize * D..][..D].iter().filter(|fixed| !**fixed).count()
     }
 
-    /// The supports of a model with so many unknowns, `global` the number of a body's node in the model.
+    /// Supports of a model with `unknowns` components; `global` maps body and node to the node number in the model.
     pub fn new<const D: usize>(model: &Model, unknowns: usize, global: impl Fn(usize, u32) -> u32) -> Self {
         let mut fixed = vec![false; unknowns];
         let names = model.support_names();
@@ -87,10 +87,10 @@ impl Supports {
         &self.motions[prescribed.motion].1
     }
 
-    /// Displacements and velocities of the prescribed unknowns at a time: of a body that has displacements at the start from there on.
+    /// Displacements and velocities of the prescribed unknowns at a time; prescribed displacements are added to initial ones.
     ///
     /// # Errors
-    /// A time function failed or gave no finite number.
+    /// A time function failed, or returned a value that is not finite.
     pub fn prescribed_motion(&self, time: f64) -> Result<(Vec<f64>, Vec<f64>), StepError> {
         let motions = self.motions_at(time)?;
         let begun = if self.prescribed.iter().any(|one| one.start.is_some()) { self.motions_at(0.0)? } else { Vec::new() };

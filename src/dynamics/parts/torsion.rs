@@ -1,10 +1,10 @@
-//! A torsional spring in the plane: between the directions of two bodies, or of a body and the ground.
+//! A torsional spring in the plane between the directions of two bodies, or of a body and the ground.
 //!
-//! The direction of a body is that from one of its nodes to another, at the angle `phi`; the spring stores `V(x)` of the angle
+//! The direction of a body leads from one of its nodes to another, at the angle `phi`. The spring stores `V(x)` of the angle
 //! `x = phi_b - phi_a` relative to that in the undeformed bodies, counted over whole turns: the history variable is the angle at the end of
-//! the step before. Rigid motions leave `x` unchanged, so its forces are the projected discrete gradient of
-//! [`Projection`](crate::integrators::Projection), which conserves linear and angular momentum. With the ground as one end energy alone is
-//! conserved, and the correction is along the increment itself (Gonzalez 1996).
+//! the previous step. `x` is invariant under rigid motions: the forces are the projected discrete gradient of
+//! [`Projection`](crate::integrators::Projection), which conserves linear and angular momentum. With the ground as one end only energy is
+//! conserved, and the correction is along the increment (Gonzalez 1996).
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -22,9 +22,9 @@ use crate::math::tolerances::PROJECTED_INCREMENT;
 pub struct TorsionDefinition {
     /// Name, unique among the parts.
     pub name: String,
-    /// Directions, each by a body and two of its nodes; of one alone against the ground.
+    /// Directions, each given by a body and two of its nodes; a single one acts against the ground.
     pub directions: Vec<(usize, [u32; 2])>,
-    /// Moment by the angle in radians `[force * length]` (per thickness).
+    /// Moment as a function of the angle in radians `[force * length]` (per thickness).
     pub law: SpringLaw,
 }
 
@@ -85,7 +85,7 @@ struct Torsion {
     places: Vec<Block>,
 }
 
-/// The angle of its nodes, its gradient and its Hessian, row by row.
+/// Gradient and Hessian (row by row) of the angle with respect to the nodes.
 struct Angle {
     gradient: Vec<f64>,
     hessian: Vec<f64>,
@@ -96,7 +96,7 @@ impl Torsion {
         self.nodes.iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
     }
 
-    /// Signs of the directions: the second turns forward, and one against the ground.
+    /// Start indices and signs of the directions: the second one, or a single one, is positive.
     fn signs(&self) -> impl Iterator<Item = (usize, f64)> {
         let both = self.nodes.len() == 4;
         (0..self.nodes.len() / 2).map(move |k| (4 * k, if both && k == 0 { -1.0 } else { 1.0 }))
@@ -107,7 +107,7 @@ impl Torsion {
         self.signs().map(|(k, sign)| sign * (x[k + 3] - x[k + 1]).atan2(x[k + 2] - x[k])).sum()
     }
 
-    /// The angle that is nearest to one before.
+    /// Angle in the turn nearest to the angle `before`.
     fn angle(&self, x: &[f64], before: f64) -> f64 {
         let angle = self.raw(x) - self.rest;
         angle + TAU * ((before - angle) / TAU).round()
@@ -142,7 +142,7 @@ impl Torsion {
         angle
     }
 
-    /// `dV` and its derivative at an angle.
+    /// Gradient of `V` and its derivative at an angle.
     fn potential(&self, x: &[f64], at: f64) -> (Vec<f64>, Vec<f64>) {
         let ((moment, slope), Angle { gradient, mut hessian }) = (self.law.force(at), self.derivatives(x));
         let count = x.len();
@@ -152,7 +152,7 @@ impl Torsion {
         (gradient.iter().map(|g| moment * g).collect(), hessian)
     }
 
-    /// Forces of a step and their derivative with respect to its end.
+    /// Forces of a step, and their derivative with respect to its end positions.
     fn forces(&self, at: &Iterate, before: f64) -> (Vec<f64>, Vec<f64>) {
         let (x_0, x_1) = (self.own(at.q_0), self.own(at.q_1));
         let middle: Vec<f64> = x_0.iter().zip(&x_1).map(|(a, b)| 0.5 * (a + b)).collect();
@@ -188,7 +188,7 @@ impl Torsion {
     }
 }
 
-/// Discrete gradient of a function whose correction is along the increment, and its derivative.
+/// Discrete gradient of a function with a correction along the increment, and its derivative.
 fn along_increment(x_0: &[f64], x_1: &[f64], function: &PatchFunction, force: &mut [f64], slope: &mut [f64]) {
     let PatchFunction { gradient_mid, gradient_end, hessian_mid, change } = *function;
     let (count, moved): (usize, Vec<f64>) = (x_1.len(), x_0.iter().zip(x_1).map(|(a, b)| b - a).collect());
@@ -280,7 +280,7 @@ mod tests {
             };
             torsion.nodes.truncate(2 * bodies);
             let q_0 = &q_0[..4 * bodies];
-            // The last direction turns about its first node.
+            // The last direction rotates about its first node.
             let mut q_1 = q_0.to_vec();
             let k = 4 * (bodies - 1);
             let (dx, dy) = (q_0[k + 2] - q_0[k], q_0[k + 3] - q_0[k + 1]);

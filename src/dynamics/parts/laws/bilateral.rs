@@ -1,8 +1,8 @@
-//! Ties: zero gap with a multiplier of any sign.
+//! Bilateral constraints (ties): zero gap with a multiplier of any sign.
 
 use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
 
-/// `Phi = 0`.
+/// Law `Phi = 0`.
 #[derive(Debug)]
 pub struct Bilateral;
 
@@ -33,7 +33,7 @@ impl RowLaw for Bilateral {
     }
 }
 
-/// `Phi = target`, with the compliance of an augmentation.
+/// Equation `Phi = target`, with the compliance of an augmentation.
 pub(super) fn held(row: &Row) -> Equation {
     Equation::held(row.compliance, row.target - row.gap + row.compliance * row.lambda)
 }

@@ -1,4 +1,4 @@
-//! Law of a constraint.
+//! Interface of the laws of constraints.
 //!
 //! A constraint has a function `Phi` (a weighted gap) and a multiplier `lambda` with the force `lambda grad Phi`. The law gives the
 //! conditions on both in a step, the residual at an iterate, and the equation of an active constraint in Newton's system,
@@ -7,9 +7,9 @@
 //! A G_1 dq + B lambda + N lambda_n = r,
 //! ```
 //!
-//! with `G_1` the gradient of `Phi` at the end of the step and `dq` the increment; `lambda_n` enters tangential constraints
-//! (`friction_rows.rs`) alone. In space these form groups of two (`slip_vector.rs`), whose equations also contain the slip and multiplier
-//! of the other one. A law is independent of contact methods and surfaces.
+//! with the gradient `G_1` of `Phi` at the end of the step and the increment `dq`. `lambda_n` is the normal multiplier in tangential
+//! constraints (`friction_rows.rs`). In space these form groups of two (`slip_vector.rs`), whose equations also contain the slip and
+//! multiplier of the other constraint. Laws are independent of contact methods and surfaces.
 
 use std::fmt;
 
@@ -34,7 +34,7 @@ pub enum RowState {
 }
 
 impl RowState {
-    /// Closed where that is so, open otherwise.
+    /// Closed if `is_closed`, else open.
     pub fn closed_if(is_closed: bool) -> Self {
         if is_closed { RowState::Closed } else { RowState::Open }
     }
@@ -59,12 +59,12 @@ impl RowState {
         self != RowState::Open
     }
 
-    /// State of a tangential constraint that slips against a multiplier of that sign.
+    /// State of a tangential constraint that slips, with a multiplier of this sign.
     pub fn sliding(multiplier: f64) -> Self {
         if multiplier > 0.0 { RowState::Forward } else { RowState::Backward }
     }
 
-    /// Sign of the multiplier of a slipping tangential constraint.
+    /// Sign of the multiplier of a slipping tangential constraint; `None` for other states.
     pub fn sense(self) -> Option<f64> {
         match self {
             RowState::Forward => Some(1.0),
@@ -81,11 +81,11 @@ impl RowState {
 
 /// Constraint at the start of a step.
 pub struct RowStart {
-    /// `Phi` at the start.
+    /// Constraint function `Phi` at the start of the step.
     pub gap: f64,
-    /// `Phi` in the penalty potential at the end of the previous step.
+    /// Constraint function `Phi` in the penalty potential at the end of the previous step.
     pub penalty_gap: f64,
-    /// `Phi` of an active constraint.
+    /// Constraint function `Phi` of an active constraint.
     pub held: f64,
     /// Excess of `Phi` over `held` up to which the constraint counts as closed.
     pub closed: f64,
@@ -109,7 +109,7 @@ pub struct Demand {
 
 /// Constraint at an iterate.
 pub struct Row {
-    /// `Phi`.
+    /// Constraint function `Phi`.
     pub gap: f64,
     /// Multiplier.
     pub lambda: f64,
@@ -137,15 +137,15 @@ pub struct Row {
 pub struct Equation {
     /// True if the multiplier may be nonzero.
     pub acts: bool,
-    /// `A`.
+    /// Coefficient `A` of the change `G_1 dq` of the constraint function.
     pub gradient: f64,
-    /// `B`.
+    /// Coefficient `B` of the multiplier.
     pub diagonal: f64,
-    /// `N`.
+    /// Coefficient `N` of the normal multiplier.
     pub normal: f64,
-    /// `A'` and `B'`.
+    /// Coefficients `A'` and `B'` of the other tangential constraint of the group.
     pub beside: [f64; 2],
-    /// `r`.
+    /// Right side `r`.
     pub right: f64,
     /// Tangential compliance within the iteration: the state is that of the slip `u + compliance (lambda - lambda_k)`, with the multiplier
     /// `lambda_k` of the iterate.
@@ -153,11 +153,11 @@ pub struct Equation {
 }
 
 impl Equation {
-    /// `lambda = 0`.
+    /// Equation `lambda = 0` of an inactive constraint.
     pub const OPEN: Equation =
         Equation { acts: false, gradient: 0.0, diagonal: 1.0, normal: 0.0, beside: [0.0; 2], right: 0.0, compliance: 0.0 };
 
-    /// `G_1 dq + compliance lambda = right`.
+    /// Equation `G_1 dq + compliance lambda = right` of an active constraint.
     pub fn held(compliance: f64, right: f64) -> Equation {
         Equation { acts: true, gradient: 1.0, diagonal: compliance, right, ..Equation::OPEN }
     }

@@ -1,4 +1,4 @@
-//! Laws of constraints: active set, equation, residual. One file and one row each.
+//! Laws of constraints: active set, equation, residual; one file each.
 
 mod bilateral;
 mod law;
@@ -39,7 +39,7 @@ mod tests {
                 let start = row(gap, lambda);
                 let Equation { acts, diagonal, right, .. } = law.equation(&start);
                 for pressed in [-3.0, 0.0, 3.0] {
-                    // A multiplier is given; the gap follows, or, where a potential acts, the multiplier from the gap.
+                    // The multiplier is given; the gap follows, or, for a potential, the multiplier follows from the gap.
                     let change = if acts { right - diagonal * pressed } else { 0.0 };
                     let solved = row(gap + change, if acts { pressed } else { right });
                     let asks = law.change(RowState::Closed, &solved).is_some();
@@ -49,7 +49,7 @@ mod tests {
                     assert_eq!(asks, law.has_multiplier() && !law.is_bilateral() && pressed <= 0.0, "{law:?}");
                 }
             }
-            // Open and apart: nothing to change.
+            // Open and apart: no change.
             assert!(law.change(RowState::Open, &row(0.5, 0.0)).is_none());
         }
     }
@@ -65,7 +65,7 @@ mod tests {
             }
             assert_eq!(Bilateral.demand(&start).target, if keeps { gap } else { 0.0 });
         }
-        // What pairs find late has no potential.
+        // Overlap of newly admitted pairs has no potential.
         let start = RowStart { gap: -0.3, penalty_gap: -0.1, held: 0.0, closed: 1e-6, keeps: false, end_point: false };
         let demand = Penalty.demand(&start);
         assert!((demand.shift - 0.2).abs() < 1e-15 && (demand.gap + 0.1).abs() < 1e-15);

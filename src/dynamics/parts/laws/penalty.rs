@@ -1,8 +1,8 @@
-//! Penalty potentials: the pressure is that of `kappa/2 min(Phi, 0)^2` over the step.
+//! Penalty potentials: the pressure is the mean of `kappa/2 min(Phi, 0)^2` over the step.
 
 use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
 
-/// `lambda = p(Phi)`.
+/// Law `lambda = p(Phi)`.
 #[derive(Debug)]
 pub struct Penalty;
 
@@ -26,7 +26,7 @@ impl RowLaw for Penalty {
         (off / row.c, off * (row.gap + row.shift - row.gap_n))
     }
 
-    /// `lambda = p(Phi_1 + G_1 dq)`, divided by the slope so that all rows are of one size.
+    /// Equation `lambda = p(Phi_1 + G_1 dq)`, divided by the slope, so that all rows have similar entries.
     fn equation(&self, row: &Row) -> Equation {
         match pressure_at(row) {
             (_, 0.0) => Equation::OPEN,
@@ -49,7 +49,7 @@ impl RowLaw for Penalty {
 
 /// Pressure at an iterate, and its derivative.
 fn pressure_at(row: &Row) -> (f64, f64) {
-    // From a start at zero the quotient is half the pressure of the end.
+    // From a start at zero the quotient is half of the pressure at the end.
     if row.end_point { pressure(2.0 * row.stiffness, 0.0, row.gap) } else { pressure(row.stiffness, row.gap_n, row.gap + row.shift) }
 }
 
@@ -60,7 +60,7 @@ fn pressure(kappa: f64, gap_n: f64, gap: f64) -> (f64, f64) {
     } else if gap_n >= 0.0 && gap >= 0.0 {
         (0.0, 0.0)
     } else {
-        // One end is open: the numerator is the other end's potential.
+        // One end is open: the numerator is the potential of the other end.
         let (step, closed) = (gap - gap_n, gap.min(0.0).powi(2) - gap_n.min(0.0).powi(2));
         (-0.5 * kappa * closed / step, -0.5 * kappa * (2.0 * gap.min(0.0) - closed / step) / step)
     }

@@ -1,13 +1,13 @@
-//! Contact: `Phi >= 0`, `lambda >= 0`, `lambda Phi = 0` (Signorini), each against the target of the step.
+//! Unilateral contact: `Phi >= 0`, `lambda >= 0`, `lambda Phi = 0` (Signorini), relative to the target of the step.
 
 use super::bilateral::held;
 use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
 use crate::math::tolerances;
 
-/// `Phi >= target`, pressed or open.
+/// Law `Phi >= target`, active or open.
 ///
-/// The target is not above the gap at the start where that is an overlap: contact drives nothing apart, its work
-/// `lambda (target - Phi_n)` is never positive.
+/// The target never exceeds an overlap at the start: contact drives nothing apart, and its work `lambda (target - Phi_n)` is never
+/// positive.
 #[derive(Debug)]
 pub struct Unilateral;
 

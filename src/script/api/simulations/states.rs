@@ -32,7 +32,7 @@ pub struct StateHandle {
     pub history: History,
     /// Name of its simulation.
     pub name: String,
-    /// Its simulation; `None` for a state that another process has saved.
+    /// Simulation of the state; `None` for a state that another process has saved.
     pub simulation: Option<SimulationHandle>,
 }
 
