@@ -39,10 +39,6 @@ pub const NEWTON_MOMENTUM: f64 = 0.01;
 /// happens to be orthogonal to the motion.
 pub const NEWTON_FORCE: f64 = 1e-7;
 
-/// Round-off of gaps relative to positions: contact forces times this, times the size of the model, is an energy that no iteration
-/// reduces. Bodies at rest have less energy of their own in small steps (`tests/scripts/rigid_friction_in_space.rhai`).
-pub const CONTACT_ROUND_OFF: f64 = 4e-15;
-
 /// Energy criterion of Newton's method for intermediate equilibria.
 pub const ON_THE_WAY: f64 = 1e-8;
 

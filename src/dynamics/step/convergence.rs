@@ -90,7 +90,7 @@ impl Convergence {
     /// Judges an iterate; not before the iteration `at_least` is it a solution.
     pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> Judgement {
         let falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.energies[0];
-        let falls_far = record.energy <= TENTH * self.energies[SOME - 1];
+        let falls_far = record.residual <= record.target && record.energy <= TENTH * self.energies[SOME - 1];
         self.energies.rotate_right(1);
         self.energies[0] = record.energy;
         let is_stalled = !falls && (record.energy <= STALLED || record.residual <= record.floor);
