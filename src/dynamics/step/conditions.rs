@@ -122,12 +122,26 @@ impl<const D: usize> Equations<D> {
     /// Stiffness of the node of every constraint, pressure per weighted gap: its elastic stiffness and its inertia in a step.
     pub fn row_stiffness(&self, start: &StepStart) -> Vec<f64> {
         let mut stiffness = Vec::with_capacity(self.multipliers);
+        let mass_of = |body: usize| self.bodies[body].nodes.clone().map(|node| self.nodes.nodal_mass[node]).sum::<f64>();
+        // Nodes of a rigid body whose mass was given as a number have none of it.
+        let masses: Vec<f64> =
+            (0..self.bodies.len()).map(|body| if self.bodies[body].rigid.is_some() { mass_of(body) } else { 0.0 }).collect();
+        let inertia = |&node: &u32| {
+            let (own, body) = (self.nodes.lumped_mass[node as usize], self.body_of(node as usize));
+            start.inertia(body) * if own > 0.0 { own } else { masses[body] }
+        };
         for pair in &self.pairs {
-            stiffness.extend(pair.rows.clone().zip(pair.kernel.weights()).map(|(row, weight)| {
+            let (patches, mut of_elements) = (pair.kernel.patches(), vec![0.0f64; pair.rows.len()]);
+            // Constraints of facets or edges accelerate the nodes of their contact elements.
+            for p in (0..patches.len()).filter(|_| pair.kernel.row_nodes().is_empty()) {
+                let heaviest = patches.nodes(p).iter().map(inertia).fold(0.0, f64::max);
+                patches.rows(p).iter().for_each(|&row| of_elements[row as usize] = of_elements[row as usize].max(heaviest));
+            }
+            stiffness.extend(pair.rows.clone().zip(pair.kernel.weights()).zip(&of_elements).map(|((row, weight), of_elements)| {
                 let own = pair.node_of(row);
                 let carriers = pair.kernel.carriers(row - pair.rows.start);
-                let inertia = |&node: &u32| start.inertia(self.body_of(node as usize)) * self.nodes.lumped_mass[node as usize];
-                pair.c + own.as_slice().iter().chain(carriers).map(inertia).sum::<f64>() / weight.powi(2)
+                let of_nodes = own.as_slice().iter().chain(carriers).map(inertia).sum::<f64>();
+                pair.c + of_nodes.max(*of_elements) / weight.powi(2)
             }));
         }
         stiffness.resize(self.multipliers, 0.0);
