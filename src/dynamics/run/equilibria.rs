@@ -30,7 +30,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The state in the equilibrium at the end of a step, as [`Self::settle_at`] finds it.
+    /// State in the equilibrium at the end of a static step, found by [`Self::settle_at`].
     pub(super) fn static_piece(&mut self, dt: f64) -> Result<State, Failure> {
         let before = self.state.clone();
         let begun = self.balanced()?;

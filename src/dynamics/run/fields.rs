@@ -21,12 +21,12 @@ pub struct BodyFields {
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, recovered at nodes as the stress.
     pub strain: Vec<[f64; 6]>,
-    /// Estimated error of the stresses around a node `[stress]`: how far those of its cells are from the continuous stress of the nodes, a
-    /// root mean square of the tensor's size (Zienkiewicz and Zhu 1987).
+    /// Estimated error of the stresses around a node `[stress]`: root mean square of the difference between cell stresses and the
+    /// continuous nodal stress (Zienkiewicz and Zhu 1987).
     pub stress_error: Vec<f64>,
     /// True of a deformable body whose material flows plastically.
     pub flows: bool,
-    /// Equivalent plastic strain, recovered as the stresses are and never below 0; 0 of a material that does not flow.
+    /// Equivalent plastic strain, recovered at nodes like the stress and never negative; 0 for materials without plasticity.
     pub plastic_strain: Vec<f64>,
     /// Von Mises' norm of the back stress, likewise `[stress]`.
     pub back_stress: Vec<f64>,
@@ -76,9 +76,9 @@ pub fn von_mises([xx, yy, zz, xy, yz, xz]: &[f64; 6]) -> f64 {
 /// Evaluation places of stresses and strains inside of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellPlaces {
-    /// One mean for each cell, by volume, at its centroid.
+    /// One volume-weighted mean for each cell, at its centroid.
     Cells,
-    /// Each quadrature point, those of a cell together.
+    /// Each quadrature point, grouped by cell.
     Points,
 }
 
@@ -112,7 +112,7 @@ pub struct BodyTotals {
     pub momentum: [f64; 3],
     /// Angular momentum about the origin; in the plane only the third component.
     pub angular_momentum: [f64; 3],
-    /// Estimated error of the stresses over their size, as in [`BodyFields::stress_error`].
+    /// Estimated error of the stresses relative to their size, as in [`BodyFields::stress_error`].
     pub stress_error: f64,
     /// Center of mass `[length]`.
     pub center: [f64; 3],
@@ -121,7 +121,7 @@ pub struct BodyTotals {
 /// Rigid obstacle at its place at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedObstacle {
-    /// Name of its contact; of several contacts with the same obstacle, those of all.
+    /// Name of the contact; the names of all contacts if several share the obstacle.
     pub name: String,
     /// Shape of the obstacle at its initial place.
     pub shape: Obstacle,
@@ -146,7 +146,7 @@ pub struct JointLoad {
     pub work: Option<f64>,
 }
 
-/// Constraints of a tie or a joint that follow from others and from supports, and are left out.
+/// Redundant constraints of a tie or a joint, which depend on other constraints and on supports and are omitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RedundantConstraints {
     /// Name of the tie or joint.
@@ -211,8 +211,7 @@ pub struct ContactFields {
     pub heat: Vec<f64>,
     /// Contact force on each secondary node, that of friction included `[force]`.
     pub forces: Vec<[f64; 3]>,
-    /// Resultant of these forces `[force]`; of a surface with itself on one side of its folds, each pair of
-    /// facets being taken once.
+    /// Resultant of `forces` `[force]`; for self-contact that of one side only, since each facet pair is counted once.
     pub force: [f64; 3],
     /// Sum of the sizes of the nodal forces that press `[force]`.
     pub normal_force: f64,
@@ -222,7 +221,7 @@ pub struct ContactFields {
     pub sliding: usize,
 }
 
-/// The secondary surface of a contact at one time, as something to look at.
+/// Secondary surface of a contact at one time, for display.
 #[derive(Clone, Debug)]
 pub struct ContactSurface {
     /// Name of the contact.

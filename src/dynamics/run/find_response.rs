@@ -32,7 +32,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Steady vibrations about the present state, which stays as it is.
+    /// Steady vibrations about the present state, which is not changed.
     ///
     /// # Errors
     /// [`HarmonicError`].
@@ -71,7 +71,7 @@ where
     }
 }
 
-/// Vectors, their combination for each frequency, and the largest residual.
+/// Lanczos vectors, their coefficients for each frequency, and the largest relative residual.
 type Found = (Vec<Vec<f64>>, Vec<Vec<Complex<f64>>>, f64);
 
 fn search<const D: usize>(

@@ -7,7 +7,7 @@ use super::ledger::LedgerRow;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 
-/// The name of a cause. (A name of its own for the type keeps `serde` from borrowing it from what is read.)
+/// Name of a cause; the type alias prevents `serde` from borrowing it from the input.
 pub type Cause = &'static str;
 
 /// Halvings for one cause.
@@ -46,18 +46,18 @@ impl Halvings {
         new.count_among(&mut self.done);
     }
 
-    /// Counts a step of size `dt` after `row` that would have to be halved, but may not be any more.
+    /// Counts a step of size `dt` after `row` that requires halving but has reached the largest number of halvings.
     pub fn refuse(&mut self, motion: LargeMotion, dt: f64, row: &LedgerRow) {
         let new = Halving { cause: motion.kind.name(), motion: Some(motion), count: 1, step: row.step, time: row.time, dt };
         new.count_among(&mut self.refused);
     }
 
-    /// Cause by cause and contact by contact, in the order of their first ones.
+    /// Halvings by cause and contact, in the order of first occurrence.
     pub fn all(&self) -> &[Halving] {
         &self.done
     }
 
-    /// Steps that were tried without halving although their motion is too large, by cause and contact.
+    /// Steps taken without the halving that their motion requires, by cause and contact.
     pub fn refused(&self) -> &[Halving] {
         &self.refused
     }

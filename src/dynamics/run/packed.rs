@@ -12,7 +12,7 @@ trait Packed {
     /// Appends the bytes.
     fn put(&self, into: &mut Vec<u8>);
 
-    /// Takes the value from the beginning of some bytes; `None` where they are too few.
+    /// Reads the value from the front of a byte slice; `None` if the slice is too short.
     fn take(&mut self, from: &mut &[u8]) -> Option<()>;
 }
 
@@ -102,7 +102,7 @@ impl LedgerRow {
         self.put(into);
     }
 
-    /// Takes the row from the beginning of some bytes, in place of what it was; the bytes behind it, or `None` where they are too few.
+    /// Replaces the row by one read from the front of a byte slice; returns the remaining bytes, or `None` if the slice is too short.
     #[inline(never)]
     pub fn unpack<'a>(&mut self, mut bytes: &'a [u8]) -> Option<&'a [u8]> {
         self.take(&mut bytes)?;

@@ -30,7 +30,7 @@ pub enum FailureCause {
         /// Resulting failure.
         outcome: Box<FailureCause>,
     },
-    /// Newton's method came nearer from halving to halving, or was still converging when its iterations were over.
+    /// Newton's method improved from halving to halving, or was still converging at its iteration limit.
     StepLimit {
         /// Residual over target at the end of each try.
         ratios: Vec<f64>,
@@ -85,7 +85,7 @@ pub enum Missing {
     Support,
     /// The body is in contact without friction, which does not hold it.
     Guidance,
-    /// The body is in contact with friction, which does not hold it.
+    /// The body is in contact with friction that is insufficient to hold it.
     Friction,
 }
 
@@ -155,14 +155,14 @@ pub struct FailureReport {
     pub cause: FailureCause,
     /// Iterations of the last try.
     pub iterations: Vec<IterationReport>,
-    /// Body without support whose loads do not balance, so that contact alone can hold it; set in `settle`.
+    /// Body without support whose loads are unbalanced, so that only contact can hold it; set in `settle`.
     pub unheld: Option<String>,
-    /// All tries, from the nominal step to the last halving; empty in `settle`.
+    /// All attempts, from the nominal step to the last halving; empty in `settle`.
     pub tries: Vec<TryReport>,
 }
 
 impl FailureReport {
-    /// The cause with its numbers, one sentence.
+    /// One sentence on the cause with its numbers.
     pub fn explanation(&self) -> String {
         let cause = self.cause_text();
         match &self.unheld {
@@ -248,10 +248,10 @@ impl FailureReport {
     }
 }
 
-/// Halvings from which on the residuals of the tries say whether smaller steps help.
+/// Number of halvings from which the residuals of the attempts indicate whether smaller steps help.
 const HALVINGS_TO_JUDGE: usize = 3;
 
-/// Growth of the residual over its target, from the nominal step to the last halving, from which on smaller steps are no remedy.
+/// Growth of the residual relative to its target, from the nominal step to the last halving, above which smaller steps are no remedy.
 const WORSE: f64 = 10.0;
 
 /// Additional remedy for friction.

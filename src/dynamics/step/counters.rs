@@ -1,4 +1,4 @@
-//! Counters and times of the work that the equations of a model have cost.
+//! Counters and wall-clock times of the work on the equations of a model.
 
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ pub struct Counters {
     pub times: PhaseTimes,
     /// Numeric factorisations.
     pub factorizations: usize,
-    /// Factorizations of failed attempts and of steps that were taken back.
+    /// Factorizations of failed attempts and of undone steps.
     pub discarded: usize,
     /// Times that forces were computed.
     pub assemblies: usize,

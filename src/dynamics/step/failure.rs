@@ -26,14 +26,14 @@ pub enum Failure {
         /// The contact.
         pair: String,
     },
-    /// Something that took no part in the step, since it was not expected to close, overlaps at its end.
+    /// A contact that was not admitted to the step, because no closing was expected, overlaps at its end.
     Overlooked {
         /// The contact.
         pair: String,
     },
     /// The predicted motion is too large: the step was not tried.
     Foreseen(LargeMotion),
-    /// The step has converged, and its error in time is too large.
+    /// The step has converged, but its time discretization error is too large.
     Inexact {
         /// The size to try instead `[time]`.
         size: f64,
@@ -60,7 +60,7 @@ impl Failure {
     pub const NAMES: &'static [&'static str] =
         &["iterations used up", "inverted cell", "singular system", "divergence", "motion too fast", "given up", Failure::INEXACT];
 
-    /// The name of a step that was refused because of its error.
+    /// Name of a failure by a too large time discretization error.
     pub const INEXACT: &'static str = "error too large";
 
     /// Converts an interrupted factorization, or one that ran out of memory, to a fatal failure; other failures are returned unchanged.

@@ -29,9 +29,9 @@ pub struct Linearization {
     pub rests: Vec<f64>,
     /// Values of the matrix without the rows and columns of constraints.
     pub tangent: Vec<f64>,
-    /// Number of the pattern of `tangent`; `None` while it is not computed.
+    /// Pattern number of `tangent`; `None` while it is not computed.
     pub(super) tangent_of: Option<usize>,
-    /// Number of the pattern of the storage: entries that are not written are zero.
+    /// Pattern number of the storage: unwritten entries are zero.
     pub(super) storage_of: Option<usize>,
 }
 
@@ -55,9 +55,9 @@ pub struct Forces {
     pub load: Vec<f64>,
     /// Work of the internal forces over the step, to measure energies with.
     pub internal_work: f64,
-    /// Size of the largest internal, inertial or external force component, to measure residuals with.
+    /// Largest internal, inertial or external force component, the scale of residuals.
     pub scale: f64,
-    /// Size of the largest component of the forces of inertia, or of the damping at rest.
+    /// Largest component of the inertial forces, or of the damping forces at rest.
     pub opposing: f64,
 }
 
@@ -83,17 +83,17 @@ pub struct Spare {
     pub(super) motion: Vec<f64>,
     /// Velocities, positions of loads and mass factors passed to parts.
     pub(super) told: Told,
-    /// Iterates of this step, and of the one before.
+    /// Number of iterates in this step, and in the previous one.
     iterates: [usize; 2],
 }
 
 impl Spare {
-    /// Starts counting anew.
+    /// Resets the iterate count at the start of a step.
     pub fn begin_step(&mut self) {
         self.iterates = [0, self.iterates[0]];
     }
 
-    /// Storage for another iterate of the step, and whether that is probably the last one: the step before had as many.
+    /// Storage for another iterate of the step; true if it is probably the last one, by the count of the previous step.
     pub fn next(&mut self) -> (Linearization, bool) {
         self.iterates[0] += 1;
         (self.gone.pop().unwrap_or_default(), self.iterates[0] == self.iterates[1])

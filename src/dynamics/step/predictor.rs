@@ -79,7 +79,7 @@ where
     q_1
 }
 
-/// Moves the prescribed nodes to their prescribed positions, and the connected pieces that contain them by their mean motion.
+/// Moves prescribed nodes to their prescribed positions, and connected components with such nodes by their mean motion.
 pub fn follow_prescribed<const D: usize>(equations: &Equations<D>, q_0: &[f64], displacement: &[f64], predicted: &mut [f64]) {
     if equations.supports.prescribed.is_empty() {
         return;
@@ -121,8 +121,8 @@ struct RigidMotion {
     rotation: nalgebra::Matrix3<f64>,
 }
 
-/// The rigid motions of connected components that come nearest to that of their prescribed nodes (Kabsch, Acta Cryst. A 32, 1976), where
-/// these determine one.
+/// Rigid motions of connected components closest to those of their prescribed nodes (Kabsch, Acta Cryst. A 32, 1976), if the nodes
+/// determine them.
 fn turns<const D: usize>(equations: &Equations<D>, q_0: &[f64], target: &impl Fn(usize) -> f64) -> BTreeMap<u32, RigidMotion> {
     let mut targets: BTreeMap<usize, [Option<f64>; 3]> = BTreeMap::new();
     for (k, one) in equations.supports.prescribed.iter().enumerate() {

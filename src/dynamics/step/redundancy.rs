@@ -63,7 +63,7 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// The rows of a pair by their unknowns; none of nodes that lie opposite nothing.
+    /// Constraint gradients of a pair by unknown; none for nodes that do not face the other side.
     fn rows_of(&self, pair: &ContactPair, evaluation: &Evaluation) -> BTreeMap<usize, Row> {
         let mut rows: BTreeMap<usize, Row> = BTreeMap::new();
         for row in pair.live_rows(evaluation) {

@@ -31,7 +31,7 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Change `-(I - F)^2 v` of the velocities, with the active constraints at the end of the step; `None` where these nearly depend on one
+    /// Change `-(I - F)^2 v` of the velocities with the constraints active at the end of the step; `None` if these nearly depend on one
     /// another.
     ///
     /// # Errors
@@ -80,13 +80,13 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Scaled forces where nodes are free, then what the rows give.
+    /// Right-hand side: scaled forces at free unknowns, then the constraint values.
     fn right_side(&self, force: &[f64], scale: f64, rows: &[f64]) -> Vec<f64> {
         let free = force.iter().zip(&self.supports.fixed).map(|(force, fixed)| if *fixed { 0.0 } else { scale * force });
         free.chain(rows.iter().copied()).collect()
     }
 
-    /// Adds what the ground exerts through joints to the impulses from outside, and the work of what drives them.
+    /// Adds the impulses of the ground through joints to the external impulses, and the work of drives.
     pub fn add_driven(&self, at: &Linearization, rates: &[f64], response: &mut ImpulseResponse) {
         for pair in self.pairs.iter().filter(|pair| matches!(pair.kind, PairKind::Joint | PairKind::Coupling(_))) {
             let (lambda, none) = (&response.lambda[pair.rows.clone()], vec![0.0; pair.rows.len()]);
