@@ -25,7 +25,7 @@ use crate::math::workers::Workers;
 /// Buffers of one thread for the elimination of fronts.
 #[derive(Debug, Default)]
 struct Scratch {
-    /// Updates that wait for the assembly of their parent fronts.
+    /// Stacks of update matrices until the assembly of the parent fronts.
     waiting: AlignedBuffer,
     dense: panels::Scratch,
     /// A vector at a front.
@@ -36,20 +36,20 @@ struct Scratch {
 #[derive(Debug, Default)]
 pub(super) struct Multifrontal {
     factors: AlignedBuffer,
-    /// Per pivot, the row of its front that was exchanged with it.
+    /// For each pivot, the row of its front that was exchanged with it.
     swaps: Vec<u32>,
     /// Updates that subtrees hand over.
     handed: AlignedBuffer,
     /// One for each thread.
     scratch: Vec<Mutex<Scratch>>,
-    /// Places in the order of elimination whose pivots were replaced.
+    /// Positions in the order of elimination with replaced pivots.
     replaced: Vec<u32>,
-    /// The vector in the order of elimination, and what subtrees exchange of it with the fronts above.
+    /// Vector in the order of elimination, and its part exchanged between subtrees and the fronts above.
     ordered: Vec<f64>,
     outside: Vec<f64>,
 }
 
-/// Consecutive fronts and what their elimination writes.
+/// Consecutive fronts and the output of their elimination.
 struct Segment<'a, 'u> {
     fronts: Range<usize>,
     factors: &'a mut [f64],
@@ -101,8 +101,8 @@ impl Multifrontal {
         Ok(())
     }
 
-    /// Factors `diag(scale) A diag(scale)`, with one scale per vertex; room was made before. What is left when the watch was interrupted is
-    /// of no use.
+    /// Factorizes `diag(scale) A diag(scale)`, with one scale per vertex, into allocated buffers. The factors are useless after an
+    /// interrupt.
     pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64], workers: &Workers, watch: &Watch) {
         self.replaced.clear();
         let Multifrontal { factors, swaps, handed, scratch, replaced, .. } = self;
@@ -147,12 +147,12 @@ impl Multifrontal {
         replaced.sort_unstable();
     }
 
-    /// The factors of all fronts, and per pivot the row of its front that was exchanged with it.
+    /// Factors of all fronts and, for each pivot, the row of its front that was exchanged with it.
     pub(super) fn factors(&self) -> (&[f64], &[u32]) {
         (self.factors.all(), &self.swaps)
     }
 
-    /// Places in the order of elimination where no usable pivot was found.
+    /// Positions in the order of elimination without a usable pivot.
     pub(super) fn replaced(&self) -> &[u32] {
         &self.replaced
     }

@@ -1,4 +1,4 @@
-//! A symmetric scalar matrix on the nodes that acts on every component alike: the consistent mass matrix.
+//! Symmetric scalar matrix on the nodes, equal for all components: the consistent mass matrix.
 
 use super::pattern::Pattern;
 
@@ -11,7 +11,7 @@ pub struct NodeMatrix {
 }
 
 impl NodeMatrix {
-    /// A zero matrix with the couplings of the first `nodes` vertices of a pattern.
+    /// Zero matrix with the couplings of the first `nodes` vertices of a pattern.
     pub fn new(pattern: &Pattern, nodes: usize) -> Self {
         let mut starts = vec![0];
         let mut columns = Vec::new();

@@ -49,7 +49,7 @@ pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
     orders
 }
 
-/// Additional dissections for large matrices, in an order that does not depend on the number of threads.
+/// Additional dissections for large matrices, in an order independent of the number of threads.
 pub(super) fn alternatives(pattern: &Pattern, watch: &Watch, workers: &Workers) -> Vec<Vec<u32>> {
     let Some(graph) = Graph::new(pattern).map(Arc::new) else { return Vec::new() };
     let mut orders = ALTERNATIVES.map(|_| None);
@@ -80,7 +80,7 @@ impl Graph {
         Some(graph)
     }
 
-    /// Nested dissection into small parts, and minimum degree in these.
+    /// Nested dissection into small parts, each ordered by minimum degree.
     fn dissection(&self, options: &MetisOptions) -> Option<Vec<u32>> {
         let graph = CscPattern::new(self.starts.len() - 1, &self.starts, &self.neighbors)?;
         let (order, ..) = metis_order_full(&graph, options).ok()?;
@@ -110,19 +110,19 @@ impl Graph {
     }
 }
 
-/// An order of elimination with its elimination tree, whose vertices are named by their places in the order.
+/// Order of elimination with its elimination tree; tree vertices are positions in the order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Order {
     /// Vertices in their order.
     pub(super) vertices: Vec<u32>,
     /// Parent at each place, or `u32::MAX`.
     parents: Vec<u32>,
-    /// The descendants of each place, itself the last, as a range of numbers in a postorder.
+    /// Range of postorder numbers of the descendants of each position, which is the last of them.
     families: Vec<[u32; 2]>,
 }
 
 impl Order {
-    /// An order and the parents in its tree.
+    /// Order with the parents in its elimination tree.
     pub(super) fn new(vertices: Vec<u32>, parents: Vec<u32>) -> Self {
         let count = parents.len();
         let mut sizes = vec![1u32; count];

@@ -1,4 +1,4 @@
-//! Memory that is left for this process, and the refusal of what would not fit into it.
+//! Available memory of this process, and refusal of computations that would exceed it.
 //!
 //! The bytes of a mesh, a simulation or a factorisation are estimated before allocation, because an operating system grants more memory
 //! than it has and ends the process when that runs out. The memory left is the minimum of the available memory of the machine, the rest
@@ -41,7 +41,7 @@ impl Shortage {
     }
 }
 
-/// Bytes in the largest unit of which there is one: `4.1 GB`, `512 MB`.
+/// Formats bytes in the largest suitable unit: `4.1 GB`, `512 MB`.
 pub fn written(bytes: u64) -> String {
     let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
     let value = bytes as f64;
@@ -57,12 +57,12 @@ pub fn set_limit(bytes: u64) {
     LIMIT.store(bytes, Ordering::Relaxed);
 }
 
-/// The limit of the process's own, if one was set.
+/// Memory limit of this process set by [`set_limit`]; `None` without one.
 pub fn limit() -> Option<u64> {
     Some(LIMIT.load(Ordering::Relaxed)).filter(|&limit| limit < u64::MAX)
 }
 
-/// Refuses what needs more bytes than are left.
+/// Refuses an allocation of more bytes than are available.
 ///
 /// # Errors
 /// A [`Shortage`] if `bytes` exceeds the memory that is left.
@@ -88,7 +88,7 @@ fn used() -> Option<u64> {
     kilobytes("/proc/self/status", "VmRSS:")
 }
 
-/// Bytes that the machine can give without taking them from others.
+/// Bytes that the machine can provide without swapping.
 fn available() -> Option<u64> {
     kilobytes("/proc/meminfo", "MemAvailable:")
 }

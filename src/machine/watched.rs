@@ -25,7 +25,7 @@ pub fn watched<T: Send + 'static>(interrupt: &Arc<AtomicBool>, work: impl FnOnce
     consulted(interrupt, |_: &dyn Fn(()) -> Option<()>| work(), |()| ())
 }
 
-/// Returns the result of work that asks questions, which the caller answers on its own thread; `None` after an interrupt.
+/// Returns the result of work that queries its caller, who answers on its own thread; `None` after an interrupt.
 ///
 /// The work runs on a thread of its own. After an interrupt its questions return `None`.
 pub fn consulted<T: Send + 'static, Q: Send + 'static, A: Send + 'static>(

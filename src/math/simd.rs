@@ -45,7 +45,7 @@ pub fn instructions() -> String {
     std::env::consts::ARCH.into()
 }
 
-/// True if the program has kernels for this processor. Without that, computing panics.
+/// True if the program has kernels for this processor; without them, computations panic.
 pub fn is_supported() -> bool {
     #[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
     return pulp::x86::V3::try_new().is_some();

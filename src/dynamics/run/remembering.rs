@@ -1,5 +1,5 @@
-//! History variables of a time integrator at a state that its own steps have not reached: at the start, after `settle` or other
-//! integrators.
+//! History variables of a time integrator at a state that no step of its own has reached: at the start, after `settle`, or after another
+//! one.
 
 use std::sync::Arc;
 

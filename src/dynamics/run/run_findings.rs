@@ -39,8 +39,7 @@ pub enum RunFindingKind {
     ReserveHeld,
     /// Steps were halved because of a too large motion of this kind; the value is its size in the first of these steps, in facets.
     Motion(MotionKind),
-    /// Motions of this kind exceeded their limit in steps that could not be halved further; the value is the size of the first one in
-    /// facets.
+    /// Motions of this kind exceeded the limit in steps that could not be halved further; the value is the first such motion in facets.
     TooFast(MotionKind),
     /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
     Failures(&'static str),

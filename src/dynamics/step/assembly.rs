@@ -1,4 +1,4 @@
-//! Sums force elements and contact pairs at an iterate. The tangent of the presumably last iterate is computed on demand, which is rare.
+//! Sums of force elements and contact pairs at an iterate.
 //!
 //! The tangent of an iterate that is probably the last of its step is computed on demand, which is rare.
 

@@ -108,9 +108,8 @@ impl<const D: usize> Equations<D> {
         compliance
     }
 
-    /// True if constraints of a contact in space belong to nodes of a rigid body: more than its motions, so that pressures are
-    /// undetermined. In the plane, each keeps its own compliance: with one by area, `scripts/scenarios/geneva_drive.rhai` fails at t =
-    /// 0.61.
+    /// True if constraints of a contact in space belong to nodes of a rigid body: more than its motions, with undetermined pressures. In
+    /// the plane each keeps its own compliance: with one by area, `scripts/scenarios/geneva_drive.rhai` fails at t = 0.61.
     ///
     /// From iteration to iteration, compliances `C_A` select those with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face
     /// has even pressures; by stiffness they would follow nodal masses.
