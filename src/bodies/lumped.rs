@@ -1,4 +1,4 @@
-//! Lumped nodal masses, and bounds of the eigenfrequencies of single cells with these.
+//! Lumped nodal masses, and bounds of the eigenfrequencies of single cells with these masses.
 //!
 //! No vibration of a body is faster than the fastest one of its cells by themselves (Hughes, The Finite Element Method, 1987, section 9.2).
 //! That of a cell is bounded by the norms of `m^-1/2 K_e m^-1/2`.
@@ -11,8 +11,8 @@ use crate::integrators::{Derivative, Lumping};
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::simd::{Kernel, dispatch};
 
-/// Row sum of a cell's mass, relative to the mass of the cell, up to which it counts as none: corners of straight triangles of second order
-/// have 0, those of `hex27` 1/216.
+/// Row sum of a cell's mass, relative to the cell mass, below which it counts as zero: corners of straight quadratic triangles have 0,
+/// those of `hex27` 1/216.
 const LEAST_ROW_SUM: f64 = 1.0 / 5000.0;
 
 /// Masses of the nodes of eight cells.

@@ -23,7 +23,7 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// For the nodes of a mesh; none has a factor where the cells are of second order.
+    /// Recovery factors for the nodes of a mesh; empty for second-order cells.
     pub fn new(mesh: &Mesh) -> Self {
         let mut recovery = Recovery { starts: vec![0], cells: Vec::new() };
         let patches = mesh.kind.is_first_order().then(|| Patches::new(mesh));
@@ -46,7 +46,7 @@ impl Recovery {
     }
 }
 
-/// The mean of one cell or of two, and where it belongs: at the mean of their centres.
+/// Mean value of one or two cells, located at the mean of their centers.
 struct Sample {
     cells: Vec<u32>,
     place: [f64; 3],
@@ -119,7 +119,7 @@ impl<'a> Patches<'a> {
         None
     }
 
-    /// The cells of a patch and all that share a node with one of them, in order.
+    /// Cells of a patch and all cells that share a node with one of these, in order.
     fn grown(&self, patch: &[u32]) -> Vec<u32> {
         let nodes = patch.iter().flat_map(|&cell| self.mesh.cell(cell as usize));
         let mut cells: Vec<u32> = nodes.flat_map(|&node| self.around[node as usize].iter().copied()).collect();

@@ -75,7 +75,7 @@ impl Inertia {
         values
     }
 
-    /// Second moments of the mass along its principal axes in ascending order `[mass * length^2]`: none is negative of a body that exists.
+    /// Second moments of the mass along its principal axes in ascending order `[mass * length^2]`; nonnegative for physical bodies.
     pub fn principal_spreads(&self) -> [f64; 3] {
         let mut values: [f64; 3] = Matrix3::from_fn(|i, j| self.euler[i][j]).symmetric_eigenvalues().into();
         values.sort_by(f64::total_cmp);
@@ -174,15 +174,15 @@ impl Frame {
     }
 }
 
-/// Distance from the plane (line, point) of the masters before it over the size of a mesh, below which nodes count as flat.
+/// Distance from the plane (line, point) of the previous masters, relative to the mesh size, below which nodes count as coplanar.
 const FLAT: f64 = tolerances::FLAT_FRAME;
 
-/// Part of the mass of a rigid body that the nodes tied to it have in equal parts.
+/// Fraction of a rigid body's mass shared equally by the nodes tied to it.
 const TIED_PART: f64 = 0.125;
 
 /// A rigid body as an [`ElementLoop`]: it has mass, but no internal force.
 pub struct RigidMass {
-    /// Masters of the body in the numbering of the model, one clique.
+    /// Master nodes of the body in the numbering of the model, as one clique.
     cliques: Vec<Vec<u32>>,
     nodes: Range<usize>,
     masses: Vec<Vec<f64>>,
@@ -195,7 +195,7 @@ pub struct RigidMass {
 }
 
 impl RigidMass {
-    /// The mass of a body on its masters, its nodes those of the model from `first_node` on.
+    /// Mass of a body at its masters; node numbers start at `first_node`.
     pub fn new(mesh: &Mesh, frame: &Frame, inertia: &Inertia, first_node: usize) -> Self {
         RigidMass {
             cliques: vec![frame.masters.iter().map(|node| node + first_node as u32).collect()],
@@ -208,8 +208,8 @@ impl RigidMass {
         }
     }
 
-    /// Gives nodes that are tied to the masters, with these shares of them, a part of the mass, and takes it from the masters: as long as
-    /// the ties hold, energy and momenta are the same, and the equations of the tied nodes have inertia of their own.
+    /// Transfers part of the mass from the masters to nodes tied to them with these coefficients: energy and momenta are unchanged while
+    /// the ties hold, and the equations of the tied nodes get inertia.
     pub fn tied_to<'a>(mut self, tied: impl ExactSizeIterator<Item = &'a (u32, Vec<f64>)>) -> Self {
         let total: f64 = self.masses.iter().flatten().sum();
         let part = TIED_PART * total / tied.len() as f64;

@@ -9,10 +9,10 @@
 
 use std::ops::Range;
 
-/// Number of cells below which one thread is used: waking another takes longer than it saves. The order of sums is that of the rounds.
+/// Number of cells below which one thread is used: waking another takes longer than it saves. Sums are ordered by rounds anyway.
 pub(super) const LEAST_CELLS_FOR_THREADS: usize = 2000;
 
-/// Cells of one run: enough to be worth a thread's while, and most runs that a body is cut into.
+/// Least number of cells per run, for efficient threads, and largest number of runs of a body.
 const LEAST_CELLS: usize = 128;
 const MOST_RUNS: usize = 16;
 
@@ -23,7 +23,7 @@ pub(super) struct Run {
     pub(super) cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
     pub(super) nodes: Range<usize>,
-    /// Parts of the span that no run of an earlier round touches: sums begin with this run.
+    /// Node ranges of the span without contributions of earlier rounds: sums begin with this run.
     pub(super) fresh: Vec<Range<usize>>,
 }
 

@@ -1,4 +1,4 @@
-//! Stresses and strains of a body: at the quadrature points of its cells, as means of the cells, at its nodes, and how far off they are.
+//! Stresses and strains of a body: at quadrature points, as cell means, at nodes, with error estimates.
 //!
 //! Tensors have the components xx, yy, zz, xy, yz, xz; the stress is Cauchy's, the strain Green and Lagrange's.
 
@@ -14,7 +14,7 @@ pub struct Stresses {
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain.
     pub strain: Vec<[f64; 6]>,
-    /// Equivalent plastic strain and the norm of the back stress `[stress]`, in the first two places.
+    /// Equivalent plastic strain and the norm of the back stress `[stress]`, as the first two entries.
     pub kept: Vec<[f64; 6]>,
 }
 
@@ -93,7 +93,7 @@ impl StressError {
         error
     }
 
-    /// All of it over the size of the stress; 0 where there is no stress.
+    /// Error relative to the size of the stress; 0 without stress.
     pub fn relative(&self) -> f64 {
         if self.size > 0.0 { (self.off / self.size).sqrt() } else { 0.0 }
     }

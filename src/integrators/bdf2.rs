@@ -48,16 +48,16 @@ const fn after(ratio: f64) -> Scheme {
     }
 }
 
-/// The linear momentum exact; what vibrates faster than the steps vanishes.
+/// BDF2: conserves linear momentum exactly; vibrations faster than the steps vanish.
 pub static BDF2: Scheme = Scheme { step: StepKind::ByRatio(after), ..after(1.0) };
 
-/// The first stage: the trapezoidal rule, which leaves the mean of its forces.
+/// First stage of TR-BDF2: the trapezoidal rule; passes on the mean of its forces.
 const FIRST: Scheme = {
     let [velocity, acceleration] = kinematics(Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 });
     Scheme { velocity, acceleration, weight: 0.5, lag: Lag { used: 1.0, force: 0.0, inertia: 1.0, gamma: 1.0 }, ..LAST }
 };
 
-/// The second stage, which leaves half of the force at its end.
+/// Second stage of TR-BDF2; passes on half of the force at its end.
 const LAST: Scheme = {
     let row = after(SQRT_2);
     Scheme {
@@ -74,5 +74,5 @@ const LAST: Scheme = {
 /// Stages whose matrices have the same factors of the mass.
 static STAGES: [(f64, Scheme); 2] = [(2.0 - SQRT_2, FIRST), (SQRT_2 - 1.0, LAST)];
 
-/// The linear momentum exact; what vibrates faster than the steps vanishes.
+/// TR-BDF2: conserves linear momentum exactly; vibrations faster than the steps vanish.
 pub static TR_BDF2: Scheme = Scheme { step: StepKind::Stages(&STAGES), ..LAST };

@@ -35,10 +35,10 @@ pub const fn energy_decaying(spectral_radius: f64) -> Scheme {
     }
 }
 
-/// Fast vibrations lose a fifth of their amplitude in a long step.
+/// Energy-decaying scheme with spectral radius 0.8: fast vibrations lose a fifth of their amplitude in a long step.
 pub static ENERGY_DECAYING: Scheme = energy_decaying(0.8);
 
-/// All of them.
+/// Energy-decaying schemes of all spectral radii.
 pub static FAMILY: Family = Family {
     default: &ENERGY_DECAYING,
     parameters: &[Parameter {

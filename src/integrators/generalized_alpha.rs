@@ -47,21 +47,21 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
     }
 }
 
-/// The method of Hilber, Hughes and Taylor for an `alpha` from -1/3 to 0.
+/// Method of Hilber, Hughes and Taylor for an `alpha` from -1/3 to 0.
 pub const fn hht(alpha: f64) -> Scheme {
     let summary = "method of Hilber, Hughes and Taylor (1977), of second order: Newmark's, with forces shortly before the end of the step; \
                    damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
     family("hht", summary, Parameters { names: &["alpha"], values: [alpha, 0.0] }, 0.0, -alpha)
 }
 
-/// The method of Wood, Bossak and Zienkiewicz for an `alpha` from -1 to 0.
+/// Method of Wood, Bossak and Zienkiewicz for an `alpha` from -1 to 0.
 pub const fn wbz(alpha: f64) -> Scheme {
     let summary = "method of Wood, Bossak and Zienkiewicz (1980), of second order: Newmark's, with inertia shortly after the end of the \
                    step; damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
     family("wbz", summary, Parameters { names: &["alpha"], values: [alpha, 0.0] }, alpha, 0.0)
 }
 
-/// The generalized-alpha method for a spectral radius from 0 to 1 in steps without end.
+/// Generalized-alpha method for a spectral radius from 0 to 1 in the limit of long steps.
 pub const fn generalized_alpha(spectral_radius: f64) -> Scheme {
     let summary = "generalized-alpha method (Chung and Hulbert 1993), of second order: of all with the same damping of the fastest \
                    vibrations the one that damps slow ones least; keeps the linear momentum alone";

@@ -53,7 +53,7 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
 /// The linear momentum exact; fast vibrations fade.
 pub static NEWMARK: Scheme = newmark(BETA, GAMMA);
 
-/// All of them.
+/// Newmark methods with all values of the parameters.
 pub static FAMILY: Family = Family {
     default: &NEWMARK,
     parameters: &[

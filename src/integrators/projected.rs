@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
-/// Projected increment `p` of one contact element over a step, and the data of its derivative.
+/// Projected increment `p` of one contact element over a step, and data of its derivative, which depend on nodal positions only.
 ///
 /// The projection depends on the nodes alone; storage is reused for the next contact element.
 #[derive(Clone, Debug, Default)]
@@ -30,11 +30,11 @@ pub struct Projection<const D: usize> {
     inverse_inertia: Matrix3<f64>,
     /// `1 / p.p`, zero in a rigid motion.
     inverse_square: f64,
-    /// Extent of the patch, where the increment is so small that a correction may be round-off.
+    /// Extent of the contact element if the increment is so small that a correction may be round-off; otherwise `None`.
     doubtful: Option<f64>,
 }
 
-/// A function of the patch at the configurations of the step, as the tangent needs it.
+/// Function of the contact element at the configurations of the step, as needed for the tangent.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchFunction<'a> {
     /// `grad f(q_mid)`.
@@ -48,7 +48,7 @@ pub struct PatchFunction<'a> {
 }
 
 impl<const D: usize> Projection<D> {
-    /// The projection for a step of a patch from `q_0` to `q_1`, node after node.
+    /// Projection for a step of a contact element from `q_0` to `q_1`, node after node.
     pub fn set(&mut self, q_0: &[f64], q_1: &[f64]) {
         let count = q_0.len() / D;
         let share = 1.0 / count as f64;
@@ -114,7 +114,7 @@ impl<const D: usize> Projection<D> {
         (!is_round_off).then_some(remainder * self.inverse_square)
     }
 
-    /// Discrete gradient of a function with that gradient at `q_mid` and that change `f(q_1) - f(q_0)`.
+    /// Discrete gradient of a function with the gradient `gradient_mid` at `q_mid` and the change `f(q_1) - f(q_0)` over the step.
     pub fn gradient_into(&self, gradient_mid: &[f64], change: f64, out: &mut [f64]) {
         let e = self.quotient(gradient_mid, change).unwrap_or(0.0);
         for (node, p) in self.projected.iter().enumerate() {

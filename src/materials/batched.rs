@@ -6,7 +6,7 @@ use crate::math::lanes::{Lanes, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::Mandel;
 
-/// A law behind a virtual call per batch of strains: `S` Mandel components of eight elements each.
+/// A law evaluated by one virtual call per batch of strains: `S` Mandel components of eight elements each.
 pub trait BatchedLaw<const S: usize>: Send + Sync {
     /// Energies of all strains.
     fn energies_into(&self, strain: &[Components<S>], energy: &mut [Lanes<false>]);

@@ -25,11 +25,11 @@ pub struct Measured {
 /// Constants that fit, and how well.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// The constants in the order in which they were asked for.
+    /// Constants in the requested order.
     pub constants: Vec<f64>,
     /// Root of the mean of the squared differences of the stresses.
     pub rms: f64,
-    /// 1 minus the squared differences over those from the mean stress.
+    /// Coefficient of determination: 1 minus the ratio of squared residuals to squared deviations from the mean stress.
     pub r_squared: f64,
 }
 
@@ -64,7 +64,7 @@ impl FitError {
     }
 }
 
-/// Values that are tried for a constant that stresses are not linear in: powers, and limits of `I1 - 3`.
+/// Start values of constants on which stresses depend nonlinearly: powers, and limits of `I1 - 3`.
 const STARTS: [f64; 8] = [-2.0, 0.5, 1.5, 3.0, 5.0, 9.0, 30.0, 90.0];
 /// Starts at most, and how many of the best are followed.
 const TRIED: usize = 512;
@@ -83,7 +83,7 @@ pub fn incompressible_stress(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64
 }
 
 impl StoredEnergy {
-    /// Nominal stresses of an incompressible piece at some stretches.
+    /// Nominal stresses of an incompressible test piece at some stretches.
     ///
     /// # Errors
     /// A mistake in the energy.
@@ -93,7 +93,7 @@ impl StoredEnergy {
     }
 }
 
-/// Finds constants of an energy. `energy` gives it for values of the constants, `start` those to begin with, where they are known.
+/// Fits constants of an energy. `energy` returns the energy for values of the constants; `start` are initial values, where known.
 ///
 /// # Errors
 /// A mistake in the energy, too few points, no finite stresses.
@@ -170,7 +170,7 @@ impl Problem<'_> {
     }
 }
 
-/// Constants that are searched for, apart from those that follow from them.
+/// Nonlinear constants, separated from those that follow by linear least squares.
 struct Separated<'a> {
     problem: &'a Problem<'a>,
     linear: Vec<usize>,
@@ -189,7 +189,7 @@ impl Separated<'_> {
         all
     }
 
-    /// All constants for values of the searched ones, and the differences that are left.
+    /// All constants for values of the nonlinear ones, and the stress residuals.
     fn solve(&self, searched: &[f64]) -> Option<(Vec<f64>, DVector<f64>)> {
         let mut constants = vec![0.0; self.problem.count];
         self.searched.iter().zip(searched).for_each(|(&index, value)| constants[index] = *value);

@@ -14,7 +14,7 @@ use crate::math::tolerances::THICKNESS_STRAIN;
 /// Most iterations: Newton's method needs four to eight.
 const ITERATIONS: usize = 40;
 
-/// Part of the present thickness, as a strain, that one iteration may take: a tenth would be left.
+/// Largest reduction of the present thickness in one iteration, as a strain.
 const LARGEST_CUT: f64 = 0.45;
 
 /// Index of the direction across the plane among four Mandel components.
@@ -29,15 +29,15 @@ struct Found {
     end: Vec<Components<4>>,
     middle: Vec<Components<4>>,
     change: Vec<Components<4>>,
-    /// History variables of the law itself.
+    /// History variables of the law, without the strain across the plane.
     inner: Vec<Lanes<false>>,
     responses: Vec<Response<4>>,
-    /// Derivatives with respect to the change of the strain, where there are some.
+    /// Derivatives with respect to the strain increment; `None` without any.
     rates: Option<Vec<Response<4>>>,
 }
 
 impl FreeThickness {
-    /// History variables of the law itself at all points, and the strains across.
+    /// History variables of the law at all points, and the strains across the plane.
     fn parted(&self, history: &[Lanes<false>]) -> (Vec<Lanes<false>>, Vec<Lanes<false>>) {
         let size = self.variables();
         let (mut inner, mut across) = (Vec::with_capacity(history.len()), Vec::with_capacity(history.len() / size));
@@ -48,7 +48,7 @@ impl FreeThickness {
         (inner, across)
     }
 
-    /// History variables of the law itself and strains, joined to history variables.
+    /// Joins history variables of the law and strains across the plane.
     fn join(&self, inner: &[Lanes<false>], strain: &[Components<4>], history: &mut [Lanes<false>]) {
         let size = self.variables();
         for (point, (history, strain)) in history.chunks_exact_mut(size).zip(strain).enumerate() {
@@ -57,7 +57,7 @@ impl FreeThickness {
         }
     }
 
-    /// Finds the strains across at the end of a step. Where there is none, the stress is no number, and the step is taken in halves.
+    /// Finds the strains across the plane at the end of a step. Without a solution the stress is NaN, and the step is halved.
     fn solve(&self, step: &StrainStep<4>) -> Found {
         let (inner, start) = self.parted(step.history);
         let count = start.len();
@@ -104,7 +104,7 @@ impl FreeThickness {
     }
 }
 
-/// Strains in the plane with those across it.
+/// Strains in the plane completed by those across the plane.
 fn completed(strain: &[Components<4>], across: &[Lanes<false>]) -> Vec<Components<4>> {
     strain.iter().zip(across).map(|(strain, across)| [strain[0], strain[1], *across, strain[3]]).collect()
 }
@@ -116,7 +116,7 @@ impl Found {
     }
 }
 
-/// Takes the strain across out of a response and its derivatives with respect to the change of the strain, zero where there are none.
+/// Condenses the strain across the plane out of a response and its derivatives with respect to the strain increment (zero if none).
 fn condense(response: &mut Response<4>, rates: &mut Response<4>) {
     let full = [response.tangent, rates.tangent];
     let whole = |k: usize| full[0][k][ACROSS] + full[1][k][ACROSS];

@@ -37,8 +37,8 @@ macro_rules! averaged {
             fn responses_into(&self, strain: &[Components<$size>], responses: &mut [Response<$size>]) {
                 self.0.responses_into(strain, responses);
             }
-            /// The means stand where the discrete gradient reads the values at the mean strain: twice the derivative of `m` for the tangent
-            /// there, and what is left of the remainder.
+            /// Writes the means in place of the values at the mean strain: twice the derivative of `m` as tangent, and the remaining part
+            /// of the remainder.
             fn increments_into(
                 &self,
                 strain_n: &[Components<$size>],
@@ -71,7 +71,7 @@ averaged!(3);
 averaged!(4);
 averaged!(6);
 
-/// Puts the means of the responses at the two points in the place of those at the mean strain.
+/// Replaces the values at the mean strain by the means of the responses at the two Gauss points.
 fn average<const S: usize>(increment: &mut IncrementResponse<S>, [a, b]: [&Response<S>; 2], start: &Components<S>, end: &Components<S>) {
     let [share_a, share_b] = shares();
     for k in 0..S {

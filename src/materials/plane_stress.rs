@@ -13,19 +13,19 @@ use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::mandel_place;
 use crate::math::tolerances::{STRAIN_QUOTIENT, THICKNESS_STRAIN};
 
-/// Most iterations for the strain across the plane: Newton's method needs four to six.
+/// Largest number of iterations for the strain across the plane: Newton's method needs four to six.
 const ITERATIONS: usize = 40;
 
 /// A law with `E_33` solved for.
 pub struct PlaneStress(pub Arc<dyn BatchedLaw<4>>);
 
 impl PlaneStress {
-    /// The strain across the plane where the stress there vanishes, for strains in the plane.
+    /// Strain across the plane with zero stress there, for strains in the plane.
     pub fn thickness_strain(&self, strain: &Components<3>) -> Lanes<false> {
         self.solved(strain).0[2]
     }
 
-    /// All four strains, and the law's response there.
+    /// Strains including the one across the plane, and the response of the law to them.
     fn solved(&self, strain: &Components<3>) -> (Components<4>, Response<4>) {
         let mut all = [strain[0], strain[1], Lanes::ZERO, strain[2]];
         let mut response = [Response::ZERO];

@@ -18,7 +18,7 @@ use crate::math::tolerances::RESIDUAL_STRESS;
 pub enum Weakness {
     /// Stress at rest, its largest component `[stress]`.
     StressAtRest(f64),
-    /// Energy at rest `[energy/volume]`, which no result shows.
+    /// Nonzero energy at rest `[energy/volume]`; it affects no result.
     EnergyAtRest(f64),
     /// Least stiffness at rest `[stress]`, an eigenvalue of the tangent, not positive.
     StiffnessAtRest(f64),
@@ -48,12 +48,12 @@ impl std::fmt::Display for Weakness {
     }
 }
 
-/// Largest stretch that is looked at, least one its inverse, and factor from one to the next.
+/// Largest stretch that is checked, the least being its inverse, and ratio of successive stretches.
 const REACH: f64 = 4.0;
 const STEP: f64 = 1.02;
 /// Bisections of a step, to three digits.
 const BISECTIONS: usize = 8;
-/// Directions on half of a sphere: four degrees from each other.
+/// Number of directions on a half sphere, four degrees apart.
 const DIRECTIONS: usize = 1200;
 
 impl Material {
@@ -112,7 +112,7 @@ impl Material {
         found
     }
 
-    /// Least eigenvalue of the acoustic tensors of all directions, in a state.
+    /// Least eigenvalue of the acoustic tensors over all directions, in a state.
     fn least_acoustic(&self, state: &Homogeneous, directions: &[Vector3<f64>]) -> f64 {
         let (stress, tangent) = response(&*self.space(), state.strain());
         let f = state.deformation_gradient();
@@ -137,7 +137,7 @@ impl Material {
     }
 }
 
-/// Directions that cover half of a sphere evenly (a spiral by the golden angle), and the axes and diagonals.
+/// Directions that cover a half sphere evenly (golden-angle spiral), with the axes and diagonals.
 fn directions() -> Vec<Vector3<f64>> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let spiral = (0..DIRECTIONS).map(|k| {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::batched::BatchedLaw;
 use crate::math::lanes::Lanes;
 
-/// An energy `U(J)` of the volume ratio `J = det F` alone, behind a virtual call per batch.
+/// Energy `U(J)` of the volume ratio `J = det F`, evaluated by one virtual call per batch.
 pub trait VolumetricLaw: Send + Sync {
     /// `U` for each `J - 1` `[energy/volume]`, with relative accuracy at small change.
     fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]);
@@ -25,7 +25,7 @@ pub trait VolumetricLaw: Send + Sync {
 pub struct Split {
     /// `W_d` in plane strain.
     pub plane: Arc<dyn BatchedLaw<3>>,
-    /// `W_d` where the third direction is stretched but not sheared.
+    /// `W_d` with a stretched, unsheared third direction.
     pub axisymmetric: Arc<dyn BatchedLaw<4>>,
     /// `W_d` in space.
     pub space: Arc<dyn BatchedLaw<6>>,

@@ -17,7 +17,7 @@
 pub struct Branch {
     /// Shear modulus `mu` that it adds to a sudden strain `[stress]`.
     pub shear_modulus: f64,
-    /// Time `tau` in which its stress falls to 1/e at constant strain `[time]`.
+    /// Relaxation time `tau`, in which the stress falls to 1/e at constant strain `[time]`.
     pub relaxation_time: f64,
 }
 
@@ -26,7 +26,7 @@ pub struct Branch {
 pub struct Viscosity {
     /// `eta` `[stress * time]`.
     pub shear: f64,
-    /// `zeta`, the resistance to a change of volume besides `[stress * time]`.
+    /// Volumetric viscosity `zeta`, additional resistance to volume changes `[stress * time]`.
     pub bulk: f64,
     /// Branches that relax.
     pub branches: Vec<Branch>,

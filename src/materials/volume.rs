@@ -43,7 +43,7 @@ impl VolumetricLaw for Logarithmic {
     }
 }
 
-/// `U(J) = lambda/4 (J^2 - 1 - 2 ln J)`: what the laws as text write with a bulk modulus (`VOLUMETRIC` in `row.rs`).
+/// `U(J) = lambda/4 (J^2 - 1 - 2 ln J)`: volumetric energy of laws with a bulk modulus (`VOLUMETRIC` in `row.rs`).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Power {
     /// `[stress]`.

@@ -14,14 +14,14 @@ use crate::contact::{Obstacle, Surface};
 use crate::math::tolerances::{BESIDE, DEPTH, OPPOSITE};
 use crate::mesh::is_inside;
 
-/// Sides of the contacts of a model and hulls of their bodies.
+/// Sides of the contacts of a model, with the hulls of their bodies.
 pub struct Depths {
     meetings: Vec<Meeting>,
     /// Facets of the hull of each body.
     hulls: Vec<Vec<[u32; 2]>>,
 }
 
-/// Two surfaces that may be inside each other's bodies, or a surface and an obstacle's corners.
+/// Contact whose sides may penetrate each other's bodies: two surfaces, or a surface and an obstacle's corners.
 struct Meeting {
     contact: usize,
     first: Side,
@@ -56,7 +56,7 @@ pub struct Depth {
     pub is_corner: bool,
 }
 
-/// A point of one side: its position, the normal of its side, the length of its facets, its node.
+/// Point of one side: position, normal of the side, facet length, node.
 struct Point {
     at: [f64; 2],
     normal: Option<[f64; 2]>,
@@ -65,7 +65,7 @@ struct Point {
 }
 
 impl Depths {
-    /// The contacts of a model; none in space.
+    /// Depths of the contacts of a model; empty in space.
     pub fn of(model: &Model) -> Depths {
         if model.dimension() != 2 {
             return Depths { meetings: Vec::new(), hulls: Vec::new() };
@@ -107,7 +107,7 @@ impl Depths {
         Depths { meetings, hulls }
     }
 
-    /// Deepest penetration of each contact that has any, with all nodes at `q` and obstacles at a time, among those that `counts` accepts.
+    /// Deepest penetration of each contact, for node positions `q` and obstacles at time `time`, among depths accepted by `counts`.
     pub fn at(&self, q: &[f64], time: f64, counts: &dyn Fn(&Depth) -> bool) -> Vec<Depth> {
         let mut found: Vec<Depth> = Vec::new();
         for meeting in &self.meetings {
@@ -140,7 +140,7 @@ impl Depths {
         found
     }
 
-    /// Deepest of several points inside the body of a side, among those that count; with clearance, only points clearly inside.
+    /// Deepest of several points inside the body of a side, among depths accepted by `counts`; with `asks_for_room` only clearly inside.
     fn deepest(
         &self,
         points: Vec<Point>,
@@ -196,7 +196,7 @@ fn points(surface: &Surface, q: &[f64]) -> Vec<Point> {
     surface.nodes().iter().enumerate().map(point).collect()
 }
 
-/// Nearest facet of a surface that has a point in front of it, and the distance.
+/// Nearest facet of a surface that the point is behind, and its distance.
 fn nearest(point: &Point, surface: &Surface, q: &[f64]) -> Option<(f64, usize)> {
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
     let to_facet = |(index, &facet): (usize, &[u32; 2])| {

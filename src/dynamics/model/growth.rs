@@ -7,12 +7,12 @@ use super::definitions::Model;
 use super::error::ModelError;
 
 impl Model {
-    /// Factors at the nodes of a body that is not without stress in its mesh.
+    /// Nodal factors of a body with a stress-free stretch; `None` for other bodies.
     pub fn growth(&self, body: usize) -> Option<&[f64]> {
         self.growths.iter().rfind(|growth| growth.body == body).map(|growth| &growth.factors[..])
     }
 
-    /// Checks that bodies with growth deform, are not viscous, and have positive factors.
+    /// Checks that bodies with a stress-free stretch are deformable, not viscous, and have positive factors.
     pub(super) fn check_growths(&self) -> Result<(), ModelError> {
         for growth in &self.growths {
             let body = &self.bodies[growth.body];

@@ -9,7 +9,7 @@ use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 pub struct Anchor {
     /// Index of the body; `None`: the ground.
     pub body: Option<usize>,
-    /// The point at rest: any of a rigid body, the nearest node of one that deforms `[length]`.
+    /// Point at rest `[length]`: any point of a rigid body, the nearest node of a deformable one.
     pub point: [f64; 3],
 }
 
@@ -26,7 +26,7 @@ pub enum JointKind {
     Slot([f64; 3]),
     /// No free motion.
     Weld,
-    /// Constant distance of both points; all other motions are free.
+    /// Constant distance between both points; all other motions are free.
     Link,
     /// Distance of both points up to this value `[length]`: a cable, slack or taut.
     Cable(f64),
@@ -71,7 +71,7 @@ impl Coordinate {
 }
 
 impl JointKind {
-    /// Free coordinate that can be prescribed or limited, if there is one.
+    /// Free coordinate that can be prescribed or limited; `None` without one.
     pub fn coordinate(self, dimension: usize) -> Option<Coordinate> {
         match self {
             JointKind::Point if dimension == 2 => Some(Coordinate::Angle),
@@ -96,7 +96,7 @@ impl JointKind {
         }
     }
 
-    /// Axis or direction of the joint, if it has one.
+    /// Axis or direction of the joint; `None` for joints without one.
     pub fn direction(self) -> Option<[f64; 3]> {
         match self {
             JointKind::Hinge(direction) | JointKind::Slider(direction) | JointKind::Slot(direction) => Some(direction),
@@ -104,7 +104,7 @@ impl JointKind {
         }
     }
 
-    /// Returns the kind of joint with its direction, if it has one, replaced by `turned(direction)`.
+    /// Returns the kind of joint with its direction, if any, replaced by `turned(direction)`.
     pub fn along(self, turned: impl Fn([f64; 3]) -> [f64; 3]) -> JointKind {
         match self {
             JointKind::Hinge(direction) => JointKind::Hinge(turned(direction)),
@@ -114,7 +114,7 @@ impl JointKind {
         }
     }
 
-    /// True if end `end` needs directions; a node of a deformable body has none.
+    /// True if end `end` needs body-fixed directions, which nodes of deformable bodies do not have.
     pub(super) fn turns(self, end: usize) -> bool {
         match self {
             JointKind::Point | JointKind::Link | JointKind::Cable(_) | JointKind::Gear(_) => false,
@@ -145,7 +145,7 @@ impl JointDefinition {
         self.ends.iter().filter_map(|end| end.body)
     }
 
-    /// First time after the start at which the rate of the drive jumps, among the corners that the drive's time function lists.
+    /// First time after the start at which the rate of the drive jumps, among the known kinks of its time function; `None` without one.
     pub fn jump(&self) -> Option<f64> {
         let drive = self.drive.as_ref()?;
         // Beyond the differences by which a rate is found at a corner.

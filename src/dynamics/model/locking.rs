@@ -24,7 +24,7 @@ pub struct Locking {
     pub is_curable: bool,
     /// True if the law has a form with a mean dilatation.
     pub has_mean: bool,
-    /// True where plastic flow keeps the volume, not the elastic law.
+    /// True if plastic flow and not the elastic law preserves the volume.
     pub flows: bool,
 }
 
@@ -65,7 +65,7 @@ impl Locking {
 }
 
 impl Model {
-    /// The bodies that lock because their laws hardly change their volume.
+    /// Bodies that lock because their laws are nearly incompressible.
     pub fn locking(&self) -> Vec<Locking> {
         let of = |body: &BodyDefinition| {
             let (ratio, cells) = (body.material.bulk_over_shear(), body.mesh.kind);

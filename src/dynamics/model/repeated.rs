@@ -1,11 +1,11 @@
-//! Interactions whose constraints follow from each other: their forces would be arbitrary, or the equations singular.
+//! Interactions with linearly dependent constraints, whose forces would be arbitrary or whose equations singular.
 
 use super::definitions::Model;
 use super::error::ModelError;
 use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 
 impl Model {
-    /// No two contacts with multipliers have facets of both sides in common, and none has them in common with a tie.
+    /// Checks that no two contacts with multipliers, and no contact and tie, have facets of both sides in common.
     pub(super) fn check_repeated(&self) -> Result<(), ModelError> {
         let exact: Vec<&Interaction> = self.interactions.iter().filter(|one| one.is_exact()).collect();
         for (index, second) in exact.iter().enumerate() {

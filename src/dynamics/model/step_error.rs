@@ -32,7 +32,7 @@ pub enum StepError {
         /// The angle `[rad]`.
         angle: f64,
     },
-    /// The equations of a coupling or a joint contradict those of others or supports.
+    /// Equations of a coupling or a joint that contradict those of other couplings, joints or supports.
     #[error(
         "\"{coupling}\" asks for what supports and other couplings or joints forbid at t = {time}: it is off by {}",
         three_digits(*gap)
@@ -89,12 +89,12 @@ pub enum StepError {
         frequency: f64,
         /// The body with the fastest cell.
         body: String,
-        /// Number of that cell in the body's mesh.
+        /// Number of the fastest cell in its body's mesh.
         cell: usize,
-        /// Share of penalties of contacts in the square of the frequency.
+        /// Share of contact penalties in the squared frequency.
         penalty_share: f64,
     },
-    /// Explicit steps have made energy from nothing, or have turned a cell inside out.
+    /// Energy of explicit steps grew without cause, or a cell was inverted.
     #[error("explicit steps of {} came to an end at t = {time}: {cause}", three_digits(*dt))]
     RanAway {
         /// Time of the last accepted step.
@@ -103,7 +103,7 @@ pub enum StepError {
         dt: f64,
         /// Observed cause.
         cause: String,
-        /// The stable step of the last accepted state, where it could be found.
+        /// Stable step size at the last accepted state; `None` if not found.
         stable: Option<f64>,
     },
     /// Sides of a contact penetrate each other without contact forces.
@@ -133,7 +133,7 @@ pub enum StepError {
         time: f64,
         /// Number of unknowns.
         unknowns: usize,
-        /// Bytes that it takes at least.
+        /// Least number of bytes needed.
         needed: u64,
     },
 }

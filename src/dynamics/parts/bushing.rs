@@ -141,7 +141,7 @@ impl PartDefinition for BushingDefinition {
     }
 }
 
-/// A body by its masters at rest, or the ground.
+/// One side of a bushing: a body given by its masters at rest, or the ground.
 struct Side {
     masters: Vec<u32>,
     origin: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! A rigid body in the numbering of the model: its masters, and the nodes that are carried by them.
+//! Rigid body in the numbering of the model: its masters, and its other nodes, whose motion follows from them.
 
 use crate::bodies::Frame;
 use crate::math::norms::largest_extent;

@@ -93,7 +93,7 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
     pairs
 }
 
-/// Constraints that hold at the start; if driven, their right side follows a prescribed value.
+/// Constraints that are satisfied at the positions `start`; if driven, their right side follows a prescribed value.
 fn constraints(equations: Vec<Terms>, is_driven: bool, start: &[f64], size: f64, dimension: usize) -> PointConstraints {
     let mut kernel = PointConstraints::new(dimension, size);
     for terms in equations {

@@ -212,7 +212,7 @@ impl SlipRow<'_> {
         (state, -sense * s)
     }
 
-    /// State of a constraint whose slip supports prevent.
+    /// State of a constraint without free slip, because supports fix its nodes.
     fn held(&self) -> RowState {
         if self.pressed.is_clear(self.slip.abs()) { RowState::sliding(-self.slip) } else { RowState::Closed }
     }

@@ -1,4 +1,4 @@
-//! An energy as a graph in which equal parts are one node, with the value of every node at rest.
+//! Energy as a graph in which equal subexpressions share a node, with the value of every node at rest.
 //!
 //! Powers become `exp(p ln a)` and quotients products with `1/b`, so that the derivatives of all of them share their logarithms and
 //! reciprocals. A node stands behind all it is made of. Sums of constants, factors 0 and 1 and constant nodes are folded away.
@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use super::variable::{Bits, Variable};
 
-/// Place of a node in its graph.
+/// Index of a node in its graph.
 pub(super) type Id = usize;
 
 /// A node: a number, a variable, or an operation on other nodes.
@@ -46,7 +46,7 @@ impl Graph {
         self.rest[id]
     }
 
-    /// The number that a node is, if it is one.
+    /// Value of a constant node; `None` for other nodes.
     pub(super) fn as_constant(&self, id: Id) -> Option<f64> {
         match self.nodes[id] {
             Node::Constant(bits) => Some(bits.value()),
@@ -200,7 +200,7 @@ impl Graph {
         self.add(Node::Step(a), rest)
     }
 
-    /// `a^p` for a fixed `p`: a product where `p` is a small whole number, a root, or `exp(p ln a)`.
+    /// `a^p` for a constant `p`: repeated products for small whole `p`, a root, or `exp(p ln a)`.
     pub(super) fn power(&mut self, a: Id, p: f64) -> Id {
         const LARGEST: f64 = 32.0;
         if p < 0.0 {
@@ -228,7 +228,7 @@ impl Graph {
         result
     }
 
-    /// Returns one flag per node: true if the node is one of `roots` or needed to compute one.
+    /// Returns one flag per node: true for the `roots` and the nodes needed to compute them.
     pub(super) fn needed(&self, roots: &[Id]) -> Vec<bool> {
         let mut needed = vec![false; roots.iter().max().map_or(0, |last| last + 1)];
         for &root in roots {

@@ -28,7 +28,7 @@ impl Principal {
     }
 }
 
-/// Principal strains, and what functions of them share.
+/// Principal strains and shared data of their functions.
 #[derive(Clone, Copy)]
 pub(super) struct Spectrum<const FMA: bool> {
     strains: [Lanes<FMA>; 3],

@@ -14,7 +14,7 @@ use crate::math::lanes::{Lanes, Real, relabel};
 use crate::math::tensor::{Mandel, Tensor, mandel_pairs, mandel_scale};
 use crate::math::tolerances::STRAIN_QUOTIENT;
 
-/// A tensor of `S` Mandel components on lanes, as [`Tensor`] knows it for some `S`.
+/// Tensor of `S` Mandel components on lanes, a [`Tensor`] for each supported `S`.
 pub(super) trait Strain<const FMA: bool, const S: usize>: Tensor<Scalar = Lanes<FMA>, Tangent = [[Lanes<FMA>; S]; S]> {}
 
 impl<const FMA: bool> Strain<FMA, 3> for Mandel<Lanes<FMA>, 3> {}
@@ -27,7 +27,7 @@ pub(super) struct Variables<const S: usize> {
     pub(super) all: Vec<Variable>,
     /// Derivative of each variable with respect to the strain, at rest.
     pub(super) slopes_at_rest: Vec<[f64; S]>,
-    /// For each variable, its function of the principal stretches, if it is one.
+    /// Function of the principal stretches for each such variable; `None` for other variables.
     principal: Vec<Option<Principal>>,
     /// Index of the variable `J`, if present.
     volume: Option<usize>,
@@ -35,7 +35,7 @@ pub(super) struct Variables<const S: usize> {
     pub(super) has_principal: bool,
 }
 
-/// A strain with its volume ratio.
+/// Strain with its volume ratio.
 #[derive(Clone, Copy)]
 pub(super) struct State<const FMA: bool, const S: usize> {
     pub(super) strain: Mandel<Lanes<FMA>, S>,
@@ -110,7 +110,7 @@ impl<const S: usize> Variables<S> {
         State { strain: Mandel(relabel(strain)), change, inverse }
     }
 
-    /// Writes the deviations of all variables from rest, and that of `1/J` behind them.
+    /// Writes the deviations of all variables from rest, followed by that of `1/J`.
     #[inline(always)]
     pub(super) fn deviations_into<const FMA: bool, const N: usize>(
         &self,
@@ -129,7 +129,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// Writes the changes of all variables over a step, and that of `1/J` behind them.
+    /// Writes the changes of all variables over a step, followed by that of `1/J`.
     #[inline(always)]
     pub(super) fn changes_into<const FMA: bool, const N: usize>(
         &self,

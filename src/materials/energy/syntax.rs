@@ -1,4 +1,4 @@
-//! The text of an energy as a tree: sums, products, powers, names and calls, each with the bytes it stands on.
+//! Text of an energy as a tree: sums, products, powers, names and calls, each with its byte range.
 //!
 //! Precedence climbing (Richards 1979): `+ -` below `* /` below the sign below `^`, which binds to the right: `-x^2` is `-(x^2)`,
 //! `a^b^c` is `a^(b^c)`. `**` is read as `^`. What names and functions mean is not known here.
@@ -43,7 +43,7 @@ enum Token {
     Comma,
 }
 
-/// Brackets and powers within each other, and tokens of a text, at most: no law comes near, and nothing below runs out of stack.
+/// Largest depth of nested brackets and powers, and number of tokens: above any real law, below stack exhaustion.
 const DEEPEST: usize = 50;
 const LONGEST: usize = 1000;
 
@@ -126,7 +126,7 @@ fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, EnergyError> {
     Ok(found)
 }
 
-/// Bytes of the number at the beginning of a text: digits, a point, an exponent.
+/// Length in bytes of the number at the beginning of a text: digits, a point, an exponent.
 fn number_length(text: &str) -> usize {
     let digits = |from: usize| from + text[from..].bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
     let mantissa = digits(0);

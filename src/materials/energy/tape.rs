@@ -1,4 +1,4 @@
-//! Nodes of a graph as a straight list of operations on lanes, in a form that keeps the digits of small changes.
+//! Graph nodes as a linear list of operations on lanes, in a form that is accurate for small changes.
 //!
 //! Every node is a known value `c` and a deviation `d` from it, and only deviations are computed: products as
 //! `(c1 + d1) d2 + c2 d1`, reciprocals as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as
@@ -32,7 +32,7 @@ pub(super) type Block<const N: usize> = [Lanes<false>; N];
 struct Operand {
     register: Register,
     rest: f64,
-    /// Register of the reciprocal, if that is computed anyway; saves a division.
+    /// Register of the reciprocal, if computed anyway; saves a division.
     reciprocal: Option<Register>,
 }
 
@@ -134,7 +134,7 @@ impl Base for AtRest {
     }
 }
 
-/// Values at the start of a step: their deviations from those at rest.
+/// Values at the start of a step, as deviations from the values at rest.
 struct AtStart<'a, const N: usize>(&'a [Block<N>]);
 
 impl<const N: usize> Base for AtStart<'_, N> {
@@ -151,7 +151,7 @@ impl<const N: usize> Base for AtStart<'_, N> {
     }
 }
 
-/// Lowers a graph: places of the nodes that have one so far.
+/// Conversion of a graph to a tape, with the registers of the nodes converted so far.
 struct Lowering<'a> {
     graph: &'a Graph,
     variables: &'a [Variable],
@@ -170,7 +170,7 @@ impl Lowering<'_> {
         self.places[id].expect("parts stand before what is made of them, and constants are folded")
     }
 
-    /// A register with the node itself, not a multiple.
+    /// Register of the node without a factor.
     fn operand(&mut self, id: Id) -> Operand {
         let mut place = self.place(id);
         if place.factor != 1.0 {
@@ -231,7 +231,7 @@ impl Lowering<'_> {
 }
 
 impl Tape {
-    /// The operations that give the roots of `stages`, one after the other.
+    /// Operations for the roots of `stages`, stage after stage.
     pub(super) fn new(graph: &Graph, variables: &[Variable], stages: &[&[Id]]) -> Self {
         let inputs = variables.len() + usize::from(variables.contains(&Variable::J));
         let tape = Tape { inputs, operations: Vec::new(), rest: Vec::new(), stages: Vec::new(), roots: Vec::new() };
@@ -257,13 +257,13 @@ impl Tape {
         self.inputs + self.operations.len()
     }
 
-    /// Deviations from rest of all registers up to those of a stage; those of the variables stand in the first already.
+    /// Computes the deviations from rest of all registers up to a stage; the first registers already contain those of the variables.
     #[inline(always)]
     pub(super) fn deviations<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>]) {
         self.run::<FMA, N>(stage, registers, &AtRest);
     }
 
-    /// Changes of all registers up to those of a stage from `start` (deviations there); those of the variables stand in the first already.
+    /// Computes the changes of all registers up to a stage from `start` (deviations); the first registers already contain the variables.
     #[inline(always)]
     pub(super) fn changes<const FMA: bool, const N: usize>(&self, stage: usize, start: &[Block<N>], registers: &mut [Block<N>]) {
         self.run::<FMA, N>(stage, registers, &AtStart(start));

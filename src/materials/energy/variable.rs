@@ -15,7 +15,7 @@ impl Bits {
     }
 }
 
-/// A quantity that vanishes, but for a constant, at rest, and whose derivatives with respect to the strain are written by hand.
+/// Variable of an energy: zero at rest up to a constant, with hand-written derivatives with respect to the strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Variable {
     /// `tr C`.
@@ -26,7 +26,7 @@ pub(super) enum Variable {
     J,
     /// `a.C.a` along the unit vector `a` of a fiber in the undeformed state.
     Fiber(usize),
-    /// A component of the Green-Lagrange strain, by its place among the Mandel components in space.
+    /// Component of the Green-Lagrange strain, as an index among the Mandel components in space.
     Strain(usize),
     /// `l1^a + l2^a + l3^a` of the principal stretches.
     StretchPower(Bits),

@@ -20,15 +20,15 @@ use crate::math::tolerances::{LEAST_FLOW_SHARE, ON_THE_YIELD_SURFACE, OUTSIDE_TH
 /// `sqrt(2/3)`.
 pub(super) const ROOT: f64 = 0.816_496_580_927_726;
 
-/// Most iterations for the multiplier: Newton's method needs three to six, and each bisection halves what is left.
+/// Largest number of iterations for the multiplier: Newton's method needs three to six, each bisection halves the interval.
 const ITERATIONS: usize = 80;
 
 /// Rule of flow of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// Elastic share first, then flow in the fitted direction: second order.
+    /// Elastic fraction first, then flow in the fitted direction: second order.
     Fitted,
-    /// Radial return over the whole step: first order, depends on the end alone.
+    /// Radial return over the whole step: first order, depends on the end state only.
     RadialReturn,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct FlowStep<'a, const FMA: bool, const S: usize> {
 pub(super) struct Flow<const FMA: bool, const S: usize> {
     /// Elastic share `s` of the step.
     pub(super) share: Lanes<FMA>,
-    /// `g`, 0 where nothing yields.
+    /// Plastic multiplier `g`, 0 in elastic lanes.
     pub(super) multiplier: Lanes<FMA>,
     /// `dep`.
     pub(super) strain: [Lanes<FMA>; S],
@@ -61,19 +61,19 @@ pub(super) struct Flow<const FMA: bool, const S: usize> {
     pub(super) slopes: Option<Slopes<FMA, S>>,
 }
 
-/// Derivatives of the elastic share, and of the plastic strain times `2 mu` `[stress]`.
+/// Derivatives of the elastic fraction of the step, and of `2 mu` times the plastic strain increment `[stress]`.
 pub(super) struct Slopes<const FMA: bool, const S: usize> {
-    /// Derivative of the elastic share with respect to the strain at the end.
+    /// Derivative of the elastic fraction with respect to the strain at the end.
     pub(super) share: [Lanes<FMA>; S],
     /// Derivative of the plastic strain with respect to the strain at the end, for a fixed start of the flow.
     pub(super) by_end: [[Lanes<FMA>; S]; S],
     /// Derivative of the plastic strain with respect to the strain at which the flow starts.
     pub(super) by_start: [[Lanes<FMA>; S]; S],
-    /// Derivative of minus the plastic strain with respect to the elastic share, through the time that is left for the flow.
+    /// Derivative of minus the plastic strain with respect to the elastic fraction, by the remaining time of the flow.
     pub(super) by_time: [Lanes<FMA>; S],
 }
 
-/// Weights of a back strain for a multiplier: `(A a_0 + g N)/B`, and the stress `q a_0 + g c/B N`.
+/// Coefficients of a back strain for a multiplier: `(A a_0 + g N)/B`, and of the stress `q a_0 + g c/B N`.
 struct Recovery<const FMA: bool> {
     a: Lanes<FMA>,
     b: Lanes<FMA>,
@@ -95,12 +95,12 @@ struct Iterate<const FMA: bool, const S: usize> {
     stiffness: Lanes<FMA>,
     residual: Lanes<FMA>,
     slope: Lanes<FMA>,
-    /// Derivative of the yield condition's right side with respect to the time that is left for the flow.
+    /// Derivative of the right side of the yield condition with respect to the remaining time of the flow.
     by_time: Lanes<FMA>,
 }
 
 impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
-    /// The flow of the step, with its derivatives where they are wanted.
+    /// Plastic flow of the step, with its derivatives if `with_slopes`.
     #[inline(always)]
     pub(super) fn flow(&self, with_slopes: bool) -> Flow<FMA, S> {
         let two_mu = Lanes::splat(2.0 * self.shear);
@@ -139,7 +139,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         flow
     }
 
-    /// The elastic share of the step and its derivative with respect to the strain at the end.
+    /// Elastic fraction of the step, and its derivative with respect to the strain at the end.
     #[inline(always)]
     fn elastic_share(&self, radius: Lanes<FMA>, change: &[Lanes<FMA>; S]) -> (Lanes<FMA>, [Lanes<FMA>; S]) {
         if self.rule == Rule::RadialReturn {
@@ -371,8 +371,8 @@ struct Multiplied<'a, const FMA: bool, const S: usize> {
 }
 
 impl<const FMA: bool, const S: usize> Multiplied<'_, FMA, S> {
-    /// `2 mu` times the derivative of the plastic strain, from that of the flow direction; `direct` is the derivative of the stress at the
-    /// end with respect to the same strain.
+    /// `2 mu` times the derivative of the plastic strain, from the derivative of the flow direction; `direct` is the derivative of the
+    /// stress at the end with respect to the same strain.
     #[inline(always)]
     fn derivative(&self, turned: &[[Lanes<FMA>; S]; S], direct: Lanes<FMA>) -> [[Lanes<FMA>; S]; S] {
         let back = times(&applied_back(turned, self.outward), -self.push);
@@ -388,7 +388,7 @@ impl<const FMA: bool, const S: usize> Multiplied<'_, FMA, S> {
 }
 
 impl<const FMA: bool, const S: usize> Slopes<FMA, S> {
-    /// Derivative of minus twice `mu` times the plastic strain with respect to the elastic share, beside what it takes from the start.
+    /// Derivative of minus `2 mu` times the plastic strain with respect to the elastic fraction, without its effect through the start.
     #[inline(always)]
     pub(super) fn along_share(&self, change: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
         plus(&applied(&self.by_start, change), Lanes::splat(-1.0), &self.by_time)

@@ -140,7 +140,7 @@ impl<const FMA: bool, const S: usize> Kept<FMA, S> {
         turned
     }
 
-    /// `W` with the columns `P n_i`, which takes tensors in principal directions to the reference: `W T W^T`.
+    /// `W` with the columns `P n_i`, which maps tensors in principal directions to the reference: `W T W^T`.
     #[inline(always)]
     pub(super) fn reference_map(&self, directions: &Matrix<FMA>) -> Matrix<FMA> {
         let mut w = [[Lanes::ZERO; 3]; 3];

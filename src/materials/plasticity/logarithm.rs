@@ -12,11 +12,11 @@ use crate::math::tolerances::{CLOSE_STRETCHES, NEAR_STRETCHES, WIDE_STRETCHES};
 /// A matrix of three rows.
 pub(super) type Matrix<const FMA: bool> = [[Lanes<FMA>; 3]; 3];
 
-/// Terms of the series of `ln[a, b, c]` for a spread of [`CLOSE_STRETCHES`], of [`NEAR_STRETCHES`] and of [`WIDE_STRETCHES`]: the first one
-/// left out is below 1e-17.
+/// Number of series terms of `ln[a, b, c]` for a spread of [`CLOSE_STRETCHES`], [`NEAR_STRETCHES`], [`WIDE_STRETCHES`]: truncation error
+/// below 1e-17.
 const TERMS: [i32; 3] = [7, 10, 18];
 
-/// True of directions `i` and `j` that a tensor of `S` Mandel components can shear with each other.
+/// True if tensors of `S` Mandel components can have the shear component of the directions `i` and `j`.
 #[inline(always)]
 pub(super) const fn linked<const S: usize>(i: usize, j: usize) -> bool {
     S == 6 || i == j || (i < 2 && j < 2)
@@ -37,7 +37,7 @@ pub(super) fn first_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>) ->
     (excess + 1.0) * 2.0 / sum
 }
 
-/// `ln[a, b, c]`: a series about their mean, where the spread is wide the recursion over the outermost pair.
+/// `ln[a, b, c]`: a series about the mean, or for a wide spread the recursion over the outermost pair.
 #[inline(always)]
 pub(super) fn second_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>, c: Lanes<FMA>) -> Lanes<FMA> {
     let mean = (a + b + c) * (1.0 / 3.0);
@@ -69,7 +69,7 @@ pub(super) fn second_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>, c
     if spread <= WIDE_STRETCHES { near } else { of_wide_spread(near, [a, b, c]) }
 }
 
-/// `ln[a, b, c]` lane by lane, by the recursion where the spread is wide, else `near`.
+/// `ln[a, b, c]` in each lane: by recursion for a wide spread, otherwise `near`.
 #[cold]
 #[inline(never)]
 fn of_wide_spread<const FMA: bool>(near: Lanes<FMA>, all: [Lanes<FMA>; 3]) -> Lanes<FMA> {
@@ -253,7 +253,7 @@ pub(super) fn dot<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], b: &[Lan
     sum
 }
 
-/// The tensor without its mean.
+/// Deviatoric part of the tensor.
 #[inline(always)]
 pub(super) fn deviator<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
     let mean = trace(tensor) * (1.0 / 3.0);
