@@ -128,9 +128,9 @@ impl<'a> Patches<'a> {
         cells
     }
 
-    /// Factors of samples in the value at a node of the linear polynomial with least squares, where they do not amplify what is wrong with
-    /// the samples: with `P` the values of the polynomials there, all but the first of which are zero at the node, the factors are
-    /// `P (P^T P)^-1 e_1`, and the sum of their squares is the first entry of `(P^T P)^-1`.
+    /// Factors of samples in the nodal value of the least-squares linear polynomial; `None` if they would amplify errors of the samples.
+    /// With the values `P` of the polynomials, all but the first of which vanish at the node, the factors are `P (P^T P)^-1 e_1`, and the
+    /// sum of their squares is the first entry of `(P^T P)^-1`.
     fn fitted(&self, node: usize, samples: &[&Sample]) -> Option<Vec<f64>> {
         let arm = |sample: &&Sample| -> [f64; 3] { std::array::from_fn(|i| sample.place[i] - self.mesh.points[node][i]) };
         let arms: Vec<[f64; 3]> = samples.iter().map(arm).collect();

@@ -69,7 +69,7 @@ fn without(range: Range<usize>, others: &[Range<usize>]) -> Vec<Range<usize>> {
     left
 }
 
-/// The pieces of `data` at ascending ranges that do not meet.
+/// Disjoint slices of `data` at ascending ranges.
 pub(super) fn pieces(mut data: &mut [f64], ranges: impl Iterator<Item = Range<usize>>) -> Vec<&mut [f64]> {
     let mut done = 0;
     ranges

@@ -121,7 +121,7 @@ impl<const L: usize> Special<L> {
         strains
     }
 
-    /// Changes of the strain from the end of one step to that of another.
+    /// Strain differences between the ends of two steps.
     pub(super) fn changes<const D: usize>(&self, from: &SpecialPoints<D>, to: &SpecialPoints<D>) -> [Components<L>; MOST_POINTS] {
         let mut changes = [[Lanes::ZERO; L]; MOST_POINTS];
         for q in 0..to.count {

@@ -33,9 +33,9 @@ impl Stresses {
         }
     }
 
-    /// Values at the nodes of a body, these numbers of the model: recovered from the cells nearby where they are of first order, elsewhere
-    /// extrapolated from the quadrature points of each cell and averaged by volume (Hinton and Campbell, International Journal for
-    /// Numerical Methods in Engineering 8, 1974); NaN at nodes of no cell.
+    /// Values at the nodes of a body, whose node numbers in the model are `nodes`: recovered from nearby cells for first-order cells,
+    /// otherwise extrapolated from the quadrature points of each cell and averaged by volume (Hinton and Campbell, International Journal
+    /// for Numerical Methods in Engineering 8, 1974); NaN at nodes without cells.
     pub fn at_nodes<const D: usize>(elements: &dyn ElementLoop<D>, at: Present, nodes: Range<usize>, recovery: &Recovery) -> Self {
         let (mut values, mut weight) = (Stresses::zeros(nodes.len()), vec![0.0; nodes.len()]);
         let mut means = Stresses::zeros(elements.cliques().len());

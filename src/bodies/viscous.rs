@@ -41,7 +41,7 @@ struct Moduli {
 }
 
 impl<const S: usize> ViscousLaw<S> {
-    /// A viscosity beside a law.
+    /// Viscosity in addition to a base law.
     pub(super) fn new(base: PointLaw<S>, viscosity: &Viscosity) -> Self {
         ViscousLaw { base: Some(base), viscosity: viscosity.clone() }
     }

@@ -225,8 +225,8 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         finish_force(&mut self.force);
     }
 
-    /// Sums weighted force and tangent over the points, `geometric` times its part that belongs to the stress itself, and what belongs to
-    /// the change of the strain (`rates`) by variations at the end of the step.
+    /// Sums weighted force and tangent over the points: `geometric` times the geometric part, and derivatives with respect to the strain
+    /// increment (`rates`) by variations at the end of the step.
     #[inline(always)]
     pub(super) fn integrate<const L: usize>(
         &mut self,

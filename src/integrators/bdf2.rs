@@ -71,7 +71,7 @@ const LAST: Scheme = {
     }
 };
 
-/// Stages whose matrices have the same factors of the mass.
+/// Stages with equal mass factors in their matrices.
 static STAGES: [(f64, Scheme); 2] = [(2.0 - SQRT_2, FIRST), (SQRT_2 - 1.0, LAST)];
 
 /// TR-BDF2: conserves linear momentum exactly; vibrations faster than the steps vanish.

@@ -12,7 +12,7 @@
 use super::derivative::Derivative;
 use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme, StepKind};
 
-/// The method with a way to lump the mass.
+/// Central differences with a lumping of the mass.
 pub const fn central_differences(lumping: Lumping) -> Scheme {
     Scheme {
         name: "central_differences",

@@ -63,7 +63,7 @@ impl Derivative {
     /// The gradient at the end of the step.
     pub const AT_END: Derivative = Derivative::Gradient(Configuration::End);
 
-    /// Every way.
+    /// All algorithmic gradients.
     pub const ALL: [Derivative; 3] = [Derivative::DiscreteGradient, Derivative::Gradient(Configuration::Middle), Derivative::AT_END];
 
     /// Configurations of the evaluation.

@@ -217,7 +217,7 @@ impl WithSimd for AddUp<'_, &mut RestColumns<'_>> {
     }
 }
 
-/// Adds a run of rows of some columns to where they go.
+/// Adds a run of rows of some columns to the target rows.
 #[inline(always)]
 fn add_run<S: Simd>(simd: S, rows: &Run, source: &[f64], source_stride: usize, target: &mut [f64], target_stride: usize) {
     let (length, from, to) = (rows.length as usize, rows.source as usize, rows.target as usize);

@@ -133,7 +133,7 @@ impl Blocks<'_> {
     }
 }
 
-/// Copies strips of rows back to where they came from.
+/// Copies strips of rows back into the columns.
 fn unpack(strips: &[f64], columns: &mut [f64], u: usize, workers: &Workers) {
     let depth = columns.len() / u.max(1);
     workers.for_each_part(columns, (PANEL * u).max(1), |first, columns| {

@@ -113,7 +113,7 @@ impl Graph {
 /// Order of elimination with its elimination tree; tree vertices are positions in the order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Order {
-    /// Vertices in their order.
+    /// Vertices in the order of elimination.
     pub(super) vertices: Vec<u32>,
     /// Parent at each place, or `u32::MAX`.
     parents: Vec<u32>,

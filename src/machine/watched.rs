@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Longest delay of the reaction to an interrupt.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Stack of the thread; only what is used of it takes memory.
+/// Stack size of the thread; memory is used only as the stack grows.
 const STACK: usize = 64 << 20;
 
 /// Message from the thread of the work.

@@ -72,7 +72,7 @@ const FOLLOWED: usize = 6;
 /// Steps at most from a start.
 const STEPS: usize = 200;
 
-/// Nominal stress of an incompressible piece at a stretch.
+/// Nominal stress of an incompressible test piece at a stretch.
 pub fn incompressible_stress(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> f64 {
     let stretches = piece.isochoric(stretch);
     let mut strain = [0.0; 6];

@@ -15,7 +15,7 @@ use crate::math::lanes::Lanes;
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 use crate::math::tolerances::FREE_STRESS;
 
-/// A test on a piece of material.
+/// Homogeneous test of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Piece {
     /// Pulled along the first axis, free across.
@@ -106,7 +106,7 @@ impl AtHistory {
         first_lane(&response[0])
     }
 
-    /// Goes on to a strain.
+    /// Advances the history variables to a strain.
     fn advance(&mut self, strain: &[f64; 6]) {
         let (strain, mut after, mut heat) = ([strain.map(|x| Lanes([x; 8]))], self.history.clone(), [Heat::ZERO]);
         self.law.advance_into(&self.step(&strain), &mut after, &mut heat);

@@ -185,8 +185,8 @@ impl Material {
         Material { origin: Origin::Outside(name), energy: None, laws, ..elastic.with_history([law.clone(), law]) }
     }
 
-    /// The material with a law that has history variables. Its elastic law remains for the stiffness at rest. The second of `laws` has no
-    /// energy of the volume, for cells with a dilatation of their own.
+    /// Replaces the law by one with history variables; the elastic law still defines the stiffness at rest. The second of `laws` has no
+    /// volumetric energy, for cells with a dilatation of their own.
     fn with_history<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(self, laws: [H; 2]) -> Self {
         Material { history: Some(HistoryLaws::new(laws)), ..self }
     }

@@ -31,7 +31,7 @@ impl<K: Kernel> NullaryFnOnce for WithFma<K> {
     }
 }
 
-/// The instructions that results of this processor depend on in their last bits.
+/// Instruction set of this processor on which the last bits of results depend.
 pub fn instructions() -> String {
     #[cfg(target_arch = "x86_64")]
     {
@@ -93,7 +93,7 @@ pub(crate) fn with_registers<K: WithSimd>(kernel: K) -> K::Output {
     Simd::vectorize(registers(), kernel)
 }
 
-/// Runs a computation on registers of four numbers: those of AVX2 where the processor has them, plain numbers elsewhere.
+/// Runs a computation on registers of four numbers: AVX2 registers if the processor has them, otherwise plain numbers.
 #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline]
 pub(crate) fn with_registers<K: WithSimd>(kernel: K) -> K::Output {

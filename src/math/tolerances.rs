@@ -147,8 +147,8 @@ pub const VOLUME_CHANGE: f64 = 1e-5;
 /// their round-off is ignored.
 pub const POSITION: f64 = 4e-16;
 
-/// Remainder of a discrete gradient, relative to its terms, that is round-off. Where the increment is so small that a smooth function's
-/// remainder would be, too, only a larger one is divided by it: that of a kink.
+/// Remainder of a discrete gradient, relative to its terms, that is round-off. In increments where a smooth function's remainder is
+/// round-off, too, only larger remainders, those of kinks, are corrected.
 pub const REMAINDER: f64 = 4e-15;
 
 /// Curvature of an obstacle's distance along an edge, as deviation from linear over the edge length, below which no interior point is

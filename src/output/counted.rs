@@ -46,7 +46,7 @@ pub enum Standing {
     Aside,
     /// The file is missing.
     Gone,
-    /// Another content is in its place.
+    /// The file at the path has other content.
     Replaced,
 }
 

@@ -32,7 +32,7 @@ pub enum OutputError {
         /// The output directory.
         directory: PathBuf,
     },
-    /// A name without a file in it, such as `""` or `"plots/"`.
+    /// Name without a file, such as `""` or `"plots/"`.
     #[error("the path \"{name}\" names no file")]
     NoFileName {
         /// The name as given.
@@ -142,7 +142,7 @@ struct Run {
 }
 
 impl RunFiles {
-    /// True if a folder holds files of a run: their record, a summary, or checkpoints for a resumption.
+    /// True if a folder contains files of a run: the record, a summary, or checkpoints.
     pub fn are_in(folder: &Path) -> bool {
         [file_record::NAME, counted::FOLDER, SUMMARY].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
     }
@@ -194,7 +194,7 @@ impl RunFiles {
         Ok(RunFiles { directory: self.directory.join(name), root, run: self.run.clone() })
     }
 
-    /// Writes the record in alphabetical order at the end of a run.
+    /// Writes the list of files (`.files`) in alphabetical order at the end of a run.
     ///
     /// # Errors
     /// The operating system refused.

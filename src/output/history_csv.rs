@@ -56,7 +56,7 @@ pub struct HistoryCsv {
     files: RunFiles,
     dimension: usize,
     extra: Vec<String>,
-    /// `None` while the rows are those of an earlier process, whose file is unchanged until then.
+    /// Open file; `None` while the rows are those of an earlier process, whose file is unchanged until then.
     stream: Option<Stream>,
     rows: usize,
     /// Row numbers with the length of the file up to these, ascending; the header first.

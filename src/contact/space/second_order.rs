@@ -223,7 +223,7 @@ fn corners(face: &[u32]) -> usize {
 }
 
 impl Proxies {
-    /// Points on faces, and points of other nodes beside them.
+    /// Points on faces, and points of other nodes without faces.
     fn new(sides: [&[Vec<u32>]; 2], others: &[u32], q: &[f64]) -> Self {
         let faces: BTreeSet<Vec<u32>> = sides.into_iter().flatten().cloned().collect();
         let mut made = Proxies {

@@ -18,7 +18,7 @@ use crate::mesh::{Mesh, is_inside};
 /// above the sagitta of a facet on an obstacle of its own size.
 const PASSED: f64 = 0.25;
 
-/// Rigid obstacles with the hulls that they bound.
+/// Rigid obstacles, with the hulls of the bodies that must not penetrate them.
 pub struct ObstacleBounds {
     bounds: Vec<Bound>,
 }
@@ -32,7 +32,7 @@ struct Bound {
     /// Number of the body's first node in the model.
     first: usize,
     nodes: usize,
-    /// Flat pieces of the hull, in node numbers of the body.
+    /// Flat parts of the hull, by node numbers of the body.
     pieces: Vec<Vec<u32>>,
     /// Nodes of the hull outside of all secondary surfaces of this obstacle, with the length of their shortest edge `[length]`.
     free: Vec<(u32, f64)>,
@@ -245,7 +245,7 @@ impl Model {
     }
 }
 
-/// Straight or flat pieces of the hull of a mesh.
+/// Flat or straight parts of the hull of a mesh.
 fn hull_pieces(mesh: &Mesh) -> Vec<Vec<u32>> {
     if mesh.dimension() == 2 {
         return mesh.outline().iter().map(|ends| ends.to_vec()).collect();

@@ -105,7 +105,7 @@ pub struct Growth {
 pub struct Model {
     /// Name of the model.
     pub name: String,
-    /// Bodies in the order in which they were added.
+    /// Bodies in the order of their definition.
     pub bodies: Vec<BodyDefinition>,
     /// Supports.
     pub supports: Vec<Support>,

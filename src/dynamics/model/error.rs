@@ -42,7 +42,7 @@ pub enum ModelError {
         /// Cause of the error.
         reason: String,
     },
-    /// A drive, limits, a gear or a bushing that cannot be.
+    /// Drive, limits, gear or bushing with inconsistent data.
     #[error("{what} \"{name}\" cannot be made: {reason}")]
     Unsound {
         /// Kind of the entity.
@@ -192,7 +192,7 @@ pub enum ModelError {
         /// Enclosed volume.
         volume: f64,
     },
-    /// A mass that is negative or no number.
+    /// Negative or non-finite mass.
     #[error("the mass of \"{part}\" is {mass}")]
     NoMass {
         /// The part.

@@ -22,9 +22,9 @@ pub struct BodyBoundary {
 pub enum Enforcement {
     /// Lagrange multipliers: the update rule holds exactly.
     Multiplier,
-    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap `Phi`, with `kappa = factor * youngs_modulus / (h w)`, `w` the length
-    /// that a node stands for: a small penetration, and exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update
-    /// rule is not used.
+    /// Penalty potential `kappa/2 min(Phi, 0)^2` of the weighted gap `Phi`, `kappa = factor * youngs_modulus / (h w)` with the tributary
+    /// length `w` of a node: small penetration, exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is
+    /// not used.
     Penalty {
         /// Penalty stiffness (pressure per penetration) relative to `youngs_modulus / h`, `h` the shortest facet of the secondary body.
         factor: f64,
@@ -77,7 +77,7 @@ pub struct Interaction {
     pub name: String,
     /// The side that carries the multipliers (slave, nonmortar).
     pub secondary: BodyBoundary,
-    /// The other side.
+    /// Contact partner of the secondary side.
     pub partner: Partner,
     /// Discretisation between two surfaces.
     pub method: &'static ContactMethod,

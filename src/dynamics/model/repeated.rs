@@ -42,7 +42,7 @@ fn shares(a: &BodyBoundary, b: &BodyBoundary) -> bool {
     a.body == b.body && a.boundary.facets.iter().any(|facet| b.boundary.facets.contains(facet))
 }
 
-/// True if both interactions are between the same facets.
+/// True if both interactions are between equal facets.
 fn repeats(first: &Interaction, second: &Interaction) -> bool {
     let is_opposite = |on: &BodyBoundary, of: &Interaction| of.primary().iter().any(|other| shares(on, other));
     let along = || shares(&first.secondary, &second.secondary) && first.primary().iter().any(|on| is_opposite(on, second));

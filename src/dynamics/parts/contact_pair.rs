@@ -48,7 +48,7 @@ impl PairKind {
     }
 }
 
-/// Nodes on which the constraint forces of a coupling act, one per constraint: those of the plane, or of the second boundary.
+/// Nodes on which the constraint forces of a coupling act, one per constraint: nodes of the symmetry plane or of the second boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledNodes {
     /// Index of the coupling in the model.
@@ -113,8 +113,8 @@ pub struct ContactPair {
     places: Places,
 }
 
-/// Blocks of the contact elements in the matrix: of node pairs (row by row), then per constraint and node those in the row and column of
-/// the multiplier.
+/// Blocks of the contact elements in the matrix: those of node pairs (row by row), then for each constraint and node the blocks in the row
+/// and in the column of the multiplier.
 #[derive(Default)]
 struct Places {
     tangent: Vec<Block>,

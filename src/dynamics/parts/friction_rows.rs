@@ -50,13 +50,13 @@ impl FrictionRows {
         }
     }
 
-    /// Tangential constraints beside the normal constraint with the index `local` in the pair.
+    /// Tangential constraints of the normal constraint with the index `local` in the pair.
     pub fn group(&self, local: usize) -> Range<usize> {
         let first = self.rows.start + self.tangents * local;
         first..first + self.tangents
     }
 
-    /// Index in the pair of the normal constraint beside the tangential constraint `row`.
+    /// Index in the pair of the normal constraint of the tangential constraint `row`.
     pub fn pressing(&self, row: usize) -> usize {
         (row - self.rows.start) / self.tangents
     }
@@ -181,7 +181,7 @@ impl SlipRow<'_> {
         self.pressed.film(self.slip.abs())
     }
 
-    /// Multiplier without that of the film.
+    /// Multiplier of dry friction, without the film's contribution.
     fn dry(&self) -> f64 {
         self.lambda + self.film() * self.slip
     }

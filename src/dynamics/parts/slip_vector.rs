@@ -81,7 +81,7 @@ impl SlipVector<'_> {
         self.pressed.film(size(self.slip))
     }
 
-    /// Multiplier without that of the film.
+    /// Multiplier of dry friction, without the film's contribution.
     fn dry(&self) -> Pair {
         plus(self.lambda, self.film(), self.slip)
     }

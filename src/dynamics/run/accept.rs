@@ -45,7 +45,7 @@ impl Outside {
         loads + self.obstacle_work + self.prescribed_work
     }
 
-    /// Adds the velocities of an impact to those of the step, and the work of obstacles in it.
+    /// Adds the velocities of an impact to those of the step, and the work of obstacles in the impact.
     fn add_jump(&mut self, jump: Option<&VelocityCorrection>, v_1: &mut [f64]) {
         if let Some(jump) = jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
@@ -357,8 +357,8 @@ where
         row.angular_momentum_defect = unexplained([row.angular_momentum, old.angular_momentum], changes(turning, impulse));
     }
 
-    /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their
-    /// velocities are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
+    /// Work of the reactions at prescribed nodes, and their angular momentum from the difference between the displacements `dq` and the
+    /// velocities of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
     fn prescribed_work(&self, motion: &Motion, at: &Linearization, v_1: &[f64]) -> (f64, [f64; 3]) {
         let (Motion { dt, v_0, .. }, unknowns) = (*motion, at.q_1.len());
         let change: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - v_0[k]) / dt).collect();

@@ -91,7 +91,7 @@ impl Pull {
         self.shift.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// True if another component has the same displacement.
+    /// True if both components have equal displacements within round-off.
     fn is_as(&self, other: &Pull) -> bool {
         let apart: f64 = self.shift.iter().zip(&other.shift).map(|(a, b)| (a - b).powi(2)).sum();
         self.shift_size() > 0.0 && apart.sqrt() <= tolerances::ALIKE * self.shift_size()

@@ -13,7 +13,7 @@ use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
-/// Adds the forces of friction to those of a contact and of its corners.
+/// Adds friction forces to the forces of a contact and of its corners.
 pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces: &mut ContactForces) {
     let secondary = contact.pair.kernel.secondary();
     let (with_itself, count) = (secondary == contact.pair.kernel.primary(), secondary.nodes().len());

@@ -188,13 +188,13 @@ fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f
     lambda.chunks_exact(stride).enumerate().map(of).collect()
 }
 
-/// Pressure at each secondary node, that of corners left out.
+/// Pressure at each secondary node, without corner forces.
 fn own_pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let Loaded { evaluation, lambda, .. } = contact;
     at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &vec![0.0; forces.own.len()]], q)
 }
 
-/// Pressure at each secondary node, that of corners on it included.
+/// Pressure at each secondary node, including forces of its corners.
 fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let Loaded { pair, evaluation, lambda, .. } = contact;
     let mut pressures = at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &forces.pressed], q);

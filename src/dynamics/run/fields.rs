@@ -34,7 +34,7 @@ pub struct BodyFields {
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
     pub contact_gap: Vec<f64>,
-    /// Contact force `[force]` on the nodes of both sides of all contacts, that of friction included, ties not included.
+    /// Contact force `[force]` on the nodes of both sides of all contacts, including friction, without ties.
     pub contact_force: Vec<[f64; 3]>,
     /// Contact force `[force]` on the nodes of both sides of all contacts, without friction and ties.
     pub contact_pressing: Vec<[f64; 3]>,
@@ -203,13 +203,13 @@ pub struct ContactFields {
     pub state: Vec<NodeState>,
     /// Shear stress of friction on the secondary side, along its tangent with the body on the left; in space its size `[stress]`.
     pub shear: Vec<f64>,
-    /// Slip in the last step against the other side, along the same tangent; in space its size `[length]`.
+    /// Slip in the last step relative to the other side, along the tangent of `shear`; in space its size `[length]`.
     pub slip: Vec<f64>,
     /// Sum of the sizes of the slips since the start `[length]`.
     pub slip_path: Vec<f64>,
     /// Heat of friction since the start `[energy/length^2]`.
     pub heat: Vec<f64>,
-    /// Contact force on each secondary node, that of friction included `[force]`.
+    /// Contact force on each secondary node, including friction `[force]`.
     pub forces: Vec<[f64; 3]>,
     /// Resultant of `forces` `[force]`; for self-contact that of one side only, since each facet pair is counted once.
     pub force: [f64; 3],

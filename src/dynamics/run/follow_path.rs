@@ -38,7 +38,7 @@ const MOST_SHORTER: usize = 12;
 /// Number of bisections of the path segment in which stability changes: to a thousandth of an increment.
 const BISECTIONS: usize = 10;
 
-/// A point that is looked for.
+/// Iterate of a point on the path.
 #[derive(Clone)]
 struct Guess {
     load: f64,

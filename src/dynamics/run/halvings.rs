@@ -13,7 +13,7 @@ pub type Cause = &'static str;
 /// Halvings for one cause.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Halving {
-    /// The cause: the name of a motion that is too large, or of the way in which Newton's method failed.
+    /// Cause: name of a too large motion, or kind of failure of Newton's method.
     #[serde(deserialize_with = "known_cause")]
     pub cause: Cause,
     /// First motion that was too large; `None` for other causes.

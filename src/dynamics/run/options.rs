@@ -79,7 +79,7 @@ impl Options {
 pub struct Statistics {
     /// Accepted steps.
     pub steps: usize,
-    /// Newton iterations, those of refused steps included.
+    /// Newton iterations, including those of refused steps.
     pub newton_iterations: usize,
     /// Halvings of attempted steps; [`Simulation::halvings`](crate::dynamics::Simulation::halvings) counts all by cause.
     pub halvings: usize,

@@ -50,7 +50,7 @@ where
         Ok(())
     }
 
-    /// Rows that have left the active set with a reserve.
+    /// Constraints with stored impact energy that have become inactive.
     fn opened(&self, end: &Ending, jump: &VelocityCorrection) -> Vec<usize> {
         (0..end.ours.len()).filter(|&row| end.has_opened(row, &jump.reserve)).collect()
     }

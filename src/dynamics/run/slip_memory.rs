@@ -78,7 +78,7 @@ impl Tangential<'_> {
         self.lambda.chunks_exact(self.count).map(size).collect()
     }
 
-    /// Accumulated slip beside each normal constraint.
+    /// Accumulated slip for each normal constraint.
     pub fn memories(&self) -> impl Iterator<Item = SlipMemory> {
         let of = |group: &[SlipMemory]| {
             let slips: Vec<f64> = group.iter().map(|memory| memory.slip).collect();

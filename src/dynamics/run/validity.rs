@@ -50,7 +50,7 @@ pub enum ExcessKind {
     SpuriousMoment,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is the least stretch.
     Crushed,
-    /// A point has flowed beyond the last point of its hardening table; the value is its plastic strain over that of the last point.
+    /// Plastic flow beyond the last point of a hardening table; the value is the ratio of plastic strain to that of the last point.
     BeyondTable,
 }
 

@@ -50,7 +50,7 @@ impl Preferred {
         usize::from(self.attempt) < ATTEMPTS.len()
     }
 
-    /// The attempts in the order in which they are tried.
+    /// Indices of the attempts in the order of trial.
     pub fn order(self) -> impl Iterator<Item = usize> {
         let first = if self.steps < PREFERRED_STEPS { usize::from(self.attempt) } else { 0 };
         std::iter::once(first).chain((0..ATTEMPTS.len()).filter(move |&attempt| attempt != first))

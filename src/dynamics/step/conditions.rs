@@ -135,7 +135,7 @@ impl<const D: usize> Equations<D> {
         stiffness
     }
 
-    /// Copies the values of normal constraints to the tangential constraints beside them.
+    /// Copies the values of normal constraints to their tangential constraints.
     pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
         self.pairs.iter().flat_map(ContactPair::tangential).for_each(|(row, pressing)| values[row] = values[pressing]);
     }

@@ -29,7 +29,7 @@ pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> boo
     !pair.has_multipliers() || evaluation.coverage[local] > tolerances::ZERO_ROW
 }
 
-/// Tangential constraints beside one normal constraint, at an iterate.
+/// Tangential constraints of one normal constraint, at an iterate.
 pub struct SlipPlace<'a> {
     /// Indices of the tangential constraints, and of the normal one, among all constraints.
     pub rows: Range<usize>,

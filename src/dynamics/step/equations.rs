@@ -46,7 +46,7 @@ pub struct Equations<const D: usize> {
     pub multipliers: usize,
     /// Number of normal constraints.
     pub pressing: usize,
-    /// True for each redundant constraint of ties, which depends on others and on supports and takes part in no step.
+    /// True for each redundant constraint of ties, which depends on other constraints and on supports and is excluded from every step.
     pub redundant: Vec<bool>,
     /// Threads for sums over cells.
     pub workers: Workers,
@@ -173,7 +173,7 @@ impl<const D: usize> Equations<D> {
         self.pairs[index].corners.map_or(index, |corners| corners.pair)
     }
 
-    /// Sums of a quantity of pairs over the contact that they belong to.
+    /// Sums of a quantity of pairs over each contact, corner pairs included.
     pub fn by_contact(&self, of: impl Fn(usize, &ContactPair) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.contacts().count()];
         let pairs = self.pairs.iter().enumerate().filter(|(_, pair)| !pair.kind.is_of_points());
@@ -181,12 +181,12 @@ impl<const D: usize> Equations<D> {
         sums
     }
 
-    /// The pairs that are contacts of the model, with their indices.
+    /// Pairs that are contacts of the model, with their indices.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &ContactPair)> {
         self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none() && !pair.kind.is_of_points())
     }
 
-    /// The pairs that belong to a contact besides.
+    /// Corner pairs that belong to the contact with this index.
     pub fn corners_of(&self, index: usize) -> impl Iterator<Item = &ContactPair> {
         self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
     }
@@ -198,7 +198,7 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().find(is_own)
     }
 
-    /// Normal constraint beside a tangential constraint.
+    /// Normal constraint of a tangential constraint.
     pub fn pressing_row(&self, slip: usize) -> usize {
         self.tangential_at(slip, |pair, friction| pair.rows.start + friction.pressing(slip))
             .expect("every tangential row belongs to a pair")

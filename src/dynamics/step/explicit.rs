@@ -18,7 +18,7 @@ use crate::linear::LinearError;
 /// Forces at positions, component by component `[force]`.
 #[derive(Default)]
 pub struct PartForces {
-    /// Forces of potentials and dampers, against the motion that they drive.
+    /// Forces of potentials and dampers with the sign of the residual, opposite to the motion that they drive.
     pub internal: Vec<f64>,
     /// Loads, without gravity that is constant.
     pub load: Vec<f64>,

@@ -156,7 +156,7 @@ fn nearest_motion<const D: usize>(points: &[[nalgebra::Vector3<f64>; 2]]) -> Opt
     (values[1] > tolerances::TURNS * values[0]).then_some(RigidMotion { from, to, rotation })
 }
 
-/// Displacements in a step to predicted positions, those of prescribed nodes with the accuracy of their own size.
+/// Displacements in a step to predicted positions; those of prescribed nodes are accurate relative to their own size.
 pub fn displacements_to<const D: usize>(equations: &Equations<D>, from: Pose, displacement: &[f64], predicted: &[f64]) -> Vec<f64>
 where
     Space<D>: Elements<D>,

@@ -16,7 +16,7 @@ use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY, ZERO_ROW};
 type Row = BTreeMap<usize, f64>;
 
 impl<const D: usize> Equations<D> {
-    /// True for each row that follows from those of ties and joints before it and from supports.
+    /// True for each constraint that depends on earlier constraints of ties and joints, and on supports.
     pub fn redundant_rows(&self) -> Vec<bool> {
         let mut redundant = vec![false; self.multipliers];
         if self.pairs.iter().all(|pair| !pair.kind.is_bilateral()) {

@@ -58,7 +58,7 @@ pub struct System<const D: usize> {
     pub given: Vec<f64>,
 }
 
-/// Reading goes through to the equations.
+/// Gives read access to the equations.
 impl<const D: usize> Deref for System<D> {
     type Target = Equations<D>;
 
@@ -159,7 +159,7 @@ impl<const D: usize> System<D> {
         self.matrix.solver.bytes()
     }
 
-    /// Lets long factorisations be looked into.
+    /// Sets the interrupt flag and progress counter of long factorizations.
     pub fn watch(&mut self, watch: Watch) {
         self.matrix.solver.set_watch(watch);
     }

@@ -243,9 +243,9 @@ where
 }
 
 impl<const D: usize> System<D> {
-    /// Adds `gamma G^T G` of the constraints of rigid bodies and joints to a stiffness, with its largest diagonal as `gamma`. Motions
-    /// that satisfy the constraints are not stiffened, so solutions and inertia stay, and masters without any stiffness get pivots.
-    /// Returns `gamma G^T g` with the gaps `g`, which goes to the right-hand side with it.
+    /// Adds `gamma G^T G` of the constraints of rigid bodies and joints to a stiffness, with its largest diagonal as `gamma`. Motions that
+    /// satisfy the constraints are unaffected, hence solutions and inertia, and masters without stiffness get pivots. Returns the
+    /// corresponding right-hand side `gamma G^T g` with the gaps `g`.
     pub fn stiffen_constraints(&self, pairs: &[Evaluation], values: &mut [f64]) -> Vec<f64> {
         let mut pull = vec![0.0; self.nodes.reference.len()];
         let held = |pair: &ContactPair| pair.kind.is_of_points() && pair.law.is_bilateral() && pair.drive.is_none();

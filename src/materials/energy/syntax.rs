@@ -161,7 +161,7 @@ impl<'a> Parser<'a> {
         found
     }
 
-    /// Reads something that stands within something else.
+    /// Reads a nested expression, up to the largest depth.
     fn within<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, EnergyError>) -> Result<T, EnergyError> {
         if self.depth == DEEPEST {
             let span = self.peek().map_or(self.text.len()..self.text.len(), |(_, span)| span.clone());

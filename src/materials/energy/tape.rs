@@ -90,9 +90,9 @@ impl Root {
     }
 }
 
-/// A list of operations. The first registers are the variables, in the order in which they were given, and behind them `1/J` where `J` is
-/// one of them; operation `k` writes the register behind those and those of the operations before it. The list has stages, each with roots
-/// of its own, so that the energy can be computed without its derivatives.
+/// List of operations. The first registers hold the variables in the given order, followed by `1/J` if `J` is a variable; operation `k`
+/// writes the register after these and those of the previous operations. Stages with their own roots allow the energy to be computed
+/// without its derivatives.
 #[derive(Debug)]
 pub(super) struct Tape {
     inputs: usize,

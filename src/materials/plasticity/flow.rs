@@ -57,7 +57,7 @@ pub(super) struct Flow<const FMA: bool, const S: usize> {
     pub(super) strain: [Lanes<FMA>; S],
     /// Back strains at the end.
     pub(super) back: [[Lanes<FMA>; S]; MOST_BACK_STRESSES],
-    /// Derivatives, where they are wanted.
+    /// Derivatives; `None` if not requested.
     pub(super) slopes: Option<Slopes<FMA, S>>,
 }
 

@@ -88,7 +88,7 @@ impl Motion {
         Motion { cosine: angle.cos(), sine: angle.sin(), quarters: None, ..Motion::translation([0.0; 3]) }
     }
 
-    /// Written in other units.
+    /// Change of the units of a model only.
     pub fn in_units(units: Units) -> Self {
         Motion { units, ..Motion::translation([0.0; 3]) }
     }

@@ -253,7 +253,7 @@ impl Host {
         }
     }
 
-    /// Lets go of everything that holds the host itself.
+    /// Drops everything that refers to the host itself, which would keep it alive.
     pub fn release(&self) {
         self.slots.clear();
         self.module_contexts.borrow_mut().clear();

@@ -90,7 +90,7 @@ pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
     if error.hint.is_empty() { failure } else { failure.hint(error.hint.clone()) }
 }
 
-/// The place of a mistake in a string of the script that holds the text letter by letter.
+/// Place of an error inside a string literal of the script; `None` for literals with escapes.
 fn inside(place: Place, error: &EnergyError) -> Option<Place> {
     let literal = place.text.get(place.range.clone())?;
     let held = literal.get(1..literal.len().checked_sub(1)?)?;

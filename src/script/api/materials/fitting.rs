@@ -15,7 +15,7 @@ use crate::script::language::sandbox::reason;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
-/// Options of tests, with their names in plots.
+/// Options of the tests, with names for plots.
 const TESTS: [(&str, &str, Piece); 3] = [
     ("uniaxial", "uniaxial", Piece::Uniaxial),
     ("equibiaxial", "equibiaxial", Piece::Equibiaxial),
@@ -92,7 +92,7 @@ fn described(free: &[&String], fixed: &[(String, f64)], found: &Fit) -> Map {
     ])
 }
 
-/// The law to be fitted, and the names of its constants.
+/// Law to be fitted, and the names of its constants.
 struct Law {
     title: String,
     names: Vec<String>,
@@ -219,7 +219,7 @@ fn pairs(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     }
 }
 
-/// Points of a file: two numbers in a line, parted by a comma, a semicolon or blanks; `#` begins a remark.
+/// Reads points from a file: two numbers per line, separated by a comma, a semicolon or blanks; `#` begins a comment.
 fn read(call: &Call, argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     let path = argument.text()?;
     let again = |failure: Failure| {

@@ -148,7 +148,7 @@ impl Handle for SimulationHandle {
     }
 }
 
-/// The angular momentum of a row: a number in the plane, in space a vector.
+/// Text of the angular momentum of a row: a number in the plane, a vector in space.
 pub fn angular_text(row: &LedgerRow, dimension: usize) -> String {
     if dimension == 2 { brief(row.angular_momentum[2]) } else { brief_vector(&row.angular_momentum[..3]) }
 }
@@ -257,7 +257,7 @@ impl SimulationHandle {
         self.note_closed(self.0.script_time(simulation.time()), simulation.closed_nodes());
     }
 
-    /// Notes which contact pairs are closed at a time, from the number of closed nodes of each.
+    /// Records which contact pairs are closed at a time, from the number of closed nodes of each pair.
     pub fn note_closed(&self, time: f64, nodes: impl IntoIterator<Item = usize>) {
         for (since, nodes) in self.0.closed_since.borrow_mut().iter_mut().zip(nodes) {
             if nodes > 0 && since.is_none() {
@@ -280,7 +280,7 @@ impl SimulationHandle {
             .hint("look at the state in the closure; take further steps after that call"))
     }
 
-    /// Puts another history in place, in memory and on disk.
+    /// Replaces the history, in memory and on disk.
     ///
     /// # Errors
     /// A file that cannot be written.

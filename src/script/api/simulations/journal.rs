@@ -64,7 +64,7 @@ pub(super) struct Pages {
     pub(super) files: BTreeMap<PathBuf, (u64, u32)>,
     /// True if an earlier process has begun this run.
     pub(super) is_resumed: bool,
-    /// True if the user was warned that checkpoints cannot be written.
+    /// True if the user has been warned that checkpoints cannot be written.
     pub(super) is_told: bool,
 }
 
@@ -207,7 +207,7 @@ impl Journal {
         }
     }
 
-    /// Adds a computation or a way back.
+    /// Adds a computation, or a return to a kept state.
     pub(super) fn add(&self, event: &Entry) {
         let mut pages = self.0.borrow_mut();
         if !std::mem::take(&mut pages.repeats) {

@@ -23,7 +23,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// Modes at most: each takes a vector of the model, several times.
+/// Largest number of modes: each needs several vectors of the model's size.
 const MOST: f64 = 1000.0;
 
 /// Default of the largest deflection in a picture relative to the extent of the bodies.
@@ -104,7 +104,7 @@ impl ModesHandle {
         }
     }
 
-    /// The bodies with a mode of some size as their displacement.
+    /// Bodies displaced by a mode times a factor.
     fn moved(&self, mode: &Mode, factor: f64) -> Vec<BodyFields> {
         let with_shape = |(body, shape): (&BodyFields, &Vec<[f64; 3]>)| {
             let displacement = shape.iter().map(|x| x.map(|x| factor * x)).collect();
@@ -198,7 +198,7 @@ fn sliding(row: &LedgerRow) -> usize {
     row.contacts.iter().map(|contact| contact.sliding).sum()
 }
 
-/// Takes the present position of a body as its undeformed one.
+/// Makes the present configuration of a body its undeformed one.
 fn at_place(body: &mut BodyFields) {
     let mut mesh = (*body.mesh).clone();
     mesh.points = (0..mesh.points.len()).map(|node| body.position(node)).collect();

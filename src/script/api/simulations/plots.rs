@@ -283,7 +283,7 @@ fn curve(call: &Call, argument: &Argument, index: usize, entry: &Dynamic) -> Res
     Ok(Curve { label, x, y, style, is_sum: false })
 }
 
-/// A column's name in words: `kinetic energy`, `foot, force x`, `tip, displacement y`.
+/// Name of a column in words: `kinetic energy`, `foot, force x`, `tip, displacement y`.
 fn words(column: &str) -> String {
     if let Some((owner, quantity)) = column.rsplit_once('.') {
         let letters: Vec<char> = quantity.chars().collect();

@@ -291,9 +291,9 @@ pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Opti
     simulation.map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))
 }
 
-/// Data of a simulation at its creation: its past.
+/// History of a simulation at its creation.
 pub struct SoFar {
-    /// Rows so far; at least that of the beginning.
+    /// Rows of the history so far, at least the initial one.
     pub history: History,
     /// Points that are followed.
     pub probes: Vec<Probe>,

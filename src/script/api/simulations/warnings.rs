@@ -11,7 +11,7 @@ use crate::script::language::host::Host;
 use crate::script::language::scan::Target;
 use crate::script::language::wording::joined;
 
-/// Contacts that a warning names at most.
+/// Largest number of contacts named in a warning.
 const NAMED: usize = 6;
 
 impl SimulationHandle {

@@ -17,7 +17,7 @@ pub(super) struct Explainer<'a> {
 }
 
 impl Explainer<'_> {
-    /// Returns the place of a call at a position.
+    /// Returns the source place of the call at a position.
     pub(super) fn place(&self, source: &str, position: Position) -> Option<Place> {
         self.host.place(self.engine, source, position, &Target::Call, false)
     }

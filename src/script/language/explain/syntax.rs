@@ -103,7 +103,7 @@ fn open_bracket(purpose: &str) -> Diagnostic {
     error.hint(format!("close the bracket with `{bracket}`"))
 }
 
-/// The message of a sign that stands where none can.
+/// Message on a symbol at an invalid position.
 fn unexpected(text: &str) -> Diagnostic {
     let (title, hint) = match text {
         "fn" => ("`fn` means nothing here".into(), "write a closure as `|x| …`; `fn name(x) { … }` stands by itself"),
