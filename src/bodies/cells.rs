@@ -311,7 +311,7 @@ struct Assemble<'a, const D: usize, const S: usize, const L: usize, const A: usi
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, L, A, Q> {
-    /// The first batch with a cell that is inside out.
+    /// Index of the first batch with an inverted cell, as an error.
     type Output = Result<(), usize>;
 
     #[inline(always)]

@@ -30,7 +30,7 @@ fn place(a: usize, b: usize) -> usize {
 }
 
 impl<const D: usize, const A: usize> MassRule<D, A> {
-    /// The rule of a cell kind.
+    /// Mass quadrature of a cell kind.
     pub(super) fn new<C: ReferenceCell<D, A, Q>, const Q: usize>(shape: CellShape) -> Self {
         let at = |(xi, weight): ([f64; 3], f64)| {
             let xi: [f64; D] = std::array::from_fn(|i| xi[i]);

@@ -7,7 +7,7 @@ use crate::linear::{NodeMatrix, Pattern};
 use crate::materials::PointHistory;
 use crate::math::workers::Workers;
 
-/// A cell that is inside out in the deformed configuration.
+/// Inverted cell in the deformed configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inverted {
     /// Cell number in its mesh.
@@ -77,7 +77,7 @@ pub struct PointStress<'a> {
     pub shapes: &'a [f64],
     /// Factors of the point's value in the extrapolation to the cell's nodes.
     pub extrapolation: &'a [f64],
-    /// Undeformed volume that belongs to the point.
+    /// Undeformed volume of the point.
     pub volume: f64,
     /// Undeformed volume of the cell.
     pub cell_volume: f64,

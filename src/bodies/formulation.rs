@@ -45,7 +45,7 @@ pub struct Formulation {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FormulationError {
-    /// An energy that is not written as a function of the volume and a rest.
+    /// Law whose energy is not split into a volumetric and a remaining part.
     #[error("a dilatation of the cell needs a law with a volumetric part, and `{law}` has none")]
     NoVolumetricPart {
         /// The law.
@@ -72,7 +72,7 @@ pub enum FormulationError {
         /// Smallest first coordinate `[length]`.
         x: f64,
     },
-    /// Strains that a formulation is not made for.
+    /// Linear strains, which the dilatation of a cell does not support.
     #[error("a dilatation of the cell is one of large strains, and `{law}` is linear")]
     MeanOfLinear {
         /// The law.

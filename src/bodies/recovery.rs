@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 /// Maximum number of extensions of a patch by neighboring cells.
 const GROWTHS: usize = 3;
 
-/// For each node of a mesh the factors of the cells around it.
+/// Factors of nearby cells in the recovered value at each node of a mesh.
 pub struct Recovery {
     /// Start of the cells of each node in `cells`, then the number of entries.
     starts: Vec<usize>,
@@ -34,7 +34,7 @@ impl Recovery {
         recovery
     }
 
-    /// The value at each node that has factors, from values of the cells.
+    /// Recovered values at the nodes that have factors, from values of the cells.
     pub fn recovered<'a>(&'a self, cells: &'a [[f64; 6]]) -> impl Iterator<Item = (usize, [f64; 6])> + 'a {
         self.starts.windows(2).enumerate().filter(|(_, ends)| ends[0] < ends[1]).map(move |(node, ends)| {
             let mut value = [0.0; 6];
@@ -58,7 +58,7 @@ struct Patches<'a> {
     /// The cells at each node.
     around: Vec<Vec<u32>>,
     samples: Vec<Sample>,
-    /// The samples that begin with each cell.
+    /// Samples that begin with each cell.
     of_cell: Vec<Vec<usize>>,
 }
 

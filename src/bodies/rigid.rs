@@ -28,7 +28,7 @@ use crate::math::tolerances;
 use crate::math::workers::Workers;
 use crate::mesh::Mesh;
 
-/// Mass of a rigid body and how it is spread.
+/// Mass of a rigid body, its center and its second moments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia {
     /// Mass, per thickness in the plane `[mass]`.
@@ -186,7 +186,7 @@ pub struct RigidMass {
     cliques: Vec<Vec<u32>>,
     nodes: Range<usize>,
     masses: Vec<Vec<f64>>,
-    /// Nodes that are tied to the masters and have a part of the mass.
+    /// Nodes tied to the masters, each with its part of the mass.
     tied: Vec<(u32, f64)>,
     /// Blocks between masters, row by row, then those of the tied nodes, and the columns of all nodes.
     blocks: Vec<Block>,

@@ -34,7 +34,7 @@ pub(super) struct Special<const L: usize> {
 
 /// The law of a point.
 pub(super) enum PointLaw<const L: usize> {
-    /// A stress that follows from the strain.
+    /// Stress as a function of the strain only.
     Elastic(Arc<dyn BatchedLaw<L>>),
     /// Stress that also depends on history variables or the strain rate.
     History(Arc<dyn HistoryLaw<L>>),

@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::element_loop::{ElementLoop, PointStress, Present};
 use super::recovery::Recovery;
 
-/// Stress and strain at each of some places.
+/// Stress, strain and history values at a list of positions.
 #[derive(Clone, Debug)]
 pub struct Stresses {
     /// Cauchy stress `[stress]`.
@@ -19,7 +19,7 @@ pub struct Stresses {
 }
 
 impl Stresses {
-    /// None, at so many places.
+    /// Zeros at `count` positions.
     pub fn zeros(count: usize) -> Self {
         Stresses { stress: vec![[0.0; 6]; count], strain: vec![[0.0; 6]; count], kept: vec![[0.0; 6]; count] }
     }

@@ -63,7 +63,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Points of cells that are strained at rest.
+    /// Scales the stress-free lengths of the points of swollen cells.
     #[inline(always)]
     pub(super) fn grow(&mut self, batch: &Batch<D, A>, directions: usize) {
         for (point, factor) in self.points.iter_mut().zip(&batch.growth) {
@@ -311,7 +311,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     }
 }
 
-/// A response in `L` components in the `S` of the cells among them.
+/// Response in the `S` components of the cells, out of `L` components.
 #[inline(always)]
 fn in_components<const L: usize, const S: usize>(response: &Response<L>) -> Response<S> {
     let mut own = Response::ZERO;

@@ -74,7 +74,7 @@ pub struct NodeToSegment {
     reference: Vec<f64>,
 }
 
-/// Selection of the secondary nodes that count as corners.
+/// Selection of secondary nodes as corners.
 #[derive(Clone, Debug)]
 enum Corners {
     /// Nodes at bends of either side.

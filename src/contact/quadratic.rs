@@ -390,7 +390,7 @@ impl Curves {
         curves
     }
 
-    /// Facets between points that replace facets between nodes.
+    /// Facets between points, in place of facets between nodes.
     fn fine(&self, facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let pieces = |&[from, to]: &[u32; 2]| -> Vec<[u32; 2]> {
             let points = match (self.edges.get(&from), self.edges.get(&to)) {

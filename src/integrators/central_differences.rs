@@ -34,5 +34,5 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
     }
 }
 
-/// Central differences with the lumping that suits the cells.
+/// Central differences with the lumping suitable for each cell.
 pub static CENTRAL_DIFFERENCES: Scheme = central_differences(Lumping::Suitable);

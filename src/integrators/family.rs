@@ -7,7 +7,7 @@ use crate::math::catalogue::Parameter;
 pub struct Family {
     /// Scheme with the default values of all parameters.
     pub default: &'static Scheme,
-    /// The numbers, at most two, each with a default.
+    /// Parameters of the family, at most two, each with a default.
     pub parameters: &'static [Parameter],
     /// Makes the scheme for admissible values of the parameters; 0 for absent parameters.
     pub make: fn([f64; 2]) -> Scheme,

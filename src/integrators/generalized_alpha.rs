@@ -77,7 +77,7 @@ pub static WBZ: Scheme = wbz(-0.1);
 /// Generalized alpha with a spectral radius of 0.8 and the least damping of slow vibrations.
 pub static GENERALIZED_ALPHA: Scheme = generalized_alpha(0.8);
 
-/// All of Hilber, Hughes and Taylor.
+/// HHT schemes with all values of the parameter.
 pub static HHT_FAMILY: Family = Family {
     default: &HHT,
     parameters: &[Parameter {
@@ -91,7 +91,7 @@ pub static HHT_FAMILY: Family = Family {
     make: |[alpha, _]| hht(alpha),
 };
 
-/// All of Wood, Bossak and Zienkiewicz.
+/// WBZ schemes with all values of the parameter.
 pub static WBZ_FAMILY: Family = Family {
     default: &WBZ,
     parameters: &[Parameter {
@@ -105,7 +105,7 @@ pub static WBZ_FAMILY: Family = Family {
     make: |[alpha, _]| wbz(alpha),
 };
 
-/// All of Chung and Hulbert.
+/// Generalized-alpha schemes with all spectral radii.
 pub static GENERALIZED_ALPHA_FAMILY: Family = Family {
     default: &GENERALIZED_ALPHA,
     parameters: &[Parameter {

@@ -24,7 +24,7 @@ use super::derivative::Derivative;
 pub struct Scheme {
     /// Name as written in a script.
     pub name: &'static str,
-    /// One sentence for the reference.
+    /// Summary for the reference, one sentence.
     pub summary: &'static str,
     /// Algorithmic gradient that gives the force of a potential.
     pub derivative: Derivative,
@@ -175,7 +175,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Parameters of a scheme that belongs to no family.
+    /// No parameters, for schemes outside of families.
     pub const NONE: Parameters = Parameters { names: &[], values: [0.0; 2] };
 }
 

@@ -8,7 +8,7 @@ const LINE: usize = 8;
 /// Inverse of the share of a buffer's length that is reserved for later enlargement.
 const SLACK: usize = 16;
 
-/// Numbers that begin at a cache line.
+/// Buffer of numbers that starts at a cache line.
 #[derive(Debug, Default)]
 pub(super) struct AlignedBuffer {
     storage: Vec<f64>,

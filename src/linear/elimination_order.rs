@@ -12,7 +12,7 @@ use super::symbolic::Symbolic;
 /// matrices. It is constant during factorizations and shared by copies; counters are in an [`Account`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EliminationOrder {
-    /// The order that was found best.
+    /// Best order of elimination found.
     pub(super) found: Arc<Order>,
     /// Work of a factorisation when the order was made.
     pub(super) best: f64,
@@ -44,7 +44,7 @@ impl EliminationOrder {
         self.found.is_sound() && self.kept.is_sound() && (self.kept.vertices() == 0 || self.kept.vertices() == count)
     }
 
-    /// Structure of the factors in this order, with these blocks of a pattern.
+    /// Structure of the factors in this order, with the given couplings of a pattern.
     pub(super) fn structure(&self, pattern: &Pattern, couplings: &Couplings) -> Symbolic {
         let restricted = pattern.restricted(couplings);
         Symbolic::new(&restricted, &anchored(&restricted, &self.found.repaired(&restricted)))

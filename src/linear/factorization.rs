@@ -69,7 +69,7 @@ pub struct Factorization {
     restored: bool,
     pattern: Pattern,
     symbolic: Symbolic,
-    /// Ranges of values that the structure leaves out: zeros, so far.
+    /// Ranges of values outside of the structure, which have been zero so far.
     left_out: Vec<Range<u32>>,
     multifrontal: Multifrontal,
     /// Largest number of bytes reserved for a factorisation.
@@ -242,7 +242,7 @@ impl Factorization {
         (size_of::<f64>() * (self.symbolic.factors + waiting.handed + waiting.buffer + threads * waiting.of_task)) as u64
     }
 
-    /// The order of elimination that is in use.
+    /// Order of elimination in use.
     pub fn order(&self) -> &EliminationOrder {
         &self.order
     }
@@ -285,7 +285,7 @@ impl Factorization {
         self.fallen_back
     }
 
-    /// Backward error of a vector as the solution, by rows.
+    /// Backward error of a vector as the solution, row by row.
     #[cfg(test)]
     pub(crate) fn error_of(&mut self, values: &[f64], x: &[f64], right: &[f64]) -> f64 {
         self.solution.copy_from_slice(x);
@@ -294,7 +294,7 @@ impl Factorization {
         self.error_by_rows(values, right)
     }
 
-    /// Factors the matrix with these values.
+    /// Factorizes the matrix with these values.
     ///
     /// # Errors
     /// [`LinearError::NotFinite`], [`LinearError::OutOfMemory`], [`LinearError::Interrupted`]; whether the matrix is singular is found in
@@ -421,7 +421,7 @@ impl Factorization {
         Ok(())
     }
 
-    /// `x := A^-1 x` with the factors that are in use, without any check.
+    /// `x := A^-1 x` with the factors in use, without refinement and checks.
     fn substitute(&mut self) {
         match &mut self.fallback {
             Some(fallback) if self.fallen_back => fallback.solve(&self.scale, &mut self.residual),

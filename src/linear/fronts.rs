@@ -76,7 +76,7 @@ pub(super) struct Beside {
     pub(super) other: u32,
 }
 
-/// Unknowns of an update that stay side by side in the parent's front.
+/// Unknowns of an update that are contiguous in the parent's front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// Place of the first unknown in the update.

@@ -59,7 +59,7 @@ impl Lanczos {
         Lanczos { unknowns, block, vectors: Vec::new(), projected: Vec::new(), random: 1 }
     }
 
-    /// Vectors that the operator was applied to.
+    /// Number of vectors to which the operator was applied.
     pub fn applied(&self) -> usize {
         self.projected.len()
     }
@@ -164,7 +164,7 @@ impl Lanczos {
         order.into_iter().map(of).collect()
     }
 
-    /// A vector with these components in the basis.
+    /// Vector from its components in the basis.
     pub fn vector(&self, coefficients: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.unknowns];
         for (own, coefficient) in self.vectors.iter().zip(coefficients) {

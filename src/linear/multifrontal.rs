@@ -32,15 +32,15 @@ struct Scratch {
     at_front: AlignedBuffer,
 }
 
-/// The factors of a matrix, and room to compute them.
+/// Factors of a matrix, and buffers for their computation.
 #[derive(Debug, Default)]
 pub(super) struct Multifrontal {
     factors: AlignedBuffer,
     /// For each pivot, the row of its front that was exchanged with it.
     swaps: Vec<u32>,
-    /// Updates that subtrees hand over.
+    /// Update matrices handed over by subtrees.
     handed: AlignedBuffer,
-    /// One for each thread.
+    /// Buffers of each thread.
     scratch: Vec<Mutex<Scratch>>,
     /// Positions in the order of elimination with replaced pivots.
     replaced: Vec<u32>,
@@ -54,12 +54,12 @@ struct Segment<'a, 'u> {
     fronts: Range<usize>,
     factors: &'a mut [f64],
     swaps: &'a mut [u32],
-    /// The update of the last front, if it is handed over.
+    /// Update matrix of the last front, if it is handed over.
     update: &'u mut [f64],
     replaced: Vec<u32>,
 }
 
-/// Output of all fronts, less the parts that were split off.
+/// Output of all fronts, without the parts that were split off.
 struct Whole<'a> {
     symbolic: &'a Symbolic,
     factors: &'a mut [f64],
@@ -67,7 +67,7 @@ struct Whole<'a> {
 }
 
 impl<'a> Whole<'a> {
-    /// The fronts that come next.
+    /// Splits off the output of the next fronts.
     fn split_off<'u>(&mut self, fronts: Range<usize>, update: &'u mut [f64]) -> Segment<'a, 'u> {
         let all = &self.symbolic.fronts[fronts.clone()];
         let (numbers, pivots) = all.iter().fold((0, 0), |(numbers, pivots), front| (numbers + front.length(), pivots + front.pivots));

@@ -121,7 +121,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// LU with pivoting of four columns that are up to date.
+    /// LU with pivoting of four columns that earlier pivots have already updated.
     #[inline(always)]
     fn factor_panel<S: Simd>(&mut self, simd: S, j: usize, tiny: f64, swaps: &mut [u32], replaced: &mut impl FnMut(usize)) {
         let p = self.p;

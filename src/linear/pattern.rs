@@ -75,7 +75,7 @@ pub struct Block {
     pub stride: u32,
 }
 
-/// Offset of a block that no value belongs to.
+/// Offset of a block without values.
 const NO_PLACE: u32 = u32::MAX;
 
 impl Block {
@@ -275,7 +275,7 @@ impl Pattern {
         self.anchors.get(vertex).copied().filter(|&anchor| anchor != u32::MAX)
     }
 
-    /// The vertex that an unknown belongs to.
+    /// Vertex of an unknown.
     pub(crate) fn vertex_of(&self, unknown: usize) -> usize {
         self.first.partition_point(|&first| first <= unknown) - 1
     }
@@ -307,7 +307,7 @@ impl Pattern {
         self.first[vertex]
     }
 
-    /// The block that couples row vertex `u` with column vertex `v`.
+    /// Block in row `u` and column `v` (vertices), which must be coupled.
     ///
     /// # Panics
     /// When the two are not coupled in the pattern.

@@ -6,10 +6,10 @@ use super::fronts::{Beside, Front, Inside, Numbering, Run};
 use super::pattern::{Block, Pattern};
 use super::tree::{NONE, Tree};
 
-/// The lists that fronts have ranges of.
+/// Lists of positions, of which each front has ranges.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    /// Unknowns of the updates, as places in the order of elimination.
+    /// Unknowns of the updates, as positions in the order of elimination.
     pub(super) rows: Vec<u32>,
     pub(super) runs: Vec<Run>,
     pub(super) inside: Vec<Inside>,
@@ -27,7 +27,7 @@ struct Finder<'a> {
     /// For every vertex `v` and each of its neighbors `u`, the block in row `v` and column `u`; start of each vertex's blocks.
     mirrored: Vec<Block>,
     entry_starts: Vec<usize>,
-    /// Place of each vertex in the front at hand.
+    /// Position of each vertex in the present front.
     local: Vec<u32>,
 }
 

@@ -5,7 +5,7 @@ fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
 }
 
-/// `2^n`, as far as that is a normal number.
+/// `2^n`, limited to normal numbers.
 fn power_of_two(n: i32) -> f64 {
     f64::from_bits(((n.clamp(-1022, 1023) + 1023) as u64) << 52)
 }

@@ -33,7 +33,7 @@ pub trait LinearSolver: Send {
     /// The system does not fit into memory.
     fn analyse(&mut self, pattern: &Pattern) -> Result<(), LinearError>;
 
-    /// Factors the matrix with these values.
+    /// Factorizes the matrix with these values.
     ///
     /// # Errors
     /// Values that are not finite, lack of memory, an interrupt.
@@ -53,7 +53,7 @@ pub trait LinearSolver: Send {
         None
     }
 
-    /// Returns the state that is kept for the next matrix.
+    /// Returns the state kept for the next matrix.
     fn memory(&self) -> SolverMemory;
 
     /// Restores an earlier state; [`Self::analyse`] must follow.

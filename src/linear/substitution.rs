@@ -25,7 +25,7 @@ pub(super) struct Part<'a> {
     pub(super) outside: &'a mut [f64],
 }
 
-/// The parts of a vector that belong to the tasks.
+/// Parts of a vector for the tasks.
 pub(super) fn parts<'a>(symbolic: &'a Symbolic, mut ordered: &'a mut [f64], mut outside: &'a mut [f64]) -> Vec<Part<'a>> {
     let mut done = 0;
     let part = |task: &Range<usize>| {

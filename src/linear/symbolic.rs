@@ -45,7 +45,7 @@ pub(super) struct Symbolic {
 }
 
 impl Symbolic {
-    /// The structure for vertices eliminated in the order given.
+    /// Structure for vertices eliminated in the given order.
     pub(super) fn new(pattern: &Pattern, order: &[u32]) -> Self {
         let (tree, parents) = Tree::new(pattern, order);
         let mut symbolic =

@@ -9,7 +9,7 @@ use super::pattern::Pattern;
 const SMALL: u32 = 8;
 /// Largest share of zeros in a merger of small fronts.
 const SMALL_ZEROS: f64 = 0.6;
-/// Zeros that any merger may bring.
+/// Largest share of zeros in any merger.
 const ZEROS: f64 = 0.05;
 
 /// No vertex.
@@ -20,7 +20,7 @@ pub(super) struct Tree {
     pub(super) roots: Vec<u32>,
     pub(super) first_kid: Vec<u32>,
     pub(super) next_kid: Vec<u32>,
-    /// First of the vertices of a front, and the vertex that follows each.
+    /// First vertex of each front, and the next vertex of the front after each vertex.
     pub(super) head: Vec<u32>,
     pub(super) next: Vec<u32>,
     /// Number of unknowns in the update.

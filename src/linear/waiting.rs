@@ -19,14 +19,14 @@ pub(super) enum Side {
     #[default]
     Low,
     High,
-    /// Among the updates that tasks hand over.
+    /// Among the update matrices handed over by tasks.
     Handed,
 }
 
 /// Stack positions of all update matrices.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
-    /// Side and first number of the update of each front.
+    /// Stack and first position of each front's update matrix.
     pub(super) places: Vec<(Side, usize)>,
     /// Lengths of the buffers for fronts outside tasks, for a task, and for handed-over updates.
     pub(super) buffer: usize,

@@ -28,7 +28,7 @@ impl Watch {
         }
     }
 
-    /// Takes note that no factorisation runs.
+    /// Resets the progress when no factorization runs.
     pub(super) fn ended(&self) {
         if let Some(progress) = &self.progress {
             progress.store(0, Ordering::Relaxed);

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::memory;
 
-/// Memory per byte of a file while it is read and understood.
+/// Memory needed per byte of a file while it is read and parsed.
 const SHARE: u64 = 4;
 
 /// Opens a regular file and returns it with its length.

@@ -8,16 +8,16 @@
 use std::fmt::{Display, Formatter};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The limit of the process's own.
+/// Memory limit of this process in bytes; the maximum stands for no limit.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
 
-/// Bytes that are left to the operating system.
+/// Bytes reserved for the operating system.
 const RESERVE: u64 = 128 << 20;
 
 /// Number of bytes below which the memory left is not checked.
 const SMALL: u64 = 4 << 20;
 
-/// Bytes that would not fit.
+/// Shortage of memory: number of bytes that do not fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortage {
     /// Estimated number of bytes needed.
@@ -76,14 +76,14 @@ pub fn ensure(bytes: u64) -> Result<(), Shortage> {
     }
 }
 
-/// Number of bytes left; `None` if the system does not provide it.
+/// Number of available bytes; `None` if the system does not provide it.
 pub fn left() -> Option<u64> {
     let own = limit().and_then(|limit| Some(limit.saturating_sub(used()?)));
     let machine = [available(), address_space()].into_iter().flatten().min().map(|bytes| bytes.saturating_sub(RESERVE));
     [own, machine, container()].into_iter().flatten().min()
 }
 
-/// Bytes of memory that this process has taken.
+/// Bytes of memory used by this process.
 fn used() -> Option<u64> {
     kilobytes("/proc/self/status", "VmRSS:")
 }

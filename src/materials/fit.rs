@@ -22,7 +22,7 @@ pub struct Measured {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Constants that fit, and how well.
+/// Fitted constants, and quality of the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Constants in the requested order.
@@ -43,7 +43,7 @@ pub enum FitError {
     /// Fewer points than constants.
     #[error("{points} points cannot tell {constants} constants")]
     Points {
-        /// Number of points given.
+        /// Number of points in the tests.
         points: usize,
         /// Number of constants to be fitted.
         constants: usize,
@@ -143,7 +143,7 @@ impl Problem<'_> {
         Ok(DVector::from_vec(stresses.map(|(piece, stretch)| incompressible_stress(&law, piece, stretch)).collect()))
     }
 
-    /// Constants that stresses are linear in, alone and together.
+    /// Constants on which stresses depend linearly, individually and jointly.
     fn linear(&self, start: &[Option<f64>]) -> Result<Vec<usize>, EnergyError> {
         let base: Vec<f64> = start.iter().enumerate().map(|(k, value)| value.unwrap_or(1.3 + 0.4 * k as f64)).collect();
         let scaled = |indices: &[usize], factor: f64| {

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::batched::{Components, Response};
 use crate::math::lanes::Lanes;
 
-/// Kind of stress that a step requires.
+/// Kind of stress required in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StressOf {
     /// Mean stress of the step: its work is exactly the change of the stored energy and the heat.

@@ -31,7 +31,7 @@ impl Piece {
     pub const ALL: [(&'static str, Piece); 3] =
         [("uniaxial", Piece::Uniaxial), ("equibiaxial", Piece::Equibiaxial), ("pure shear", Piece::PureShear)];
 
-    /// Stretches of the three axes where the volume stays.
+    /// Stretches of the three axes at constant volume.
     pub fn isochoric(self, stretch: f64) -> [f64; 3] {
         match self {
             Piece::Uniaxial => [stretch, 1.0 / stretch.sqrt(), 1.0 / stretch.sqrt()],
@@ -53,7 +53,7 @@ pub struct Homogeneous {
     pub stretch: f64,
     /// Force along the first axis per undeformed area `[stress]`.
     pub nominal_stress: f64,
-    /// Strain of the kind that the law takes.
+    /// Strain measure of the law, in Mandel components.
     strain: [f64; 6],
 }
 

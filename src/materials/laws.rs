@@ -34,7 +34,7 @@ impl Laws {
     }
 }
 
-/// The strain that a law takes.
+/// Strain measure of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kinematics {
     /// Green-Lagrange strain `E = (F^T F - I)/2`; stresses are of the second Piola-Kirchhoff kind.

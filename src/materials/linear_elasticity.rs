@@ -41,7 +41,7 @@ pub struct LinearElasticity {
 }
 
 impl LinearElasticity {
-    /// The material with these constants.
+    /// Material with these constants.
     ///
     /// # Errors
     /// A constant outside its range.

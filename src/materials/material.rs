@@ -39,16 +39,16 @@ pub enum MaterialError {
         law: &'static str,
         /// Number of constants of the law.
         expected: usize,
-        /// Number of constants given.
+        /// Number of given constants.
         given: usize,
     },
-    /// A text that is no energy with these constants.
+    /// Stored energy that is invalid with these constants.
     #[error(transparent)]
     Energy(#[from] EnergyError),
-    /// Constants of plasticity that make no material.
+    /// Invalid constants of plasticity.
     #[error(transparent)]
     Plasticity(#[from] PlasticityError),
-    /// A law that resists no change of the volume.
+    /// Law without resistance to volume changes.
     #[error("`{law}` resists no change of the volume at rest with these constants")]
     Slack {
         /// Name of the law.
@@ -84,7 +84,7 @@ enum Origin {
 #[derive(Clone)]
 pub struct Material {
     origin: Origin,
-    /// The energy of a law that is written as text.
+    /// Stored energy of a law defined by text; otherwise `None`.
     energy: Option<StoredEnergy>,
     density: f64,
     laws: Laws,
@@ -131,7 +131,7 @@ impl Material {
         Material::sound(Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus)
     }
 
-    /// The material of an energy that is given as text.
+    /// Material of a stored energy defined by text.
     ///
     /// ```
     /// # use conserva_base::materials::{Material, StoredEnergy};
@@ -280,7 +280,7 @@ impl Material {
         }
     }
 
-    /// The energy of a law that is written as text.
+    /// Stored energy of a law defined by text; otherwise `None`.
     pub fn energy(&self) -> Option<&StoredEnergy> {
         self.energy.as_ref()
     }
@@ -324,7 +324,7 @@ impl Material {
         self.history.as_ref()
     }
 
-    /// The strain that the law takes.
+    /// Strain measure of the law.
     pub fn kinematics(&self) -> Kinematics {
         self.laws.kinematics
     }

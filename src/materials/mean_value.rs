@@ -16,7 +16,7 @@ use crate::math::lanes::Lanes;
 /// A law with mean-value discrete gradients.
 pub struct MeanValue<const S: usize>(pub Arc<dyn BatchedLaw<S>>);
 
-/// Shares of an increment that have passed at the Gauss points.
+/// Positions of the two Gauss points in an increment, from 0 to 1.
 fn shares() -> [f64; 2] {
     let offset = 0.5 / 3.0_f64.sqrt();
     [0.5 - offset, 0.5 + offset]

@@ -28,7 +28,7 @@ pub struct MaterialRow {
     pub summary: &'static str,
     /// The formula and its source, for the reference.
     pub formula: &'static str,
-    /// Form of the volumetric part, for a law that has several.
+    /// Volumetric form, for laws with several forms; otherwise `None`.
     pub volumetric: Option<VolumetricForm>,
     /// Parameters in the order in which [`super::Material::new`] takes their values; the density is the last.
     pub parameters: &'static [Parameter],
@@ -40,9 +40,9 @@ pub struct MaterialRow {
 
 /// Constructor of a law from the values of its parameters.
 pub(super) enum Construct {
-    /// From a formula that is written by hand.
+    /// Constructor of a hand-written law.
     Formula(fn(&[f64]) -> Laws),
-    /// From an energy as text.
+    /// Constructor of a stored energy defined by text.
     Text(fn(&[f64]) -> Result<StoredEnergy, EnergyError>),
 }
 
@@ -129,12 +129,12 @@ pub(super) const DENSITY: Parameter = Parameter {
 /// 1982): infinite for `J -> 0` and `J -> infinity`, without a pressure at rest.
 pub(super) const VOLUMETRIC: &str = "bulk_modulus/4*(J^2 - 1 - 2*ln(J))";
 
-/// A modulus of a law as text.
+/// Parameter of a law that is a modulus.
 pub(super) const fn stress(name: &'static str, range: Interval, summary: &'static str) -> Parameter {
     Parameter { name, summary, dimension: "stress", range, default: None }
 }
 
-/// A pure number of a law as text.
+/// Parameter of a law that is a pure number.
 pub(super) const fn number(name: &'static str, range: Interval, summary: &'static str) -> Parameter {
     Parameter { name, summary, dimension: "1", range, default: None }
 }

@@ -13,7 +13,7 @@ use super::material::Material;
 use crate::math::tensor::{mandel_index, mandel_scale};
 use crate::math::tolerances::RESIDUAL_STRESS;
 
-/// Something that is wrong with a law.
+/// Weakness of a law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Weakness {
     /// Stress at rest, its largest component `[stress]`.

@@ -16,7 +16,7 @@ use pulp::{NullaryFnOnce, Simd, WithSimd};
 pub trait Kernel {
     /// Result of the kernel.
     type Output;
-    /// Computes; `FMA` says whether a fused multiply-add is one instruction.
+    /// Computes the result; with `FMA` a fused multiply-add is one instruction.
     fn run<const FMA: bool>(self) -> Self::Output;
 }
 
@@ -53,21 +53,21 @@ pub fn is_supported() -> bool {
     true
 }
 
-/// The instructions that kernels take.
+/// Instruction set used by kernels.
 #[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
 #[inline]
 fn registers() -> pulp::x86::V3 {
     pulp::x86::V3::try_new().expect("a processor with AVX2 and FMA, or the feature `portable`")
 }
 
-/// Runs a kernel with the best instructions at hand.
+/// Runs a kernel with the best instruction set of the processor.
 #[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     registers().vectorize(WithFma(kernel))
 }
 
-/// Runs a kernel with the best instructions at hand.
+/// Runs a kernel with the best instruction set of the processor.
 #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {

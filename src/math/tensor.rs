@@ -32,7 +32,7 @@ pub const fn mandel_index<const D: usize>(i: usize, j: usize) -> usize {
     }
 }
 
-/// The scale that belongs to [`mandel_index`].
+/// Scale of a Mandel component, corresponding to [`mandel_index`].
 #[inline(always)]
 pub const fn mandel_scale(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 }

@@ -441,7 +441,7 @@ pub const FIT_RANK: f64 = 1e-12;
 /// Distance of an arc's end from its circle, relative to the radius, that counts as rounding of the input: three digits.
 pub const ON_CIRCLE: f64 = 1e-3;
 
-/// Round-off of a sum of a thousand lengths, relative to it.
+/// Relative round-off of a sum of a thousand lengths.
 pub const SUM_OF_LENGTHS: f64 = 1e-12;
 
 /// Default resolution of a minimization, relative to the range between bounds: six digits, the accuracy of a simulation with discretization

@@ -24,7 +24,7 @@ use crate::machine::files::read;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// A name that leads outside the output directory.
+    /// Name that leads outside the output directory.
     #[error("the path \"{name}\" leads outside the output directory \"{}\"", directory.display())]
     Outside {
         /// The name as given.
@@ -38,13 +38,13 @@ pub enum OutputError {
         /// The name as given.
         name: String,
     },
-    /// A file that was written has been removed.
+    /// Written file that has been removed since.
     #[error("\"{}\" is gone: it was removed or replaced while the run went on", path.display())]
     Gone {
         /// The file.
         path: PathBuf,
     },
-    /// A file that the run reads.
+    /// Name of a file that the run reads.
     #[error("\"{}\" is read by this run, so no result is written in its place", path.display())]
     Input {
         /// The file.

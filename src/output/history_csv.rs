@@ -47,7 +47,7 @@ const NAME: &str = "history.csv";
 
 /// Number of rows between recorded positions in the file.
 const MARKED: usize = 256;
-/// Number of bytes that are read at once.
+/// Number of bytes read at once.
 const PIECE: usize = 1 << 16;
 
 /// The growing file.

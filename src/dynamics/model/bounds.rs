@@ -36,7 +36,7 @@ struct Bound {
     pieces: Vec<Vec<u32>>,
     /// Nodes of the hull outside of all secondary surfaces of this obstacle, with the length of their shortest edge `[length]`.
     free: Vec<(u32, f64)>,
-    /// Flag of every node that is on a secondary surface.
+    /// True for every node on a secondary surface.
     is_named: Vec<bool>,
 }
 

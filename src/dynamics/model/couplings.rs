@@ -66,7 +66,7 @@ impl Sector {
 }
 
 impl CouplingKind {
-    /// The boundaries that it couples.
+    /// Boundaries joined by the coupling.
     pub fn boundaries(&self) -> Vec<&BodyBoundary> {
         match self {
             CouplingKind::Plane { on, .. } => vec![on],
@@ -74,7 +74,7 @@ impl CouplingKind {
         }
     }
 
-    /// The bodies that it joins.
+    /// Bodies joined by the coupling.
     pub fn bodies(&self) -> Vec<usize> {
         let follows = match self {
             CouplingKind::Plane { .. } => None,

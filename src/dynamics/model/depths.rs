@@ -46,11 +46,11 @@ pub struct Depth {
     pub contact: usize,
     /// Penetration `[length]`.
     pub depth: f64,
-    /// Length of the longest facet at that place `[length]`.
+    /// Length of the longest facet at the point `[length]`.
     pub size: f64,
     /// Place of the deepest penetration `[length]`.
     pub at: [f64; 2],
-    /// Nodes of both sides at that place, in the numbers of the model.
+    /// Nodes of both sides at the point, by model numbers.
     pub nodes: Vec<u32>,
     /// True if a corner of an obstacle is inside a body.
     pub is_corner: bool,

@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::bodies::FormulationError;
 use crate::math::digits::three_digits;
 
-/// A model that cannot be simulated.
+/// Reason why a model cannot be simulated.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -84,7 +84,7 @@ pub enum ModelError {
         /// Dimension of the second body.
         second_dimension: usize,
     },
-    /// A boundary that a body does not have.
+    /// Boundary that does not exist in the body.
     #[error("body \"{body}\" has no boundary \"{boundary}\"; it has {}", listed(.available))]
     UnknownBoundary {
         /// Name of the body.
@@ -126,13 +126,13 @@ pub enum ModelError {
         /// `body.boundary`.
         boundary: String,
     },
-    /// Single points where facets are needed.
+    /// Boundary of single points where facets are required.
     #[error("\"{boundary}\" has single points, which have no area")]
     PointBoundary {
         /// `body.boundary`.
         boundary: String,
     },
-    /// Initial displacements that turn a cell inside out.
+    /// Initial displacements that invert a cell.
     #[error(
         "the initial displacement turns cell {cell} of body \"{body}\" inside out: the determinant of its deformation is {determinant:.2e}"
     )]
@@ -224,7 +224,7 @@ pub enum ModelError {
         /// Secondary `body.boundary` of the second.
         boundary: String,
     },
-    /// A contact between surfaces that are tied.
+    /// Contact between surfaces that are also tied.
     #[error("contact \"{contact}\" is between surfaces that \"{tie}\" ties: \"{boundary}\" has the same facets opposite in both")]
     TiedContact {
         /// Name of the contact.
@@ -234,7 +234,7 @@ pub enum ModelError {
         /// Secondary `body.boundary` of the contact.
         boundary: String,
     },
-    /// A formulation that does not go with a body.
+    /// Formulation that is incompatible with a body.
     #[error("body \"{body}\": {source}")]
     Formulation {
         /// Name of the body.
@@ -280,7 +280,7 @@ pub enum ModelError {
         /// Distance over the length of the secondary facets.
         facets: f64,
     },
-    /// A cell that is inside out or degenerate.
+    /// Inverted or degenerate cell.
     #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
     InvertedCell {
         /// Name of the body.

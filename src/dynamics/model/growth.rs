@@ -30,7 +30,7 @@ impl Model {
     }
 }
 
-/// A body that cannot grow so.
+/// Error for a body with an invalid stress-free stretch.
 pub fn unsound(body: &str, reason: String) -> ModelError {
     let remedy = "factors are positive numbers about 1, such as `1 + alpha dT`, on a body of an elastic material";
     ModelError::Unsound { what: "growth of body", name: body.into(), reason, remedy }

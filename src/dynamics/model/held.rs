@@ -13,7 +13,7 @@ use crate::math::norms::length;
 /// mass.
 const AGAINST_SUPPORT: f64 = 0.001;
 
-/// A definition without effect on nodes that are held or moved.
+/// Definition without effect, on nodes that are supported or moved otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Held {
     /// Initial velocity of a body that supports or prescribed motions override at some nodes.
@@ -34,7 +34,7 @@ pub enum Held {
     Overruled {
         /// `body.boundary` of the support.
         held: String,
-        /// `body.boundary` that is moved.
+        /// `body.boundary` with the prescribed motion.
         moved: String,
         /// x, y or z.
         direction: &'static str,

@@ -48,7 +48,7 @@ impl Model {
         self.joints.iter().any(|joint| joins(joint, first) && joins(joint, second))
     }
 
-    /// The joints that a gear couples, or the joint alone.
+    /// The two joints of a gear, or the joint itself.
     pub fn joints_of<'a>(&'a self, joint: &'a JointDefinition) -> impl Iterator<Item = &'a JointDefinition> {
         let coupled = match joint.kind {
             JointKind::Gear(gear) => gear.joints.map(|index| self.joints.get(index)),

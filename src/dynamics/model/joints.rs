@@ -64,7 +64,7 @@ impl Coordinate {
         }
     }
 
-    /// The power of a length that it is.
+    /// Power of length in the dimension of the coordinate: 0 for an angle.
     pub fn lengths(self) -> i32 {
         if self == Coordinate::Angle { 0 } else { 1 }
     }
@@ -140,7 +140,7 @@ pub struct JointDefinition {
 }
 
 impl JointDefinition {
-    /// The bodies that it joins.
+    /// Bodies connected by the joint.
     pub fn bodies(&self) -> impl Iterator<Item = usize> {
         self.ends.iter().filter_map(|end| end.body)
     }

@@ -9,7 +9,7 @@ use crate::bodies::{Dilatation, Plane};
 use crate::elements::CellKind;
 use crate::materials::Kinematics;
 
-/// A body that locks.
+/// Body with volumetric locking.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Locking {
     /// The body.

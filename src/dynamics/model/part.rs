@@ -77,7 +77,7 @@ impl<'a> Iterate<'a> {
     }
 }
 
-/// Sums that parts add to, unknown by unknown of the whole model.
+/// Sums to which force elements contribute, indexed by unknowns of the whole model.
 pub struct Sums<'a> {
     /// Weighted forces of potentials with the sign of the residual, opposite to the motion that they drive `[force]`.
     pub internal: &'a mut [f64],
@@ -277,6 +277,6 @@ pub trait PartDefinition: Send + Sync {
     /// Returns the definition in a transformed model: moved or in other units.
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition>;
 
-    /// One line for the list of a model.
+    /// Description of the element in one line, for the list of a model.
     fn describe(&self) -> String;
 }

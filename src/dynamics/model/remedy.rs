@@ -5,7 +5,7 @@ use std::fmt;
 /// Remedy for a failed step; `Display` writes it as one sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Remedy {
-    /// Guide a body that contact alone does not hold.
+    /// Support a body that only contact could hold.
     Guide,
     /// Support every body against its loads before `settle`.
     HoldBeforeRest,

@@ -7,7 +7,7 @@ use crate::machine::memory::written;
 use crate::math::digits::three_digits;
 use crate::math::tolerances::EIGHTH_TURN;
 
-/// A step that could not be taken.
+/// Reason why a step or equilibrium failed.
 #[derive(Debug, Error)]
 pub enum StepError {
     /// A time function failed.
@@ -20,7 +20,7 @@ pub enum StepError {
         /// Error of the function.
         source: super::amplitude::TimeFunctionError,
     },
-    /// A prescribed rotation of a boundary is too large for one step.
+    /// Prescribed rotation of a boundary beyond the limit of one step.
     #[error("\"{boundary}\" turns by {} rad in a step of {} at t = {time}", three_digits(*angle), three_digits(*dt))]
     TurnsFar {
         /// `body.boundary` that rotates.
@@ -60,7 +60,7 @@ pub enum StepError {
     NotConverged {
         /// Time at the beginning of the step.
         time: f64,
-        /// Number of the step that failed.
+        /// Number of the failed step.
         step: usize,
         /// Step size of the last try.
         dt: f64,
@@ -115,7 +115,7 @@ pub enum StepError {
         time: f64,
         /// Penetration `[length]`.
         depth: f64,
-        /// Penetration relative to the longest facet length at that place.
+        /// Penetration relative to the longest facet length at that point.
         facets: f64,
         /// Place of the deepest penetration `[length]`.
         at: Vec<f64>,

@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 /// Names of two bodies.
 pub type Names = [String; 2];
 
-/// The pairs of bodies of a model without an interaction between them.
+/// Pairs of bodies of a model without an interaction between them.
 pub struct UnpairedBodies {
     /// Name, first node number and mesh of each body.
     bodies: Vec<(String, usize, Arc<Mesh>)>,

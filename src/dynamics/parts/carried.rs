@@ -35,7 +35,7 @@ impl Carried {
         }
     }
 
-    /// Followers: nodes that are not unknowns.
+    /// Followers: carried nodes that are not unknowns.
     pub fn followers(&self) -> impl Iterator<Item = usize> {
         self.followers.iter().map(|&index| self.carried[index].0 as usize)
     }

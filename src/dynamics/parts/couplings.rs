@@ -27,7 +27,7 @@ type Terms = Vec<(u32, [f64; 3])>;
 struct Direction {
     /// Direction of the force that the equations exert on the nodes of the plane, or of the second boundary.
     along: [f64; 3],
-    /// One equation per node, which is its first term.
+    /// One equation per node, in which this node is the first term.
     equations: Vec<Terms>,
     /// Value added to the right side of all equations over time.
     offset: Option<Amplitude>,

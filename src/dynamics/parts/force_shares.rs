@@ -10,6 +10,6 @@ pub struct ForceShares {
 }
 
 impl ForceShares {
-    /// All forces as a whole.
+    /// Full weight of all multipliers.
     pub const WHOLE: ForceShares = ForceShares { lagging: 1.0, alone: 1.0 };
 }

@@ -116,7 +116,7 @@ pub struct Pressed<'a> {
     /// Stiffness `kappa` of the node in this step, multiplier per slip: its elastic stiffness and its inertia, which grows with `1/dt^2`.
     /// The equations of slipping constraints are divided by `kappa`, so that their entries are of order one for every step size.
     pub stiffness: f64,
-    /// Slip that counts as zero.
+    /// Slip below which slips count as zero.
     pub tolerance: f64,
 }
 
@@ -278,7 +278,7 @@ impl SlipRow<'_> {
         }
     }
 
-    /// Equation of a given slip `at`.
+    /// Equation `slip = at` of a constraint with a given slip.
     fn stuck(&self, at: f64) -> Equation {
         let compliance = self.pressed.compliance;
         Equation { compliance, ..Equation::held(compliance, compliance * self.lambda - self.slip + at) }

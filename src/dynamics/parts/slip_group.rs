@@ -48,7 +48,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Slip that counts as zero.
+    /// Slip below which slips count as zero.
     pub fn tolerance(&self) -> f64 {
         match self {
             SlipGroup::Row(row) => row.pressed.tolerance,

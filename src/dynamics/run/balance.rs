@@ -319,7 +319,7 @@ impl Balance {
         clearances
     }
 
-    /// Adds a displacement of each component to the nodes that are free.
+    /// Adds the displacement of each component to its free nodes.
     pub fn shift<const D: usize>(&self, equations: &Equations<D>, by: &[[f64; 3]], q: &mut [f64]) {
         for (component, by) in self.components.iter().zip(by) {
             for k in component.nodes.iter().flat_map(|&node| node * D..(node + 1) * D).filter(|&k| !equations.supports.fixed[k]) {
@@ -348,9 +348,9 @@ impl Balance {
 struct RigidMotions<const D: usize> {
     center: [f64; D],
     radius: f64,
-    /// A basis of the motions that supports leave, in columns.
+    /// Basis of the rigid motions admitted by supports, in columns.
     free: DMatrix<f64>,
-    /// Mass of the motions in that basis.
+    /// Mass matrix of the rigid motions in the basis `free`.
     mass: DMatrix<f64>,
 }
 

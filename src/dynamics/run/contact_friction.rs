@@ -186,7 +186,7 @@ fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Nodes that bear a part of a row's force.
+/// Nodes with a part of the constraint's force.
 fn pressed_nodes(nodes: &[(usize, f64)]) -> impl Iterator<Item = usize> {
     nodes.iter().filter(|(_, share)| *share > tolerances::ZERO_ROW).map(|(node, _)| *node)
 }

@@ -29,7 +29,7 @@ pub struct Evidence<'a, const D: usize> {
     pub state: &'a State,
     /// Newton iterations of the last try.
     pub trace: &'a Trace,
-    /// All tries, the last one included.
+    /// All attempts at the step, including the last one.
     pub tries: &'a [TryReport],
     /// Time step size of the last try; 0 in `settle`.
     pub dt: f64,
@@ -54,7 +54,7 @@ where
         self.report_of(cause)
     }
 
-    /// The report with a cause that is known.
+    /// Report of the failure with its cause.
     pub fn report_of(&self, cause: FailureCause) -> FailureReport {
         let row = &self.state.row;
         FailureReport {
@@ -94,7 +94,7 @@ where
             .collect()
     }
 
-    /// The cause where all iterations were used up.
+    /// Cause of a failure at the iteration limit.
     fn not_converged(&self) -> FailureCause {
         let residuals: Vec<f64> = self.trace.iterations.iter().map(|iteration| iteration.residual).collect();
         let last = residuals.last().copied().unwrap_or(0.0);

@@ -172,7 +172,7 @@ fn open_equality<const D: usize>(system: &Equations<D>, q: &[f64]) -> Result<(),
     Ok(())
 }
 
-/// Refuses initial displacements that turn a cell inside out.
+/// Refuses initial displacements that invert a cell.
 fn inverted_at_start<const D: usize>(system: &Equations<D>, model: &Model, u: &[f64]) -> Result<(), ModelError> {
     for initial in &model.initial_displacements {
         let body = &system.bodies[initial.body];

@@ -16,13 +16,13 @@ use crate::dynamics::step::start::{StepKind, StepStart};
 
 /// Nodal forces in an equilibrium `[force]`.
 struct Balanced {
-    /// Loads, and reactions where supports move.
+    /// Loads, and reactions of moving supports.
     outside: Vec<f64>,
     /// Contacts of all kinds, ties and joints.
     contact: Vec<f64>,
     /// Contact forces between bodies.
     between: Vec<f64>,
-    /// Energy that penalties keep `[energy]`.
+    /// Energy stored by penalties `[energy]`.
     kept: f64,
 }
 

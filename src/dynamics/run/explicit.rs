@@ -48,7 +48,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// One step from the current state.
+    /// Takes one explicit step from the present state.
     pub(super) fn explicit_piece(&mut self, dt: f64) -> Result<State, Failure> {
         let outcome = self.leap(dt);
         outcome.map_err(|failure| match failure.or_end(self.state.row.time) {

@@ -49,7 +49,7 @@ where
         StepError::NotConverged { time, step, dt, halvings, cause, remedy }
     }
 
-    /// The body that moves most in a motion of all nodes, and how.
+    /// Body that moves most in a nodal motion, and a description of its motion.
     pub fn moving_body(&self, motion: &[f64]) -> (String, String) {
         let largest = |nodes: &std::ops::Range<usize>| {
             let moved = motion[nodes.start * D..nodes.end * D].iter();

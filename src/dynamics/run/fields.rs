@@ -97,7 +97,7 @@ pub struct CellStress {
     pub back_stress: f64,
 }
 
-/// One body as a whole at one time.
+/// Totals of one body at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyTotals {
     /// Mass `[mass]`.
@@ -118,7 +118,7 @@ pub struct BodyTotals {
     pub center: [f64; 3],
 }
 
-/// Rigid obstacle at its place at one time.
+/// Rigid obstacle with its position at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedObstacle {
     /// Name of the contact; the names of all contacts if several share the obstacle.
@@ -213,11 +213,11 @@ pub struct ContactFields {
     pub forces: Vec<[f64; 3]>,
     /// Resultant of `forces` `[force]`; for self-contact that of one side only, since each facet pair is counted once.
     pub force: [f64; 3],
-    /// Sum of the sizes of the nodal forces that press `[force]`.
+    /// Sum of the magnitudes of the normal nodal forces `[force]`.
     pub normal_force: f64,
     /// Length of the secondary surface in contact `[length]`.
     pub area: f64,
-    /// Number of secondary nodes that slide against friction.
+    /// Number of secondary nodes that slip.
     pub sliding: usize,
 }
 

@@ -93,7 +93,7 @@ where
         if self.system.nodes.is_axisymmetric { vec![1] } else { (0..D).collect() }
     }
 
-    /// Result of a search as a mode.
+    /// Vibration mode from an eigenvalue and vector in the Lanczos basis.
     fn mode(&self, ritz: &Ritz, lanczos: &Lanczos, shift: f64, floor: f64) -> Mode {
         let x = self.shape_of(lanczos.vector(&ritz.coefficients));
         let momenta = self.system.nodes.momenta_of(&x);

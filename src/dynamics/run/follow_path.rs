@@ -23,7 +23,7 @@ use crate::dynamics::step::vibrations::{Rest, Vibrations};
 use crate::linear::product;
 use crate::math::tolerances;
 
-/// Corrections of a point at most, and as many as are wanted.
+/// Largest number of corrections of a point, and their number for which the step size is kept.
 const CORRECTIONS: usize = 12;
 const WANTED: f64 = 4.0;
 
@@ -218,7 +218,7 @@ where
         Ok(())
     }
 
-    /// The next point, and how many corrections it took.
+    /// Finds the next point; returns also the number of corrections.
     fn next_point(
         &mut self,
         from: &Guess,

@@ -63,7 +63,7 @@ impl Halvings {
     }
 }
 
-/// A cause by the name that was written for it.
+/// Known cause with the name in a file.
 fn known_cause<'de, D: Deserializer<'de>>(reader: D) -> Result<Cause, D::Error> {
     let name = String::deserialize(reader)?;
     let known = Failure::NAMES.iter().chain(MotionKind::NAMES).find(|known| **known == name);

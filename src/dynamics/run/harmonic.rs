@@ -16,7 +16,7 @@ pub enum Excitation {
         /// Amplitude of the force `[force]`.
         vector: [f64; 3],
     },
-    /// All supports, and the surroundings, by this amplitude `[length]`.
+    /// Common motion of all supports and of the surroundings with this amplitude `[length]`.
     Base([f64; 3]),
 }
 
@@ -88,7 +88,7 @@ pub enum HarmonicError {
     NotFound {
         /// The frequency `[1/time]`.
         frequency: f64,
-        /// Vectors that were used.
+        /// Number of vectors used.
         vectors: usize,
     },
     /// The excitation is zero, or acts on supported unknowns only.

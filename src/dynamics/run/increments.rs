@@ -135,7 +135,7 @@ where
         }
     }
 
-    /// Equilibrium at a time, from where the model is.
+    /// Equilibrium at a time, starting from the present state.
     pub(super) fn settle_once(&mut self, time: f64, care: Care) -> Result<SettleReport, StepError> {
         if time != self.state.row.time {
             let state = Arc::make_mut(&mut self.state);

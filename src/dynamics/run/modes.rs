@@ -32,7 +32,7 @@ pub struct Mode {
     pub eigenvalue: f64,
     /// Displacements of the nodes of every body, the largest of length 1.
     pub shape: Vec<Vec<[f64; 3]>>,
-    /// Mass of the vibration with that shape, `x^T M x` `[mass]`.
+    /// Modal mass of the scaled shape, `x^T M x` `[mass]`.
     pub modal_mass: f64,
     /// Participation factor of this vibration for a unit motion along each direction, `x^T M e / x^T M x`.
     pub participation: Vec<f64>,
@@ -73,7 +73,7 @@ pub enum ModesError {
     TooMany {
         /// Requested number of modes.
         count: usize,
-        /// Number of motions that supports and constraints leave.
+        /// Number of motions admitted by supports and constraints.
         motions: usize,
     },
     /// Lanczos' method did not find all requested modes.
@@ -83,7 +83,7 @@ pub enum ModesError {
         count: usize,
         /// Number of converged modes.
         found: usize,
-        /// Vectors that were used.
+        /// Number of vectors used.
         vectors: usize,
     },
 }

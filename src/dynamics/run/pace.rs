@@ -87,7 +87,7 @@ struct PastStep {
     velocity: Arc<Vec<f64>>,
 }
 
-/// A step that has converged.
+/// Converged step, as judged by the controller.
 pub struct Stepped<'a> {
     /// Time integrator of the step.
     pub scheme: &'a Scheme,
@@ -99,7 +99,7 @@ pub struct Stepped<'a> {
     pub v_0: &'a [f64],
     /// True if the step is shorter than chosen, to end at an event.
     pub is_cut: bool,
-    /// First touch of a contact that the step has missed.
+    /// First touch of a contact at another time than the end of the step.
     pub touch: Option<Touch>,
     /// Round-off of the positions if contacts or rigid bodies depend on them; otherwise 0 `[length]`.
     pub round_off: f64,
@@ -107,7 +107,7 @@ pub struct Stepped<'a> {
     pub plastic_strain: f64,
 }
 
-/// A first touch that does not fall on the end of a step.
+/// First touch of a contact within a step, not at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Touch {
     /// Penetration of the sides at the end of the step `[length]`.
@@ -152,7 +152,7 @@ impl Pace {
         Pace { dt: self.dt.min(dt), ..self.clone() }
     }
 
-    /// Returns the controller after a step that is accurate enough.
+    /// Returns the controller after a sufficiently accurate step.
     ///
     /// # Errors
     /// The step is not accurate enough: the size of the next try.

@@ -7,7 +7,7 @@ use super::ledger::{ContactTotals, JointTotals, LedgerRow, PartTotals, ProbeValu
 /// Bytes of a number.
 const NUMBER: usize = 8;
 
-/// A value as bytes.
+/// Value that is converted to and from bytes.
 trait Packed {
     /// Appends the bytes.
     fn put(&self, into: &mut Vec<u8>);

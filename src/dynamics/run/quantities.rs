@@ -151,7 +151,7 @@ where
         }
     }
 
-    /// One body as a whole.
+    /// Totals of one body.
     pub fn body_totals(&self, body: usize) -> BodyTotals {
         let (system, state) = (&self.system, &self.state);
         let Body { nodes, elements, .. } = &system.bodies[body];
@@ -301,7 +301,7 @@ where
     }
 }
 
-/// Mean of the values at the points of a cell, by their shares.
+/// Weighted mean of the values at the points of a cell.
 fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
     let mut mean = CellStress::default();
     for (_, share, values) in points {

@@ -10,7 +10,7 @@ pub enum FailureCause {
     CyclingContact {
         /// Name of the contact pair.
         contact: String,
-        /// Nodes that changed.
+        /// Nodes whose contact state cycled.
         cycling: Vec<CyclingNode>,
         /// Secondary nodes of the pair.
         nodes: usize,
@@ -21,9 +21,9 @@ pub enum FailureCause {
     LoadTooFast {
         /// Name of the load or prescribed motion, such as `the load on "block.top"`.
         load: String,
-        /// Body of the node that it moves farthest.
+        /// Body of the node with the largest displacement by the load.
         body: String,
-        /// Number of that node in the body's mesh.
+        /// Number of the node in the body's mesh.
         node: usize,
         /// Displacement of the node by the load alone in the last try, in cells.
         cells: f64,
@@ -41,7 +41,7 @@ pub enum FailureCause {
         steps: usize,
         /// Unbalanced force on the body over the forces on it.
         unbalanced: f64,
-        /// Body that moves most.
+        /// Body with the largest motion.
         body: String,
         /// Motion of the body, such as `move along (1.00, 0.00)`.
         how: String,
@@ -58,7 +58,7 @@ pub enum FailureCause {
         body: String,
         /// Cell number in its mesh.
         cell: usize,
-        /// Smallest determinant of the deformation gradient in it.
+        /// Smallest determinant of the deformation gradient in the cell.
         determinant: f64,
         /// Center of the cell in the undeformed body `[length]`.
         center: [f64; 3],
@@ -67,7 +67,7 @@ pub enum FailureCause {
     },
     /// The linear system could not be solved.
     SingularSystem {
-        /// Rigid motion that a body can perform, or the dependent constraints.
+        /// Possible rigid motion of a body, or dependent constraints.
         reason: String,
     },
     /// Bodies moved farther in the step than the search for contact reaches.
@@ -77,13 +77,13 @@ pub enum FailureCause {
     },
 }
 
-/// Support that a body lacks to be at rest.
+/// Kind of support that a body needs for equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Missing {
     /// The body touches nothing.
     Support,
-    /// The body is in contact without friction, which does not hold it.
+    /// The body is only in frictionless contact, which does not prevent sliding.
     Guidance,
     /// The body is in contact with friction that is insufficient to hold it.
     Friction,
@@ -100,7 +100,7 @@ pub struct CyclingNode {
     pub index: Option<usize>,
 }
 
-/// One try of the step that failed.
+/// One attempt at the failed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TryReport {
     /// Size of the step `[time]`.
@@ -115,7 +115,7 @@ pub struct TryReport {
     pub outcome: &'static str,
 }
 
-/// One Newton iteration of the step that failed.
+/// One Newton iteration of the failed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IterationReport {
     /// Largest component of the residual `[force]`.
@@ -126,7 +126,7 @@ pub struct IterationReport {
     pub energy: f64,
     /// Largest violation of the contact conditions, relative to the tolerance.
     pub gap_violation: f64,
-    /// Contact nodes that changed their state.
+    /// Number of contact nodes whose state changed.
     pub changes: usize,
     /// Active contact nodes.
     pub active: usize,
@@ -140,7 +140,7 @@ pub struct IterationReport {
     pub is_slip: bool,
 }
 
-/// Report of a step that failed after all tries.
+/// Report of a step that failed in all attempts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailureReport {
     /// Time at the beginning of the step `[time]`.
@@ -281,7 +281,7 @@ impl IterationReport {
     }
 }
 
-/// Nodes that an explanation names at most.
+/// Largest number of nodes named in an explanation.
 const NAMED: usize = 4;
 
 /// `nodes 3, 4 and 7 of body "block"`.

@@ -17,12 +17,12 @@ use crate::math::tolerances;
 /// node left the surface.
 const NEAR: f64 = 0.5;
 
-/// Condition on constraints that have opened and push.
+/// Condition on opened constraints for the return of their stored energy.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
     /// Only constraints whose sides part.
     Parting,
-    /// All constraints.
+    /// All opened constraints.
     Anyhow,
 }
 

@@ -40,7 +40,7 @@ struct Touch {
 struct Outcome {
     /// Impulses in addition to those of the step, in the order of all constraints.
     impulses: Vec<f64>,
-    /// Energy that was lost to restitution.
+    /// Energy lost to restitution.
     lost: f64,
     /// Work of friction in each contact, minus the friction work of the step in the contacts of the impact.
     friction: Vec<f64>,

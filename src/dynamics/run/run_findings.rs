@@ -140,13 +140,13 @@ pub struct RunFinding {
     pub kind: RunFindingKind,
     /// Name of the contact concerned, if known.
     pub contact: Option<String>,
-    /// Magnitude, in the unit of the kind.
+    /// Magnitude of the finding, in the unit of its kind.
     pub value: f64,
     /// Magnitude from which a finding is reported.
     pub limit: f64,
     /// Step at which the value occurred, or the step before the first halving.
     pub step: usize,
-    /// End of that step `[time]`.
+    /// Time at the end of the step `[time]`.
     pub time: f64,
     /// Numbers that show the finding; begins with the name of the integrator where energy is not conserved.
     pub explanation: String,
@@ -441,7 +441,7 @@ pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunF
     found
 }
 
-/// Findings on steps that were halved, or should have been.
+/// Findings on halved steps, and on steps that could not be halved further.
 fn halved(measures: &Measures, last: &LedgerRow) -> Vec<RunFinding> {
     let mut found = Vec::new();
     for Halving { motion, step, time, dt, .. } in measures.refused {
@@ -484,7 +484,7 @@ fn given(seen: &Gathered, scale: f64, is_explicit: bool, end: impl Fn(f64) -> At
     (GIVEN, seen.given, format!("its work in a step was {:.1e} of the energy", seen.given.value))
 }
 
-/// A step size without the round-off of times that were subtracted.
+/// Step size without the round-off of subtracted times.
 fn rounded(dt: f64) -> f64 {
     format!("{dt:.6e}").parse().unwrap_or(dt)
 }

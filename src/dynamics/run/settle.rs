@@ -401,7 +401,7 @@ where
         solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)
     }
 
-    /// The error where damped steps lead to no equilibrium.
+    /// Error if damped steps find no equilibrium.
     fn no_equilibrium(&mut self, balance: &Balance, imbalance: &Imbalance, progress: &Progress) -> StepError {
         let (body, how) = self.moving_body(&progress.motion);
         let number = self.system.bodies.iter().position(|other| other.name == body).unwrap_or(0);

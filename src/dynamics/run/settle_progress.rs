@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::closing::Closing;
 use super::state::State;
 
-/// Decay of the damping after a step that was accepted.
+/// Decay of the damping after an accepted step.
 const LESS_DAMPING: f64 = 0.1;
 
 /// Growth of the increment of a prescribed motion after an accepted step.
@@ -23,7 +23,7 @@ const NEARER: f64 = 0.9;
 /// Effort and accuracy of the search for an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Care {
-    /// All remedies where a damped step is refused.
+    /// Search with all remedies if a damped step is refused.
     Patient,
     /// Search that ends where a damped step is refused, because the caller has another method.
     Exact,

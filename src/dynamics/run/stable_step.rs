@@ -23,7 +23,7 @@ const LOOK_AFTER: usize = 5;
 /// Largest number of iterations for a step that depends on its own size because of dampers.
 const TRIES: usize = 20;
 
-/// The longest explicit step that is stable.
+/// Longest stable explicit step, and its cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StableStep {
     /// Stable time step size `[time]`.
@@ -32,7 +32,7 @@ pub struct StableStep {
     pub frequency: f64,
     /// Step size by the fastest cell alone, an upper bound of `dt` without dampers and penalties `[time]`.
     pub bound: f64,
-    /// The body with that cell.
+    /// Body with the fastest cell.
     pub body: String,
     /// Index of the fastest cell in its mesh.
     pub cell: usize,
@@ -123,7 +123,7 @@ where
         Ok(largest)
     }
 
-    /// Refuses steps that are longer than the stable one.
+    /// Refuses steps longer than the stable one.
     pub(super) fn check_stable(&mut self) -> Result<(), StepError> {
         if self.options.integrator.lumping().is_none() {
             return Ok(());

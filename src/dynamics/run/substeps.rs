@@ -37,7 +37,7 @@ impl Substeps {
         self.dt / self.all as f64
     }
 
-    /// Halvings that have led to it.
+    /// Number of halvings of the interval.
     pub fn level(&self) -> usize {
         self.level
     }

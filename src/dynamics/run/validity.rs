@@ -14,7 +14,7 @@ use crate::dynamics::parts::body::Body;
 use crate::materials::{Kinematics, Material};
 use crate::math::tolerances;
 
-/// Name of the law that softens in compression.
+/// Name of the law whose stress decreases in strong compression.
 const SOFTENS: &str = "saint_venant_kirchhoff";
 
 /// Relative strain or moment due to the rotation of a linear elastic body from which a finding is reported.
@@ -142,7 +142,7 @@ where
         Some(excess(ExcessKind::SpuriousMoment, self.spurious_moment(body, &turn) / moment.max(f64::MIN_POSITIVE), turn.norm()))
     }
 
-    /// Moment of the stresses of a body that has rotated without them.
+    /// Moment about a body of stresses that have not rotated with it.
     fn spurious_moment(&self, body: &Body<D>, turn: &Vector3<f64>) -> f64 {
         let mut mean = Matrix3::zeros();
         body.elements.visit_stresses(self.present(body), &mut |point| {

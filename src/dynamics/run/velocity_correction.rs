@@ -32,7 +32,7 @@ pub struct VelocityCorrection {
     pub dissipated: f64,
     /// Energy lost in impacts of rigid bodies by restitution `[energy]`, never negative.
     pub impact: f64,
-    /// Constraints of rigid contacts that were active in impacts.
+    /// Constraints of rigid contacts that participated in impacts.
     pub closed: Vec<usize>,
 }
 

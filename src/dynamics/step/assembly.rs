@@ -55,7 +55,7 @@ where
         Ok(at)
     }
 
-    /// Computes the tangent of an iterate if that was left out.
+    /// Computes the tangent of an iterate if it was omitted.
     pub fn complete_tangent(&mut self, start: &StepStart, at: &mut Linearization) -> Result<(), Failure> {
         if at.tangent_of != Some(self.matrix.generation) {
             self.sum_parts(start, at, true)?;

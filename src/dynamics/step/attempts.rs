@@ -56,7 +56,7 @@ impl Preferred {
         std::iter::once(first).chain((0..ATTEMPTS.len()).filter(move |&attempt| attempt != first))
     }
 
-    /// After a step that an attempt has solved.
+    /// Preference after a step solved by the attempt with this index.
     pub fn after(self, attempt: usize) -> Preferred {
         let attempt = attempt as u8;
         match attempt {

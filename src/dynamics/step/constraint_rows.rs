@@ -7,7 +7,7 @@ use crate::dynamics::parts::laws::Equation;
 pub struct ConstraintRows(pub Vec<Equation>);
 
 impl ConstraintRows {
-    /// All of `count` open: `lambda = 0`.
+    /// Equations of `count` inactive constraints: `lambda = 0`.
     pub fn open(count: usize) -> Self {
         ConstraintRows(vec![Equation::OPEN; count])
     }

@@ -15,7 +15,7 @@ use crate::dynamics::parts::slip_group::SlipGroup;
 use crate::dynamics::parts::slip_vector::SlipVector;
 use crate::math::tolerances;
 
-/// Every contact pair with its evaluation at an iterate.
+/// All contact pairs with their evaluations at an iterate.
 pub fn pairs_at<'a, const D: usize>(
     equations: &'a Equations<D>,
     at: &'a Linearization,

@@ -7,7 +7,7 @@ use std::time::Duration;
 pub struct PhaseTimes {
     /// Element loop: residual and tangent.
     pub assembly: Duration,
-    /// Contact functions and their tangents.
+    /// Evaluation of contact functions and their tangents.
     pub contact: Duration,
     /// Symbolic and numeric factorisation.
     pub factorization: Duration,
@@ -26,6 +26,6 @@ pub struct Counters {
     pub factorizations: usize,
     /// Factorizations of failed attempts and of undone steps.
     pub discarded: usize,
-    /// Times that forces were computed.
+    /// Number of force evaluations.
     pub assemblies: usize,
 }

@@ -38,9 +38,9 @@ pub struct Equations<const D: usize> {
     pub own_parts: usize,
     /// Algorithmic dissipation of the deformable bodies; empty if the time integrator does not dissipate.
     pub dampings: Vec<StepDamping<D>>,
-    /// Masses that these have at nodes.
+    /// Nodal masses of the force elements in `others`.
     pub(super) point_masses: Vec<PointInertia>,
-    /// Contacts, obstacles and ties, then the corners that belong to them.
+    /// Pairs of contacts, obstacles and ties, followed by their corner pairs.
     pub pairs: Vec<ContactPair>,
     /// Number of constraints of all pairs, normal ones before tangential ones.
     pub multipliers: usize,

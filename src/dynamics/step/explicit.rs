@@ -20,7 +20,7 @@ use crate::linear::LinearError;
 pub struct PartForces {
     /// Forces of potentials and dampers with the sign of the residual, opposite to the motion that they drive.
     pub internal: Vec<f64>,
-    /// Loads, without gravity that is constant.
+    /// Loads, without constant gravity.
     pub load: Vec<f64>,
     /// Internal forces exerted by the ground; empty without parts that are attached to it.
     pub ground: Vec<f64>,

@@ -56,7 +56,7 @@ impl Failure {
         }]
     }
 
-    /// All names.
+    /// Names of all kinds of failures.
     pub const NAMES: &'static [&'static str] =
         &["iterations used up", "inverted cell", "singular system", "divergence", "motion too fast", "given up", Failure::INEXACT];
 

@@ -62,7 +62,7 @@ pub struct Course {
     pub rates: Vec<f64>,
     /// Impulses of the constraints.
     pub impulses: Vec<f64>,
-    /// Work of the impulses that press `[energy]`: negative in compression.
+    /// Work of the normal impulses `[energy]`: negative in compression.
     pub pressing: f64,
     /// Work of friction of each contact `[energy]`, never positive.
     pub friction: Vec<f64>,
@@ -70,7 +70,7 @@ pub struct Course {
 
 /// Condition of a normal constraint in a part of an impact.
 struct Part {
-    /// Rates that are reached at least.
+    /// Lower bounds of the normal rates at the end of the part.
     targets: Vec<f64>,
     /// Impulses at least.
     least: Vec<f64>,
@@ -81,7 +81,7 @@ impl ImpactLaw {
         self.contacts.iter().map(|contact| 1 + contact.tangents).sum()
     }
 
-    /// Beginning of an impact with these rates.
+    /// State of an impact before its compression, with the given rates.
     pub fn before(&self, rates: Vec<f64>) -> Course {
         Course { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
     }
@@ -94,7 +94,7 @@ impl ImpactLaw {
         }
     }
 
-    /// Ends all approach of the contacts that take part.
+    /// Compression phase: ends the approach of the participating contacts.
     pub fn compress(&self, course: &mut Course, takes_part: impl Fn(usize) -> bool) {
         let approach: Vec<f64> = self.contacts.iter().map(|contact| course.rates[contact.first].min(0.0)).collect();
         let targets =

@@ -23,7 +23,7 @@ pub struct ImpulseResponse {
     pub lambda: Vec<f64>,
     /// Impulses of supports and obstacles on the nodes.
     pub impulse: Vec<f64>,
-    /// Work of obstacles that move.
+    /// Work of moving obstacles.
     pub work: f64,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct EndMatrix {
 pub struct Cause<'a> {
     /// Normal and tangential constraints at the end of the step.
     pub rows: [&'a [Evaluation]; 2],
-    /// Given impulses.
+    /// Impulses of the constraints.
     pub lambda: &'a [f64],
     /// Constraints with given rates, and the changes of these rates.
     pub hold: &'a [bool],

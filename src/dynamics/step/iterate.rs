@@ -23,7 +23,7 @@ pub struct Linearization {
     pub pairs: Vec<Evaluation>,
     /// Tangential constraints of every contact pair: slips as gaps, and the covered share of each node in mid-step.
     pub slips: Vec<Evaluation>,
-    /// True for each tangential constraint that supports keep from slipping.
+    /// True for each tangential constraint whose slip supports prevent.
     pub held: Vec<bool>,
     /// Slip of each tangential constraint with which its slip rate at the end of the step is zero.
     pub rests: Vec<f64>,
@@ -73,13 +73,13 @@ impl Forces {
     }
 }
 
-/// Storage of iterates that are gone, and how many a step has had.
+/// Storage of discarded iterates, for reuse, and number of iterates in a step.
 #[derive(Default)]
 pub struct Spare {
     gone: Vec<Linearization>,
     /// Internal forces.
     pub(super) internal: Vec<f64>,
-    /// The motion that the mass opposes.
+    /// Displacement on which the mass acts in the equations of a step.
     pub(super) motion: Vec<f64>,
     /// Velocities, positions of loads and mass factors passed to parts.
     pub(super) told: Told,

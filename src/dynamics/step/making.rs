@@ -122,7 +122,7 @@ pub(super) fn mass_of<const D: usize>(
     Ok(NodeMatrix::diagonal(mass))
 }
 
-/// Gravity that follows a time function, a load on all nodes.
+/// Time-dependent gravity, as a load on all nodes.
 pub(super) fn varying_gravity<const D: usize>(model: &Model, masses: &[f64]) -> Option<NodalLoad<D>> {
     Some(NodalLoad {
         kind: LoadKind::Traction(model.gravity),

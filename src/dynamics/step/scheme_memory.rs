@@ -79,7 +79,7 @@ impl SchemeMemory {
         lagging.chain([&self.acceleration]).all(|vector| vector.is_empty() || vector.len() == unknowns)
     }
 
-    /// Numbers that it keeps.
+    /// Number of stored numbers.
     pub fn len(&self) -> usize {
         self.force.len() + self.outside.iter().map(Lagging::len).sum::<usize>() + self.acceleration.len()
     }

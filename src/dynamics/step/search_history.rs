@@ -11,7 +11,7 @@ use crate::linear::SolverMemory;
 /// the state. States share unchanged data; only the solver's counters always change.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SearchHistory {
-    /// Candidate pairs of each contact pair that searches.
+    /// Candidate pairs of each contact pair with a search.
     pub candidates: Arc<Vec<Option<Candidates>>>,
     /// Data of the linear solver.
     pub solver: SolverMemory,

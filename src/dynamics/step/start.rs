@@ -177,7 +177,7 @@ impl StepStart<'_> {
         }
     }
 
-    /// An iterate as parts see it.
+    /// Iterate as passed to force elements.
     pub fn iterate<'b>(&'b self, q_1: &'b [f64], u_1: &'b [f64], told: &'b Told) -> Iterate<'b> {
         let velocity_slope = match &self.kind {
             StepKind::Motion(Motion { scheme, dt, .. }) => scheme.velocity_of_forces().moved / dt,
@@ -219,7 +219,7 @@ impl StepStart<'_> {
 }
 
 impl Motion<'_> {
-    /// Velocities after a step with that displacement.
+    /// Velocities after a step with the displacement `moved`.
     pub fn velocities(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Vec<f64> {
         let mut v_1 = Vec::with_capacity(moved.len());
         self.affine_into(self.scheme.velocity, moved, &mut v_1);

@@ -74,7 +74,7 @@ where
         self.rest.at.q.len()
     }
 
-    /// Number of motions that supports and constraints leave.
+    /// Number of motions admitted by supports and constraints.
     pub fn motions(&self) -> usize {
         self.system.supports.fixed.iter().filter(|fixed| !**fixed).count().saturating_sub(self.held)
     }

@@ -89,7 +89,7 @@ impl Graph {
         }
     }
 
-    /// A node as a factor times another.
+    /// A node as a product of a constant factor and another node.
     fn factored(&self, a: Id) -> (f64, Id) {
         match self.nodes[a] {
             Node::Scaled(factor, inner) => (factor.value(), inner),
@@ -268,7 +268,7 @@ impl Graph {
         (0..needed.len()).filter_map(variable).collect()
     }
 
-    /// The derivative of a node with respect to a variable, as a node.
+    /// Derivative of a node with respect to a variable, as a node.
     pub(super) fn derivative(&mut self, root: Id, variable: Variable) -> Id {
         let needed = self.needed(&[root]);
         let zero = self.constant(0.0);

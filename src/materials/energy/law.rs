@@ -28,7 +28,7 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = const { RefCell::new(Scratch { registers: Vec::new(), spectra: Vec::new() }) };
 }
 
-/// Points that are computed together.
+/// Number of points that are computed together.
 const POINTS: usize = 4;
 
 /// Runs a computation with `count` registers of a block, and buffers for principal stretches.
@@ -52,11 +52,11 @@ pub(crate) struct EnergyLaw<const S: usize> {
     tape: Tape,
     /// Nonzero second derivatives: two variables and the root.
     seconds: Vec<(usize, usize, usize)>,
-    /// Stress at rest that no round-off explains.
+    /// Stress at rest beyond round-off, in Mandel components.
     residual: [f64; S],
 }
 
-/// Stage of a tape that gives the energy.
+/// Stage of the tape that computes the energy.
 const ENERGY: usize = 0;
 /// Stage of the tape that computes energy and first derivatives.
 const SLOPES: usize = 1;

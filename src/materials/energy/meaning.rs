@@ -54,7 +54,7 @@ pub(super) enum Setting {
     Plane,
     /// The third direction is stretched but not sheared.
     Axisymmetric,
-    /// All.
+    /// Space: all components.
     Space,
 }
 

@@ -33,7 +33,7 @@ pub struct Jet {
     pub value: f64,
     /// Derivative with respect to the variable.
     pub slope: f64,
-    /// The derivative of that.
+    /// Second derivative.
     pub curvature: f64,
 }
 
@@ -42,7 +42,7 @@ impl Jet {
         Jet { value, slope: 0.0, curvature: 0.0 }
     }
 
-    /// `f(self)`, of which value and derivatives are given.
+    /// `f(self)` by the chain rule, with value and derivatives of `f`.
     fn through(self, value: f64, slope: f64, curvature: f64) -> Self {
         // What does not change has no slope, whatever the function's.
         if self.slope == 0.0 && self.curvature == 0.0 {

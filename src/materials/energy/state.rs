@@ -45,7 +45,7 @@ pub(super) struct State<const FMA: bool, const S: usize> {
     inverse: Lanes<FMA>,
 }
 
-/// The principal function that a variable is.
+/// Function of the principal stretches of a variable; `None` for other variables.
 fn principal(variable: Variable) -> Option<Principal> {
     match variable {
         Variable::StretchPower(exponent) => Some(Principal::Power(exponent.value())),

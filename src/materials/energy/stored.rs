@@ -12,7 +12,7 @@ use super::variable::Variable;
 use crate::materials::laws::{Kinematics, Laws};
 use crate::materials::split::Split;
 
-/// An energy per undeformed volume as text.
+/// Energy per undeformed volume, as text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyText {
     text: String,
@@ -138,7 +138,7 @@ impl StoredEnergy {
         Ok((EnergyLaw::new(&mut built.graph, whole, &fibers), Some(EnergyLaw::new(&mut built.graph, built.rest, &fibers))))
     }
 
-    /// The law that kernels call.
+    /// Laws of this energy, as called by the kernels.
     pub(crate) fn laws(&self) -> Result<Laws, EnergyError> {
         let (space, space_rest) = self.laws_in::<6>(Setting::Space)?;
         let (axisymmetric, axisymmetric_rest) = self.laws_in::<4>(Setting::Axisymmetric)?;

@@ -243,7 +243,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Arguments behind an opened bracket, and the bracket that closes.
+    /// Reads arguments after an opened bracket, up to the closing one.
     fn arguments(&mut self, name: &Range<usize>) -> Result<Vec<Expression>, EnergyError> {
         let mut arguments = Vec::new();
         if self.takes(&Token::Close) {

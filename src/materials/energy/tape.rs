@@ -112,7 +112,7 @@ impl Tape {
     }
 }
 
-/// Values that deviations are counted from.
+/// Base values from which deviations are counted.
 trait Base {
     /// Value of a register.
     fn value<const FMA: bool>(&self, operand: Operand, point: usize) -> Lanes<FMA>;
@@ -252,7 +252,7 @@ impl Tape {
         lowering.tape
     }
 
-    /// Number of registers that a run needs.
+    /// Number of registers of the tape.
     pub(super) fn registers(&self) -> usize {
         self.inputs + self.operations.len()
     }

@@ -1,6 +1,6 @@
 //! Variables of an energy: invariants of `C = F^T F`, components of the strain, functions of the principal stretches.
 
-/// A number as the key of a table.
+/// Bit pattern of a number, as a key of tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Bits(u64);
 

@@ -7,7 +7,7 @@ use crate::math::catalogue::{Interval, OutOfRange};
 /// Back stresses at most.
 pub const MOST_BACK_STRESSES: usize = 4;
 
-/// Constants that make no elastic-plastic material.
+/// Invalid constants of an elastic-plastic material.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PlasticityError {
@@ -19,7 +19,7 @@ pub enum PlasticityError {
         /// The range and the value.
         fault: OutOfRange,
     },
-    /// A table that is no hardening curve.
+    /// Invalid table of a hardening curve.
     #[error("point {number} of the hardening table, [{strain}, {stress}], {fault}")]
     Table {
         /// Number of the point, from 1.
@@ -28,7 +28,7 @@ pub enum PlasticityError {
         strain: f64,
         /// Yield stress of the point `[stress]`.
         stress: f64,
-        /// The fault, as the end of the sentence.
+        /// Description of the fault, as the end of a sentence.
         fault: &'static str,
     },
     /// A table with too few points.
@@ -40,7 +40,7 @@ pub enum PlasticityError {
     /// More back stresses than the maximum.
     #[error("{count} back stresses are given; there may be {MOST_BACK_STRESSES} at most")]
     BackStresses {
-        /// Number of back stresses that were given.
+        /// Number of given back stresses.
         count: usize,
     },
 }

@@ -296,7 +296,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         Iterate { normal, turning, size, outward, stiffness, residual, slope, by_time }
     }
 
-    /// The derivatives, `mask` 1 where the point yields.
+    /// Derivatives of the flow; `mask` is 1 in yielding lanes.
     #[inline(always)]
     fn slopes(
         &self,
@@ -395,7 +395,7 @@ impl<const FMA: bool, const S: usize> Slopes<FMA, S> {
     }
 }
 
-/// A divisor where a point yields, 1 elsewhere.
+/// `divisor` in yielding lanes, 1 in others.
 #[inline(always)]
 fn or_one<const FMA: bool>(divisor: Lanes<FMA>, mask: Lanes<FMA>) -> Lanes<FMA> {
     mask.unless_zero(divisor, Lanes::splat(1.0))

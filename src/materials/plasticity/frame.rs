@@ -6,7 +6,7 @@ use crate::math::lanes::{Lanes, Real, relabel};
 use crate::math::principal::{PrincipalAxes, matrix, principal};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 
-/// Number of entries of `P` where tensors have `S` components.
+/// Number of entries of `P` for tensors of `S` components.
 const fn frame_entries<const S: usize>() -> usize {
     if S == 6 { 9 } else { 5 }
 }

@@ -98,7 +98,7 @@ impl Callback {
         ScriptError { error: Rc::new(error), source: self.context.global.source.as_ref().map(ToString::to_string).unwrap_or_default() }
     }
 
-    /// The error of a closure that gave a wrong value.
+    /// Error of a closure that returned an invalid value.
     pub fn refuse(&self, failure: Failure) -> ScriptError {
         self.wrap(*failure.raise(self.context.pos))
     }

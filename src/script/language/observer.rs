@@ -79,7 +79,7 @@ pub enum Event<'a> {
 
 /// Observer of a session: printed lines, checks, progress.
 pub trait Observer {
-    /// A line that the script prints.
+    /// Shows a line printed by the script.
     fn print(&self, line: &str);
     /// Reports a check that holds, with its measured value.
     fn passed(&self, line: &str);
@@ -91,7 +91,7 @@ pub trait Observer {
     fn noticed(&self, _event: &Event) {}
     /// Reports the start of a long computation without steps, such as `settle`.
     fn began(&self, what: &str);
-    /// A computation that reported progress has ended.
+    /// Reports the end of a computation that reported progress.
     fn ended(&self);
     /// Returns the rendering of printed lines; plain by default.
     fn ink(&self) -> Ink {

@@ -127,7 +127,7 @@ pub struct Row {
     pub c: f64,
     /// Stiffness of the penalty potential; 0 without one.
     pub stiffness: f64,
-    /// `Phi` that counts as zero.
+    /// Magnitude of `Phi` that counts as zero.
     pub tolerance: f64,
 }
 

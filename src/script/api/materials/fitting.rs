@@ -175,7 +175,7 @@ fn known(options: &Options, key: &str, law: &Law) -> Result<Vec<(String, f64)>, 
     map.iter().map(entry).collect()
 }
 
-/// All tests that the script gave.
+/// Measurements of all tests in the options.
 fn measured(call: &Call, options: &Options) -> Result<Vec<Measured>, Failure> {
     let mut all = Vec::new();
     for (name, _, piece) in TESTS {
@@ -201,7 +201,7 @@ fn sound(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, Fa
     }
 }
 
-/// Points that the script wrote.
+/// Points given in the script.
 fn pairs(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     let value = argument.value();
     let pair = |entry: &Dynamic| {

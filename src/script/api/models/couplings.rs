@@ -108,7 +108,7 @@ pub fn add_periodic() -> Function {
     }
 }
 
-/// A vector that has a length.
+/// Nonzero vector in an argument.
 fn direction(argument: &Argument, dimension: usize) -> Result<[f64; 3], Failure> {
     let vector = argument.vector(dimension)?;
     if length(vector) == 0.0 {

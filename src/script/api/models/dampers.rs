@@ -33,7 +33,7 @@ fn law_parameters(of_coefficient: &'static str) -> [Parameter; 5] {
     ]
 }
 
-/// The force that options describe.
+/// Damping force described by the options.
 fn law_of(options: &Options) -> Result<Viscous, Failure> {
     let law = if one_of(options, &["coefficient", "force"])? == 0 {
         let (coefficient, exponent) = (options.number("coefficient")?, options.number("exponent")?);

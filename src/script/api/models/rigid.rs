@@ -83,7 +83,7 @@ pub fn add_rigid_body() -> Function {
     }
 }
 
-/// A material of that density.
+/// Material of a rigid body with the given density.
 fn material_of(argument: &Argument, density: f64) -> Result<Material, Failure> {
     let made = NeoHookean { youngs_modulus: density, poisson_ratio: ANY_RATIO, density }.material();
     made.map_err(|error| argument.fail(error.to_string()).code(error.code()))

@@ -62,13 +62,13 @@ pub struct SimulationData {
     pub hint: RefCell<String>,
     /// States before the last steps, to go back to.
     pub past: RefCell<VecDeque<Past>>,
-    /// Points that are followed.
+    /// Probes, with the points that they follow.
     pub probes: RefCell<Vec<Probe>>,
     /// Closures that run after every step.
     pub callbacks: RefCell<Vec<Callback>>,
     /// Number of causes of halvings at the last check.
     pub causes_seen: Cell<usize>,
-    /// Largest energy so far that defects are related to.
+    /// Largest energy so far, the scale of energy defects.
     pub scale: Cell<f64>,
     /// Number of requests for equilibrium since the last change.
     pub standing: Cell<u32>,
@@ -82,7 +82,7 @@ pub struct SimulationData {
     pub is_known: Cell<bool>,
 }
 
-/// A state before a step, with the rows that the history had.
+/// State before a step, with the number of history rows.
 #[derive(Clone)]
 pub struct Past {
     /// State; `None` if an earlier process has computed it.
@@ -193,7 +193,7 @@ impl SimulationHandle {
         self.0.simulation.try_borrow().map_or((0, f64::NAN), |simulation| (simulation.row().step, simulation.time()))
     }
 
-    /// Index of the body that the argument `body` means.
+    /// Index of the body in the argument `body`.
     ///
     /// # Errors
     /// The simulation has no body of that name.

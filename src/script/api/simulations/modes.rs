@@ -37,7 +37,7 @@ pub struct ModesData {
     modes: Modes,
     /// Simulation, in whose folder files are written.
     simulation: SimulationHandle,
-    /// Bodies at that state, with zero displacement, and the obstacles.
+    /// Bodies in the state of the search, with zero displacement, and the obstacles.
     bodies: Vec<BodyFields>,
     obstacles: Vec<PlacedObstacle>,
     /// Ratio of the script's unit of time to that of the kernels.
@@ -90,7 +90,7 @@ impl Handle for ModesHandle {
 }
 
 impl ModesHandle {
-    /// The mode that the argument or option `mode` means.
+    /// Mode selected by the argument or option `mode`.
     fn chosen(&self, call: &Call, options: Option<&Options>) -> Result<(usize, &Mode), Failure> {
         let argument = options.map_or_else(|| call.argument("mode"), |options| options.argument("mode"));
         let number = argument.integer()?;

@@ -295,7 +295,7 @@ pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Opti
 pub struct SoFar {
     /// Rows of the history so far, at least the initial one.
     pub history: History,
-    /// Points that are followed.
+    /// Probes, with the points that they follow.
     pub probes: Vec<Probe>,
     /// Time spent in the kernels.
     pub spent: Duration,

@@ -18,7 +18,7 @@ pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
 const CRUSHES: f64 = 0.5;
 
 impl SimulationHandle {
-    /// The failure of a call that took the step.
+    /// Failure of the call that requested the step.
     pub(super) fn step_failure(&self, call: &Call, error: StepError) -> Failure {
         let (title, hint, code) = (error.to_string(), error.remedy(), error.code());
         let failure = match error {

@@ -111,7 +111,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     Ok(evaluations.found(end, &search).into())
 }
 
-/// The names that are searched for, and the search.
+/// Names of the variables, and the search.
 fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
     let argument = options.argument("bounds");
     let wrong = || {
@@ -208,7 +208,7 @@ struct Evaluations<'a> {
     record: Record,
     is_apart: bool,
     rows: Vec<Row>,
-    /// Points that are computed now.
+    /// Points being computed.
     pending: Vec<Vec<f64>>,
 }
 

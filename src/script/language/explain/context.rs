@@ -10,7 +10,7 @@ use crate::script::language::sources::Place;
 /// Name of a function with its parameters, or with their types.
 pub(super) type Signature = (String, Vec<String>);
 
-/// The host and the engine that an error came from.
+/// Host and engine in which an error occurred.
 pub(super) struct Explainer<'a> {
     pub(super) host: &'a Host,
     pub(super) engine: &'a Engine,

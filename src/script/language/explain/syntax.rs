@@ -10,7 +10,7 @@ use crate::script::language::habits;
 use crate::script::language::sources::Place;
 
 impl Explainer<'_> {
-    /// The message of a text that does not parse.
+    /// Message on a syntax error.
     pub(super) fn reword_syntax(&self, kind: &ParseErrorType, source: &str, place: Option<&Place>) -> Diagnostic {
         let word = place.map_or("", |place| &place.text[place.range.clone()]);
         let script = |title: String| Diagnostic::error(Class::Script, title);
