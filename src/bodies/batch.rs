@@ -1,8 +1,8 @@
 //! Eight cells that are computed together, lane by lane: from displacements of their nodes to strains at their points.
 //!
-//! Kept per batch is only what it costs least to read again, the cells' nodes and edges; gradients of the shape functions, volumes and
-//! strains are computed anew in every pass, because a processor does that faster than it fetches them from beyond its caches.
-//! Everything is relative to the last node of a cell: the gradients of the shape functions sum to zero, so it takes what the others leave.
+//! A batch stores only nodes and edges of the cells; gradients of shape functions, volumes and strains are recomputed in every pass, which
+//! is faster than fetching them from main memory. All quantities are relative to the last node of a cell: the gradients of the shape
+//! functions sum to zero, so its contribution is the negative sum of the others.
 
 use crate::elements::ReferenceCell;
 use crate::integrators::discrete_gradient;

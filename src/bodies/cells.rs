@@ -8,9 +8,9 @@
 //! tangent  K_ab  = w G_a . A . G_b,   A_iJkL = (F_test)_iM T_MJNL (F_trial)_kN + share S_JL delta_ik
 //! ```
 //!
-//! (method: Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000), to which the consistent mass is added as the time integration weights it.
-//! What a batch of eight cells computes is in `batch.rs` and `workspace.rs`; here is where it goes. What is left over in the last batch
-//! repeats its first cell and is not scattered.
+//! (Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000), plus the consistent mass with the weight of the time integrator. The computations for a
+//! batch of eight cells are in `batch.rs` and `workspace.rs`; this module assembles the results. Unused lanes of the last batch repeat its
+//! first cell and are not assembled.
 
 use std::ops::Range;
 

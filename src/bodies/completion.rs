@@ -1,5 +1,5 @@
-//! Contributions of a special stress beyond the components of its cells: forces around an axis, and the derivative of the pressures of a
-//! dilatation.
+//! Contributions of a special stress beyond the components of its cells: hoop forces of bodies of revolution, and the derivative of the
+//! pressures of a dilatation.
 //!
 //! See `special.rs` for the formulas.
 

@@ -1,8 +1,8 @@
 //! Consistent mass of cells with a variable Jacobian.
 //!
-//! `m_ab = int rho N_a N_b det J dxi`. The points of the stiffness sum it exactly where the Jacobian is constant. Elsewhere, in curved and
-//! distorted cells and around an axis, they do not: with eight facets around, kinetic energy of `tet10` was 1 % off. Such cells keep
-//! `int N_a N_b det J` of a quadrature that is exact, one number for each pair of nodes.
+//! `m_ab = int rho N_a N_b det J dxi`. The stiffness quadrature is exact for a constant Jacobian. In curved and distorted cells and around
+//! an axis it is not: with eight facets around, the kinetic energy of `tet10` had an error of 1 %. These cells store `int N_a N_b det J` by
+//! an exact quadrature, one number for each pair of nodes.
 
 use super::batch::{Batch, Point, Table, many};
 use crate::elements::{CellShape, ReferenceCell};

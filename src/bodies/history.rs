@@ -1,7 +1,7 @@
 //! History variables at the quadrature points of a body, and their change in a step.
 //!
-//! Their order in memory: batch after batch, in it point after point, in it variable after variable, and of each variable the values of the
-//! eight cells of the batch. Lanes that are left over in the last batch repeat its first cell.
+//! Memory order: batch after batch, point after point, variable after variable, and for each variable the values of the eight cells of the
+//! batch. Unused lanes of the last batch repeat its first cell.
 
 use super::batch::MOST_POINTS;
 use super::cells::Cells;

@@ -1,7 +1,7 @@
 //! Lumped nodal masses, and bounds of the eigenfrequencies of single cells with these masses.
 //!
-//! No vibration of a body is faster than the fastest one of its cells by themselves (Hughes, The Finite Element Method, 1987, section 9.2).
-//! That of a cell is bounded by the norms of `m^-1/2 K_e m^-1/2`.
+//! No vibration of a body is faster than the fastest vibration of a single cell (Hughes, The Finite Element Method, 1987, section 9.2),
+//! which is bounded by norms of `m^-1/2 K_e m^-1/2`.
 
 use super::batch::{Batch, many};
 use super::cells::Cells;

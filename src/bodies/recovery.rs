@@ -1,9 +1,9 @@
 //! Recovery of nodal values from values of nearby first-order cells.
 //!
-//! Means of four-node and eight-node cells are of second order at their centres, and so are means of two triangles between these: what is
-//! wrong with the one is wrong with the other in the opposite direction. A linear polynomial is fitted to such samples around each node,
-//! and read there (superconvergent patch recovery: Zienkiewicz and Zhu, International Journal for Numerical Methods in Engineering 33,
-//! 1992). At a surface the few cells at a node leave the slope open, so that the patch grows by the cells that share nodes with it.
+//! Means of four-node and eight-node cells are second-order accurate at the centers, and so are means of two neighboring triangles, whose
+//! errors cancel. A linear polynomial is fitted to these samples around each node and evaluated there (superconvergent patch recovery:
+//! Zienkiewicz and Zhu, International Journal for Numerical Methods in Engineering 33, 1992). At a surface the few cells at a node do not
+//! determine the slope, so the patch is extended by cells that share nodes with it.
 
 use std::collections::BTreeMap;
 

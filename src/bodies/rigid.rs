@@ -1,4 +1,4 @@
-//! Rigid bodies: the motion of `D + 1` of a mesh's nodes carries all others.
+//! Rigid bodies: the motion of all nodes of a mesh follows from `D + 1` of them.
 //!
 //! A body whose strain is zero moves affinely, so the position of every point follows from `D + 1` nodes in general position, its
 //! *masters*:
@@ -9,9 +9,9 @@
 //! M_ij = int rho a_i a_j dV = m a_i(X_c) a_j(X_c) + grad a_i . E grad a_j          X_c center of mass, E Euler tensor about it
 //! ```
 //!
-//! and what is left of the motion is rigid by the quadratic constraints that the distances between masters do not change (rotationless:
-//! Betsch and Steinmann, IJNME 53, 2001; natural coordinates: de Jalon and Bayo 1994). Their gradient in the middle of a step is a discrete
-//! gradient, so energy and momenta are exact with any of them.
+//! and the motion is rigid if the distances between masters are constant, which are quadratic constraints (rotationless formulation: Betsch
+//! and Steinmann, IJNME 53, 2001; natural coordinates: de Jalon and Bayo 1994). Their gradients at mid-step are discrete gradients, so that
+//! energy and momenta are exact for any choice of masters.
 
 use std::ops::Range;
 

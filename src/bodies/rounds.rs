@@ -1,11 +1,11 @@
 //! Runs of cells that can be computed at the same time.
 //!
-//! The cells of a body, in the order of its mesh, are cut into runs of about equal length. A run touches the nodes of a span of node
-//! numbers, so it needs the forces and the matrix columns of that span alone. Runs whose spans do not meet form a *round*; rounds follow
-//! one another. The cut depends on the mesh and not on the number of threads, so neither does the order in which anything is summed.
+//! The cells of a body, in mesh order, are divided into runs of nearly equal length. A run needs the forces and matrix columns of its span
+//! of node numbers only. Runs with disjoint spans form a *round*; rounds are computed one after the other. The division depends on the mesh
+//! and not on the number of threads, and so does the order of summation.
 //!
-//! Meshes number their nodes by and large along their cells; then two or three rounds suffice. In a mesh whose numbers are shuffled every
-//! span is the whole body, every round is one run, and threads gain nothing.
+//! Two or three rounds suffice if nodes are numbered roughly along the cells, as in most meshes. With shuffled numbers every span is the
+//! whole body, each round has one run, and threads gain nothing.
 
 use std::ops::Range;
 

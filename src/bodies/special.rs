@@ -1,8 +1,8 @@
-//! Special stresses of a batch, which depend on more than the strain of the point in the components of the cell: bodies of revolution,
-//! which have a hoop strain, and cells with a mean dilatation.
+//! Special stresses of a batch, which depend on more than the point's strain in the components of the cell: hoop strain of bodies of
+//! revolution, and mean dilatation of cells.
 //!
-//! Kept apart from the loop that all cells share, because most bodies need none of it. The stress of a step comes from here as it is
-//! wanted, and what it does beyond the cell's own components is added when the others are summed:
+//! Separate from the common element loop, because most bodies do not need them. Contributions beyond the cell's own components are added
+//! during the summation:
 //!
 //! ```text
 //! around the axis   f_a,1 = w F_33 S_33 N_a / R                     (Hughes, The Finite Element Method, 2000, section 2.12)

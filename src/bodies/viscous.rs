@@ -8,10 +8,10 @@
 //! heat      dt (2 eta D:D + zeta tr(D)^2) + sum 2 mu h Y_mid:Y_mid
 //! ```
 //!
-//! This stress is the same whatever the stress of the other law is asked for. It acts in the configuration of the forces of the step; where
-//! that is the middle, its work on the change of the strain is exactly what branches store and the heat. At rest all of it has relaxed.
+//! This stress does not depend on the kind of stress requested of the base law. It acts in the configuration of the step's forces; if that
+//! is the middle, its work on the strain increment equals the energy stored by branches plus the heat. At rest it has relaxed.
 //!
-//! History variables of a point: those of the other law; the strain `Y` of each branch; the stress on the rate, for fields.
+//! History variables of a point: those of the base law; the strain `Y` of each branch; the viscous stress, for fields.
 
 use std::ops::Range;
 

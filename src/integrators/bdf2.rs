@@ -1,14 +1,14 @@
-//! The backward differentiation formula of second order for positions and velocities (Gear, Numerical Initial Value Problems, 1971), for
-//! steps of different sizes, and the method of Bank et al. (IEEE Trans. Electron Devices 32, 1985), of which it is the second stage.
+//! Second-order backward differentiation formula for positions and velocities (Gear, Numerical Initial Value Problems, 1971) with variable
+//! step size, and TR-BDF2 (Bank et al., IEEE Trans. Electron Devices 32, 1985), whose second stage it is.
 //!
 //! ```text
 //! (q_1 - q_0) / dt = w v_1 + c (q_0 - q_b) / dt_b,    (v_1 - v_0) / dt = -w M^-1 f_1 + c (v_0 - v_b) / dt_b
 //! w = (r + 1) / (r + 2),    c = 1 / (r + 2),    r = dt_b / dt
 //! ```
 //!
-//! after a step of size `dt_b` from `q_b`, `v_b`. Its mean velocity is remembered as the acceleration that a motion of constant
-//! acceleration would have, `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`, its mean acceleration as the force that it answers. After a step of
-//! no size, as at the start, it is the trapezoidal rule.
+//! after a step of size `dt_b` from `q_b`, `v_b`. Its mean velocity enters through the history variable
+//! `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`, the acceleration of an equivalent motion of constant acceleration, its mean acceleration
+//! through the force that balances it. Without a previous step the formula is the trapezoidal rule.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 

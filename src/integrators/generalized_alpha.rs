@@ -6,15 +6,15 @@
 //! M ((1 - alpha_m) a_1 + alpha_m a_0) + (1 - alpha_f) f_1 + alpha_f f_0 = 0
 //! ```
 //!
-//! with Newmark's `q_1` and `v_1`. Of second order and unconditionally stable with `gamma = 1/2 - alpha_m + alpha_f`,
-//! `beta = (1 - alpha_m + alpha_f)^2 / 4`. What the accelerations answer, `phi = -M a` at nodes that nothing holds, is a force that lags
-//! behind: in the mean of a step, `gamma phi_1 + (1 - gamma) phi_0`, act
+//! with Newmark's `q_1` and `v_1`. Second order and unconditionally stable with `gamma = 1/2 - alpha_m + alpha_f`,
+//! `beta = (1 - alpha_m + alpha_f)^2 / 4`. The force `phi = -M a`, which balances inertia at unsupported nodes, lags behind the static
+//! forces: its mean over a step, `gamma phi_1 + (1 - gamma) phi_0`, is
 //!
 //! ```text
 //! gamma (1 - alpha_f) / (1 - alpha_m) f_1 + gamma alpha_f / (1 - alpha_m) f_0 + (1 - gamma / (1 - alpha_m)) phi_0
 //! ```
 //!
-//! so that momenta change by forces alone: all of a force acts, some of it later.
+//! so that only forces change momenta: each force acts in full, partly in later steps.
 
 use super::derivative::Derivative;
 use super::family::Family;

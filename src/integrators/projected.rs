@@ -1,4 +1,4 @@
-//! Projected discrete gradient of any function of a patch of nodes that rigid motions leave unchanged.
+//! Projected discrete gradient of a function of nodes (a contact element) that is invariant under rigid motions.
 //!
 //! With `P` the orthogonal projector onto the complement of the rigid motions of `q_mid = (q_0 + q_1)/2`, `dq = q_1 - q_0` and `p = P dq`,
 //!
@@ -6,9 +6,9 @@
 //! Gbar = grad f(q_mid) + e p,    e = R / p.p,    R = f(q_1) - f(q_0) - grad f(q_mid).dq
 //! ```
 //!
-//! is directional, `Gbar.dq = f(q_1) - f(q_0)`, and does no work in a rigid motion of `q_mid`, so that neither momentum changes; for every
-//! step size and every `f`, kinks included (after Gonzalez, CMAME 190, 2000, whose gradient lacks the projector). It serves functions
-//! that have no short list of quadratic invariants. It is linear in `f`. `p` vanishes in a rigid motion, and `R` with it.
+//! is directional, `Gbar.dq = f(q_1) - f(q_0)`, and does no work in rigid motions of `q_mid`, so that linear and angular momentum are
+//! conserved for every step size and every `f`, kinks included (after Gonzalez, CMAME 190, 2000, whose gradient lacks the projector). It is
+//! used for functions without a short list of quadratic invariants, and is linear in `f`. In a rigid motion `p` and `R` vanish.
 //!
 //! `P` removes the mean and the rotation: with `r` and `d` the nodes of `q_mid` and `dq` relative to their means, `p = d - omega x r`,
 //! `J omega = sum r x d`, `J = sum (r.r I - r (x) r)`. In the plane only the third component of the rotation exists.

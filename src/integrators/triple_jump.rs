@@ -6,8 +6,8 @@
 //! c dt, (1 - 2 c) dt, c dt,    c = 1 / (2 - 2^(1/3)) = 1.3512
 //! ```
 //!
-//! A symmetric scheme of second order has an error of odd powers of its steps, and these shares let the cubes cancel,
-//! `2 c^3 + (1 - 2 c)^3 = 0`. What each stage keeps, all of them keep. What takes energy would give it back in the middle stage.
+//! The error of a symmetric second-order scheme has odd powers of the step; these fractions cancel the cubes, `2 c^3 + (1 - 2 c)^3 = 0`.
+//! The step conserves what each stage conserves. Dissipation would supply energy in the middle stage.
 
 use super::energy_momentum::ROW;
 use super::scheme::{LeadingError, Promises, Scheme, StepKind};

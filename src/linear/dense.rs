@@ -1,7 +1,7 @@
 //! Dense elimination of one front: LU of its pivot block, the two triangular solves beside it, and the Schur complement of the others.
 //!
-//! In small fronts nothing is packed. In large ones, where each column is on a page of its own, blocks of pivots are eliminated one after
-//! the other: their rows and columns are copied into strips, which stay in the caches while all that remains is updated, and are shared
+//! Small fronts are eliminated in place. In large fronts, where each column occupies its own memory page, blocks of pivots are eliminated
+//! in turn: their rows and columns are copied into strips, which stay in cache during the update of the remaining front and are shared
 //! among threads ([`super::strips`]).
 
 use std::ops::Range;

@@ -1,14 +1,13 @@
 //! LU factorisation of a matrix on a [`Pattern`]: scaled, refined, its residual checked, with a second method where the first one fails.
 //!
-//! A pattern has room for couplings that may come: every pair of facets that could meet. Most are zero at any one time, and each costs
-//! fill. So the structure of the factors is that of the blocks that are not zero, or were not since it was made. Whether one has come is
-//! looked up before each factorisation; then the structure is made anew, with the blocks that went before as long as they cost little.
-//! Order and structure do not depend on blocks that were always zero, and outlive the pattern: possible but absent couplings change no
-//! result.
+//! A pattern includes possible couplings: all facet pairs that could meet. Most of their blocks are zero at any time, and each would cost
+//! fill. The structure of the factors therefore contains only blocks that are nonzero, or have been since the structure was made. Before
+//! each factorization new nonzero blocks are detected; then the structure is rebuilt, keeping blocks that became zero while they are cheap.
+//! Order and structure do not depend on blocks that were always zero, so that absent couplings change no result.
 //!
-//! Every vertex has one scale, a power of two: a node's brings its diagonal block to entries of order one, a multiplier's its constraint.
-//! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
-//! inside a front only; where it had to replace one, or where the residual stays poor, the sparse LU with partial pivoting takes over.
+//! Every vertex has a scale, a power of two: it brings the diagonal block of a node, and the constraint of a multiplier, to entries of
+//! order one, so that pivots and residuals of stiffness and constraints are comparable. The multifrontal LU pivots inside a front only; if
+//! it had to replace a pivot, or if the residual stays large, the sparse LU with partial pivoting is used.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Number of negative eigenvalues of a symmetric matrix, from its factors.
 //!
-//! Fronts of a symmetric matrix are symmetric, whatever their pivots were exchanged for, so the inertia of the matrix is the sum of those
-//! of their pivot blocks (Haynsworth, Linear Algebra Appl. 1, 1968). Without an exchange of rows that of a block is the signs of its pivots
-//! (Sylvester); a block with one is put together again from its factors.
+//! Fronts of a symmetric matrix are symmetric for any exchange of pivots, so the inertia of the matrix is the sum over the pivot blocks
+//! (Haynsworth, Linear Algebra Appl. 1, 1968). The inertia of a block without row exchanges follows from the signs of its pivots
+//! (Sylvester); a block with row exchanges is reassembled from its factors.
 
 use nalgebra::DMatrix;
 

@@ -1,8 +1,8 @@
-//! Numeric multifrontal LU: every front is assembled from the matrix and its children's updates and eliminated; substitution runs along the
-//! tree. Numbers are not moved once they are computed, and buffers are kept from one factorisation to the next.
+//! Numeric multifrontal LU: every front is assembled from matrix entries and its children's updates, and eliminated; substitution follows
+//! the tree. Computed factors are not moved, and buffers are reused by successive factorizations.
 //!
-//! Independent subtrees are shared among threads, then the fronts above them follow one by one, their dense work shared. What is computed
-//! for a front does not depend on who computes it, or when, so the results are the same bytes for any number of threads.
+//! Threads share independent subtrees, then the dense work of the remaining fronts, one by one. The computation of a front depends neither
+//! on the thread nor on the time, so results are byte-identical for any number of threads.
 
 use std::collections::TryReserveError;
 use std::ops::Range;

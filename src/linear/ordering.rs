@@ -1,13 +1,13 @@
 //! Order of elimination: nested dissection or minimum degree on the graph of nodes and multipliers, whichever gives less work.
 //!
-//! Vertices, not unknowns, are ordered: the graph is a few times smaller and all unknowns of a node stay together. A multiplier is a vertex
-//! of its own, so that a separator may run through multipliers alone, which are the cheapest cut of an interface. A multiplier has no
-//! diagonal entry; the elimination of a neighbor fills it. So where the dissection puts it before its *anchor* (the node whose motion it
-//! opposes), it moves to the place directly behind.
+//! The ordered graph has nodes and multipliers as vertices, not unknowns: it is a few times smaller and keeps the unknowns of a node
+//! together. Separators may consist of multipliers only, the cheapest cut of an interface. A multiplier has no diagonal entry until the
+//! elimination of a neighbor fills it. If the dissection places it before its *anchor* (the node whose motion it opposes), it is moved to
+//! the position right behind the anchor.
 //!
-//! Dissection by the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis
+//! Dissection uses the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis
 //! and Duff 1996). Dissection gives less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long
-//! as minimum degree. So an order outlives many changes of contact, and is repaired where surfaces have slid.
+//! as minimum degree. An order is therefore kept through many changes of contact, and repaired where surfaces have slid.
 
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};

@@ -1,7 +1,7 @@
 //! Symmetric block pattern of a graph whose vertices carry a few unknowns each, as compressed columns.
 //!
-//! All columns of a vertex have the same rows, so a block is found by two numbers: the place of its first entry and the distance to the
-//! next column. Column-major inside a block.
+//! All columns of a vertex have equal rows, so that two numbers locate a block: position of its first entry, distance to the next column.
+//! Blocks are column-major.
 
 use std::cmp::Ordering;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! Structure of the factors: elimination tree, fronts, and the positions of all entries of matrix and updates.
 //!
-//! All graph work is done on vertices. They are merged into fronts ([`super::tree`]), fronts are numbered and shared among tasks here, and
-//! entries find their places in [`super::places`].
+//! Graph algorithms work on vertices, which are merged into fronts in [`super::tree`]. This module numbers the fronts and divides them into
+//! tasks; [`super::places`] finds the positions of entries.
 
 use std::ops::Range;
 

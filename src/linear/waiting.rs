@@ -1,7 +1,7 @@
 //! Stack positions of the update matrices, and the order of children that minimizes the memory of the stacks.
 //!
-//! Updates wait on two stacks, by turns from level to level of the tree, which grow towards each other in one buffer: a front and its
-//! children are on different ones.
+//! Update matrices are stored on two stacks that grow towards each other in one buffer; the stack alternates with the level of the tree, so
+//! that a front and its children are on different ones.
 
 use std::ops::Range;
 

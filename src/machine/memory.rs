@@ -1,9 +1,8 @@
 //! Available memory of this process, and refusal of computations that would exceed it.
 //!
-//! The bytes of a mesh, a simulation or a factorisation are estimated before allocation, because an operating system grants more memory
-//! than it has and ends the process when that runs out. The memory left is the minimum of the available memory of the machine, the rest
-//! under limits of a container or of address space, and the rest under a limit of the process itself ([`set_limit`]). Linux provides these
-//! numbers; on other systems nothing is refused.
+//! The memory of a mesh, a simulation or a factorization is estimated before allocation, because operating systems grant more memory than
+//! exists and kill the process when it runs out. Available is the minimum of the machine's free memory, the rest of a container or address
+//! space limit, and the rest of the process's own limit ([`set_limit`]). Linux provides these numbers; other systems refuse nothing.
 
 use std::fmt::{Display, Formatter};
 use std::sync::atomic::{AtomicU64, Ordering};

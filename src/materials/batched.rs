@@ -1,5 +1,4 @@
-//! A law for eight elements at a time, behind a virtual call per batch of points (never per point), compiled for the instructions of the
-//! processor.
+//! Law evaluated for eight elements at a time, by one virtual call per batch of points, compiled for the processor's instruction set.
 
 use super::law::{Increment, Law};
 use crate::math::lanes::{Lanes, relabel, relabel_rows};

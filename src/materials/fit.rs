@@ -1,10 +1,10 @@
 //! Constants of a law from tests: least squares of nominal stresses of incompressible pieces.
 //!
-//! Rubber keeps its volume in tests, so stresses follow from the stretches by the pressure that frees the third face, and the energy of the
-//! volume drops out (Ogden 1972). Constants in which the energy is linear (moduli) follow from the others by linear least squares;
-//! only the others (powers, limits) are searched for (variable projection: Golub and Pereyra, SIAM Journal on Numerical Analysis 10, 1973),
-//! by damped Gauss-Newton steps (Levenberg 1944, Marquardt 1963) from the best of many starts. So no modulus needs a first guess. The crate
-//! `levenberg-marquardt` is not used because it brings another version of nalgebra.
+//! Rubber is nearly incompressible in tests: stresses follow from the stretches with the pressure that makes the third face free, and the
+//! volumetric energy drops out (Ogden 1972). Constants in which the energy is linear (moduli) follow from the others by linear least
+//! squares; the others (powers, limits) are found (variable projection: Golub and Pereyra, SIAM Journal on Numerical Analysis 10, 1973) by
+//! damped Gauss-Newton steps (Levenberg 1944, Marquardt 1963) from the best of many starts, so that moduli need no initial guess. The crate
+//! `levenberg-marquardt` is not used because it depends on another version of nalgebra.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,8 +1,8 @@
-//! Plane stress of laws with history variables: the strain across the plane is the one at which no stress acts there.
+//! Plane stress of laws with history variables: the strain across the plane follows from zero stress there.
 //!
-//! That strain is one more history variable, because the stress of a step that conserves is a mean over the step: at its end alone it does
-//! not vanish. In a step it is solved for by Newton's method, `S_33 = 0` of the stress that is asked for, so that nothing across the plane
-//! does work; the tangent is condensed (de Borst, Communications in Applied Numerical Methods 7, 1991).
+//! The strain across the plane is an additional history variable, because the stress of a conserving step is a mean over the step and does
+//! not vanish at its end only. Newton's method solves `S_33 = 0` for the requested stress of the step, so that no work is done across the
+//! plane; the tangent is condensed (de Borst, Communications in Applied Numerical Methods 7, 1991).
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
-//! Laws whose stress depends on what happened before: history variables at every quadrature point.
+//! Laws whose stress depends on the deformation history, by history variables at every quadrature point.
 //!
-//! Input of a law are the strains at both ends of a step and the history variables at its start. Output are the stress of the step with its
-//! derivative and, at the end of an accepted step, the new history variables and the heat. The work of the stress of
-//! [`StressOf::Step`] on the change of the strain is exactly the change of the stored energy and the heat:
+//! A law is given the strains at both ends of a step and the history variables at its start. It returns the stress of the step with its
+//! derivative and, at the end of an accepted step, the new history variables and the heat. The work of [`StressOf::Step`] on the strain
+//! increment is exactly the change of the stored energy plus the heat `D`:
 //!
 //! ```text
 //! S : (E_1 - E_0) = psi(E_1, h_1) - psi(E_0, h_0) + D

@@ -1,7 +1,7 @@
-//! Homogeneous deformations of a material, such as of a test piece between the clamps of a machine.
+//! Homogeneous deformations of a material, as in the test piece of a testing machine.
 //!
-//! The stretches that a test prescribes are given, all other components of the strain follow from the stresses that vanish (Newton's method
-//! on the components, from the last stretch on a path). Nominal stresses: force per undeformed area.
+//! The prescribed stretches of a test are given; all other strain components follow from zero stresses (Newton's method on the components,
+//! from the previous stretch of a path). Nominal stresses are forces per undeformed area.
 
 use std::sync::Arc;
 

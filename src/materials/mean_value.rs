@@ -1,12 +1,12 @@
-//! A law whose discrete gradient begins with the mean of its stress over an increment of the strain (mean-value discrete gradient: Harten,
-//! Lax and van Leer, SIAM Review 25, 1983; McLachlan, Quispel and Robidoux, Phil. Trans. R. Soc. A 357, 1999).
+//! Law whose discrete gradient starts from the mean stress over a strain increment (mean-value discrete gradient: Harten, Lax and van Leer,
+//! SIAM Review 25, 1983; McLachlan, Quispel and Robidoux, Phil. Trans. R. Soc. A 357, 1999).
 //!
 //! ```text
 //! g = m + a d,   m = (S(E_a) + S(E_b)) / 2,   a = (W(E_1) - W(E_0) - m.d) / d.d,   d = E_1 - E_0
 //! ```
 //!
-//! with the strains `E_a`, `E_b` at the two Gauss points between `E_0` and `E_1`. What the rule misses of the energy, of fourth order in
-//! `d`, the second term adds.
+//! with the strains `E_a`, `E_b` at the two Gauss points between `E_0` and `E_1`. The second term corrects the quadrature error of the
+//! energy, of fourth order in `d`.
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
-//! A law without stress across the plane: the strain there is solved for.
+//! Law in plane stress: the strain across the plane follows from zero stress there.
 //!
-//! `W(E) = min over E_33 of W(E, E_33)`, so `S_33 = 0`; the stress is that of the law with this strain, and the tangent is condensed,
-//! `T - T_3 (x) T_3 / T_33`. The minimum is an energy like any other, so a discrete gradient of it conserves (after Simo and Taylor, IJNME
-//! 22, 1986, who condense an elastoplastic law so). Its remainder is that of [`Law::remainder`](super::Law::remainder)'s default; where
-//! stiffness may jump within a step, no quadrature is exact, and it follows from that of the law itself.
+//! `W(E) = min over E_33 of W(E, E_33)`, so `S_33 = 0`; the stress is that of the law at this strain, and the tangent is condensed,
+//! `T - T_3 (x) T_3 / T_33`. The minimum is a stored energy, so its discrete gradient conserves energy (after Simo and Taylor, IJNME 22,
+//! 1986, who condense an elastoplastic law). The remainder is the default of [`Law::remainder`](super::Law::remainder) or, if the stiffness
+//! may jump within a step so that no quadrature is exact, that of the law itself.
 
 use std::sync::Arc;
 

@@ -1,9 +1,9 @@
-//! Weaknesses of a law: stress or energy at rest, stiffness that is not positive, equations that lose ellipticity.
+//! Weaknesses of a law: stress or energy at rest, nonpositive stiffness, loss of ellipticity.
 //!
-//! Ellipticity holds where the acoustic tensor `Q_ik = A_iJkL N_J N_L` of every direction `N` is positive definite, with
-//! `A = dP/dF` (Marsden and Hughes, Mathematical Foundations of Elasticity, 1983, section 6.1). Where it is lost a body folds into bands
-//! that only the mesh limits. It is looked for along uniaxial, equibiaxial and pure-shear tension and compression with free faces, in many
-//! directions: what happens on other paths is not seen.
+//! Ellipticity requires a positive definite acoustic tensor `Q_ik = A_iJkL N_J N_L`, `A = dP/dF`, for every direction `N` (Marsden and
+//! Hughes, Mathematical Foundations of Elasticity, 1983, section 6.1). Without it deformation localizes in bands of mesh width. It is
+//! checked along uniaxial, equibiaxial and pure-shear tension and compression with free faces, in many directions; other paths are not
+//! checked.
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
 

@@ -1,7 +1,6 @@
-//! A stored energy as the sum `W(E) = W_d(E) + U(J)`, for elements that take `J` as a mean over the element.
+//! Stored energy as the sum `W(E) = W_d(E) + U(J)`, for elements with a mean `J`.
 //!
-//! `W_d` is what is left when `U` is taken away; it need not be free of pressure. `U` is evaluated from `J - 1`, so that small changes of
-//! volume keep their digits.
+//! `W_d` is the remainder without `U`; it need not be free of pressure. `U` is evaluated from `J - 1`, accurate for small volume changes.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Difference of two sampled curves in the range where both are defined.
 //!
-//! A curve is linear between its points. So is the difference of two between the points of both, and its largest value, mean and mean
-//! square are exact, however densely either was sampled.
+//! Curves are linear between their points. The difference of two curves is linear between the points of both, so that its maximum, mean and
+//! mean square are exact for any sampling.
 
 /// A curve: points `[x, y]` with rising `x`.
 pub type Points = [[f64; 2]];

@@ -1,8 +1,8 @@
 //! Eight numbers that are computed together, one lane per element, and the transcendental functions that stored energies need.
 //!
-//! No intrinsics: arrays that the compiler vectorises where it is told which instructions exist. `FMA` says whether `mul_add` is one
-//! instruction there (without the instruction it would be a slow library call).
-//! `ln(1 + x)` and `atanh(z) - z` share one series: `atanh z - z = z^3 (1/3 + z^2/5 + z^4/7 + ...)`; `exp(x) - 1` has Taylor's.
+//! Arrays without intrinsics, vectorized by the compiler for a given instruction set. `FMA` is true if `mul_add` is one instruction there
+//! (otherwise it is a slow library call). `ln(1 + x)` and `atanh(z) - z` use the series `atanh z - z = z^3 (1/3 + z^2/5 + z^4/7 + ...)`,
+//! `exp(x) - 1` its Taylor series.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -1,9 +1,8 @@
-//! The least value of a function of a few variables between bounds, from values alone.
+//! Minimization of a function of a few variables between bounds, without derivatives.
 //!
-//! BOBYQA: quadratic models through the values at `2n + 1` points, trusted within a radius that shrinks (M. J. D. Powell, *The BOBYQA
-//! algorithm for bound constrained optimization without derivatives*, Cambridge NA report 2009/NA06), by the crate `bobyqa`, a port of the
-//! reference implementation PRIMA. Each variable runs from 0 to 1 between its bounds, so their units do not matter. The method is local
-//! and has no chance in it: the same function gives the same course.
+//! BOBYQA: quadratic models through the values at `2n + 1` points in a shrinking trust region (M. J. D. Powell, *The BOBYQA algorithm for
+//! bound constrained optimization without derivatives*, Cambridge NA report 2009/NA06), by the crate `bobyqa`, a port of the reference
+//! implementation PRIMA. Variables are scaled to 0 to 1 between their bounds. The method is local and deterministic.
 
 use bobyqa::{Bobyqa, Config, Status};
 

@@ -1,11 +1,10 @@
-//! Running a kernel with the instructions that the processor has.
+//! Runs kernels with the instruction set of the processor.
 //!
-//! On x86-64 kernels take AVX2 and FMA (processors since about 2013; three to four times faster than without), through the crate `pulp`.
-//! With the feature `portable` every kernel is compiled a second time without them, and the choice is made at run time; without it a
-//! processor that lacks them is not supported ([`is_supported`]), because the second version takes a sixth of the time to compile. Other
-//! architectures have the plain version alone. Wider registers gain nothing on the processors measured: a tile of 8 x 4 numbers keeps their
-//! multipliers as busy. Results differ in the last bits between processors with and without these instructions; on one kind they are the
-//! same.
+//! On x86-64 kernels use AVX2 and FMA (processors since about 2013; three to four times faster), by the crate `pulp`. With the feature
+//! `portable` a second version of every kernel without these instructions is compiled and selected at run time; without the feature,
+//! processors that lack them are not supported ([`is_supported`]): the second version takes a sixth of the build time. Other architectures
+//! have the portable version only. Wider registers gave no speed on the processors measured: a tile of 8 x 4 numbers keeps the multipliers
+//! equally busy. Results differ in the last bits between both versions, not between processors with one version.
 
 #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 use pulp::Scalar256b;

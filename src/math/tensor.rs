@@ -1,9 +1,9 @@
 //! Symmetric second-order tensors in Mandel components, so that stored-energy laws are written once for the plane and for space.
 //!
-//! Plane strain carries three components `(11, 22, sqrt2 12)` of a strain whose third direction is zero; space carries six,
-//! `(11, 22, 33, sqrt2 12, sqrt2 23, sqrt2 13)`; where the third direction is stretched but not sheared (rotational symmetry, plane
-//! stress) the first four of these are left. Double contractions are dot products. The operations know what the missing components are:
-//! for a plane strain `E`, `E_33 = 0`, so that `cof E` has no plane components and `det E = 0`.
+//! Plane strain has the three components `(11, 22, sqrt2 12)`, with zero strain in the third direction; space has six,
+//! `(11, 22, 33, sqrt2 12, sqrt2 23, sqrt2 13)`; a stretched, unsheared third direction (rotational symmetry, plane stress) has the first
+//! four of these. Double contractions are dot products. Operations account for the missing components: for a plane strain `E`, `E_33 = 0`,
+//! so that `cof E` has no plane components and `det E = 0`.
 
 use std::ops::{Add, Mul, Sub};
 

@@ -1,8 +1,8 @@
 //! Rigid obstacles as bounds of whole bodies: parts of a body outside the contact definition would pass through an obstacle unhindered.
 //!
-//! Before the first step the secondary surface must look at its obstacle. During a run every point of the hull counts that is on no
-//! secondary surface of the obstacle. An obstacle into which the hull reaches at the start bounds its secondary surface alone, as a plane
-//! that stops a flange and lets the shaft through.
+//! Before the first step the secondary surface must face its obstacle. During a run penetration is checked at all points of the hull
+//! outside of the obstacle's secondary surfaces. An obstacle that the hull penetrates at the start bounds its secondary surface only, like
+//! a plane that stops a flange but not the shaft.
 
 use serde::{Deserialize, Serialize};
 

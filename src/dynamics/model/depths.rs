@@ -1,9 +1,9 @@
 //! Penetration of the sides of contacts into bodies, and of obstacles into sides, at any positions. In the plane only.
 //!
-//! A node of one side counts if it is inside the body of the other side, with its distance from the nearest facet of that side that faces
-//! it; so do corners of a rigid polyline inside a body. Behind the hull of another body, in any orientation, there is no penetration.
-//! Unlike the gaps of a contact the search is unlimited, but does not pass through bodies: a node in the open has no penetration, wherever
-//! facets behind it may be.
+//! A node of one side counts if it is inside the body of the other side, with its distance from the nearest facet that faces it; so do
+//! corners of a rigid polyline inside a body. Behind the hull of another body, in any orientation, there is no penetration. Unlike for
+//! contact gaps the search distance is unlimited, but the search does not pass through bodies: a node outside of all bodies has no
+//! penetration.
 
 use super::amplitude::Amplitude;
 use super::boundaries::{boundary_facets, facets_of_all};

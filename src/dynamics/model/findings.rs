@@ -1,6 +1,6 @@
-//! Suspicious properties of a model's contacts in the undeformed bodies, before anything is computed.
+//! Suspicious properties of a model's contacts in the undeformed bodies.
 //!
-//! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
+//! Unlike those of [`Model::check`] they are not errors: the model can be simulated, but hardly as intended.
 
 use super::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use super::definitions::Model;

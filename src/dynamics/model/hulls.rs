@@ -1,8 +1,7 @@
 //! Hulls of bodies, and their mutual penetration.
 //!
-//! In the plane two cases count: a node of one hull inside the other, and facets that cross far from all their nodes. Hulls are polygons,
-//! so a node of one curved side may lie behind the chord of the other by its rise (sagitta): that much, and a hundredth of a facet, is
-//! allowed.
+//! In the plane there are two cases: a node of one hull inside the other, and crossing facets far from all their nodes. Hulls are polygons,
+//! so a node of one curved side may lie behind the chord of the other by the sagitta; this and a hundredth of a facet are admitted.
 
 use std::collections::HashMap;
 

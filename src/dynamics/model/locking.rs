@@ -1,8 +1,8 @@
 //! Detection of volumetric locking: bodies whose cells cannot follow a nearly incompressible law.
 //!
-//! A law that hardly changes its volume leaves no freedom to cells that keep the volume at every quadrature point: they lock (Nagtegaal,
-//! Parks and Rice, CMAME 4, 1974). One mean dilatation for each cell mends that, but not in triangles and tetrahedra of first order, which
-//! have one point anyway.
+//! A nearly incompressible law leaves no freedom to cells that preserve the volume at every quadrature point: they lock (Nagtegaal, Parks
+//! and Rice, CMAME 4, 1974). A mean dilatation per cell avoids this, except in first-order triangles and tetrahedra, which have a single
+//! point.
 
 use super::definitions::{BodyDefinition, Model};
 use crate::bodies::{Dilatation, Plane};

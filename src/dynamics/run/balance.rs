@@ -1,8 +1,8 @@
-//! The balance of forces at rest, judged for every component of connected nodes by its own forces.
+//! Balance of forces at rest, evaluated for every connected component of nodes relative to its own forces.
 //!
-//! A component that is free as a rigid body is judged by the resultant and the torque of the forces on it, along the rigid motions that its
-//! supports leave, relative to the sum of the loads, reactions or contact forces on that component alone; then each of its nodes, relative
-//! to the largest of these forces. So a stiff or heavy body elsewhere conceals no imbalance. Damping does not count as a force.
+//! For a component with free rigid motions, the resultant and torque along these motions are compared with the sum of the loads, reactions
+//! or contact forces on this component, then the force on each node with the largest of these forces. A stiff or heavy body elsewhere thus
+//! conceals no imbalance. Damping does not count as a force.
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the component's mass center `c` and radius `r`: all its components are lengths.
 

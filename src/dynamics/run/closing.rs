@@ -1,8 +1,8 @@
 //! Separation of initial overlaps in `settle`: measured depths, a limited displacement per step, and a check that no overlap remains.
 //!
-//! Pairs that overlap take part at any depth ([`Outlook::depth`](crate::contact::Outlook)). A damped step closes only a part of the
-//! overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay in its range of convergence. So
-//! a target is no farther above the gap at the start of the step than a fraction of a facet, which is reduced when a step fails.
+//! Overlapping pairs are admitted at any depth ([`Outlook::depth`](crate::contact::Outlook)). A damped step closes only part of the
+//! overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay within its range of
+//! convergence. The target thus exceeds the gap at the start by at most a fraction of a facet, which is reduced when a step fails.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};

@@ -1,14 +1,14 @@
 //! Quantities of a contact pair at a configuration: nodal forces, their resultant, pressure, gap, area.
 //!
-//! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Each patch of a kernel has an own side (the nodes of its
-//! constraint rows) and another one on which the opposite forces act. So a surface in contact with itself is covered, too: each pair of
-//! its facets is taken once, and its force is that on the side that was taken as secondary.
+//! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Each contact element has an own side (the nodes of its
+//! constraints) and another side with the opposite forces. In self-contact each facet pair is evaluated once, and its force is that on the
+//! secondary facet.
 //!
-//! Pressures are forces over the present area, which includes the circumference in axisymmetric models. The multipliers of a mortar method
-//! are the nodal values of a linear field that acts where the surface is covered. At a partly covered node the field is extrapolated beyond
-//! the contact, and its value there can be many times the pressure. So the uncovered part takes the mean of the field over the node's part
-//! of the contact instead, which is the nodal force over that of a unit pressure. That mean of every node is a field of its own beside the
-//! pressure. A node on the axis of revolution has no force: its pressure is extrapolated from its neighbours.
+//! Pressures are forces per present area, including the circumference in axisymmetric models. The multipliers of a mortar method are nodal
+//! values of a linear field on the covered surface. At a partly covered node the field is extrapolated, and its value there can be many
+//! times the pressure; the uncovered part is therefore replaced by the mean of the field over the node's part of the contact, the ratio of
+//! the nodal force to that of a unit pressure. This mean is also a separate field. A node on the axis of revolution has no force: its
+//! pressure is extrapolated from its neighbors.
 //!
 //! Quantities of friction are in `contact_friction.rs`.
 

@@ -1,7 +1,6 @@
 //! Diagnosis of a failed step from the Newton iterations, the loads and the factors of the tangent.
 //!
-//! One idea: a cause is only named where numbers show it. Nothing here changes a step; a cause that is not recognised is called slow
-//! convergence.
+//! A cause is named only if numbers show it; otherwise the failure is called slow convergence. The diagnosis changes no step.
 
 use super::report::{CyclingNode, FailureCause, FailureReport, IterationReport, TryReport};
 use super::state::State;

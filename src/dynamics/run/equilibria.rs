@@ -1,8 +1,8 @@
-//! A step of statics: to the equilibrium at its end, with its row of the ledger.
+//! Static step to the equilibrium at its end, with its row of the ledger.
 //!
-//! Works are those of the trapezoidal rule: the mean of the forces at both ends times the displacement between them. They are exact where
-//! load and displacement are proportional; the error, the `energy_defect` of the row, decreases with the square of the step. For a jump to
-//! a distant equilibrium it is the energy that the jump releases.
+//! Works follow the trapezoidal rule: the mean of the forces at both ends times the displacement. This is exact for proportional load and
+//! displacement; the error, the `energy_defect` of the row, decreases with the square of the step. In a jump to a distant equilibrium it is
+//! the released energy.
 
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@
 //! v_h = v_0 - dt/2 m^-1 f_0 + dt m^-1 G_0^T (lambda - lambda_0),    q_1 = q_0 + dt v_h,    v_1 = v_h - dt/2 m^-1 f_1
 //! ```
 //!
-//! Static forces `f` include contact forces, `f_1` with the multipliers of this step: so velocities and forces belong to the positions, and
+//! Static forces `f` include contact forces, `f_1` with the multipliers of this step: velocities and forces belong to the positions, and
 //! the next step corrects the difference to its own multipliers.
 
 use std::sync::Arc;

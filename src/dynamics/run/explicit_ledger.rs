@@ -1,7 +1,7 @@
 //! The end of an explicit step: velocities, and its row of the ledger.
 //!
-//! Forces act at both ends of the step, half each: their moments are taken at their places, and their work is that of the trapezoidal rule.
-//! So linear and angular momentum close to round-off; the energy defect is that of the scheme.
+//! Half of the forces act at either end of the step: moments are evaluated there, and works follow the trapezoidal rule. The balances of
+//! linear and angular momentum close to round-off; the energy defect is that of the scheme.
 
 use std::sync::Arc;
 

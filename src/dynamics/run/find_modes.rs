@@ -1,7 +1,7 @@
 //! Natural vibrations about the present state: `K x = omega^2 M x` with `G x = 0` for ties and active constraints.
 //!
 //! The shift lies below all eigenvalues, so that Lanczos' method finds the lowest ones first. The number of eigenvalues below a value is
-//! the inertia of the matrix shifted to it (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980), so that none is missed.
+//! the number of negative eigenvalues of the shifted matrix (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980): none is missed.
 
 use super::balance::Balance;
 use super::engine::Engine;

@@ -1,9 +1,9 @@
-//! Equilibria along a load, by their load or by the length of the path.
+//! Equilibrium path under a load, controlled by load or by arc length.
 //!
-//! The load parameter is the time of all time functions: forces, pressures and prescribed motions depend on it. A point is predicted along
-//! the tangent and corrected by Newton's method in displacements and load, on a sphere around the point before (Crisfield, Computers &
-//! Structures 13, 1981: displacements alone measure the length). A step that fails is shortened; after fast convergence the next step is
-//! longer. The number of unstable directions is the inertia of the symmetric stiffness.
+//! The load parameter is the time in all time functions of forces, pressures and prescribed motions. A point is predicted along the tangent
+//! and corrected by Newton's method in displacements and load, on a sphere around the previous point (Crisfield, Computers & Structures 13,
+//! 1981: arc length of displacements only). A failed step is shortened; after fast convergence the next step is longer. The number of
+//! unstable directions is the inertia of the symmetric stiffness.
 
 use std::sync::Arc;
 

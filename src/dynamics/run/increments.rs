@@ -1,10 +1,10 @@
-//! `settle` at a later time: at once or, where that fails, in increments of the time, each from equilibrium to equilibrium.
+//! `settle` at a later time: in one increment or, if that fails, in several increments of time, from equilibrium to equilibrium.
 //!
-//! Loads, prescribed motions and obstacles follow their functions of time. An increment that fails is reduced, after an accepted one the
-//! next is longer; intermediate equilibria are found less exactly than the last one. Where even a small increment fails, a limit point may
-//! have been reached: then damped steps may find an equilibrium beyond it (a snap-through). Obstacles move by at most a facet per
-//! increment, since contact with a body that is jumped over would be missed. Boundaries rotate by at most an eighth of a turn, since a
-//! motion to the end at once takes the shorter direction.
+//! Loads, prescribed motions and obstacles follow their functions of time. Increments are reduced after a failure and enlarged after a
+//! success; intermediate equilibria are less accurate than the last one. If even a small increment fails, a limit point may have been
+//! reached: damped steps may then find an equilibrium beyond it (snap-through). Obstacles move by at most a facet per increment, or contact
+//! with a body could be missed. Boundaries rotate by at most an eighth of a turn, because larger rotations could take the shorter
+//! direction.
 
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
-//! Impacts between rigid bodies, and with rigid obstacles, at the end of a step (`step/impact_law.rs`): the outcome does not depend on
-//! where in the step the bodies touch.
+//! Impacts between rigid bodies, and with rigid obstacles, at the end of a step (`step/impact_law.rs`), independent of the time of the
+//! touch within the step.
 //!
-//! A step of `persistency` ends with the velocities before the impact. A step of `gap` or `velocity` has closed gaps by multipliers, whose
-//! impulses depend on the moment of the touch: they are taken out first, and contacts that were closed before get back what keeps them
-//! closed. What restitution gives back is measured by the energy that has disappeared till the end of compression, work of the closing
-//! in the step included: with a coefficient of 1 and without friction the energy is exact, whatever else acts in the step.
+//! A step of `persistency` ends with the velocities before the impact. A step of `gap` or `velocity` closes gaps by multipliers, whose
+//! impulses depend on the time of the touch: they are removed first, except impulses that keep earlier closed contacts closed. Restitution
+//! returns energy relative to the loss up to the end of compression, including the work of the closing: with a coefficient of 1 and without
+//! friction the energy is exact, whatever else acts in the step.
 
 use super::engine::Engine;
 use super::velocity_correction::VelocityCorrection;

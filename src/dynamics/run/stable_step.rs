@@ -1,9 +1,9 @@
-//! The longest explicit step that is stable: `omega dt <= 2` for the fastest vibration about the present state.
+//! Longest stable explicit step: `omega dt <= 2` for the fastest vibration about the present state.
 //!
 //! The step is found without a matrix, by Lanczos' method on `m^-1 K` (Parlett, The Symmetric Eigenvalue Problem, 1980), with `K x` from
 //! the change of the forces along `x`. Dampers, whose velocities lag by half a step, count as a stiffness: with `K + 2 C/dt` the condition
-//! is unchanged. A penalty counts as if all its constraints were active, by its largest stiffness over the masses of nodes on either side.
-//! The fastest cell by itself is a bound, and shows where a mesh limits the step.
+//! is unchanged. Penalties count as if active, by their largest stiffness relative to the nodal masses on either side. The fastest single
+//! cell gives a bound, and shows where the mesh limits the step.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, FastestCell, Space};

@@ -1,6 +1,6 @@
-//! The time loop: nominal steps, halving where Newton's method fails, the ledger of every accepted substep, and `settle`.
+//! Time loop: nominal steps, halving after failures of Newton's method, the ledger of every accepted substep, and `settle`.
 //!
-//! A step is a transaction: it takes the state and puts a new one in its place, or leaves it alone.
+//! A step is a transaction: it replaces the state by a new one, or leaves the state unchanged.
 
 use std::sync::Arc;
 

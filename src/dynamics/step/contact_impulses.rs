@@ -1,6 +1,6 @@
-//! Multipliers of a step without equations: forward increments (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Engng 32, 1991).
+//! Contact multipliers of explicit steps: forward increments (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Engng 32, 1991).
 //!
-//! Multipliers at the start of a step are those with which gaps at its end are not negative,
+//! Multipliers at the start of a step are determined so that gaps at its end are not negative,
 //!
 //! ```text
 //! Phi(q_1) >= target,    q_1 = q* + m^-1 G_0^T p,    p the change of the multipliers times dt^2, lambda >= 0

@@ -1,8 +1,8 @@
 //! Impact of rigid bodies: Poisson's restitution with Coulomb friction along the whole impact (Routh, *Dynamics of a System of Rigid
 //! Bodies*, 1905; Glocker and Pfeiffer, *Multiple impacts with friction in rigid multibody systems*, Nonlinear Dynamics 7, 1995).
 //!
-//! With the impulses `p` of all rows in contact and their rates `u = u_0 + W p`, `W = G M^-1 G^T`, positions do not change. An impact has
-//! two phases,
+//! Positions do not change. The impulses `p` of all constraints in contact change their rates, `u = u_0 + W p`, `W = G M^-1 G^T`, in two
+//! phases,
 //!
 //! ```text
 //! compression    u_n >= (1 - s) min(u_n0, 0),  dp_n >= 0, complementary,            s from 0 to 1
@@ -10,9 +10,9 @@
 //! friction       |dp_t| <= mu dp_n, against the slip u_t, in every part of a phase
 //! ```
 //!
-//! so that a slip may stop, stick and turn back within an impact. Parts are halved until no slip changes its direction in one, but for the
-//! shortest: in the plane the slip between two such changes is then exact. A part is solved by blocks of one contact each (Gauss and
-//! Seidel), which also finds a solution where contacts depend on one another.
+//! so that a slip may stop, stick and reverse within an impact. Parts are halved, down to the shortest, until no slip changes its direction
+//! within a part: in the plane, slip is then exact between these changes. A part is solved contact by contact (block Gauss-Seidel), which
+//! also finds a solution for linearly dependent contacts.
 
 use crate::math::tolerances;
 

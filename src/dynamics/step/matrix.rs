@@ -1,7 +1,7 @@
-//! The matrix of a step: its pattern, the factors, and the rows and columns that supports and idle constraints replace.
+//! Matrix of a step: pattern, factors, and the rows and columns replaced for supports and inactive constraints.
 //!
-//! Vertices are the nodes with `D` components each, then the multipliers with one. Every constraint row is always in the pattern; that of a
-//! node that is not active reads `lambda = right`, so that the active set never changes the pattern.
+//! Vertices are the nodes with `D` components each, then the multipliers with one. All constraints are in the pattern; the equation of an
+//! inactive one is `lambda = right`, so that the active set never changes the pattern.
 
 use super::constraint_rows::ConstraintRows;
 use crate::dynamics::model::part::Part;

@@ -1,8 +1,8 @@
-//! Initial iterate of Newton's method: every unsupported connected component moved by its rigid velocity alone.
+//! Initial iterate of Newton's method: every unsupported connected component moves by its rigid velocity only.
 //!
-//! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity that
-//! belongs to the piece's angular momentum. Elastic velocities are left out (they are noise when dt is many element periods), and a
-//! rotation proper does not inflate the body as `q_0 + dt v_0` does. Pieces with supports start where they are.
+//! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity of the
+//! component's angular momentum. Elastic velocities are omitted (noise if dt is many element periods), and a proper rotation does not
+//! inflate the body like `q_0 + dt v_0`. Components with supports start at their positions.
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,8 @@
-//! Constraints that follow from others and from supports: they would make the matrix singular, and take part in no step.
+//! Redundant constraints, which depend on others and on supports: they would make the matrix singular and are excluded from all steps.
 //!
-//! Rows of ties and joints are found by elimination at rest, the supported unknowns left out: where a tie ends on a support that holds both
-//! sides, or where two ties join the same surfaces. Rows of obstacles at a node that joints fix in all directions are redundant, too: the
-//! joint then bears the force of the obstacle.
+//! Redundant constraints of ties and joints are found by elimination at rest without the supported unknowns: where a tie ends on a support
+//! of both sides, or where two ties join equal surfaces. Constraints of obstacles at a node fixed by joints in all directions are
+//! redundant, too: the joint then carries the force of the obstacle.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! The equations of one model with matrix and solver: parts in one numbering, and contact pairs that are updated at the start of a step.
+//! Equations of one model with matrix and solver: force elements in one numbering, and contact pairs, updated at the start of a step.
 //!
 //! Unknowns: the displacement components of all nodes, then one multiplier per row of every contact pair. Newton's system of a step is
 //!

@@ -1,7 +1,7 @@
 //! Energy as a graph in which equal subexpressions share a node, with the value of every node at rest.
 //!
-//! Powers become `exp(p ln a)` and quotients products with `1/b`, so that the derivatives of all of them share their logarithms and
-//! reciprocals. A node stands behind all it is made of. Sums of constants, factors 0 and 1 and constant nodes are folded away.
+//! Powers are `exp(p ln a)` and quotients products with `1/b`, so that derivatives share logarithms and reciprocals. Nodes follow their
+//! operands. Sums of constants, factors 0 and 1 and constant nodes are simplified.
 
 use std::collections::HashMap;
 

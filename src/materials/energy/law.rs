@@ -1,7 +1,7 @@
 //! Energy given as text, as a law of the kernels: variables, tape, stress and tangent.
 //!
-//! Blocks of points go through three kernels in turn: strains to variables, the tape, variables back to stress and tangent. The remainder
-//! of the discrete gradient comes from the change of the energy over the step, which the tape gives with its own digits.
+//! Blocks of points pass through three kernels: strains to variables, the tape, variables to stress and tangent. The remainder of the
+//! discrete gradient follows from the energy change over the step, which the tape computes without cancellation.
 
 use std::cell::RefCell;
 use std::hint::black_box;

@@ -1,6 +1,6 @@
 //! Semantics of the names and functions of an energy's text: from the syntax tree to a graph of variables and numbers.
 //!
-//! Constants become numbers here. What has no value or no derivative at rest (`ln 0`, `1/0`, `sqrt 0`) is refused with its place.
+//! Constants are replaced by numbers. Terms without a value or derivative at rest (`ln 0`, `1/0`, `sqrt 0`) are refused with their place.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
-//! A function of one variable as text, with its first two derivatives: stored energy of a spring by its elongation, force of a damper.
+//! Function of one variable as text, with two derivatives: stored energy of a spring over elongation, force of a damper over speed.
 //!
-//! The text is that of an energy (`syntax.rs`); the one quantity is the variable, every other name a constant. Derivatives are carried
-//! along with the value (forward mode).
+//! The syntax is that of energies (`syntax.rs`), with the variable as the only quantity; all other names are constants. Derivatives are
+//! computed with the value (forward mode).
 
 use std::ops::Range;
 

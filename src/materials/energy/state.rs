@@ -1,9 +1,8 @@
-//! The variables of an energy at a strain, and their derivatives with respect to it, put together to stress and tangent.
+//! Variables of an energy at a strain and their derivatives, and the assembly of stress and tangent from these.
 //!
-//! With `W_k` the derivative of the energy with respect to variable `z_k`: `S = sum W_k z_k'` and
-//! `dS/dE = sum W_kl z_k' z_l' + sum W_k z_k''`. Derivatives of variables are split, too, into their value at rest and a variation from it:
-//! what the `W_k` at rest make of the former is the stress at rest, which is known to be zero and left out, so that small stresses keep
-//! their digits.
+//! With the derivative `W_k` of the energy by the variable `z_k`: `S = sum W_k z_k'`, `dS/dE = sum W_kl z_k' z_l' + sum W_k z_k''`.
+//! Derivatives of variables are split into their value at rest and a variation: the contribution of values at rest with `W_k` at rest is
+//! the stress at rest, known to be zero and omitted, so that small stresses are accurate.
 
 use super::spectrum::{Principal, Spectrum};
 use super::tape::Block;

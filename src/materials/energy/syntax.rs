@@ -1,7 +1,7 @@
 //! Text of an energy as a tree: sums, products, powers, names and calls, each with its byte range.
 //!
-//! Precedence climbing (Richards 1979): `+ -` below `* /` below the sign below `^`, which binds to the right: `-x^2` is `-(x^2)`,
-//! `a^b^c` is `a^(b^c)`. `**` is read as `^`. What names and functions mean is not known here.
+//! Precedence climbing (Richards 1979): `+ -` below `* /` below the sign below `^`, which is right-associative: `-x^2` is `-(x^2)`, `a^b^c`
+//! is `a^(b^c)`. `**` equals `^`. Names and functions are interpreted in `meaning.rs`.
 
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
 //! Graph nodes as a linear list of operations on lanes, in a form that is accurate for small changes.
 //!
-//! Every node is a known value `c` and a deviation `d` from it, and only deviations are computed: products as
-//! `(c1 + d1) d2 + c2 d1`, reciprocals as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as
-//! `d/(sqrt(c + d) + sqrt c)`. With `c` the value at rest that keeps small strains, with `c` the value at the start of a step it keeps
-//! small steps: the same operations, another [`Base`]. Operations work on `N` times eight lanes, so that choosing one costs little.
+//! Every node is a known value `c` plus a deviation `d`, and only deviations are computed: products as `(c1 + d1) d2 + c2 d1`, reciprocals
+//! as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as `d/(sqrt(c + d) + sqrt c)`. With the value at
+//! rest as `c`, small strains are accurate; with the value at the start of a step, small steps: both use the same operations with another
+//! [`Base`]. Operations process `N` times eight lanes, which amortizes their selection.
 
 use std::hint::black_box;
 

@@ -1,7 +1,7 @@
-//! Plastic flow of a quadrature point in a step: elastic share, flow direction, plastic multiplier, and their derivatives.
+//! Plastic flow of a quadrature point in a step: elastic fraction, flow direction, plastic multiplier, and their derivatives.
 //!
-//! The way is straight in the logarithmic strain. Up to a share `s` it is elastic, `s` being the larger root of
-//! `|xi_0 + s d| = sqrt(2/3) k(alpha_0)` with `d = 2 mu dev(eps_1 - eps_0)`. On the rest the point flows by `dep = g N` with
+//! The path is straight in the logarithmic strain. The fraction `s` of the step is elastic, the larger root of
+//! `|xi_0 + s d| = sqrt(2/3) k(alpha_0)` with `d = 2 mu dev(eps_1 - eps_0)`. In the rest the point flows by `dep = g N` with
 //!
 //! ```text
 //! N    along (1 - theta) xi_s + theta xi_1,   theta = 1/(1 - exp(-x)) - 1/x,   x = |2 mu dev(eps_1 - eps_s)|/(sqrt(2/3) k(alpha_0))
@@ -9,8 +9,8 @@
 //! a_1  = ((1 - (1 - t) b' g) a_0 + g N)/(1 + t b' g),   b' = sqrt(2/3) b      of each back strain, t = 1/2
 //! ```
 //!
-//! `theta` is that of the exact solution for a yield stress that stays: 1/2 for small steps, which makes these of second order, and 1 for
-//! large ones, in which the direction then does not swing. The radial return is `s = 0`, `theta = t = 1`.
+//! `theta` is that of the exact solution for a constant yield stress: 1/2 for small steps, which are then second order accurate, and 1 for
+//! large ones, which avoids oscillations of the direction. Radial return is `s = 0`, `theta = t = 1`.
 
 use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
 use super::logarithm::{applied, applied_back, dot, plus, times};

@@ -1,9 +1,9 @@
-//! The discrete derivative of the tensor logarithm.
+//! Discrete derivative of the tensor logarithm.
 //!
 //! For `C_1 = sum c_1i n_1i n_1i` and `C_0` likewise, `ln C_1 - ln C_0 = sum_ij ln[c_1i, c_0j] P_1i (C_1 - C_0) P_0j` with the divided
 //! difference `ln[a, b] = (ln a - ln b)/(a - b)` (Daletskii and Krein, Voronezh. Gos. Univ. Trudy Sem. Funkcional. Anal. 1, 1956). Its
-//! adjoint `A : T = sym sum_ij ln[c_1i, c_0j] P_1i T P_0j` makes of a stress `T` on the logarithmic strain one on `C`. All here is in
-//! components along the principal directions of `C_1`; `R_ij = n_1i . n_0j` is what these and those of `C_0` have to do with each other.
+//! adjoint `A : T = sym sum_ij ln[c_1i, c_0j] P_1i T P_0j` maps a stress `T` on the logarithmic strain to one on `C`. Components refer to
+//! the principal directions of `C_1`; `R_ij = n_1i . n_0j` relates these to the principal directions of `C_0`.
 
 use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
