@@ -83,7 +83,7 @@ pub struct PointStress<'a> {
     pub cell_volume: f64,
     /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`.
     pub stress: [f64; 6],
-    /// Green-Lagrange strain, likewise.
+    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz.
     pub strain: [f64; 6],
     /// Plastic strain, heat and back stress; `None` for laws without history variables.
     pub kept: Option<PointHistory>,

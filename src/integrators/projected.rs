@@ -37,13 +37,13 @@ pub struct Projection<const D: usize> {
 /// Function of the contact element at the configurations of the step, as needed for the tangent.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchFunction<'a> {
-    /// `grad f(q_mid)`.
+    /// Gradient at mid-step, `grad f(q_mid)`.
     pub gradient_mid: &'a [f64],
-    /// `grad f(q_1)`.
+    /// Gradient at the end, `grad f(q_1)`.
     pub gradient_end: &'a [f64],
     /// Hessian at `q_mid`, row by row.
     pub hessian_mid: &'a [f64],
-    /// `f(q_1) - f(q_0)`.
+    /// Change `f(q_1) - f(q_0)` of the function in the step.
     pub change: f64,
 }
 

@@ -100,7 +100,7 @@ impl Lag {
 /// Sequence of a step.
 #[derive(Clone, Copy, Debug)]
 pub enum StepKind {
-    /// One system of equations with the coefficients of the row.
+    /// One system of equations with the coefficients of the scheme.
     Whole,
     /// One system of equations with coefficients that depend on the ratio of the previous to the present time step size, 0 without a
     /// previous step. The row itself holds the coefficients of equal steps.

@@ -15,7 +15,7 @@ use super::scheme::{LeadingError, Promises, Scheme, StepKind};
 /// Cube root of 2.
 const CUBE_ROOT_OF_TWO: f64 = 1.259_921_049_894_873_2;
 
-/// `c`.
+/// First and last step as fractions `c` of the whole step.
 const OUTER: f64 = 1.0 / (2.0 - CUBE_ROOT_OF_TWO);
 
 static STAGES: [(f64, Scheme); 3] = [(OUTER, STAGE), (1.0 - 2.0 * OUTER, STAGE), (OUTER, STAGE)];

@@ -88,7 +88,7 @@ pub struct Factorization {
 }
 
 impl Factorization {
-    /// For matrices of a pattern.
+    /// Factorization for matrices of a pattern.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].

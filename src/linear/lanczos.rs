@@ -17,7 +17,7 @@ pub trait Operator {
     /// Error of a solve.
     type Error;
 
-    /// `(K - sigma M)^-1 image`.
+    /// Solves with the shifted matrix: `(K - sigma M)^-1 image`.
     ///
     /// # Errors
     /// The linear solver's.

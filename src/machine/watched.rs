@@ -1,4 +1,4 @@
-//! Work that cannot be stopped, and need not be waited for.
+//! Runs work that cannot be stopped on a separate thread, so that an interrupt need not wait for it.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;

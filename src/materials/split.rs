@@ -28,6 +28,6 @@ pub struct Split {
     pub axisymmetric: Arc<dyn BatchedLaw<4>>,
     /// `W_d` in space.
     pub space: Arc<dyn BatchedLaw<6>>,
-    /// `U`.
+    /// Volumetric part `U` of the energy.
     pub volumetric: Arc<dyn VolumetricLaw>,
 }

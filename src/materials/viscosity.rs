@@ -24,7 +24,7 @@ pub struct Branch {
 /// Viscosity of a material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Viscosity {
-    /// `eta` `[stress * time]`.
+    /// Shear viscosity `eta` `[stress * time]`.
     pub shear: f64,
     /// Volumetric viscosity `zeta`, additional resistance to volume changes `[stress * time]`.
     pub bulk: f64,

@@ -35,7 +35,7 @@ use crate::elements::face_points;
 use crate::math::tolerances;
 use crate::mesh::{flat_pieces, pieces_of};
 
-/// Fractions of the edges' offsets by which corners of triangles and of quadrilaterals are raised.
+/// Factors `k` of the edges' offsets in the shift of corners, for triangles and for quadrilaterals.
 const OF_TRIANGLES: f64 = 1.0 / 4.0;
 const OF_QUADRILATERALS: f64 = 1.0 / 3.0;
 
@@ -159,7 +159,7 @@ struct Edge {
     /// Shift of the mid-side node along the chord from the chord's middle in the reference positions, in chord lengths.
     shift: f64,
     is_curved: bool,
-    /// Factor `k` by which the offset raises corners.
+    /// Factor `k` of the offset in the shift of the corners.
     by: f64,
     /// Factor `r` of the edge's offset `d` in its points.
     raised: f64,

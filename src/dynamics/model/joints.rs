@@ -30,7 +30,7 @@ pub enum JointKind {
     Link,
     /// Distance of both points up to this value `[length]`: a cable, slack or taut.
     Cable(f64),
-    /// Constant sum of the coordinates of two earlier joints, angles or travels: `s_1 + ratio s_2`. The ends are those of the first joint.
+    /// Constant sum `s_1 + ratio s_2` of the coordinates (angle or displacement) of two earlier joints. The ends are those of the first.
     Gear(Gear),
 }
 
@@ -176,7 +176,7 @@ impl JointDefinition {
         self.ends.iter().any(|end| end.body.is_none())
     }
 
-    /// From the first point to the second at rest `[length]`.
+    /// Vector from the first point to the second in the undeformed model `[length]`.
     pub fn distance(&self) -> [f64; 3] {
         std::array::from_fn(|i| self.ends[1].point[i] - self.ends[0].point[i])
     }

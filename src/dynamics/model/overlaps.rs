@@ -34,7 +34,7 @@ pub enum OverlapKind {
     Bodies([String; 2]),
     /// Boundary and rigid obstacle.
     Obstacle {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
         /// True if the whole body lies behind the obstacle and faces away from it: the obstacle has the wrong orientation.
         whole: bool,

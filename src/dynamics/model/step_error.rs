@@ -62,7 +62,7 @@ pub enum StepError {
         time: f64,
         /// Number of the failed step.
         step: usize,
-        /// Step size of the last try.
+        /// Step size of the last attempt.
         dt: f64,
         /// Number of halvings.
         halvings: usize,

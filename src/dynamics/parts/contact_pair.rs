@@ -284,7 +284,7 @@ impl ContactPair {
         Ok(())
     }
 
-    /// True if a moving rigid obstacle carries sticking nodes along.
+    /// True if a moving rigid obstacle moves sticking nodes with it.
     pub fn carries(&self) -> bool {
         self.friction.is_some() && (self.motion.iter().any(Option::is_some) || self.turn.is_some())
     }

@@ -26,11 +26,11 @@ pub struct Evidence<'a, const D: usize> {
     pub model: &'a Model,
     pub system: &'a System<D>,
     pub state: &'a State,
-    /// Newton iterations of the last try.
+    /// Newton iterations of the last attempt.
     pub trace: &'a Trace,
     /// All attempts at the step, including the last one.
     pub tries: &'a [TryReport],
-    /// Time step size of the last try; 0 in `settle`.
+    /// Time step size of the last attempt; 0 in `settle`.
     pub dt: f64,
     pub halvings: usize,
 }

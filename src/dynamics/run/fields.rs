@@ -28,7 +28,7 @@ pub struct BodyFields {
     pub flows: bool,
     /// Equivalent plastic strain, recovered at nodes like the stress and never negative; 0 for materials without plasticity.
     pub plastic_strain: Vec<f64>,
-    /// Von Mises' norm of the back stress, likewise `[stress]`.
+    /// Von Mises' norm of the back stress, recovered at nodes like the stress `[stress]`.
     pub back_stress: Vec<f64>,
     /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
     pub contact_pressure: Vec<f64>,

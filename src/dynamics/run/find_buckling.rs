@@ -26,7 +26,7 @@ const LOOK_AFTER: usize = 4;
 /// Largest number of repeated searches for missing factors.
 const MOST_RECOUNTS: usize = 8;
 
-/// `K_0^-1 (K_0 - K_1)`.
+/// Operator `K_0^-1 (K_0 - K_1)` of the eigenvalue problem.
 struct Softening<'a, 'b, const D: usize> {
     vibrations: &'a mut Vibrations<'b, D>,
     stiffness: Vec<f64>,

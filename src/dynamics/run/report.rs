@@ -25,7 +25,7 @@ pub enum FailureCause {
         body: String,
         /// Number of the node in the body's mesh.
         node: usize,
-        /// Displacement of the node by the load alone in the last try, in cells.
+        /// Displacement of the node by the load alone in the last attempt, in cells.
         cells: f64,
         /// Resulting failure.
         outcome: Box<FailureCause>,
@@ -147,13 +147,13 @@ pub struct FailureReport {
     pub time: f64,
     /// Number of the step.
     pub step: usize,
-    /// Size of the last try `[time]`; 0 in `settle`.
+    /// Size of the last attempt `[time]`; 0 in `settle`.
     pub dt: f64,
     /// Number of halvings.
     pub halvings: usize,
     /// Cause of the failure.
     pub cause: FailureCause,
-    /// Iterations of the last try.
+    /// Iterations of the last attempt.
     pub iterations: Vec<IterationReport>,
     /// Body without support whose loads are unbalanced, so that only contact can hold it; set in `settle`.
     pub unheld: Option<String>,
@@ -284,7 +284,7 @@ impl IterationReport {
 /// Largest number of nodes named in an explanation.
 const NAMED: usize = 4;
 
-/// `nodes 3, 4 and 7 of body "block"`.
+/// Lists the nodes in words, such as `nodes 3, 4 and 7 of body "block"`.
 fn named(cycling: &[CyclingNode]) -> String {
     let numbers: Vec<String> = cycling.iter().take(NAMED).map(|node| node.node.to_string()).collect();
     let (body, plural) = (cycling.first().map_or("", |node| &node.body), if cycling.len() == 1 { "" } else { "s" });

@@ -97,7 +97,7 @@ where
 /// Mass matrix of the given nodes and of other force elements: consistent in a pattern or, without cells, lumped at nodes.
 ///
 /// # Errors
-/// A node that gets none of a cell.
+/// Row sums of a body's mass that are not positive at all its nodes.
 pub(super) fn mass_of<const D: usize>(
     bodies: &[Body<D>],
     lumping: Option<Lumping>,

@@ -298,7 +298,7 @@ impl Translation<'_> {
         Err(error.hint("keep it above zero, as in `sqrt(1 + x)`: the root of zero has no slope"))
     }
 
-    /// `exp(a)/2 + sign exp(-a)`.
+    /// Hyperbolic cosine (`sign` 1/2) or sine (-1/2): `exp(a)/2 + sign exp(-a)`.
     fn hyperbolic(&mut self, a: Id, sign: f64) -> Id {
         let negative = self.graph.scaled(-1.0, a);
         let (up, down) = (self.graph.exponential(a), self.graph.exponential(negative));
@@ -306,7 +306,7 @@ impl Translation<'_> {
         self.graph.sum(up, down)
     }
 
-    /// `1 - 2/(exp(2a) + 1)`.
+    /// Hyperbolic tangent, `1 - 2/(exp(2a) + 1)`.
     fn tangent(&mut self, a: Id) -> Id {
         let (double, one) = (self.graph.scaled(2.0, a), self.graph.constant(1.0));
         let exponential = self.graph.exponential(double);

@@ -38,9 +38,9 @@ pub(super) struct Variables<const S: usize> {
 #[derive(Clone, Copy)]
 pub(super) struct State<const FMA: bool, const S: usize> {
     pub(super) strain: Mandel<Lanes<FMA>, S>,
-    /// `J - 1`.
+    /// Change `J - 1` of the volume ratio.
     change: Lanes<FMA>,
-    /// `1/J`.
+    /// Inverse `1/J` of the volume ratio.
     inverse: Lanes<FMA>,
 }
 
@@ -109,7 +109,7 @@ impl<const S: usize> Variables<S> {
         State { strain: Mandel(relabel(strain)), change, inverse }
     }
 
-    /// Writes the deviations of all variables from rest, followed by that of `1/J`.
+    /// Writes the differences of all variables from their values at zero strain, followed by that of `1/J`.
     #[inline(always)]
     pub(super) fn deviations_into<const FMA: bool, const N: usize>(
         &self,
@@ -148,7 +148,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// Deviation of a variable from rest.
+    /// Difference of a variable from its value at zero strain.
     #[inline(always)]
     fn deviation<const FMA: bool>(&self, k: usize, state: &State<FMA, S>, spectrum: Option<&Spectrum<FMA>>) -> Lanes<FMA>
     where

@@ -11,7 +11,7 @@ use super::graph::{Graph, Id, Node};
 use super::variable::Variable;
 use crate::math::lanes::{Lanes, Real, WIDTH};
 
-/// Writes a value for each of the points.
+/// Computes a value at each point.
 macro_rules! each {
     ($points:ident, $result:ident, $n:ident, $value:expr) => {
         for $n in 0..$points {
@@ -21,7 +21,7 @@ macro_rules! each {
     };
 }
 
-/// A place for a result.
+/// Index of a result among all results.
 type Register = usize;
 
 /// Eight lanes of `N` points.
@@ -257,7 +257,7 @@ impl Tape {
         self.inputs + self.operations.len()
     }
 
-    /// Computes the deviations from rest of all registers up to a stage; the first registers already contain those of the variables.
+    /// Computes the differences of all registers up to a stage from their values at zero strain; those of the variables are given.
     #[inline(always)]
     pub(super) fn deviations<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>]) {
         self.run::<FMA, N>(stage, registers, &AtRest);

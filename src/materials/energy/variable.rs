@@ -18,11 +18,11 @@ impl Bits {
 /// Variable of an energy: zero at rest up to a constant, with hand-written derivatives with respect to the strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Variable {
-    /// `tr C`.
+    /// First invariant `tr C`.
     I1,
-    /// `((tr C)^2 - tr C^2)/2`.
+    /// Second invariant `((tr C)^2 - tr C^2)/2`.
     I2,
-    /// `det F`.
+    /// Volume ratio `det F`.
     J,
     /// `a.C.a` along the unit vector `a` of a fiber in the undeformed state.
     Fiber(usize),
@@ -30,7 +30,7 @@ pub(super) enum Variable {
     Strain(usize),
     /// `l1^a + l2^a + l3^a` of the principal stretches.
     StretchPower(Bits),
-    /// `(ln l1)^2 + (ln l2)^2 + (ln l3)^2`.
+    /// Squared norm of the logarithmic strain, `(ln l1)^2 + (ln l2)^2 + (ln l3)^2`.
     LogStrainSquared,
 }
 

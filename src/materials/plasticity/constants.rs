@@ -108,7 +108,7 @@ pub struct BackStress {
 }
 
 impl BackStress {
-    /// `X = factor a`.
+    /// Factor of the back stress over the back strain, `X = factor a`.
     pub(super) fn factor(&self) -> f64 {
         2.0 / 3.0 * self.modulus
     }
@@ -127,7 +127,7 @@ pub enum RateDependence {
     },
     /// `k (1 + factor ln(d alpha/dt / reference_rate))` above the reference rate (Johnson and Cook 1983, without heat).
     JohnsonCook {
-        /// `C`.
+        /// Rate sensitivity `C`.
         factor: f64,
         /// `[1/time]`.
         reference_rate: f64,

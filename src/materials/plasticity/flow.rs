@@ -53,7 +53,7 @@ pub(super) struct Flow<const FMA: bool, const S: usize> {
     pub(super) share: Lanes<FMA>,
     /// Plastic multiplier `g`, 0 in elastic lanes.
     pub(super) multiplier: Lanes<FMA>,
-    /// `dep`.
+    /// Plastic strain increment `dep`.
     pub(super) strain: [Lanes<FMA>; S],
     /// Back strains at the end.
     pub(super) back: [[Lanes<FMA>; S]; MOST_BACK_STRESSES],
@@ -332,7 +332,7 @@ struct Turned<'a, const FMA: bool, const S: usize> {
     normal: &'a [Lanes<FMA>; S],
     /// Derivative of `v` with respect to `theta`, without its component along `N`, over `|v|`.
     weighed: [Lanes<FMA>; S],
-    /// `2 mu/|v|`.
+    /// Twice the shear modulus over `|v|`: `2 mu/|v|`.
     inverse: Lanes<FMA>,
 }
 

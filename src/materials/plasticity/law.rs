@@ -29,7 +29,7 @@ struct Step<const FMA: bool, const S: usize> {
     kept: Kept<FMA, S>,
     /// Stretches at start and end.
     ends: [Stretches<FMA>; 2],
-    /// `R_ij = n_1i . n_0j`.
+    /// Rotation between principal directions, `R_ij = n_1i . n_0j`, `n_1` at the end, `n_0` at the start.
     turn: Matrix<FMA>,
     /// Logarithmic strains.
     strains: [[Lanes<FMA>; S]; 2],

@@ -25,7 +25,7 @@ const TESTS: [(&str, &str, Piece); 3] = [
 /// Points of a curve.
 const POINTS: usize = 100;
 
-/// `fit`.
+/// Function `fit` of scripts.
 pub fn function() -> Function {
     let test = |name, summary| {
         Parameter::new(name, Kind::Either("a file's path or an array of pairs `[stretch, stress]`"), summary).or(Absent::Means("none"))

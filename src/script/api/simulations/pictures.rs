@@ -95,7 +95,7 @@ pub(super) fn keys() -> Vec<Parameter> {
     ]
 }
 
-/// `sim.picture`.
+/// Function `sim.picture` of scripts.
 pub(super) fn picture_function() -> Function {
     Function {
         name: "picture",

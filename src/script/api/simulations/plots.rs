@@ -47,7 +47,7 @@ fn plot_options() -> Vec<Parameter> {
     ]
 }
 
-/// `sim.plot`.
+/// Function `sim.plot` of scripts.
 pub(super) fn plot() -> Function {
     let mut keys = vec![
         optional("x", Kind::Text, "the column to the right", "\"time\""),
@@ -110,7 +110,7 @@ pub(super) fn plot() -> Function {
     }
 }
 
-/// `plot_curves`.
+/// Function `plot_curves` of scripts.
 pub(super) fn plot_curves() -> Function {
     Function {
         name: "plot_curves",

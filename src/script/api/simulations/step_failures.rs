@@ -9,7 +9,7 @@ use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::{Class, Failure, interrupted};
 use crate::script::language::function::Call;
 
-/// `by 0.02, 0.21 facets, at [1.0, 2.0]`.
+/// Describes an overlap, such as `by 0.02, 0.21 facets, at [1.0, 2.0]`.
 pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
     format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(at))
 }

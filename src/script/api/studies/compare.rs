@@ -23,7 +23,7 @@ const CURVE: &str = "an array of pairs `[x, y]`, a map of arrays `#{ x, y }`, or
 /// Keys of a curve.
 const KEYS: [&str; 3] = ["of", "x", "y"];
 
-/// `compare`.
+/// Function `compare` of scripts.
 pub fn compare() -> Function {
     let end = |name, summary| Parameter::number(name, "any", Interval::Finite, summary).or(Absent::Means("where both are known"));
     Function {

@@ -33,7 +33,7 @@ const FINER: f64 = 8.0;
 /// Colors of the curves in a plot.
 const COLORS: usize = 7;
 
-/// `compare_integrators`.
+/// Function `compare_integrators` of scripts.
 pub fn compare_integrators() -> Function {
     Function {
         name: "compare_integrators",

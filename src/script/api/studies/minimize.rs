@@ -27,7 +27,7 @@ use crate::script::language::worker_pool::{Computed, Outcome};
 /// Default of the largest number of evaluations per variable.
 const EVALUATIONS: usize = 100;
 
-/// `minimize`.
+/// Function `minimize` of scripts.
 pub fn minimize() -> Function {
     Function {
         name: "minimize",

@@ -23,7 +23,7 @@ use crate::script::language::worker_pool::{Computed, Outcome};
 /// Threads of a study at most.
 const MOST_THREADS: f64 = 1024.0;
 
-/// `sweep`.
+/// Function `sweep` of scripts.
 pub fn sweep() -> Function {
     Function {
         name: "sweep",
