@@ -48,9 +48,9 @@ pub(super) struct Batch<const D: usize, const A: usize> {
     pub(super) nodes: [[u32; WIDTH]; A],
     /// Number of cells.
     pub(super) count: usize,
-    /// Vectors from the last node to each node, at rest.
+    /// Vectors from the last node to each node in the reference positions.
     pub(super) edges: [[Lanes<false>; D]; A],
-    /// First coordinate of the last node at rest, its radius in a body of revolution.
+    /// First coordinate of the last node in the reference positions, its radius in a body of revolution.
     pub(super) last: Lanes<false>,
     /// Ratio of stress-free to initial length at each point; empty if initial lengths are stress-free.
     pub(super) growth: Vec<Lanes<false>>,
@@ -112,7 +112,7 @@ pub(super) struct Point<const FMA: bool, const D: usize, const A: usize> {
     pub(super) volume: Lanes<FMA>,
     /// Initial volume of the point, which carries the mass.
     pub(super) weighed: Lanes<FMA>,
-    /// Stretch at rest relative to the stress-free state, less 1.
+    /// Initial stretch relative to the stress-free state, less 1.
     pub(super) slack: Lanes<FMA>,
     /// Inverse distance of the point from the axis of a body of revolution `[1/length]`.
     pub(super) curvature: Lanes<FMA>,
@@ -249,7 +249,7 @@ pub(super) fn determinant_and_cofactor<const FMA: bool, const D: usize>(m: &[[La
     (determinant, cofactor)
 }
 
-/// `F = I + H`.
+/// Deformation gradient `F = I + H`.
 #[inline(always)]
 pub(super) fn deformation_gradient<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D]; D]) -> [[Lanes<FMA>; D]; D] {
     let mut f = *h;
@@ -259,7 +259,7 @@ pub(super) fn deformation_gradient<const FMA: bool, const D: usize>(h: &[[Lanes<
     f
 }
 
-/// `(H_0 + H_1) / 2`.
+/// Mean displacement gradient `(H_0 + H_1) / 2`.
 #[inline(always)]
 pub(super) fn mean<const FMA: bool, const D: usize>(h_0: &[[Lanes<FMA>; D]; D], h_1: &[[Lanes<FMA>; D]; D]) -> [[Lanes<FMA>; D]; D] {
     let mut mean = *h_1;

@@ -104,7 +104,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         batch.kept_mass(a, b).map_or_else(|| summed(&self.table, volumes, lane, [a, b]), |product| product.0[lane])
     }
 
-    /// Volumes, displacement gradients and strains of a batch at its points; without displacements those at rest.
+    /// Volumes, displacement gradients and strains of a batch at its points; without displacements those of the undeformed cells.
     pub(super) fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
         dispatch(Deform { cells: self, batch, u })
     }
@@ -242,7 +242,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 /// Deformation of a batch at its points.
 pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     pub(super) volumes: [Lanes<false>; Q],
-    /// Volumes at rest, which have the mass.
+    /// Undeformed volumes, which carry the mass.
     pub(super) weighed: [Lanes<false>; Q],
     pub(super) gradient: [[[Lanes<false>; D]; D]; Q],
     pub(super) strain: [Components<S>; Q],

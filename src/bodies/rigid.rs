@@ -33,7 +33,7 @@ use crate::mesh::Mesh;
 pub struct Inertia {
     /// Mass, per thickness in the plane `[mass]`.
     pub mass: f64,
-    /// Center of mass at rest `[length]`.
+    /// Center of mass in the reference positions `[length]`.
     pub center: [f64; 3],
     /// Euler tensor `E = int rho (X - X_c) (X - X_c)^T dV` `[mass * length^2]`; in the plane its first two rows and columns. The tensor of
     /// inertia is `tr(E) I - E`.
@@ -114,7 +114,7 @@ pub struct Frame {
     pub masters: Vec<u32>,
     /// Gradients of the barycentric coordinates of the masters `[1/length]`.
     gradients: Vec<Vector3<f64>>,
-    /// Position of the first master at rest `[length]`.
+    /// Reference position of the first master `[length]`.
     origin: Vector3<f64>,
 }
 
@@ -153,14 +153,14 @@ impl Frame {
         Some(Frame { masters: masters.into_iter().map(|node| node as u32).collect(), gradients, origin })
     }
 
-    /// Barycentric coordinates `a_i` of a point of the body, given its position at rest; they sum to one.
+    /// Barycentric coordinates `a_i` of a point of the body, given its reference position; they sum to one.
     pub fn shares(&self, point: [f64; 3]) -> Vec<f64> {
         let arm = Vector3::from(point) - self.origin;
         let share = |(k, gradient): (usize, &Vector3<f64>)| gradient.dot(&arm) + if k == 0 { 1.0 } else { 0.0 };
         self.gradients.iter().enumerate().map(share).collect()
     }
 
-    /// Factors of the masters in a vector fixed to the body, given its components at rest: `grad a_i . v`; the factors sum to zero.
+    /// Factors of the masters in a vector fixed to the body, given its initial components: `grad a_i . v`; the factors sum to zero.
     pub fn direction(&self, vector: [f64; 3]) -> Vec<f64> {
         self.gradients.iter().map(|gradient| gradient.dot(&Vector3::from(vector))).collect()
     }

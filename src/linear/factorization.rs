@@ -79,7 +79,7 @@ pub struct Factorization {
     fallback: Option<Box<PartialPivoting>>,
     /// True if the fallback has factorized the last matrix and must solve.
     fallen_back: bool,
-    /// Per vertex and per unknown.
+    /// Scales of the vertices, and of the unknowns.
     vertex_scale: Vec<f64>,
     scale: Vec<f64>,
     solution: Vec<f64>,

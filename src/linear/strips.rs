@@ -68,7 +68,7 @@ pub(super) fn substitute_four<'r, S: Simd>(
     std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]))
 }
 
-/// Copies a strip of rows from its block and solves it in place of the copy ([`solve_strip`]).
+/// Copies a strip of rows from its block and solves the copy in place ([`solve_strip`]).
 pub(super) struct SolveStrip<'a, const UNIT: bool> {
     pub(super) source: &'a [f64],
     pub(super) stride: usize,

@@ -42,7 +42,7 @@ pub struct IncrementResponse<const S: usize> {
     pub mean: Response<S>,
     /// Stress at the end.
     pub stress_end: Components<S>,
-    /// [`super::Law::remainder`].
+    /// Remainder of the discrete gradient, see [`super::Law::remainder`].
     pub remainder: Lanes<false>,
 }
 

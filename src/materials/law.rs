@@ -57,6 +57,6 @@ pub struct Increment<T: Tensor> {
     pub tangent: T::Tangent,
     /// Stress at the end `[stress]`.
     pub stress_end: T,
-    /// [`Law::remainder`].
+    /// Remainder of the discrete gradient, see [`Law::remainder`].
     pub remainder: T::Scalar,
 }

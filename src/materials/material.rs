@@ -382,7 +382,7 @@ fn moduli_at_rest(law: &dyn BatchedLaw<6>) -> [f64; 2] {
     [bulk, shear].map(|modulus| if modulus.abs() <= nothing { 0.0 } else { modulus })
 }
 
-/// Young's modulus of the isotropic law with the moduli of `law` at rest.
+/// Young's modulus of the isotropic law with the moduli of `law` at zero strain.
 fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
     let [bulk, shear] = moduli_at_rest(law);
     if bulk == 0.0 {

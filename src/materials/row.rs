@@ -126,7 +126,7 @@ pub(super) const DENSITY: Parameter = Parameter {
 };
 
 /// Energy of the change of volume `K/4 (J^2 - 1 - 2 ln J)` (Simo and Taylor, Computer Methods in Applied Mechanics and Engineering 33,
-/// 1982): infinite for `J -> 0` and `J -> infinity`, without a pressure at rest.
+/// 1982): infinite for `J -> 0` and `J -> infinity`, without a pressure at `J = 1`.
 pub(super) const VOLUMETRIC: &str = "bulk_modulus/4*(J^2 - 1 - 2*ln(J))";
 
 /// Parameter of a law that is a modulus.

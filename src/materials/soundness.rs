@@ -1,4 +1,4 @@
-//! Weaknesses of a law: stress or energy at rest, nonpositive stiffness, loss of ellipticity.
+//! Weaknesses of a law: stress or energy at zero strain, nonpositive stiffness, loss of ellipticity.
 //!
 //! Ellipticity requires a positive definite acoustic tensor `Q_ik = A_iJkL N_J N_L`, `A = dP/dF`, for every direction `N` (Marsden and
 //! Hughes, Mathematical Foundations of Elasticity, 1983, section 6.1). Without it deformation localizes in bands of mesh width. It is
@@ -16,11 +16,11 @@ use crate::math::tolerances::RESIDUAL_STRESS;
 /// Weakness of a law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Weakness {
-    /// Stress at rest, its largest component `[stress]`.
+    /// Largest component of the stress at zero strain `[stress]`.
     StressAtRest(f64),
-    /// Nonzero energy at rest `[energy/volume]`; it affects no result.
+    /// Nonzero energy at zero strain `[energy/volume]`; it affects no result.
     EnergyAtRest(f64),
-    /// Least stiffness at rest `[stress]`, an eigenvalue of the tangent, not positive.
+    /// Least stiffness at zero strain `[stress]`, an eigenvalue of the tangent, not positive.
     StiffnessAtRest(f64),
     /// The equations lose ellipticity.
     Ellipticity {
@@ -68,7 +68,7 @@ impl Material {
         found
     }
 
-    /// Returns the weaknesses of the law at rest.
+    /// Returns the weaknesses of the law at zero strain.
     pub fn weaknesses_at_rest(&self) -> Vec<Weakness> {
         let mut found = Vec::new();
         let (stress, tangent) = response(&*self.space(), &[0.0; 6]);

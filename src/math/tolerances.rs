@@ -420,7 +420,7 @@ pub const NEGLIGIBLE_ENTRY: f64 = 1e-14;
 /// two cells at a corner.
 pub const RECOVERY_AMPLIFICATION: f64 = 2.5;
 
-/// Stress of an energy at rest, relative to its cancelling terms, that is round-off of the constants.
+/// Stress of an energy at zero strain, relative to its cancelling terms, that is round-off of the constants.
 pub const RESIDUAL_STRESS: f64 = 1e-14;
 
 /// Stress on the free faces of a test piece, relative to its stiffness, that counts as zero: round-off of nearly incompressible laws.

@@ -17,7 +17,7 @@ const PERIODIC_REMEDY: &str = "both boundaries need the same nodes, moved or tur
                                by a tie, rigid bodies by joints";
 
 impl Model {
-    /// Unit normal of the plane that contains the nodes of a boundary at rest; `None` if there is no such plane, or no unique one.
+    /// Unit normal of the plane that contains the undeformed nodes of a boundary; `None` if there is no such plane, or no unique one.
     pub fn flat_normal(&self, on: &BodyBoundary) -> Option<[f64; 3]> {
         let mesh = &self.bodies[on.body].mesh;
         let points: Vec<[f64; 3]> = mesh.boundary_nodes(&on.boundary).into_iter().map(|node| mesh.points[node as usize]).collect();

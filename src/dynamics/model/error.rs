@@ -67,7 +67,7 @@ pub enum ModelError {
     JointApart {
         /// Name of the joint.
         joint: String,
-        /// Position of the first point at rest `[length]`.
+        /// Reference position of the first point `[length]`.
         place: [f64; 3],
         /// Distance `[length]`.
         distance: f64,

@@ -106,10 +106,10 @@ pub enum Partner {
     Obstacle {
         /// Shape and place of the obstacle.
         shape: Obstacle,
-        /// Translation in x, y and z over time `[length]`; `None`: at rest.
+        /// Translation in x, y and z over time `[length]`; `None` without translation.
         motion: [Option<Amplitude>; 3],
         /// Angle of rotation of a disk or ring about its center, or of a body of revolution about its axis `[rad]`, counter-clockwise; used
-        /// for friction alone. `None`: at rest.
+        /// for friction alone. `None` without rotation.
         turn: Option<Amplitude>,
     },
     /// Boundary to which the secondary side is tied with nonmatching meshes; preferably the coarser one.
@@ -143,7 +143,7 @@ impl Interaction {
         Interaction::new(name, secondary, Partner::Surfaces(vec![primary]))
     }
 
-    /// Contact with a rigid obstacle at rest.
+    /// Contact with a fixed rigid obstacle.
     pub fn obstacle(name: &str, secondary: BodyBoundary, shape: Obstacle) -> Self {
         Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None, None], turn: None })
     }

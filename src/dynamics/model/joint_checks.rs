@@ -57,7 +57,7 @@ impl Model {
         coupled.into_iter().flatten()
     }
 
-    /// Largest extent of the bodies at rest along an axis `[length]`.
+    /// Largest extent of the undeformed bodies along an axis `[length]`.
     pub fn extent(&self) -> f64 {
         largest_extent(self.bodies.iter().flat_map(|body| &body.mesh.points))
     }

@@ -9,7 +9,7 @@ use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 pub struct Anchor {
     /// Index of the body; `None`: the ground.
     pub body: Option<usize>,
-    /// Point at rest `[length]`: any point of a rigid body, the nearest node of a deformable one.
+    /// Reference position `[length]`: any point of a rigid body, the nearest node of a deformable one.
     pub point: [f64; 3],
 }
 
@@ -18,11 +18,11 @@ pub struct Anchor {
 pub enum JointKind {
     /// Common point: a hinge in the plane, a ball joint in space.
     Point,
-    /// Rotation about an axis in space, given at rest.
+    /// Rotation about an axis in space, given in the reference positions.
     Hinge([f64; 3]),
-    /// Translation along a line of the first end, without rotation; the direction at rest.
+    /// Translation along a line of the first end, without rotation, given by its initial direction.
     Slider([f64; 3]),
-    /// A point of the second end on a line of the first; the direction at rest.
+    /// A point of the second end on a line of the first, given by its initial direction.
     Slot([f64; 3]),
     /// No free motion.
     Weld,
@@ -46,9 +46,9 @@ pub struct Gear {
 /// Free coordinate of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
-    /// Rotation of the second end relative to the first about the axis, zero at rest `[rad]`.
+    /// Rotation of the second end relative to the first about the axis, zero in the reference positions `[rad]`.
     Angle,
-    /// Displacement of the second point along the direction of the first end, zero at rest `[length]`.
+    /// Displacement of the second point along the direction of the first end, zero in the reference positions `[length]`.
     Travel,
     /// Distance of both points `[length]`.
     Distance,
@@ -157,7 +157,7 @@ impl JointDefinition {
         drive.corners().into_iter().filter(|time| *time > 0.0).find(jumps)
     }
 
-    /// Value of the coordinate at rest.
+    /// Value of the coordinate in the reference positions.
     pub fn at_rest(&self) -> f64 {
         match self.kind {
             JointKind::Cable(longest) => longest,

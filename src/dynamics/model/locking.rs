@@ -18,7 +18,7 @@ pub struct Locking {
     pub law: &'static str,
     /// Element type.
     pub cells: CellKind,
-    /// Bulk modulus over shear modulus at rest.
+    /// Bulk modulus over shear modulus at zero strain.
     pub ratio: f64,
     /// True if a mean dilatation prevents locking.
     pub is_curable: bool,

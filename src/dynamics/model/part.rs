@@ -190,7 +190,7 @@ pub struct Numbering<'a> {
     pub dimension: usize,
     /// First node of each body.
     pub first: &'a [usize],
-    /// Positions at rest, node after node `[length]`.
+    /// Reference positions, node after node `[length]`.
     pub reference: &'a [f64],
 }
 
@@ -263,7 +263,7 @@ pub trait PartDefinition: Send + Sync {
         Vec::new()
     }
 
-    /// Checks the definition before anything is computed; `_point` gives the position of a body's node at rest.
+    /// Checks the definition before anything is computed; `_point` gives the reference position of a body's node.
     ///
     /// # Errors
     /// Cause why the definition is refused.

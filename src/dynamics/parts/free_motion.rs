@@ -25,7 +25,7 @@ pub struct FreeMotion {
     coordinate: Coordinate,
     /// Vectors `b, a, n` of an angle, `r, t` of a displacement, `r` of a distance.
     vectors: Vec<PointVector>,
-    /// Reference value at rest: `r.t` of a displacement, `l` of a distance.
+    /// Reference value: `r.t` of a displacement, `l` of a distance.
     rest: f64,
     /// Length that converts an angle to a gap.
     size: f64,

@@ -36,7 +36,7 @@ impl<'a, const D: usize> End<'a, D> {
         }
     }
 
-    /// Direction that rotates with the body, given at rest; constant on the ground.
+    /// Direction that rotates with the body, given in the reference positions; constant on the ground.
     pub fn direction(&self, vector: [f64; 3]) -> PointVector {
         match self.body.and_then(|body| body.rigid.as_ref()) {
             Some(rigid) => {

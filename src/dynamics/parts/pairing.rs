@@ -71,11 +71,11 @@ struct Pairing<'a> {
     faces: &'a dyn Fn(&BodyBoundary) -> Vec<Vec<u32>>,
     /// Mid-side nodes of edges of second order.
     middles: &'a ProxyNodes,
-    /// Positions at rest.
+    /// Reference positions.
     reference: &'a [f64],
     /// Positions at the start.
     start: &'a [f64],
-    /// Largest coordinate of the positions at rest.
+    /// Largest coordinate of the reference positions.
     reach: f64,
     /// Update rule of contacts without an explicit rule.
     default_rule: &'static UpdateRule,

@@ -36,7 +36,7 @@ const ELSEWHERE: f64 = 0.5;
 /// Initial overlaps of contacts and the progress of their closing.
 pub struct Closing {
     depths: Depths,
-    /// In shortest secondary facets in a step.
+    /// Largest closing in a step, in shortest secondary facets.
     facets: f64,
 }
 

@@ -159,7 +159,7 @@ pub struct RedundantConstraints {
     pub count: usize,
     /// Total number of constraints.
     pub of: usize,
-    /// Body, number and position at rest `[length]` of the first node with a redundant constraint; `None` for joints.
+    /// Body, number and reference position `[length]` of the first node with a redundant constraint; `None` for joints.
     pub node: Option<(String, usize, [f64; 3])>,
 }
 

@@ -21,7 +21,7 @@ const FEW: usize = 100;
 pub enum RunFindingKind {
     /// The work of contact in a step was positive; the value is its share of the energy.
     PositiveContactWork,
-    /// The energy balance of a step is off by more than round-off explains; the value is the error as a share of the energy.
+    /// The energy balance of a step has an error larger than round-off explains; the value is the error as a share of the energy.
     EnergyDefect,
     /// The integrator does not conserve energy by design, and has not; the value is the largest relative energy added or removed so far.
     NotConserved,

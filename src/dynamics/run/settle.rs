@@ -356,7 +356,7 @@ where
         self.system.equations.begin_friction(self.state.row.time, outlook.q)
     }
 
-    /// At rest every rule closes the gaps.
+    /// Conditions of a static step, in which every update rule closes the gaps.
     pub(super) fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
         let (count, stiffness) = (self.system.multipliers, self.system.row_stiffness(start));
         Conditions {

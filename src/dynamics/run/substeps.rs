@@ -7,7 +7,7 @@ pub struct Substeps {
     from: f64,
     dt: f64,
     level: usize,
-    /// In units of `dt / 2^level`: done, and all.
+    /// Completed and total time in units of `dt / 2^level`.
     done: usize,
     all: usize,
     /// True if the first accepted substep ends the step; the remainder belongs to the next step.

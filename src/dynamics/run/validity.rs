@@ -70,7 +70,7 @@ impl CellMotion {
         self.stretch.symmetric_eigenvalues().min()
     }
 
-    /// Strain in the directions at rest.
+    /// Strain in the initial directions.
     fn strain(&self) -> Matrix3<f64> {
         self.stretch - Matrix3::identity()
     }

@@ -11,7 +11,7 @@ use crate::dynamics::model::part::Pose;
 pub struct Linearization {
     /// Positions.
     pub q_1: Vec<f64>,
-    /// Displacements since rest, accurate relative to their own size, from which strains are computed.
+    /// Displacements from the reference positions, accurate relative to their own size, from which strains are computed.
     pub u_1: Vec<f64>,
     /// Displacement in the step: `q_1 - q_0`, with the accuracy of its own size. Velocities follow from it, however short the step.
     pub moved: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Energy as a graph in which equal subexpressions share a node, with the value of every node at rest.
+//! Energy as a graph in which equal subexpressions share a node, with the value of every node at zero strain.
 //!
 //! Powers are `exp(p ln a)` and quotients products with `1/b`, so that derivatives share logarithms and reciprocals. Nodes follow their
 //! operands. Sums of constants, factors 0 and 1 and constant nodes are simplified.
@@ -22,7 +22,7 @@ pub(super) enum Node {
     Logarithm(Id),
     Exponential(Id),
     Root(Id),
-    /// `max(a, 0)`.
+    /// Positive part `max(a, 0)`.
     Positive(Id),
     /// 1 where `a > 0`, 0 elsewhere.
     Step(Id),
@@ -41,7 +41,7 @@ impl Graph {
         self.nodes[id]
     }
 
-    /// Value at rest.
+    /// Value at zero strain.
     pub(super) fn rest(&self, id: Id) -> f64 {
         self.rest[id]
     }

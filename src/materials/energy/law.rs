@@ -52,7 +52,7 @@ pub(crate) struct EnergyLaw<const S: usize> {
     tape: Tape,
     /// Nonzero second derivatives: two variables and the root.
     seconds: Vec<(usize, usize, usize)>,
-    /// Stress at rest beyond round-off, in Mandel components.
+    /// Stress at zero strain beyond round-off, in Mandel components.
     residual: [f64; S],
 }
 
@@ -386,7 +386,7 @@ impl<const S: usize> EnergyLaw<S> {
         slope
     }
 
-    /// Adds the contribution of a variable to the stress, without the stress at rest.
+    /// Adds the contribution of a variable to the stress, without the stress at zero strain.
     #[inline(always)]
     fn add_stress<const FMA: bool, const N: usize>(
         &self,

@@ -213,7 +213,7 @@ impl ScalarText {
         }
     }
 
-    /// Names and functions must be known.
+    /// Checks that all names and functions are known.
     fn check(&self, expression: &Expression, what: &str) -> Result<(), EnergyError> {
         let error = |span: &Range<usize>, title: String, label: &str| EnergyError::new(&self.text, span.clone(), title, label);
         match &expression.form {

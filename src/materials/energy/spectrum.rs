@@ -19,7 +19,7 @@ pub(super) enum Principal {
 }
 
 impl Principal {
-    /// Slope of the function at rest.
+    /// Slope of the function at zero strain.
     pub(super) fn slope_at_rest(self) -> f64 {
         match self {
             Principal::Power(a) => a,

@@ -24,7 +24,7 @@ impl<const FMA: bool> Strain<FMA, 6> for Mandel<Lanes<FMA>, 6> {}
 #[derive(Debug)]
 pub(super) struct Variables<const S: usize> {
     pub(super) all: Vec<Variable>,
-    /// Derivative of each variable with respect to the strain, at rest.
+    /// Derivative of each variable with respect to the strain, at zero strain.
     pub(super) slopes_at_rest: Vec<[f64; S]>,
     /// Function of the principal stretches for each such variable; `None` for other variables.
     principal: Vec<Option<Principal>>,
@@ -193,7 +193,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// Variation of the derivative of a variable from its value at rest; `None` if the derivative is constant.
+    /// Variation of the derivative of a variable from its value at zero strain; `None` if the derivative is constant.
     #[inline(always)]
     pub(super) fn slope_variation<const FMA: bool>(
         &self,

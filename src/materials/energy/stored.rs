@@ -171,7 +171,7 @@ impl StoredEnergy {
         Ok(EnergyLaw::new(&mut graph, rest, &self.directions()))
     }
 
-    /// Value of the energy at rest `[energy/volume]`, which laws subtract.
+    /// Value of the energy at zero strain `[energy/volume]`, which laws subtract.
     ///
     /// # Errors
     /// A mistake in the text, with its place.

@@ -27,7 +27,7 @@ type Register = usize;
 /// Eight lanes of `N` points.
 pub(super) type Block<const N: usize> = [Lanes<false>; N];
 
-/// A register whose value counts from `rest`.
+/// A register, and its value `rest` at zero strain.
 #[derive(Clone, Copy, Debug)]
 struct Operand {
     register: Register,
@@ -41,23 +41,23 @@ enum Operation {
     Sum(Register, Register),
     Difference(Register, Register),
     Scaled(f64, Register),
-    /// `factor * a + b`.
+    /// Sum `factor * a + b`.
     ScaledSum(f64, Register, Register),
     Product(Operand, Operand),
     Reciprocal(Operand),
     Logarithm(Operand),
-    /// The value at rest is the result's.
+    /// The operand's value at zero strain is replaced by that of the result.
     Exponential(Operand),
     Root(Operand),
     Positive(Operand),
     Step(Operand),
 }
 
-/// Root of a stage: register and factor of its deviation (`None` for a constant), and its value at rest.
+/// Root of a stage: register and factor of its deviation (`None` for a constant), and its value at zero strain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     place: Option<Place>,
-    /// Value at rest.
+    /// Value at zero strain.
     pub(super) rest: f64,
 }
 
@@ -74,7 +74,7 @@ impl Root {
         self.place.is_none() && self.rest == 0.0
     }
 
-    /// Deviation of the root from its value at rest; `None` for a constant.
+    /// Deviation of the root from its value at zero strain; `None` for a constant.
     #[inline(always)]
     pub(super) fn deviation<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Option<Lanes<FMA>> {
         self.place.map(|place| Lanes(registers[place.register][point].0) * place.factor)
@@ -97,7 +97,7 @@ impl Root {
 pub(super) struct Tape {
     inputs: usize,
     operations: Vec<Operation>,
-    /// Value at rest of each operation's result.
+    /// Value of each operation's result at zero strain.
     rest: Vec<f64>,
     /// Number of operations needed for the roots of each stage.
     stages: Vec<usize>,
@@ -120,7 +120,7 @@ trait Base {
     fn below<const FMA: bool>(&self, x: Lanes<FMA>, operand: Operand, point: usize) -> Lanes<FMA>;
 }
 
-/// Values at rest.
+/// Values at zero strain.
 struct AtRest;
 
 impl Base for AtRest {
@@ -134,7 +134,7 @@ impl Base for AtRest {
     }
 }
 
-/// Values at the start of a step, as deviations from the values at rest.
+/// Values at the start of a step, as deviations from the values at zero strain.
 struct AtStart<'a, const N: usize>(&'a [Block<N>]);
 
 impl<const N: usize> Base for AtStart<'_, N> {

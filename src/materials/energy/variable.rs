@@ -15,7 +15,7 @@ impl Bits {
     }
 }
 
-/// Variable of an energy: zero at rest up to a constant, with hand-written derivatives with respect to the strain.
+/// Variable of an energy: zero at zero strain up to a constant, with hand-written derivatives with respect to the strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Variable {
     /// First invariant `tr C`.
@@ -35,7 +35,7 @@ pub(super) enum Variable {
 }
 
 impl Variable {
-    /// Value at rest.
+    /// Value at zero strain.
     pub(super) fn rest(self) -> f64 {
         match self {
             Variable::I1 | Variable::I2 | Variable::StretchPower(_) => 3.0,

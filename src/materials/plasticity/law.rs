@@ -119,7 +119,7 @@ impl PlasticLaw {
         Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) }
     }
 
-    /// The mean stress of the step on `C`, and its derivative with respect to `C_1`, in principal directions of the end.
+    /// Mean stress of the step, and its derivative with respect to `C_1`, in principal directions of the end.
     #[inline(always)]
     fn of_step<const FMA: bool, const S: usize>(
         &self,

@@ -93,7 +93,7 @@ impl Callback {
         }
     }
 
-    /// Wraps an error of the closure to be passed through the kernels.
+    /// Wraps an error of the closure to be passed through the solver.
     pub(crate) fn wrap(&self, error: EvalAltResult) -> ScriptError {
         ScriptError { error: Rc::new(error), source: self.context.global.source.as_ref().map(ToString::to_string).unwrap_or_default() }
     }

@@ -47,7 +47,7 @@ impl Class {
     }
 }
 
-/// Error of script code called by the solver, to be passed through the kernels.
+/// Error of script code called by the solver, to be passed through its layers.
 #[derive(Clone, Debug)]
 pub struct ScriptError {
     /// Error of the engine.

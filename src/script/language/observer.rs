@@ -55,7 +55,7 @@ pub enum Event<'a> {
         simulation: &'a str,
         /// Name of the contact.
         contact: &'a str,
-        /// Which.
+        /// Closing or opening.
         change: ContactChange,
         /// Number of active nodes.
         active: usize,

@@ -104,7 +104,7 @@ fn inside(place: Place, error: &EnergyError) -> Option<Place> {
 }
 
 /// Returns the values of the constants: every key that is no option must be named in a text. Constants without a value are reported by the
-/// kernels.
+/// solver.
 fn constants_of(
     call: &Call,
     options: &Options,

@@ -1,6 +1,6 @@
-//! Simulations as objects of the language: the kernels and the data of the script layer.
+//! Simulations as objects of the language: the simulation of the solver and the data of the script layer.
 //!
-//! The kernels are borrowed during a step; access within a step (by a closure of time) is refused by [`busy`].
+//! The solver's simulation is borrowed during a step; access within a step (by a closure of time) is refused by [`busy`].
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -42,7 +42,7 @@ pub struct SimulationData {
     pub overlaps: RefCell<Vec<Overlap>>,
     /// True if the script has accepted the overlaps at the start.
     pub accepts_overlap: Cell<bool>,
-    /// The kernels.
+    /// The simulation of the solver.
     pub simulation: RefCell<Simulation>,
     /// Rows of the start and of each accepted step.
     pub history: RefCell<History>,
@@ -54,7 +54,7 @@ pub struct SimulationData {
     pub closed_since: RefCell<Vec<Option<f64>>>,
     /// Motion applied to the model when the simulation was made; only used by checks that compare moved runs.
     pub motion: Option<Motion>,
-    /// Time spent in the kernels.
+    /// Computing time of the solver.
     pub spent: Cell<Duration>,
     /// Frames and stills that are kept of the run.
     pub keeping: Keeping,
@@ -74,7 +74,7 @@ pub struct SimulationData {
     pub standing: Cell<u32>,
     /// True while steps are taken.
     pub advancing: Cell<bool>,
-    /// True if the kernels have only the row of the last step, because an earlier process has computed the step.
+    /// True if the solver has only the row of the last step, because an earlier process has computed the step.
     pub is_behind: Cell<bool>,
     /// Journal of the run and index of the simulation in it; `None` for simulations of checks and studies.
     pub journal: Option<(Rc<Journal>, usize)>,
@@ -154,12 +154,12 @@ pub fn angular_text(row: &LedgerRow, dimension: usize) -> String {
 }
 
 impl SimulationData {
-    /// Converts a time of the kernels to the clock of the script; the two differ only in units ([`Motion`]).
+    /// Converts a time of the solver to the clock of the script; the two differ only in units ([`Motion`]).
     pub fn script_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time / motion.units.time)
     }
 
-    /// A time of the script on the clock of the kernels.
+    /// A time of the script on the clock of the solver.
     pub fn kernel_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time * motion.units.time)
     }
@@ -173,7 +173,7 @@ impl SimulationData {
         energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
     }
 
-    /// A row of the kernels with the times of the script.
+    /// A row of the solver with the times of the script.
     pub fn script_row(&self, row: LedgerRow) -> LedgerRow {
         match self.motion {
             Some(motion) => motion.on_script_clock(row),
@@ -229,7 +229,7 @@ impl SimulationHandle {
         found
     }
 
-    /// Reads from the kernels.
+    /// Reads from the solver's simulation.
     ///
     /// # Errors
     /// A step is running; or this is `conserva check`, which has no results.
@@ -239,7 +239,7 @@ impl SimulationHandle {
         self.with_row(call, read)
     }
 
-    /// Reads from the kernels data that depend only on the row of the last step, which a resumed run always has.
+    /// Reads from the solver's simulation data that depend only on the row of the last step, which a resumed run always has.
     ///
     /// # Errors
     /// A step is running; or this is `conserva check`, which has no results.

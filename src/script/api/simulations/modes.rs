@@ -40,7 +40,7 @@ pub struct ModesData {
     /// Bodies in the state of the search, with zero displacement, and the obstacles.
     bodies: Vec<BodyFields>,
     obstacles: Vec<PlacedObstacle>,
-    /// Ratio of the script's unit of time to that of the kernels.
+    /// Ratio of the script's unit of time to that of the solver.
     unit: f64,
 }
 

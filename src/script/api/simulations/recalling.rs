@@ -133,7 +133,7 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// Returns the outcome of a computation made by an earlier process, whose row the kernels then have. `None` if the computation has to
+    /// Returns the outcome of a computation made by an earlier process, whose row the solver then has. `None` if the computation has to
     /// be made.
     ///
     /// # Errors

@@ -281,10 +281,10 @@ fn warn_of_held(call: &Call, model: &Model) {
     }
 }
 
-/// Returns the kernels of a model, which is moved if a motion is given.
+/// Makes the simulation of a model, which is moved first if a motion is given.
 ///
 /// # Errors
-/// A model that cannot be moved in this way, or that the kernels refuse.
+/// A model that cannot be moved in this way, or that the solver refuses.
 pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Options) -> Result<Simulation, Failure> {
     let moved = motion.map(|motion| motion.model(model)).transpose().map_err(|cause| call.fail(cause))?;
     let simulation = Simulation::new(moved.as_ref().unwrap_or(model), options);
@@ -297,7 +297,7 @@ pub struct SoFar {
     pub history: History,
     /// Probes, with the points that they follow.
     pub probes: Vec<Probe>,
-    /// Time spent in the kernels.
+    /// Computing time of the solver.
     pub spent: Duration,
 }
 
