@@ -1,4 +1,4 @@
-//! Laws of one material as called by the kernels, and their strain measure.
+//! Laws of one material as called by the element loop, and their strain measure.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use super::batched::BatchedLaw;
 use super::law::Law;
 use super::split::{Split, VolumetricLaw};
 
-/// Laws of one material as called by the kernels: plane strain, stretched third direction, space.
+/// Laws of one material as called by the element loop: plane strain, stretched third direction, space.
 #[derive(Clone)]
 pub(crate) struct Laws {
     pub(super) plane: Arc<dyn BatchedLaw<3>>,

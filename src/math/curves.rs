@@ -9,7 +9,7 @@ pub type Points = [[f64; 2]];
 /// Norms of the difference of two curves over a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// The difference of the largest size, the second curve less the first.
+    /// Difference of largest magnitude, the second curve minus the first.
     pub largest: f64,
     /// Abscissa of the largest difference.
     pub at: f64,

@@ -4,7 +4,7 @@ use super::lanes::{Lanes, Real};
 use super::tensor::{mandel_pairs, mandel_scale};
 use super::tolerances::DIAGONAL;
 
-/// Sweeps at most: three rows need four.
+/// Largest number of Jacobi sweeps; 3 x 3 matrices need four.
 const SWEEPS: usize = 8;
 
 /// Principal values of a symmetric tensor and their directions, row by row.

@@ -49,9 +49,9 @@ pub trait Tensor: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Sca
 
     /// The identity.
     fn identity() -> Self;
-    /// `A + s I`.
+    /// Sum `A + s I`.
     fn plus_identity(&self, s: Self::Scalar) -> Self;
-    /// `s A + B`.
+    /// Sum `s A + B`.
     fn mul_add(&self, s: Self::Scalar, b: &Self) -> Self;
     /// Double contraction `A:B`.
     fn dot(&self, other: &Self) -> Self::Scalar;

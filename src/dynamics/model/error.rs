@@ -123,13 +123,13 @@ pub enum ModelError {
     /// A boundary without facets.
     #[error("boundary \"{boundary}\" has no facets")]
     EmptyBoundary {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
     },
     /// Boundary of single points where facets are required.
     #[error("\"{boundary}\" has single points, which have no area")]
     PointBoundary {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
     },
     /// Initial displacements that invert a cell.
@@ -209,7 +209,7 @@ pub enum ModelError {
     /// Boundary that is fixed and moved in one direction.
     #[error("\"{boundary}\" is held and moved in the direction {direction}")]
     HeldAndMoved {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
         /// x, y or z.
         direction: &'static str,

@@ -1,4 +1,4 @@
-//! Remedies for a failed step, as data, so that a language on top of the kernels can word them.
+//! Remedies for a failed step, as data, so that a language on top of the solver can word them.
 
 use std::fmt;
 

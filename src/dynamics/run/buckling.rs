@@ -28,7 +28,7 @@ pub enum BucklingError {
     /// A follower load, which rotates with the surface.
     #[error("the load on \"{boundary}\" turns with its boundary")]
     Follows {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
     },
     /// No load acts.

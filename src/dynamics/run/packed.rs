@@ -1,6 +1,6 @@
 //! Ledger rows as bytes, for files that hold many of them: numbers of 8 bytes (little endian), lists behind their length.
 //!
-//! Compiled with the optimization of the kernels: a run visits each row a dozen times, and `serde` takes ten times as long.
+//! Compiled with full optimization: a run visits each row a dozen times, and `serde` takes ten times as long.
 
 use super::ledger::{ContactTotals, JointTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 

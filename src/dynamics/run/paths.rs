@@ -80,7 +80,7 @@ pub enum PathError {
     /// The first equilibrium was not found, or the run was interrupted.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// Sides may touch and part.
+    /// The model has a contact that may close and open.
     #[error("contact \"{contact}\" may close and open, which the search for equilibria along a path does not follow")]
     Contact {
         /// Name of the contact.

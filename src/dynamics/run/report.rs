@@ -32,7 +32,7 @@ pub enum FailureCause {
     },
     /// Newton's method improved from halving to halving, or was still converging at its iteration limit.
     StepLimit {
-        /// Residual over target at the end of each try.
+        /// Residual over target at the end of each attempt.
         ratios: Vec<f64>,
     },
     /// `settle` found no equilibrium.

@@ -1,4 +1,4 @@
-//! Energy given as text, as a law of the kernels: variables, tape, stress and tangent.
+//! Energy given as text, as a law for the element loop: variables, tape, stress and tangent.
 //!
 //! Blocks of points pass through three kernels: strains to variables, the tape, variables to stress and tangent. The remainder of the
 //! discrete gradient follows from the energy change over the step, which the tape computes without cancellation.

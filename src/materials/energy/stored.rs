@@ -138,7 +138,7 @@ impl StoredEnergy {
         Ok((EnergyLaw::new(&mut built.graph, whole, &fibers), Some(EnergyLaw::new(&mut built.graph, built.rest, &fibers))))
     }
 
-    /// Laws of this energy, as called by the kernels.
+    /// Laws of this energy, as called by the element loop.
     pub(crate) fn laws(&self) -> Result<Laws, EnergyError> {
         let (space, space_rest) = self.laws_in::<6>(Setting::Space)?;
         let (axisymmetric, axisymmetric_rest) = self.laws_in::<4>(Setting::Axisymmetric)?;

@@ -216,7 +216,7 @@ pub(super) fn applied_back<const FMA: bool, const S: usize>(map: &[[Lanes<FMA>; 
     result
 }
 
-/// `A B`.
+/// Matrix product `A B`.
 #[inline(always)]
 pub(super) fn product<const FMA: bool, const S: usize>(a: &[[Lanes<FMA>; S]; S], b: &[[Lanes<FMA>; S]; S]) -> [[Lanes<FMA>; S]; S] {
     let mut result = [[Lanes::ZERO; S]; S];
@@ -230,7 +230,7 @@ pub(super) fn product<const FMA: bool, const S: usize>(a: &[[Lanes<FMA>; S]; S],
     result
 }
 
-/// `A B^T`.
+/// Matrix product `A B^T`.
 #[inline(always)]
 pub(super) fn product_with_transpose<const FMA: bool, const S: usize>(
     a: &[[Lanes<FMA>; S]; S],
@@ -270,7 +270,7 @@ pub(super) fn trace<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -
     tensor[0] + tensor[1] + tensor[2]
 }
 
-/// `s A + B`.
+/// Sum `s A + B`.
 #[inline(always)]
 pub(super) fn plus<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], s: Lanes<FMA>, b: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
     let mut result = *b;
@@ -280,7 +280,7 @@ pub(super) fn plus<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], s: Lane
     result
 }
 
-/// `s A`.
+/// Multiple `s A`.
 #[inline(always)]
 pub(super) fn times<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], s: Lanes<FMA>) -> [Lanes<FMA>; S] {
     let mut result = *a;

@@ -28,7 +28,7 @@ pub struct Host {
     pub settings: Settings,
     /// Texts of the script and its modules.
     pub sources: Sources,
-    /// Files.
+    /// Files that the script may read.
     pub sandbox: Sandbox,
     /// Observer of the session.
     pub observer: Rc<dyn Observer>,
