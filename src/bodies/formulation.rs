@@ -48,7 +48,7 @@ pub enum FormulationError {
     /// Law whose energy is not split into a volumetric and a remaining part.
     #[error("a dilatation of the cell needs a law with a volumetric part, and `{law}` has none")]
     NoVolumetricPart {
-        /// The law.
+        /// Name of the law.
         law: &'static str,
     },
     /// Mean dilatation in plane stress, which would determine the stretch across the plane twice.
@@ -75,7 +75,7 @@ pub enum FormulationError {
     /// Linear strains, which the dilatation of a cell does not support.
     #[error("a dilatation of the cell is one of large strains, and `{law}` is linear")]
     MeanOfLinear {
-        /// The law.
+        /// Name of the law.
         law: &'static str,
     },
 }

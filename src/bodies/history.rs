@@ -23,7 +23,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         own.as_chunks::<WIDTH>().0.iter().map(|lanes| Lanes(*lanes)).collect()
     }
 
-    /// [`ElementLoop::advance`](super::ElementLoop::advance).
+    /// Implements [`ElementLoop::advance`](super::ElementLoop::advance).
     pub(super) fn advanced(&self, step: &Step) -> Advance {
         let mut advance = Advance { history: Vec::with_capacity(step.history.len()), plastic: 0.0, viscous: 0.0 };
         let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
@@ -52,7 +52,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         advance
     }
 
-    /// [`ElementLoop::relaxed`](super::ElementLoop::relaxed).
+    /// Implements [`ElementLoop::relaxed`](super::ElementLoop::relaxed).
     pub(super) fn relaxed_history(&self, Present { u, history }: Present) -> Vec<f64> {
         let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
             return Vec::new();
@@ -68,7 +68,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         relaxed
     }
 
-    /// [`ElementLoop::relaxing_energy`](super::ElementLoop::relaxing_energy).
+    /// Implements [`ElementLoop::relaxing_energy`](super::ElementLoop::relaxing_energy).
     pub(super) fn relaxing_energy_of(&self, history: &[f64]) -> f64 {
         let Some(law) = self.physics.special.as_ref().and_then(|special| special.law.history()).filter(|law| law.variables() > 0) else {
             return 0.0;

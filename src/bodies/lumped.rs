@@ -52,7 +52,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         masses
     }
 
-    /// [`ElementLoop::add_lumped_mass`](super::ElementLoop::add_lumped_mass).
+    /// Implements [`ElementLoop::add_lumped_mass`](super::ElementLoop::add_lumped_mass).
     pub(super) fn lump_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool {
         let (by_row_sums, mut are_positive) = (self.takes_row_sums(lumping), true);
         for (index, batch) in self.batches.iter().enumerate() {
@@ -67,7 +67,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         are_positive
     }
 
-    /// [`ElementLoop::fastest_cell`](super::ElementLoop::fastest_cell).
+    /// Implements [`ElementLoop::fastest_cell`](super::ElementLoop::fastest_cell).
     pub(super) fn find_fastest(&self, lumping: Lumping, u: &[f64]) -> FastestCell {
         let by_row_sums = self.takes_row_sums(lumping);
         let mut fastest = FastestCell { cell: 0, frequency_squared: 0.0 };

@@ -16,9 +16,9 @@ use crate::mesh::Mesh;
 /// Data of a body's cells from which its element loop is made.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyCells<'a> {
-    /// The mesh.
+    /// Mesh of the body.
     pub mesh: &'a Mesh,
-    /// The material.
+    /// Material of the body.
     pub material: &'a Material,
     /// Formulation that is compatible with mesh and material ([`Formulation::check`]).
     pub formulation: Formulation,

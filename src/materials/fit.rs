@@ -16,7 +16,7 @@ use crate::math::tolerances::{FIT, FIT_DIFFERENCE, FIT_LINEAR, FIT_RANK};
 /// Measurement of a test piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// The test.
+    /// Kind of test.
     pub piece: Piece,
     /// Stretches and nominal stresses.
     pub points: Vec<[f64; 2]>,

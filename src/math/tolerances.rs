@@ -202,8 +202,8 @@ pub const APPROACH: f64 = 0.08;
 /// Larger than [`APPROACH`], since elastic motion is not predicted and an undone step has cost all its iterations.
 pub const CAME_THROUGH: f64 = 0.09;
 
-/// Growth of a node's penetration within a step of the persistency rule, in secondary facets, above which the step is undone: slower growth
-/// would continue in halved steps.
+/// Growth of a node's penetration within a step of the persistency rule, in secondary facets, above which a step beyond [`CAME_THROUGH`]
+/// is undone. Halved steps would not stop slower growth.
 pub const SUNK_DEEPER: f64 = 0.03;
 
 /// Change of a node's distance from a rigid disk or polyline within a step, in facet lengths, above which the step is halved beforehand:

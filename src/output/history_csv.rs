@@ -50,7 +50,7 @@ const MARKED: usize = 256;
 /// Number of bytes read at once.
 const PIECE: usize = 1 << 16;
 
-/// The growing file.
+/// File `history.csv`, to which rows are appended during the run.
 #[derive(Debug)]
 pub struct HistoryCsv {
     files: RunFiles,

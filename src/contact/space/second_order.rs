@@ -356,7 +356,7 @@ impl Proxies {
         places
     }
 
-    /// Computes `r` and `g` from the areas of the points in the reference positions.
+    /// Computes the factors `r` of edges and `g` of faces from the areas of the points in the reference positions.
     fn adjust(&mut self, q: &[f64]) {
         let seen = self.combinations().0.points(3, q);
         let mut areas = vec![0.0; self.proxies.len()];

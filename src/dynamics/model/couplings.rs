@@ -19,7 +19,7 @@ pub struct Coupling {
 pub enum CouplingKind {
     /// Nodes stay in their initial planes, as in a plane of symmetry or on rollers: `n . (x - X) = 0`.
     Plane {
-        /// The nodes.
+        /// Boundary of the nodes.
         on: BodyBoundary,
         /// Normal of the planes, of any length.
         normal: [f64; 3],

@@ -139,7 +139,7 @@ pub enum ModelError {
     InvertedAtStart {
         /// Name of the body.
         body: String,
-        /// The cell.
+        /// Number of the cell in its mesh.
         cell: usize,
         /// Smallest determinant of the deformation gradient.
         determinant: f64,
@@ -181,7 +181,7 @@ pub enum ModelError {
     OpenChamber {
         /// Name of the chamber.
         chamber: String,
-        /// A point of the rim.
+        /// A point of the surface's rim.
         place: [f64; 3],
     },
     /// Chamber without volume.
@@ -189,13 +189,13 @@ pub enum ModelError {
     ChamberOfNoVolume {
         /// Name of the chamber.
         chamber: String,
-        /// Enclosed volume.
+        /// Computed volume.
         volume: f64,
     },
     /// Negative or non-finite mass.
     #[error("the mass of \"{part}\" is {mass}")]
     NoMass {
-        /// The part.
+        /// Name of the point mass.
         part: String,
         /// Mass of the part.
         mass: f64,

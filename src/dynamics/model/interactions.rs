@@ -114,7 +114,7 @@ pub enum Partner {
     },
     /// Boundary to which the secondary side is tied with nonmatching meshes; preferably the coarser one.
     Tied {
-        /// The boundary.
+        /// Boundary to which the secondary side is tied.
         to: BodyBoundary,
         /// Largest distance of tied points in the undeformed bodies `[length]`; `None`: half of the shortest secondary facet.
         reach: Option<f64>,

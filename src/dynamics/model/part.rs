@@ -95,7 +95,7 @@ pub enum Refusal {
     Inverted {
         /// Name of the body.
         body: String,
-        /// The cell.
+        /// The inverted cell.
         inverted: Inverted,
     },
     /// A time function failed.

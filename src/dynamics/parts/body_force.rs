@@ -68,7 +68,7 @@ pub struct BodyForceDefinition {
     pub body: usize,
     /// Definition of the body, from which its mass is computed.
     pub definition: BodyDefinition,
-    /// The field.
+    /// Force per unit mass as a function of position, velocity and time.
     pub field: Arc<dyn BodyField>,
 }
 

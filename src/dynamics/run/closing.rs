@@ -86,7 +86,7 @@ impl Closing {
         self.facets *= SHRINK;
     }
 
-    /// A step succeeded.
+    /// Increases the overlap closed per step after a success.
     pub fn succeeded(&mut self) {
         self.facets = (GROW * self.facets).min(MOST);
     }

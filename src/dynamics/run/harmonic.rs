@@ -11,7 +11,7 @@ use crate::dynamics::model::interactions::BodyBoundary;
 pub enum Excitation {
     /// A force on a boundary, spread evenly `[force]`.
     Force {
-        /// The boundary.
+        /// Loaded boundary.
         on: BodyBoundary,
         /// Amplitude of the force `[force]`.
         vector: [f64; 3],

@@ -14,7 +14,7 @@ pub enum Failure {
     Inverted {
         /// Name of the body.
         body: String,
-        /// The cell.
+        /// The inverted cell.
         inverted: Inverted,
     },
     /// The linear system could not be solved.
@@ -23,12 +23,12 @@ pub enum Failure {
     Diverged,
     /// Bodies moved farther than the candidate pairs reach.
     BeyondSearch {
-        /// The contact.
+        /// Name of the contact.
         pair: String,
     },
     /// A contact that was not admitted to the step, because no closing was expected, overlaps at its end.
     Overlooked {
-        /// The contact.
+        /// Name of the contact.
         pair: String,
     },
     /// The predicted motion is too large: the step was not tried.

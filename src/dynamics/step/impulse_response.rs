@@ -17,7 +17,7 @@ use crate::math::tolerances;
 
 /// A change of the velocities by impulses.
 pub struct ImpulseResponse {
-    /// The change.
+    /// Change of the velocities.
     pub velocity: Vec<f64>,
     /// Impulses of all normal and tangential constraints.
     pub lambda: Vec<f64>,

@@ -48,7 +48,7 @@ pub struct Rest<'a> {
 pub struct Vibrations<'a, const D: usize> {
     system: &'a mut System<D>,
     rest: Rest<'a>,
-    /// The factored values.
+    /// Values of the factorized matrix.
     values: Vec<f64>,
     /// Number of active constraints.
     pub held: usize,

@@ -28,7 +28,7 @@ pub(super) enum Node {
     Step(Id),
 }
 
-/// A graph.
+/// Energy as a graph of operations.
 #[derive(Default)]
 pub(super) struct Graph {
     nodes: Vec<Node>,

@@ -14,7 +14,7 @@ pub struct Progress<'a> {
     pub from: f64,
     /// Time at which stepping ends, if known.
     pub until: Option<f64>,
-    /// The step.
+    /// Row of the accepted step.
     pub row: &'a LedgerRow,
     /// Largest `kinetic + strain + |potential|` so far, to relate the defect to.
     pub scale: f64,

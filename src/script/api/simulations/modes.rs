@@ -206,7 +206,7 @@ fn at_place(body: &mut BodyFields) {
     body.mesh = Arc::new(mesh);
 }
 
-/// Returns the failure of `modes`, or of other searches in its matrix.
+/// Returns the failure of a search for modes, or of another analysis that uses the same matrix.
 pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure {
     let (title, code) = (error.to_string(), error.code());
     let failure = match error {

@@ -192,7 +192,7 @@ fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     })
 }
 
-/// An evaluation.
+/// One evaluation of the closure.
 struct Row {
     point: Vec<f64>,
     /// Value of the closure; NaN if it failed.
