@@ -1,8 +1,8 @@
 //! Available memory of this process, and refusal of computations that would exceed it.
 //!
 //! The memory of a mesh, a simulation or a factorization is estimated before allocation, because operating systems grant more memory than
-//! exists and kill the process when it runs out. Available is the minimum of the machine's free memory, the rest of a container or address
-//! space limit, and the rest of the process's own limit ([`set_limit`]). Linux provides these numbers; other systems refuse nothing.
+//! exists and kill the process when it runs out. Available is the least of the machine's free memory and the unused parts of the limits of
+//! container, address space and process ([`set_limit`]). Linux provides these numbers; other systems refuse nothing.
 
 use std::fmt::{Display, Formatter};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,7 +16,7 @@ const RESERVE: u64 = 128 << 20;
 /// Number of bytes below which the memory left is not checked.
 const SMALL: u64 = 4 << 20;
 
-/// Shortage of memory: number of bytes that do not fit.
+/// Shortage of memory: bytes needed, and bytes left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortage {
     /// Estimated number of bytes needed.
