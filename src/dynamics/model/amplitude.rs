@@ -19,7 +19,7 @@ pub trait TimeFunction: Send + Sync {
     /// Rate of change at `time`, by default a central difference; at a kink the mean of the one-sided rates.
     ///
     /// # Errors
-    /// Those of [`value`](Self::value).
+    /// Errors of [`value`](Self::value).
     fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
         // The best step of a central difference is the cube root of the round-off.
         let h = TIME_DIFFERENCE * time.abs().max(SMALL_TIME);

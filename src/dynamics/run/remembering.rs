@@ -1,5 +1,4 @@
-//! History variables of a time integrator at a state that no step of its own has reached: at the start, after `settle`, or after another
-//! one.
+//! History variables of a time integrator at a state that none of its own steps has reached: the start, or after `settle` or another one.
 
 use std::sync::Arc;
 
