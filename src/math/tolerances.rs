@@ -39,10 +39,6 @@ pub const NEWTON_MOMENTUM: f64 = 0.01;
 /// increment by chance.
 pub const NEWTON_FORCE: f64 = 1e-7;
 
-/// Relative round-off of gaps: contact force times this, times the model size, is an energy that no iteration reduces. In small steps
-/// bodies at rest have less energy (`tests/scripts/rigid_friction_in_space.rhai`).
-pub const CONTACT_ROUND_OFF: f64 = 4e-15;
-
 /// Energy criterion of Newton's method for intermediate equilibria.
 pub const ON_THE_WAY: f64 = 1e-8;
 

@@ -11,8 +11,9 @@ const STALLED: f64 = 100.0;
 const FALLING: f64 = 0.5;
 const FALLING_FAR: f64 = 0.9;
 
-/// Growth of the number of iterations while the energy still falls: in the last iteration if all else is met, else to a tenth within some
-/// iterations. Stacks of rigid bodies that begin without multipliers take 30 (`tests/scripts/rigid_friction_in_space.rhai`).
+/// Growth of the number of iterations while the last one reduces the energy and all else is met, or while some iterations reduce energy
+/// times violation to a tenth. Stacks of rigid bodies that begin without multipliers, and friction that falls with the speed, take 30
+/// (`tests/scripts/rigid_friction_in_space.rhai`).
 const LONGER: usize = 3;
 const TENTH: f64 = 0.1;
 const SOME: usize = 4;
@@ -62,8 +63,10 @@ pub struct Convergence {
     is_patient: bool,
     /// Continue while the residual decreases, even below the tolerance.
     is_exact: bool,
-    /// Energies of the last iterates, the latest first.
-    energies: [f64; SOME],
+    /// Energy of the last iterate.
+    last_energy: f64,
+    /// Energies times violations, both at least as large as tolerated, of the last iterates, the latest first.
+    merits: [f64; SOME],
     /// Least distance from a solution, and the number of iterations since.
     nearest: f64,
     idle: usize,
@@ -84,15 +87,26 @@ pub enum Judgement {
 impl Convergence {
     /// Starts the history of an attempt of `most` iterations; a patient attempt uses all of them, an exact one stops at round-off.
     pub fn new(most: usize, is_patient: bool, is_exact: bool) -> Self {
-        Convergence { most, is_patient, is_exact, energies: [f64::INFINITY; SOME], nearest: f64::INFINITY, idle: 0, is_limited: false }
+        Convergence {
+            most,
+            is_patient,
+            is_exact,
+            last_energy: f64::INFINITY,
+            merits: [f64::INFINITY; SOME],
+            nearest: f64::INFINITY,
+            idle: 0,
+            is_limited: false,
+        }
     }
 
     /// Judges an iterate; not before the iteration `at_least` is it a solution.
     pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> Judgement {
-        let falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.energies[0];
-        let falls_far = record.energy <= TENTH * self.energies[SOME - 1];
-        self.energies.rotate_right(1);
-        self.energies[0] = record.energy;
+        let falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.last_energy;
+        self.last_energy = record.energy;
+        let merit = record.energy.max(1.0) * record.violation.max(1.0);
+        let falls_far = record.residual <= record.target && merit <= TENTH * self.merits[SOME - 1];
+        self.merits.rotate_right(1);
+        self.merits[0] = merit;
         let is_stalled = !falls && (record.energy <= STALLED || record.residual <= record.floor);
         let is_round_off = is_stalled || (!falls || iteration >= LATE) && record.energy <= record.round_off;
         let is_met = record.residual <= record.target && record.violation <= 1.0;

@@ -407,7 +407,8 @@ where
         let small = (task.tolerance * task.energy.max(forces.internal_work.abs())).max(LEAST_SQUARE);
         record.energy = momentum.max(work.abs() + contact_work.abs()) / small;
         let positions = largest_size(&at.q_1).max(system.nodes.extent);
-        record.round_off = tolerances::CONTACT_ROUND_OFF * contact_forces * positions / small;
+        let round_off = tolerances::CONTACT_ROUND_OFF * contact_forces * positions / small;
+        record.round_off = if task.start.is_at_rest() { 0.0 } else { round_off };
         record
     }
 

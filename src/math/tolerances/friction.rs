@@ -57,3 +57,7 @@ pub const IMPACT_ENERGY: f64 = 1e-12;
 
 /// Relative distance of a shear stress from its limit within which the constraint is reported as slipping.
 pub const ON_CONE: f64 = 1e-6;
+
+/// Round-off of gaps relative to positions: contact forces times this, times the size of the model, is an energy that no iteration
+/// reduces. Bodies at rest have less energy of their own in small steps (`tests/scripts/rigid_friction_in_space.rhai`).
+pub const CONTACT_ROUND_OFF: f64 = 4e-15;
