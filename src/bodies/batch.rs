@@ -1,8 +1,8 @@
 //! Eight cells that are computed together, lane by lane: from displacements of their nodes to strains at their points.
 //!
-//! Kept per batch is only what it costs least to read again, the cells' nodes and edges; gradients of the shape functions, volumes and
-//! strains are computed anew in every pass, because a processor does that faster than it fetches them from beyond its caches.
-//! Everything is relative to the last node of a cell: the gradients of the shape functions sum to zero, so it takes what the others leave.
+//! A batch stores only nodes and edges of the cells; gradients of shape functions, volumes and strains are recomputed in every pass, which
+//! is faster than fetching them from main memory. All quantities are relative to the last node of a cell: the gradients of the shape
+//! functions sum to zero, so its contribution is the negative sum of the others.
 
 use crate::elements::ReferenceCell;
 use crate::integrators::discrete_gradient;
@@ -42,24 +42,24 @@ impl<const D: usize, const A: usize, const Q: usize> Table<D, A, Q> {
     }
 }
 
-/// Eight cells. Where there are fewer, the first is repeated.
+/// Eight cells; in the last batch the first cell fills missing lanes.
 pub(super) struct Batch<const D: usize, const A: usize> {
     /// Node numbers in the model, node by node of the cells.
     pub(super) nodes: [[u32; WIDTH]; A],
     /// Number of cells.
     pub(super) count: usize,
-    /// Vectors from the last node to each node, at rest.
+    /// Vectors from the last node to each node in the reference positions.
     pub(super) edges: [[Lanes<false>; D]; A],
-    /// First coordinate of the last node at rest, the radius of a body of revolution there.
+    /// First coordinate of the last node in the reference positions, its radius in a body of revolution.
     pub(super) last: Lanes<false>,
-    /// Stress-free length over that at rest at each point; empty where cells are without stress at rest.
+    /// Ratio of stress-free to initial length at each point; empty if initial lengths are stress-free.
     pub(super) growth: Vec<Lanes<false>>,
-    /// Integrals of the products of two shape functions, lower triangle row by row; empty where those at the points sum to them.
+    /// Integrals of the products of two shape functions, lower triangle row by row; empty if the stiffness quadrature gives them exactly.
     pub(super) mass: Vec<Lanes<false>>,
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
-    /// The batch of up to eight cells with such points, whose nodes are numbered from `first_node`.
+    /// Batch of up to eight cells with these points; node numbers start at `first_node`.
     pub(super) fn new(cells: &[&[u32]], points: &[[f64; 3]], first_node: usize) -> Self {
         let mut batch = Batch {
             nodes: [[0; WIDTH]; A],
@@ -82,7 +82,7 @@ impl<const D: usize, const A: usize> Batch<D, A> {
         batch
     }
 
-    /// Displacements of the nodes relative to the last node of each cell; of the last node, its own.
+    /// Displacements of the nodes relative to the last node of each cell, and of the last node itself.
     #[inline(always)]
     pub(super) fn displacements<const FMA: bool>(&self, all: &[f64]) -> [[Lanes<FMA>; D]; A] {
         let mut u = [[Lanes::ZERO; D]; A];
@@ -106,13 +106,13 @@ impl<const D: usize, const A: usize> Batch<D, A> {
 /// A quadrature point of eight cells.
 #[derive(Clone, Copy)]
 pub(super) struct Point<const FMA: bool, const D: usize, const A: usize> {
-    /// Gradients of the shape functions; that of the last node is left out.
+    /// Gradients of the shape functions except that of the last node.
     pub(super) gradients: [[Lanes<FMA>; D]; A],
-    /// Volume that belongs to the point, without stress.
+    /// Stress-free volume of the point.
     pub(super) volume: Lanes<FMA>,
-    /// Volume that belongs to the point at rest, which has the mass.
+    /// Initial volume of the point, which carries the mass.
     pub(super) weighed: Lanes<FMA>,
-    /// Stretch at rest relative to the stress-free state, less 1.
+    /// Initial stretch relative to the stress-free state, less 1.
     pub(super) slack: Lanes<FMA>,
     /// Inverse distance of the point from the axis of a body of revolution `[1/length]`.
     pub(super) curvature: Lanes<FMA>,
@@ -122,7 +122,7 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
     pub(super) const ZERO: Self =
         Point { gradients: [[Lanes::ZERO; D]; A], volume: Lanes::ZERO, weighed: Lanes::ZERO, slack: Lanes::ZERO, curvature: Lanes::ZERO };
 
-    /// The point of cells with such edges, where the shape functions have these gradients on the reference cell.
+    /// Point of cells with these edges; `gradients`: gradients of the shape functions on the reference cell.
     #[inline(always)]
     pub(super) fn new(edges: &[[Lanes<false>; D]; A], gradients: &[[f64; D]; A], weight: f64) -> Self {
         let mut jacobian = [[Lanes::<FMA>::ZERO; D]; D];
@@ -170,7 +170,7 @@ impl<const FMA: bool, const D: usize, const A: usize> Point<FMA, D, A> {
         (0..directions).for_each(|_| self.volume = self.volume * factor);
     }
 
-    /// Stretch of the circumference less 1, of cells that are without stress at rest.
+    /// Stretch of the circumference less 1, for cells that are stress-free in the mesh.
     #[inline(always)]
     pub(super) fn hoop(&self, u: &[[Lanes<FMA>; D]; A], shapes: &[f64; A]) -> Lanes<FMA> {
         let mut moved = u[A - 1][0];
@@ -208,7 +208,7 @@ pub(super) fn cast<const FMA: bool>(x: Lanes<false>) -> Lanes<FMA> {
     Lanes(x.0)
 }
 
-/// The discrete gradient of a stored energy between two strains, and its derivative with respect to the second.
+/// Discrete gradient of a stored energy between two strains, and its derivative with respect to the second one.
 #[inline(always)]
 pub(super) fn discrete_stress<const FMA: bool, const S: usize>(
     strains: [&Components<S>; 2],
@@ -249,7 +249,7 @@ pub(super) fn determinant_and_cofactor<const FMA: bool, const D: usize>(m: &[[La
     (determinant, cofactor)
 }
 
-/// `F = I + H`.
+/// Deformation gradient `F = I + H`.
 #[inline(always)]
 pub(super) fn deformation_gradient<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D]; D]) -> [[Lanes<FMA>; D]; D] {
     let mut f = *h;
@@ -259,7 +259,7 @@ pub(super) fn deformation_gradient<const FMA: bool, const D: usize>(h: &[[Lanes<
     f
 }
 
-/// `(H_0 + H_1) / 2`.
+/// Mean displacement gradient `(H_0 + H_1) / 2`.
 #[inline(always)]
 pub(super) fn mean<const FMA: bool, const D: usize>(h_0: &[[Lanes<FMA>; D]; D], h_1: &[[Lanes<FMA>; D]; D]) -> [[Lanes<FMA>; D]; D] {
     let mut mean = *h_1;
@@ -297,7 +297,7 @@ pub(super) enum Strain {
 }
 
 impl Strain {
-    /// The strain in Mandel components; `hoop` is the third direction's displacement gradient where that is stretched.
+    /// Strain in Mandel components; `hoop` is the displacement gradient of a stretched third direction.
     #[inline(always)]
     pub(super) fn of<const FMA: bool, const D: usize, const S: usize>(self, h: &[[Lanes<FMA>; D]; D], hoop: Lanes<FMA>) -> Components<S> {
         let mut strain = [Lanes::ZERO; S];
@@ -353,7 +353,7 @@ impl Strain {
         if self == Strain::Large { hoop + hoop * hoop * 0.5 } else { hoop }
     }
 
-    /// The deformation gradient by which a force is pulled forward: `I + H`, of a linear strain `I`.
+    /// Deformation gradient for the push-forward of forces: `I + H`, or `I` for linear strains.
     #[inline(always)]
     pub(super) fn frame<const FMA: bool, const D: usize>(self, h: &[[Lanes<FMA>; D]; D]) -> [[Lanes<FMA>; D]; D] {
         match self {
@@ -361,7 +361,7 @@ impl Strain {
             Strain::Linear => deformation_gradient(&[[Lanes::ZERO; D]; D]),
         }
     }
-    /// The deformation gradient in space of one lane, by the strain across the plane where there is one; of a linear strain the identity.
+    /// Deformation gradient in space of one lane, including the strain across the plane if any; the identity for linear strains.
     pub(super) fn spatial_frame<const D: usize>(
         self,
         h: &[[Lanes<false>; D]; D],

@@ -8,9 +8,9 @@
 //! tangent  K_ab  = w G_a . A . G_b,   A_iJkL = (F_test)_iM T_MJNL (F_trial)_kN + share S_JL delta_ik
 //! ```
 //!
-//! (method: Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000), to which the consistent mass is added as the time integration weights it.
-//! What a batch of eight cells computes is in `batch.rs` and `workspace.rs`; here is where it goes. What is left over in the last batch
-//! repeats its first cell and is not scattered.
+//! (Simo and Tarnow, ZAMP 43, 1992; Gonzalez 2000), plus the consistent mass with the weight of the time integrator. The computations for a
+//! batch of eight cells are in `batch.rs` and `workspace.rs`; this module assembles the results. Unused lanes of the last batch repeat its
+//! first cell and are not assembled.
 
 use std::ops::Range;
 
@@ -34,9 +34,9 @@ use crate::mesh::Mesh;
 /// Places of the blocks of a cell in the array of values.
 #[derive(Clone, Copy)]
 struct Places<const A: usize> {
-    /// Per node, the columns of its unknowns: place of the first value, and length.
+    /// Columns of the unknowns of each node: position of the first value, and length.
     columns: [Block; A],
-    /// Place of the block of node `a` inside a column of node `b`: `rows[b][a]`.
+    /// Position of the block of node `a` inside a column of node `b`: `rows[b][a]`.
     rows: [[u32; A]; A],
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Cells<const D: usize, const S: usize, const L: usize, const A:
     rounds: Vec<Vec<PlacedRun<D>>>,
 }
 
-/// A run of cells with the places of the matrix columns of its nodes; empty without a matrix.
+/// Run of cells with the positions of its nodes' matrix columns; empty without a matrix.
 struct PlacedRun<const D: usize> {
     run: Run,
     values: Range<usize>,
@@ -64,7 +64,7 @@ impl<const D: usize> PlacedRun<D> {
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    /// The cells of a mesh, whose nodes begin at `first_node` of the model.
+    /// Cells of a mesh whose nodes start at `first_node` in the model.
     ///
     /// # Errors
     /// The first cell that is inside out.
@@ -99,17 +99,17 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         Ok(elements)
     }
 
-    /// Mass between two nodes of a cell of a batch over the density, where its points have these volumes at rest.
+    /// Mass between two nodes of a cell per density, from the initial volumes of its points.
     pub(super) fn mass_product(&self, batch: &Batch<D, A>, volumes: &[Lanes<false>; Q], lane: usize, [a, b]: [usize; 2]) -> f64 {
         batch.kept_mass(a, b).map_or_else(|| summed(&self.table, volumes, lane, [a, b]), |product| product.0[lane])
     }
 
-    /// Volumes, displacement gradients and strains of a batch at its points; those of rest without displacements.
+    /// Volumes, displacement gradients and strains of a batch at its points; without displacements those of the undeformed cells.
     pub(super) fn deform(&self, batch: &Batch<D, A>, u: Option<&[f64]>) -> Deformation<D, S, Q> {
         dispatch(Deform { cells: self, batch, u })
     }
 
-    /// Sets, or adds to what earlier rounds left, forces and values of the span of nodes of a run.
+    /// Adds forces and matrix values of a run's cells to its span of nodes, which is zeroed first where no earlier round has contributed.
     fn assemble_run(&self, step: &Step, placed: &PlacedRun<D>, force: &mut [f64], mut values: Option<&mut [f64]>) -> Result<(), Inverted> {
         let PlacedRun { run, values: places, fresh_values } = placed;
         let (first_unknown, first_value) = (run.nodes.start * D, places.start);
@@ -130,8 +130,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         })
     }
 
-    /// Adds force and derivative of a step with a share of the geometric stiffness, in a configuration that a step came through to: no cell
-    /// is inside out.
+    /// Adds forces and tangent of a step, with a factor of the geometric stiffness, in a configuration without inverted cells.
     fn add_all(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, geometric: f64) {
         let sums = Sums { force, values, first_unknown: 0, first_value: 0 };
         let _ = dispatch(Assemble { cells: self, step, batches: 0..self.batches.len(), sums, geometric });
@@ -142,7 +141,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         &self.cliques[batch * WIDTH + lane]
     }
 
-    /// Points of a batch relative to the stress-free state; of a body of revolution with the volume of the circumference.
+    /// Sets the points of a batch relative to the stress-free state; for bodies of revolution with volumes of the whole circumference.
     #[inline(always)]
     fn set_points<const FMA: bool>(&self, batch: &Batch<D, A>, work: &mut Workspace<FMA, D, S, A, Q>) {
         work.set_points(batch, &self.table);
@@ -154,8 +153,8 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
     }
 
-    /// Computes the forces of a batch in a step and, with a share of the geometric stiffness, the tangent; returns true if no cell is
-    /// inside out.
+    /// Computes the forces of a batch in a step and, with a factor of the geometric stiffness, the tangent; returns true if no cell is
+    /// inverted.
     #[inline(always)]
     pub(super) fn respond<const FMA: bool>(
         &self,
@@ -219,7 +218,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         }
     }
 
-    /// Adds the tangent of the cells of a batch to values whose first stands at `first_value`.
+    /// Adds the tangent of a batch's cells to values that start at `first_value`.
     #[inline(always)]
     fn scatter_tangent<const FMA: bool>(&self, index: usize, work: &Workspace<FMA, D, S, A, Q>, values: &mut [f64], first_value: usize) {
         let count = self.batches[index].count;
@@ -240,10 +239,10 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 }
 
-/// A batch at its points.
+/// Deformation of a batch at its points.
 pub(super) struct Deformation<const D: usize, const S: usize, const Q: usize> {
     pub(super) volumes: [Lanes<false>; Q],
-    /// Volumes at rest, which have the mass.
+    /// Undeformed volumes, which carry the mass.
     pub(super) weighed: [Lanes<false>; Q],
     pub(super) gradient: [[[Lanes<false>; D]; D]; Q],
     pub(super) strain: [Components<S>; Q],
@@ -293,7 +292,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 }
 
-/// Force and, where they are wanted, values of a span of nodes, to be added to.
+/// Forces and, if requested, matrix values of a span of nodes, as accumulators.
 struct Sums<'a> {
     force: &'a mut [f64],
     values: Option<&'a mut [f64]>,
@@ -307,12 +306,12 @@ struct Assemble<'a, const D: usize, const S: usize, const L: usize, const A: usi
     step: &'a Step<'a>,
     batches: Range<usize>,
     sums: Sums<'a>,
-    /// Share of the geometric stiffness in the tangent: 1, or 0 for that of the material alone.
+    /// Factor of the geometric stiffness in the tangent: 1, or 0 for the material stiffness only.
     geometric: f64,
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Kernel for Assemble<'_, D, S, L, A, Q> {
-    /// The first batch with a cell that is inside out.
+    /// Index of the first batch with an inverted cell, as an error.
     type Output = Result<(), usize>;
 
     #[inline(always)]

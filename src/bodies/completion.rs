@@ -1,5 +1,5 @@
-//! Contributions of a special stress beyond the components of its cells: forces around an axis, and the derivative of the pressures of a
-//! dilatation.
+//! Contributions of a special stress beyond the components of its cells: hoop forces of bodies of revolution, and the derivative of the
+//! pressures of a dilatation.
 //!
 //! See `special.rs` for the formulas.
 
@@ -21,7 +21,7 @@ pub(super) struct Share {
     pub(super) weight: f64,
     /// True if the derivative of the force is computed, too.
     pub(super) with_tangent: bool,
-    /// Share of the end of the step in the configuration of the forces; 0 leaves out what belongs to the stress itself.
+    /// Derivative of the configuration of the forces with respect to the end of the step; 0 omits geometric terms.
     pub(super) geometric: f64,
 }
 

@@ -1,37 +1,36 @@
-//! Consistent mass of cells whose Jacobian is not constant.
+//! Consistent mass of cells with a variable Jacobian.
 //!
-//! `m_ab = int rho N_a N_b det J dxi`. The points of the stiffness sum it exactly where the Jacobian is constant. Elsewhere, in curved and
-//! distorted cells and around an axis, they do not: with eight facets around, kinetic energy of `tet10` was 1 % off. Such cells keep
-//! `int N_a N_b det J` of a quadrature that is exact, one number for each pair of nodes.
+//! `m_ab = int rho N_a N_b det J dxi`. The stiffness quadrature is exact for a constant Jacobian. In curved and distorted cells and around
+//! an axis it is not: with eight facets around, the kinetic energy of `tet10` had an error of 1 %. These cells store `int N_a N_b det J` by
+//! an exact quadrature, one number for each pair of nodes.
 
 use super::batch::{Batch, Point, Table, many};
 use crate::elements::{CellShape, ReferenceCell};
 use crate::math::lanes::{Lanes, Real, WIDTH};
 
-/// Integral of the product of two shape functions, relative to the largest of the cell, within which two quadratures of it agree: round-off
-/// of their sums.
+/// Relative difference up to which two quadratures of a product of shape functions agree: round-off of their sums.
 const MASS_PRODUCT: f64 = 50.0 * f64::EPSILON;
 
-/// A point of the quadrature: values and gradients of the shape functions, and the weight.
+/// Quadrature point of the mass: values and gradients of the shape functions, and weight.
 struct MassPoint<const D: usize, const A: usize> {
     shapes: [f64; A],
     gradients: [[f64; D]; A],
     weight: f64,
 }
 
-/// Quadrature of the mass of cells of one kind.
+/// Mass quadrature of a cell kind.
 pub(super) struct MassRule<const D: usize, const A: usize> {
     points: Vec<MassPoint<D, A>>,
 }
 
-/// Place of a pair of nodes in the lower triangle of a symmetric matrix, row by row.
+/// Index of a node pair in the lower triangle of a symmetric matrix, row by row.
 fn place(a: usize, b: usize) -> usize {
     let (row, column) = (a.max(b), a.min(b));
     row * (row + 1) / 2 + column
 }
 
 impl<const D: usize, const A: usize> MassRule<D, A> {
-    /// The rule of a cell kind.
+    /// Mass quadrature of a cell kind.
     pub(super) fn new<C: ReferenceCell<D, A, Q>, const Q: usize>(shape: CellShape) -> Self {
         let at = |(xi, weight): ([f64; 3], f64)| {
             let xi: [f64; D] = std::array::from_fn(|i| xi[i]);
@@ -40,7 +39,7 @@ impl<const D: usize, const A: usize> MassRule<D, A> {
         MassRule { points: shape.mass_points().into_iter().map(at).collect() }
     }
 
-    /// Integrals of the products of two shape functions over the cells of a batch, of a section those over the circumference.
+    /// Integrals of the products of two shape functions over the cells of a batch; over the circumference if `is_section`.
     fn products(&self, batch: &Batch<D, A>, is_section: bool, products: &mut Vec<Lanes<false>>) {
         products.clear();
         products.resize(place(A - 1, A - 1) + 1, Lanes::ZERO);
@@ -61,8 +60,8 @@ impl<const D: usize, const A: usize> MassRule<D, A> {
 }
 
 impl<const D: usize, const A: usize> Batch<D, A> {
-    /// Keeps the integrals of the products of the shape functions where the points of the stiffness, with these volumes, do not give them.
-    /// `exact` is the room for them, the same for all batches.
+    /// Stores the integrals of products of shape functions if the stiffness quadrature with these volumes is inexact; `exact` is a buffer
+    /// shared by all batches.
     pub(super) fn keep_mass<const Q: usize>(
         &mut self,
         rule: &MassRule<D, A>,
@@ -81,14 +80,14 @@ impl<const D: usize, const A: usize> Batch<D, A> {
         self.mass = if (0..WIDTH).any(is_off) { exact.clone() } else { Vec::new() };
     }
 
-    /// Integral of the product of the shape functions of two nodes over the cells of the batch, where it is kept.
+    /// Stored integral of the product of two nodes' shape functions over the cells of the batch; `None` if not stored.
     #[inline(always)]
     pub(super) fn kept_mass(&self, a: usize, b: usize) -> Option<Lanes<false>> {
         self.mass.get(place(a, b)).copied()
     }
 }
 
-/// Sum over the points of the stiffness of the product of the shape functions of two nodes.
+/// Sum over the stiffness quadrature points of the product of two nodes' shape functions.
 pub(super) fn summed<const D: usize, const A: usize, const Q: usize>(
     table: &Table<D, A, Q>,
     volumes: &[Lanes<false>; Q],

@@ -26,21 +26,21 @@ use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::mandel_place;
 use crate::math::tolerances::{KINK_QUOTIENT, STRAIN_QUOTIENT};
 
-/// Most modes of the dilatation of a cell: a constant, and a slope in each direction.
+/// Largest number of dilatation modes of a cell: a constant, and a slope in each direction.
 pub(super) const MOST_MODES: usize = 4;
 
 /// The modes of the dilatation of a batch of cells.
 pub(super) struct Modes {
-    /// Number of modes: one of a mean.
+    /// Number of modes; 1 for the mean dilatation.
     pub(super) count: usize,
     /// Values at the points; the first mode is 1 everywhere.
     pub(super) values: [[Lanes<false>; MOST_POINTS]; MOST_MODES],
-    /// Sums of their squares, times the volumes of the points.
+    /// Norms of the modes: sums of their squares times the volumes of the points.
     norms: [Lanes<false>; MOST_MODES],
 }
 
 impl Modes {
-    /// The mean alone, or a constant and a slope in each direction of cells whose points have these volumes and places, from any origin.
+    /// Constant mode or, given the positions of the points (any origin), also a slope in each direction.
     pub(super) fn new<const D: usize>(volumes: &[Lanes<false>], places: Option<&[[Lanes<false>; D]]>) -> Self {
         let mut modes = Modes {
             count: 1,
@@ -94,7 +94,7 @@ impl Modes {
     }
 }
 
-/// The pressure of a step and its derivative with respect to `theta` at the configuration where that counts.
+/// Pressure of a step, and its derivative with respect to `theta` at the configuration where `theta` is evaluated.
 #[derive(Clone, Copy)]
 pub(super) struct Pressure {
     pub(super) value: Lanes<false>,
@@ -111,8 +111,8 @@ impl Pressure {
         Pressure { value: response[0][0], slope: response[0][1] }
     }
 
-    /// The discrete gradient of `U` and its derivative with respect to the end: a Gauss rule for the line integrals of `U'` and `U''`,
-    /// and the quotient where the step is too large for it or `U''` may jump within.
+    /// Discrete gradient of `U` and its derivative with respect to the end: Gauss quadrature of `U'` and `U''`, or the difference quotient
+    /// in large steps or if `U''` may jump.
     pub(super) fn between(law: &dyn VolumetricLaw, from: Lanes<false>, to: Lanes<false>) -> Self {
         let step = to - from;
         let changes = GAUSS.map(|(s, _)| from + step * s);
@@ -246,7 +246,7 @@ impl<const FMA: bool, const S: usize> VolumeRatio<FMA, S> {
         VolumeRatio { gradient, hessian, trial }
     }
 
-    /// The gradient at one strain; `share` is the derivative of the strain there with respect to that at the end.
+    /// Gradient at one strain; `share` is the derivative of this strain with respect to the strain at the end.
     #[inline(always)]
     fn at(strain: &Components<S>, change: Lanes<FMA>, share: f64) -> Self {
         let c = stretch::<FMA, S>(strain);

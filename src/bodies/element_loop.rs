@@ -7,16 +7,16 @@ use crate::linear::{NodeMatrix, Pattern};
 use crate::materials::PointHistory;
 use crate::math::workers::Workers;
 
-/// A cell that is inside out in the deformed configuration.
+/// Inverted cell in the deformed configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inverted {
     /// Cell number in its mesh.
     pub cell: usize,
-    /// Smallest determinant of the deformation gradient at its quadrature points.
+    /// Smallest determinant of the deformation gradient at the cell's quadrature points.
     pub determinant: f64,
 }
 
-/// Cell with the largest eigenfrequency when considered by itself.
+/// Cell with the largest eigenfrequency of all cells considered in isolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FastestCell {
     /// Number of the cell in the mesh.
@@ -75,30 +75,30 @@ pub struct PointStress<'a> {
     pub nodes: &'a [u32],
     /// Values of the cell's shape functions at the point.
     pub shapes: &'a [f64],
-    /// Factors of the point's values in those that are extrapolated to the nodes of the cell.
+    /// Factors of the point's value in the extrapolation to the cell's nodes.
     pub extrapolation: &'a [f64],
-    /// Undeformed volume that belongs to the point.
+    /// Undeformed volume of the point.
     pub volume: f64,
     /// Undeformed volume of the cell.
     pub cell_volume: f64,
     /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`.
     pub stress: [f64; 6],
-    /// Green-Lagrange strain, likewise.
+    /// Green-Lagrange strain xx, yy, zz, xy, yz, xz.
     pub strain: [f64; 6],
-    /// Plastic strain, heat and back stress, of a law with history variables.
+    /// Plastic strain, heat and back stress; `None` for laws without history variables.
     pub kept: Option<PointHistory>,
 }
 
-/// The cells of a body in `D` dimensions. Displacements and forces are flat, node after node, of the whole model.
+/// Element loop over the cells of a body in `D` dimensions. Displacements and forces are flat, node after node, of the whole model.
 pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Node numbers (in the model) of the cells, one clique each.
     fn cliques(&self) -> &[Vec<u32>];
 
-    /// Finds where each cell's blocks stand in a matrix.
+    /// Finds the positions of each cell's blocks in a matrix.
     fn place(&mut self, pattern: &Pattern);
 
-    /// Scales the stress-free lengths by a factor that is given at the nodes and interpolated in the cells (swelling, thermal expansion);
-    /// masses stay. Returns the least factor at a point.
+    /// Scales the stress-free lengths by a factor given at the nodes and interpolated in the cells (swelling, thermal expansion); masses
+    /// are unchanged. Returns the least factor at a point.
     fn grow(&mut self, _factor: &dyn Fn(u32) -> f64) -> f64 {
         f64::INFINITY
     }
@@ -109,8 +109,8 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Adds the lumped mass of the cells to the nodal masses; returns true if every node of every cell has a positive mass.
     fn add_lumped_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool;
 
-    /// The cell that by itself, with its mass at its nodes, can vibrate fastest about displacements `u`; no vibration of the body is
-    /// faster.
+    /// Cell with the highest frequency bound about displacements `u`, considered in isolation with lumped mass: an upper bound for the
+    /// body.
     fn fastest_cell(&self, lumping: Lumping, u: &[f64]) -> FastestCell;
 
     /// Sets the internal force of a step on the nodes of the cells, and in their columns of the matrix its derivative with respect to `u_1`
@@ -133,19 +133,19 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// History variables after full relaxation at constant displacements.
     fn relaxed(&self, at: Present) -> Vec<f64>;
 
-    /// True if its material flows plastically.
+    /// True if the body's material has plastic flow.
     fn flows(&self) -> bool;
 
     /// History variables at the end of a step, and its heat.
     fn advance(&self, step: &Step) -> Advance;
 
-    /// Energy stored by strains and history variables, without the part that relaxes `[energy]`.
+    /// Energy stored by strains and history variables, without the relaxing part `[energy]`.
     fn strain_energy(&self, at: Present) -> f64;
 
-    /// Stored energy that relaxes: that of the Maxwell branches `[energy]`.
+    /// Relaxing stored energy: that of the Maxwell branches `[energy]`.
     fn relaxing_energy(&self, history: &[f64]) -> f64;
 
-    /// Smallest determinant of the deformation gradient, and its cell.
+    /// Cell with the smallest determinant of the deformation gradient, and the determinant.
     fn smallest_determinant(&self, u: &[f64]) -> Inverted;
 
     /// Visits stress and strain at all quadrature points, cell after cell of a batch.

@@ -13,10 +13,10 @@ pub enum Plane {
     /// No stretch across the plane.
     #[default]
     Strain,
-    /// No stress across the plane: the stretch there is solved for. Forces are per thickness.
+    /// Plane stress: the stretch across the plane follows from zero stress there. Forces are per thickness.
     Stress,
-    /// A body of revolution about the second axis, of which the cells are half a section: the first coordinate is the radius. Volumes,
-    /// masses and forces are those of the whole circumference.
+    /// Body of revolution about the second axis, meshed as half a section: the first coordinate is the radius. Volumes, masses and forces
+    /// are those of the whole circumference.
     Axisymmetric,
 }
 
@@ -28,7 +28,7 @@ pub enum Dilatation {
     Pointwise,
     /// Mean dilatation of the element (Nagtegaal, Parks and Rice 1974; Simo, Taylor and Pister 1985), which does not lock.
     Mean,
-    /// Dilatation linear in the element: free of locking where displacements are biquadratic, and of second order.
+    /// Dilatation linear in the element: no locking with biquadratic displacements, second order accurate.
     Linear,
 }
 
@@ -41,20 +41,20 @@ pub struct Formulation {
     pub dilatation: Dilatation,
 }
 
-/// A formulation that does not go with its material or mesh.
+/// Formulation that is incompatible with the material or mesh.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FormulationError {
-    /// An energy that is not written as a function of the volume and a rest.
+    /// Law whose energy is not split into a volumetric and a remaining part.
     #[error("a dilatation of the cell needs a law with a volumetric part, and `{law}` has none")]
     NoVolumetricPart {
-        /// The law.
+        /// Name of the law.
         law: &'static str,
     },
-    /// Two conditions for one stretch.
+    /// Mean dilatation in plane stress, which would determine the stretch across the plane twice.
     #[error("a dilatation of the cell does not go with plane stress, which leaves the volume free anyway")]
     MeanInPlaneStress,
-    /// Displacements that a linear dilatation would lock, or whose pressure it would leave open.
+    /// Linear dilatation in cells that would lock, or whose pressure would be undetermined.
     #[error("a linear dilatation is one of `quad9` or `hex27` cells, and these are `{cells}`")]
     LinearOfOthers {
         /// Name of the body's cell kind.
@@ -66,16 +66,16 @@ pub enum FormulationError {
         /// Name of the body's cell kind.
         cells: &'static str,
     },
-    /// A body of revolution that crosses its axis.
+    /// Body of revolution with nodes beyond its axis.
     #[error("a node of an axisymmetric body is at x = {x}, on the other side of the axis x = 0")]
     BeyondAxis {
         /// Smallest first coordinate `[length]`.
         x: f64,
     },
-    /// Strains that a formulation is not made for.
+    /// Linear strains, which the dilatation of a cell does not support.
     #[error("a dilatation of the cell is one of large strains, and `{law}` is linear")]
     MeanOfLinear {
-        /// The law.
+        /// Name of the law.
         law: &'static str,
     },
 }
@@ -108,8 +108,8 @@ impl FormulationError {
 }
 
 impl Formulation {
-    /// The formulation for cells and a material where nothing is said of the dilatation: where the law hardly changes its volume and cells
-    /// and law can, it is linear in biquadratic and triquadratic cells and one mean in all others.
+    /// Default formulation of cells and material: for nearly incompressible laws, if cells and law permit, a linear dilatation in
+    /// biquadratic and triquadratic cells and a mean one in all others.
     pub fn suited(plane: Plane, cells: CellKind, material: &Material) -> Self {
         let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
         let dilatation = match cells {

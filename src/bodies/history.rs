@@ -1,7 +1,7 @@
 //! History variables at the quadrature points of a body, and their change in a step.
 //!
-//! Their order in memory: batch after batch, in it point after point, in it variable after variable, and of each variable the values of the
-//! eight cells of the batch. Lanes that are left over in the last batch repeat its first cell.
+//! Memory order: batch after batch, point after point, variable after variable, and for each variable the values of the eight cells of the
+//! batch. Unused lanes of the last batch repeat its first cell.
 
 use super::batch::MOST_POINTS;
 use super::cells::Cells;
@@ -23,7 +23,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         own.as_chunks::<WIDTH>().0.iter().map(|lanes| Lanes(*lanes)).collect()
     }
 
-    /// [`ElementLoop::advance`](super::ElementLoop::advance).
+    /// Implements [`ElementLoop::advance`](super::ElementLoop::advance).
     pub(super) fn advanced(&self, step: &Step) -> Advance {
         let mut advance = Advance { history: Vec::with_capacity(step.history.len()), plastic: 0.0, viscous: 0.0 };
         let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
@@ -52,7 +52,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         advance
     }
 
-    /// [`ElementLoop::relaxed`](super::ElementLoop::relaxed).
+    /// Implements [`ElementLoop::relaxed`](super::ElementLoop::relaxed).
     pub(super) fn relaxed_history(&self, Present { u, history }: Present) -> Vec<f64> {
         let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
             return Vec::new();
@@ -68,7 +68,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         relaxed
     }
 
-    /// [`ElementLoop::relaxing_energy`](super::ElementLoop::relaxing_energy).
+    /// Implements [`ElementLoop::relaxing_energy`](super::ElementLoop::relaxing_energy).
     pub(super) fn relaxing_energy_of(&self, history: &[f64]) -> f64 {
         let Some(law) = self.physics.special.as_ref().and_then(|special| special.law.history()).filter(|law| law.variables() > 0) else {
             return 0.0;

@@ -1,4 +1,4 @@
-//! Which loop goes over which cells: the one place that joins cell kinds, formulations and laws.
+//! Selection of the element loop: the one place that combines cell kinds, formulations and laws.
 
 use super::cells::Cells;
 use super::element_loop::{ElementLoop, Inverted};
@@ -6,10 +6,10 @@ use super::physics::{BodyCells, Physics};
 use crate::elements::{CellKind, Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, ReferenceCell, Tet4, Tet10, Tri3, Tri6};
 use crate::mesh::Mesh;
 
-/// A space dimension for which there are cells.
+/// Space dimension with implemented cells.
 pub struct Space<const D: usize>;
 
-/// Chooses the cells of a mesh by its cell kind.
+/// Selects the element loop of a mesh by its cell kind.
 pub trait Elements<const D: usize> {
     /// The loop over the cells of a body.
     ///
@@ -18,7 +18,7 @@ pub trait Elements<const D: usize> {
     fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<D>>, Inverted>;
 }
 
-/// A loop over cells of one kind.
+/// Element loop over cells of one kind.
 fn cells<C: ReferenceCell<D, A, Q>, const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize>(
     mesh: &Mesh,
     physics: Physics<S, L>,

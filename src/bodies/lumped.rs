@@ -1,7 +1,7 @@
-//! Lumped nodal masses, and bounds of the eigenfrequencies of single cells with these.
+//! Lumped nodal masses, and bounds of the eigenfrequencies of single cells with these masses.
 //!
-//! No vibration of a body is faster than the fastest one of its cells by themselves (Hughes, The Finite Element Method, 1987, section 9.2).
-//! That of a cell is bounded by the norms of `m^-1/2 K_e m^-1/2`.
+//! No vibration of a body is faster than the fastest vibration of a single cell (Hughes, The Finite Element Method, 1987, section 9.2),
+//! which is bounded by norms of `m^-1/2 K_e m^-1/2`.
 
 use super::batch::{Batch, many};
 use super::cells::Cells;
@@ -11,8 +11,8 @@ use crate::integrators::{Derivative, Lumping};
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::simd::{Kernel, dispatch};
 
-/// Row sum of a cell's mass, relative to the mass of the cell, up to which it counts as none: corners of straight triangles of second order
-/// have 0, those of `hex27` 1/216.
+/// Row sum of a cell's mass, relative to the cell mass, below which it counts as zero: corners of straight quadratic triangles have 0,
+/// those of `hex27` 1/216.
 const LEAST_ROW_SUM: f64 = 1.0 / 5000.0;
 
 /// Masses of the nodes of eight cells.
@@ -52,7 +52,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         masses
     }
 
-    /// [`ElementLoop::add_lumped_mass`](super::ElementLoop::add_lumped_mass).
+    /// Implements [`ElementLoop::add_lumped_mass`](super::ElementLoop::add_lumped_mass).
     pub(super) fn lump_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool {
         let (by_row_sums, mut are_positive) = (self.takes_row_sums(lumping), true);
         for (index, batch) in self.batches.iter().enumerate() {
@@ -67,7 +67,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         are_positive
     }
 
-    /// [`ElementLoop::fastest_cell`](super::ElementLoop::fastest_cell).
+    /// Implements [`ElementLoop::fastest_cell`](super::ElementLoop::fastest_cell).
     pub(super) fn find_fastest(&self, lumping: Lumping, u: &[f64]) -> FastestCell {
         let by_row_sums = self.takes_row_sums(lumping);
         let mut fastest = FastestCell { cell: 0, frequency_squared: 0.0 };

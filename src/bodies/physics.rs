@@ -13,20 +13,20 @@ use crate::math::lanes::Lanes;
 use crate::math::tensor::mandel_place;
 use crate::mesh::Mesh;
 
-/// Cells of a body, as an element loop goes over them.
+/// Data of a body's cells from which its element loop is made.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyCells<'a> {
-    /// The mesh.
+    /// Mesh of the body.
     pub mesh: &'a Mesh,
-    /// The material.
+    /// Material of the body.
     pub material: &'a Material,
-    /// A formulation that goes with mesh and material ([`Formulation::check`]).
+    /// Formulation that is compatible with mesh and material ([`Formulation::check`]).
     pub formulation: Formulation,
-    /// Number of the mesh's first node among those of the model.
+    /// Number of the mesh's first node in the model.
     pub first_node: usize,
     /// True if the time integrator averages the stress over a step.
     pub averages_stress: bool,
-    /// A resistance to the rate of strain that takes the place of all stresses of the material.
+    /// Viscosity that replaces all stresses of the material; `None` for the material itself.
     pub resistance: Option<&'a Viscosity>,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Physics<const S: usize, const L: usize> {
     pub(super) law: Arc<dyn BatchedLaw<S>>,
     /// Special stress used in place of `law` where the strain components of the cells do not suffice.
     pub(super) special: Option<Special<L>>,
-    /// The law in space, which includes the stress across the plane; with a dilatation of the cell, without its volumetric part.
+    /// Law in space, for the stress across the plane; without its volumetric part in cells with a dilatation of their own.
     pub(super) spatial_law: Arc<dyn BatchedLaw<6>>,
     /// The law whose strain across the plane is solved for.
     plane_stress: Option<PlaneStress>,
@@ -53,7 +53,7 @@ pub(super) struct Physics<const S: usize, const L: usize> {
     pub(super) density: f64,
 }
 
-/// Green-Lagrange strain and second Piola-Kirchhoff stress at a point of eight cells, in space.
+/// Green-Lagrange strain and second Piola-Kirchhoff stress in space at a point of eight cells.
 pub(super) struct Seen {
     pub(super) strain: Components<6>,
     pub(super) stress: Components<6>,
@@ -83,7 +83,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         if self.is_axisymmetric() { 3 } else { D }
     }
 
-    /// Strain and stress in space at a point of a batch that keeps these history variables.
+    /// Strain and stress in space at a point of a batch with the history variables `kept`.
     pub(super) fn seen(&self, strain: &Components<S>, hoop: Lanes<false>, kept: &[Lanes<false>], point: usize) -> Seen {
         let mut space = self.spatial_strain(strain, hoop);
         let (mut own, mut stress) = ([[Lanes::ZERO; L]], [[Lanes::ZERO; 6]]);
@@ -105,12 +105,12 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         Seen { strain: space, stress: stress[0] }
     }
 
-    /// Values of the history of a point for fields, in one lane of a batch.
+    /// History values of a point for fields, in one lane of a batch.
     pub(super) fn shown(&self, kept: &[Lanes<false>], point: usize, lane: usize) -> Option<PointHistory> {
         self.history_of(kept, point).and_then(|(law, kept)| law.shown(kept, lane))
     }
 
-    /// The law with history variables, and those of a point of a batch.
+    /// Law with history variables, and the variables of a point of a batch; `None` for other laws.
     fn history_of<'a>(&self, kept: &'a [Lanes<false>], point: usize) -> Option<(&dyn HistoryLaw<L>, &'a [Lanes<false>])> {
         let law = self.special.as_ref()?.law.history()?;
         Some((law, &kept[point * law.variables()..][..law.variables()]))
@@ -141,7 +141,7 @@ where
     if body.averages_stress { Arc::new(MeanValue(law)) } else { law }
 }
 
-/// The law of the points of a body: an elastic one or one with history variables, and the viscosity of the material.
+/// Law at the points of a body: elastic or with history variables, including the viscosity of the material.
 fn point_law<const L: usize>(body: &BodyCells, elastic: Arc<dyn BatchedLaw<L>>, history: Option<Arc<dyn HistoryLaw<L>>>) -> PointLaw<L>
 where
     MeanValue<L>: BatchedLaw<L>,
@@ -154,7 +154,7 @@ where
     if viscosity.is_none() { law } else { PointLaw::History(Arc::new(ViscousLaw::new(law, viscosity))) }
 }
 
-/// True of a body whose stress depends on more than the strain.
+/// True for bodies whose stress depends on more than the present strain.
 fn remembers(body: &BodyCells) -> bool {
     body.resistance.is_some() || body.material.history().is_some() || !body.material.viscosity().is_none()
 }

@@ -6,7 +6,7 @@ use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    /// [`ElementLoop::visit_stresses`](super::ElementLoop::visit_stresses).
+    /// Implements [`ElementLoop::visit_stresses`](super::ElementLoop::visit_stresses).
     pub(super) fn visit_points(&self, Present { u, history }: Present, visit: &mut dyn FnMut(&PointStress)) {
         for (index, batch) in self.batches.iter().enumerate() {
             let deformation = self.deform(batch, Some(u));

@@ -1,9 +1,9 @@
 //! Recovery of nodal values from values of nearby first-order cells.
 //!
-//! Means of four-node and eight-node cells are of second order at their centres, and so are means of two triangles between these: what is
-//! wrong with the one is wrong with the other in the opposite direction. A linear polynomial is fitted to such samples around each node,
-//! and read there (superconvergent patch recovery: Zienkiewicz and Zhu, International Journal for Numerical Methods in Engineering 33,
-//! 1992). At a surface the few cells at a node leave the slope open, so that the patch grows by the cells that share nodes with it.
+//! Means of four-node and eight-node cells are second-order accurate at the centers, and so are means of two neighboring triangles, whose
+//! errors cancel. A linear polynomial is fitted to these samples around each node and evaluated there (superconvergent patch recovery:
+//! Zienkiewicz and Zhu, International Journal for Numerical Methods in Engineering 33, 1992). At a surface the few cells at a node do not
+//! determine the slope, so the patch is extended by cells that share nodes with it.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::mesh::Mesh;
 /// Maximum number of extensions of a patch by neighboring cells.
 const GROWTHS: usize = 3;
 
-/// For each node of a mesh the factors of the cells around it.
+/// Factors of nearby cells in the recovered value at each node of a mesh.
 pub struct Recovery {
     /// Start of the cells of each node in `cells`, then the number of entries.
     starts: Vec<usize>,
@@ -23,7 +23,7 @@ pub struct Recovery {
 }
 
 impl Recovery {
-    /// For the nodes of a mesh; none has a factor where the cells are of second order.
+    /// Recovery factors for the nodes of a mesh; empty for second-order cells.
     pub fn new(mesh: &Mesh) -> Self {
         let mut recovery = Recovery { starts: vec![0], cells: Vec::new() };
         let patches = mesh.kind.is_first_order().then(|| Patches::new(mesh));
@@ -34,7 +34,7 @@ impl Recovery {
         recovery
     }
 
-    /// The value at each node that has factors, from values of the cells.
+    /// Recovered values at the nodes that have factors, from values of the cells.
     pub fn recovered<'a>(&'a self, cells: &'a [[f64; 6]]) -> impl Iterator<Item = (usize, [f64; 6])> + 'a {
         self.starts.windows(2).enumerate().filter(|(_, ends)| ends[0] < ends[1]).map(move |(node, ends)| {
             let mut value = [0.0; 6];
@@ -46,7 +46,7 @@ impl Recovery {
     }
 }
 
-/// The mean of one cell or of two, and where it belongs: at the mean of their centres.
+/// Mean value of one or two cells, located at the mean of their centers.
 struct Sample {
     cells: Vec<u32>,
     place: [f64; 3],
@@ -58,7 +58,7 @@ struct Patches<'a> {
     /// The cells at each node.
     around: Vec<Vec<u32>>,
     samples: Vec<Sample>,
-    /// The samples that begin with each cell.
+    /// Samples that begin with each cell.
     of_cell: Vec<Vec<usize>>,
 }
 
@@ -119,7 +119,7 @@ impl<'a> Patches<'a> {
         None
     }
 
-    /// The cells of a patch and all that share a node with one of them, in order.
+    /// Cells of a patch and all cells that share a node with one of these, in order.
     fn grown(&self, patch: &[u32]) -> Vec<u32> {
         let nodes = patch.iter().flat_map(|&cell| self.mesh.cell(cell as usize));
         let mut cells: Vec<u32> = nodes.flat_map(|&node| self.around[node as usize].iter().copied()).collect();
@@ -128,9 +128,9 @@ impl<'a> Patches<'a> {
         cells
     }
 
-    /// Factors of samples in the value at a node of the linear polynomial with least squares, where they do not amplify what is wrong with
-    /// the samples: with `P` the values of the polynomials there, all but the first of which are zero at the node, the factors are
-    /// `P (P^T P)^-1 e_1`, and the sum of their squares is the first entry of `(P^T P)^-1`.
+    /// Factors of samples in the nodal value of the least-squares linear polynomial; `None` if they would amplify errors of the samples.
+    /// With the values `P` of the polynomials, all but the first of which vanish at the node, the factors are `P (P^T P)^-1 e_1`, and the
+    /// sum of their squares is the first entry of `(P^T P)^-1`.
     fn fitted(&self, node: usize, samples: &[&Sample]) -> Option<Vec<f64>> {
         let arm = |sample: &&Sample| -> [f64; 3] { std::array::from_fn(|i| sample.place[i] - self.mesh.points[node][i]) };
         let arms: Vec<[f64; 3]> = samples.iter().map(arm).collect();

@@ -1,4 +1,4 @@
-//! Rigid bodies: the motion of `D + 1` of a mesh's nodes carries all others.
+//! Rigid bodies: the motion of all nodes of a mesh follows from `D + 1` of them.
 //!
 //! A body whose strain is zero moves affinely, so the position of every point follows from `D + 1` nodes in general position, its
 //! *masters*:
@@ -9,9 +9,9 @@
 //! M_ij = int rho a_i a_j dV = m a_i(X_c) a_j(X_c) + grad a_i . E grad a_j          X_c center of mass, E Euler tensor about it
 //! ```
 //!
-//! and what is left of the motion is rigid by the quadratic constraints that the distances between masters do not change (rotationless:
-//! Betsch and Steinmann, IJNME 53, 2001; natural coordinates: de Jalon and Bayo 1994). Their gradient in the middle of a step is a discrete
-//! gradient, so energy and momenta are exact with any of them.
+//! and the motion is rigid if the distances between masters are constant, which are quadratic constraints (rotationless formulation: Betsch
+//! and Steinmann, IJNME 53, 2001; natural coordinates: de Jalon and Bayo 1994). Their gradients at mid-step are discrete gradients, so that
+//! energy and momenta are exact for any choice of masters.
 
 use std::ops::Range;
 
@@ -28,12 +28,12 @@ use crate::math::tolerances;
 use crate::math::workers::Workers;
 use crate::mesh::Mesh;
 
-/// Mass of a rigid body and how it is spread.
+/// Mass of a rigid body, its center and its second moments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia {
     /// Mass, per thickness in the plane `[mass]`.
     pub mass: f64,
-    /// Center of mass at rest `[length]`.
+    /// Center of mass in the reference positions `[length]`.
     pub center: [f64; 3],
     /// Euler tensor `E = int rho (X - X_c) (X - X_c)^T dV` `[mass * length^2]`; in the plane its first two rows and columns. The tensor of
     /// inertia is `tr(E) I - E`.
@@ -75,7 +75,7 @@ impl Inertia {
         values
     }
 
-    /// Second moments of the mass along its principal axes in ascending order `[mass * length^2]`: none is negative of a body that exists.
+    /// Second moments of the mass along its principal axes in ascending order `[mass * length^2]`; nonnegative for physical bodies.
     pub fn principal_spreads(&self) -> [f64; 3] {
         let mut values: [f64; 3] = Matrix3::from_fn(|i, j| self.euler[i][j]).symmetric_eigenvalues().into();
         values.sort_by(f64::total_cmp);
@@ -114,7 +114,7 @@ pub struct Frame {
     pub masters: Vec<u32>,
     /// Gradients of the barycentric coordinates of the masters `[1/length]`.
     gradients: Vec<Vector3<f64>>,
-    /// Position of the first master at rest `[length]`.
+    /// Reference position of the first master `[length]`.
     origin: Vector3<f64>,
 }
 
@@ -153,14 +153,14 @@ impl Frame {
         Some(Frame { masters: masters.into_iter().map(|node| node as u32).collect(), gradients, origin })
     }
 
-    /// Barycentric coordinates `a_i` of a point of the body, given its position at rest; they sum to one.
+    /// Barycentric coordinates `a_i` of a point of the body, given its reference position; they sum to one.
     pub fn shares(&self, point: [f64; 3]) -> Vec<f64> {
         let arm = Vector3::from(point) - self.origin;
         let share = |(k, gradient): (usize, &Vector3<f64>)| gradient.dot(&arm) + if k == 0 { 1.0 } else { 0.0 };
         self.gradients.iter().enumerate().map(share).collect()
     }
 
-    /// Factors of the masters in a vector fixed to the body, given its components at rest: `grad a_i . v`; the factors sum to zero.
+    /// Factors of the masters in a vector fixed to the body, given its initial components: `grad a_i . v`; the factors sum to zero.
     pub fn direction(&self, vector: [f64; 3]) -> Vec<f64> {
         self.gradients.iter().map(|gradient| gradient.dot(&Vector3::from(vector))).collect()
     }
@@ -174,19 +174,19 @@ impl Frame {
     }
 }
 
-/// Distance from the plane (line, point) of the masters before it over the size of a mesh, below which nodes count as flat.
+/// Distance from the plane (line, point) of the previous masters, relative to the mesh size, below which nodes count as coplanar.
 const FLAT: f64 = tolerances::FLAT_FRAME;
 
-/// Part of the mass of a rigid body that the nodes tied to it have in equal parts.
+/// Fraction of a rigid body's mass shared equally by the nodes tied to it.
 const TIED_PART: f64 = 0.125;
 
 /// A rigid body as an [`ElementLoop`]: it has mass, but no internal force.
 pub struct RigidMass {
-    /// Masters of the body in the numbering of the model, one clique.
+    /// Master nodes of the body in the numbering of the model, as one clique.
     cliques: Vec<Vec<u32>>,
     nodes: Range<usize>,
     masses: Vec<Vec<f64>>,
-    /// Nodes that are tied to the masters and have a part of the mass.
+    /// Nodes tied to the masters, each with its part of the mass.
     tied: Vec<(u32, f64)>,
     /// Blocks between masters, row by row, then those of the tied nodes, and the columns of all nodes.
     blocks: Vec<Block>,
@@ -195,7 +195,7 @@ pub struct RigidMass {
 }
 
 impl RigidMass {
-    /// The mass of a body on its masters, its nodes those of the model from `first_node` on.
+    /// Mass of a body at its masters; node numbers start at `first_node`.
     pub fn new(mesh: &Mesh, frame: &Frame, inertia: &Inertia, first_node: usize) -> Self {
         RigidMass {
             cliques: vec![frame.masters.iter().map(|node| node + first_node as u32).collect()],
@@ -208,8 +208,8 @@ impl RigidMass {
         }
     }
 
-    /// Gives nodes that are tied to the masters, with these shares of them, a part of the mass, and takes it from the masters: as long as
-    /// the ties hold, energy and momenta are the same, and the equations of the tied nodes have inertia of their own.
+    /// Transfers part of the mass from the masters to nodes tied to them with these coefficients: energy and momenta are unchanged while
+    /// the ties hold, and the equations of the tied nodes get inertia.
     pub fn tied_to<'a>(mut self, tied: impl ExactSizeIterator<Item = &'a (u32, Vec<f64>)>) -> Self {
         let total: f64 = self.masses.iter().flatten().sum();
         let part = TIED_PART * total / tied.len() as f64;

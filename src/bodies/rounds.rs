@@ -1,18 +1,18 @@
 //! Runs of cells that can be computed at the same time.
 //!
-//! The cells of a body, in the order of its mesh, are cut into runs of about equal length. A run touches the nodes of a span of node
-//! numbers, so it needs the forces and the matrix columns of that span alone. Runs whose spans do not meet form a *round*; rounds follow
-//! one another. The cut depends on the mesh and not on the number of threads, so neither does the order in which anything is summed.
+//! The cells of a body, in mesh order, are divided into runs of nearly equal length. A run needs the forces and matrix columns of its span
+//! of node numbers only. Runs with disjoint spans form a *round*; rounds are computed one after the other. The division depends on the mesh
+//! and not on the number of threads, and so does the order of summation.
 //!
-//! Meshes number their nodes by and large along their cells; then two or three rounds suffice. In a mesh whose numbers are shuffled every
-//! span is the whole body, every round is one run, and threads gain nothing.
+//! Two or three rounds suffice if nodes are numbered roughly along the cells, as in most meshes. With shuffled numbers every span is the
+//! whole body, each round has one run, and threads gain nothing.
 
 use std::ops::Range;
 
-/// Number of cells below which one thread is used: waking another takes longer than it saves. The order of sums is that of the rounds.
+/// Number of cells below which one thread is used: waking another takes longer than it saves. Sums are ordered by rounds anyway.
 pub(super) const LEAST_CELLS_FOR_THREADS: usize = 2000;
 
-/// Cells of one run: enough to be worth a thread's while, and most runs that a body is cut into.
+/// Least number of cells per run, for efficient threads, and largest number of runs of a body.
 const LEAST_CELLS: usize = 128;
 const MOST_RUNS: usize = 16;
 
@@ -23,7 +23,7 @@ pub(super) struct Run {
     pub(super) cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
     pub(super) nodes: Range<usize>,
-    /// Parts of the span that no run of an earlier round touches: sums begin with this run.
+    /// Node ranges of the span without contributions of earlier rounds: sums begin with this run.
     pub(super) fresh: Vec<Range<usize>>,
 }
 
@@ -69,7 +69,7 @@ fn without(range: Range<usize>, others: &[Range<usize>]) -> Vec<Range<usize>> {
     left
 }
 
-/// The pieces of `data` at ascending ranges that do not meet.
+/// Disjoint slices of `data` at ascending ranges.
 pub(super) fn pieces(mut data: &mut [f64], ranges: impl Iterator<Item = Range<usize>>) -> Vec<&mut [f64]> {
     let mut done = 0;
     ranges

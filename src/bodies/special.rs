@@ -1,8 +1,8 @@
-//! Special stresses of a batch, which depend on more than the strain of the point in the components of the cell: bodies of revolution,
-//! which have a hoop strain, and cells with a mean dilatation.
+//! Special stresses of a batch, which depend on more than the point's strain in the components of the cell: hoop strain of bodies of
+//! revolution, and mean dilatation of cells.
 //!
-//! Kept apart from the loop that all cells share, because most bodies need none of it. The stress of a step comes from here as it is
-//! wanted, and what it does beyond the cell's own components is added when the others are summed:
+//! Separate from the common element loop, because most bodies do not need them. Contributions beyond the cell's own components are added
+//! during the summation:
 //!
 //! ```text
 //! around the axis   f_a,1 = w F_33 S_33 N_a / R                     (Hughes, The Finite Element Method, 2000, section 2.12)
@@ -18,11 +18,11 @@ use crate::materials::{BatchedLaw, Components, HistoryLaw, IncrementResponse, Re
 use crate::math::lanes::{Lanes, Real, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 
-/// A law of `L` components, four in the plane with the direction across it, and the energy of a dilatation of the cell.
+/// Law of `L` components (four in the plane, including the one across), and the energy of a dilatation of the cell.
 pub(super) struct Special<const L: usize> {
-    /// The law of the points; with a dilatation of the cell, without its volumetric part.
+    /// Law at the points; without its volumetric part in cells with a dilatation of their own.
     pub(super) law: PointLaw<L>,
-    /// The volumetric part, where the dilatation is one of the cell.
+    /// Volumetric part, if the dilatation belongs to the cell; otherwise `None`.
     pub(super) volumetric: Option<Arc<dyn VolumetricLaw>>,
     /// True if the dilatation is linear in the cell; false for a mean.
     pub(super) is_linear: bool,
@@ -34,9 +34,9 @@ pub(super) struct Special<const L: usize> {
 
 /// The law of a point.
 pub(super) enum PointLaw<const L: usize> {
-    /// A stress that follows from the strain.
+    /// Stress as a function of the strain only.
     Elastic(Arc<dyn BatchedLaw<L>>),
-    /// A stress that depends on history variables or the rate of strain, too.
+    /// Stress that also depends on history variables or the strain rate.
     History(Arc<dyn HistoryLaw<L>>),
 }
 
@@ -52,7 +52,7 @@ impl<const L: usize> PointLaw<L> {
     }
 }
 
-/// Time integration of a batch in a step: the derivative, the history variables at its start, its size.
+/// Time integration of a batch in a step: derivative, history variables at the start, step size.
 #[derive(Clone, Copy)]
 pub(super) struct Course<'a> {
     pub(super) derivative: Derivative,
@@ -61,7 +61,7 @@ pub(super) struct Course<'a> {
     pub(super) dt: f64,
 }
 
-/// Stress of a law with history variables that takes the place of the derivative of an energy.
+/// Kind of history-law stress that corresponds to an algorithmic gradient.
 pub(super) fn stress_of(derivative: Derivative) -> StressOf {
     match derivative {
         Derivative::DiscreteGradient => StressOf::Step,
@@ -77,18 +77,18 @@ pub(super) struct SpecialPoints<const D: usize> {
     /// Undeformed places, from the last node of each cell.
     pub(super) places: [[Lanes<false>; D]; MOST_POINTS],
     pub(super) gradients: [[[[Lanes<false>; D]; D]; MOST_POINTS]; 2],
-    /// Hoop displacement gradients at start and end.
+    /// Hoop displacement gradients at the start and at the end of the step.
     pub(super) hoop: [[Lanes<false>; MOST_POINTS]; 2],
 }
 
 /// Stresses of a step with their derivatives with respect to the strains at the end, and the contributions of a dilatation of the cell.
 pub(super) struct Answer<const L: usize> {
     pub(super) responses: [Response<L>; MOST_POINTS],
-    /// Derivatives with respect to the change of the strain, of a stress in the middle of a step that depends on that, too.
+    /// Derivatives with respect to the strain increment, for a stress in the middle of a step that also depends on it.
     pub(super) rates: Option<Box<[Response<L>; MOST_POINTS]>>,
     /// `DG[J]` and, at the trial configuration, `dJ/dE`.
     pub(super) ratios: [[Components<L>; 2]; MOST_POINTS],
-    /// Modes of the cell's dilatation, where there is one, and the derivatives of its pressures ([`Modes::slopes`]).
+    /// Modes of the cell's dilatation and derivatives of its pressures ([`Modes::slopes`]); `None` without one.
     pub(super) dilatation: Option<(Modes, [[Lanes<false>; MOST_MODES]; MOST_MODES])>,
 }
 
@@ -121,7 +121,7 @@ impl<const L: usize> Special<L> {
         strains
     }
 
-    /// Changes of the strain from the end of one step to that of another.
+    /// Strain differences between the ends of two steps.
     pub(super) fn changes<const D: usize>(&self, from: &SpecialPoints<D>, to: &SpecialPoints<D>) -> [Components<L>; MOST_POINTS] {
         let mut changes = [[Lanes::ZERO; L]; MOST_POINTS];
         for q in 0..to.count {
@@ -130,7 +130,7 @@ impl<const L: usize> Special<L> {
         changes
     }
 
-    /// Energy of each cell at the end of a step, with the history variables of the batch there.
+    /// Energy of each cell at the end of a step, with the batch's history variables there.
     pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>, history: &[Lanes<false>]) -> Lanes<false> {
         let count = points.count;
         let (strains, mut energies) = (self.strains(points), [Lanes::ZERO; MOST_POINTS]);
@@ -150,7 +150,7 @@ impl<const L: usize> Special<L> {
         sum
     }
 
-    /// The pressures of the cell's dilatation at the points, at the end of a step; zero without one.
+    /// Pressures of the cell's dilatation at the points at the end of a step; zero without one.
     pub(super) fn pressures<const D: usize>(&self, points: &SpecialPoints<D>) -> [Lanes<false>; MOST_POINTS] {
         let Some(law) = &self.volumetric else { return [Lanes::ZERO; MOST_POINTS] };
         let modes = self.modes(points);
@@ -263,7 +263,7 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
     }
 }
 
-/// The law's part of the stresses and of their derivatives, for strains at start, end and middle of no more than [`MOST_POINTS`].
+/// Contribution of the law to stresses and their derivatives, for strains at start, end and middle; at most [`MOST_POINTS`].
 #[inline(always)]
 pub(super) fn law_responses<const FMA: bool, const L: usize>(
     law: &dyn BatchedLaw<L>,

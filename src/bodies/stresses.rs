@@ -1,4 +1,4 @@
-//! Stresses and strains of a body: at the quadrature points of its cells, as means of the cells, at its nodes, and how far off they are.
+//! Stresses and strains of a body: at quadrature points, as cell means, at nodes, with error estimates.
 //!
 //! Tensors have the components xx, yy, zz, xy, yz, xz; the stress is Cauchy's, the strain Green and Lagrange's.
 
@@ -7,19 +7,19 @@ use std::ops::Range;
 use super::element_loop::{ElementLoop, PointStress, Present};
 use super::recovery::Recovery;
 
-/// Stress and strain at each of some places.
+/// Stress, strain and history values at a list of positions.
 #[derive(Clone, Debug)]
 pub struct Stresses {
     /// Cauchy stress `[stress]`.
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain.
     pub strain: Vec<[f64; 6]>,
-    /// Equivalent plastic strain and the norm of the back stress `[stress]`, in the first two places.
+    /// Equivalent plastic strain and the norm of the back stress `[stress]`, as the first two entries.
     pub kept: Vec<[f64; 6]>,
 }
 
 impl Stresses {
-    /// None, at so many places.
+    /// Zeros at `count` positions.
     pub fn zeros(count: usize) -> Self {
         Stresses { stress: vec![[0.0; 6]; count], strain: vec![[0.0; 6]; count], kept: vec![[0.0; 6]; count] }
     }
@@ -33,9 +33,9 @@ impl Stresses {
         }
     }
 
-    /// Values at the nodes of a body, these numbers of the model: recovered from the cells nearby where they are of first order, elsewhere
-    /// extrapolated from the quadrature points of each cell and averaged by volume (Hinton and Campbell, International Journal for
-    /// Numerical Methods in Engineering 8, 1974); NaN at nodes of no cell.
+    /// Values at the nodes of a body, whose node numbers in the model are `nodes`: recovered from nearby cells for first-order cells,
+    /// otherwise extrapolated from the quadrature points of each cell and averaged by volume (Hinton and Campbell, International Journal
+    /// for Numerical Methods in Engineering 8, 1974); NaN at nodes without cells.
     pub fn at_nodes<const D: usize>(elements: &dyn ElementLoop<D>, at: Present, nodes: Range<usize>, recovery: &Recovery) -> Self {
         let (mut values, mut weight) = (Stresses::zeros(nodes.len()), vec![0.0; nodes.len()]);
         let mut means = Stresses::zeros(elements.cliques().len());
@@ -93,7 +93,7 @@ impl StressError {
         error
     }
 
-    /// All of it over the size of the stress; 0 where there is no stress.
+    /// Error relative to the size of the stress; 0 without stress.
     pub fn relative(&self) -> f64 {
         if self.size > 0.0 { (self.off / self.size).sqrt() } else { 0.0 }
     }

@@ -1,4 +1,4 @@
-//! Viscosity beside another law: stresses on the change of the strain in a step, and branches that relax.
+//! Viscosity in addition to another law: stresses on the strain increment in a step, and relaxing branches.
 //!
 //! With the Green-Lagrange strain `E`, in a step from `E_0` to `E_1` of size `dt` (formulas: [`Viscosity`]):
 //!
@@ -8,10 +8,10 @@
 //! heat      dt (2 eta D:D + zeta tr(D)^2) + sum 2 mu h Y_mid:Y_mid
 //! ```
 //!
-//! This stress is the same whatever the stress of the other law is asked for. It acts in the configuration of the forces of the step; where
-//! that is the middle, its work on the change of the strain is exactly what branches store and the heat. At rest all of it has relaxed.
+//! This stress does not depend on the kind of stress requested of the base law. It acts in the configuration of the step's forces; if that
+//! is the middle, its work on the strain increment equals the energy stored by branches plus the heat. At rest it has relaxed.
 //!
-//! History variables of a point: those of the other law; the strain `Y` of each branch; the stress on the rate, for fields.
+//! History variables of a point: those of the base law; the strain `Y` of each branch; the viscous stress, for fields.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ use crate::materials::{BatchedLaw, Components, Heat, HistoryLaw, PointHistory, R
 use crate::math::lanes::Lanes;
 use crate::math::simd::{Kernel, dispatch};
 
-/// A viscosity beside a law, or by itself.
+/// Viscosity in addition to a base law, or alone.
 pub(super) struct ViscousLaw<const S: usize> {
     base: Option<PointLaw<S>>,
     viscosity: Viscosity,
@@ -41,17 +41,17 @@ struct Moduli {
 }
 
 impl<const S: usize> ViscousLaw<S> {
-    /// A viscosity beside a law.
+    /// Viscosity in addition to a base law.
     pub(super) fn new(base: PointLaw<S>, viscosity: &Viscosity) -> Self {
         ViscousLaw { base: Some(base), viscosity: viscosity.clone() }
     }
 
-    /// The stress on the rate of strain of a viscosity, without another law and without memory.
+    /// Viscous stress without a base law and without history variables.
     pub(super) fn alone(viscosity: &Viscosity) -> Self {
         ViscousLaw { base: None, viscosity: Viscosity { branches: Vec::new(), ..*viscosity } }
     }
 
-    /// Number of history variables of the other law.
+    /// Number of history variables of the base law.
     fn of_base(&self) -> usize {
         self.base.as_ref().map_or(0, PointLaw::variables)
     }
@@ -62,14 +62,13 @@ impl<const S: usize> ViscousLaw<S> {
         first..first + S * self.viscosity.branches.len()
     }
 
-    /// Places of the stress on the rate among them; none where nothing shows it.
+    /// Indices of the viscous stress among the history variables; empty if it is not needed for fields.
     fn of_rate(&self) -> Range<usize> {
         let (first, resists) = (self.branches().end, self.viscosity.shear != 0.0 || self.viscosity.bulk != 0.0);
         first..first + if resists && self.base.is_some() { S } else { 0 }
     }
 
-    /// Stress and heat of a step whose strain changes by `change`; the strains of the branches at its end take the place of those at its
-    /// start.
+    /// Stress and heat of a step whose strain changes by `change`; updates the branch strains from start to end.
     fn contribution(&self, change: &Components<S>, branches: &mut [Lanes<false>], dt: f64) -> Contribution<S> {
         let Viscosity { shear, bulk, branches: constants } = &self.viscosity;
         let mut of_rate = change.map(|component| component * (2.0 * shear / dt));
@@ -96,13 +95,13 @@ impl<const S: usize> ViscousLaw<S> {
         Moduli { identity: 2.0 * shear / dt + of_branches, volume: bulk / dt }
     }
 
-    /// History variables of the other law at all points.
+    /// History variables of the base law at all points.
     fn base_history(&self, history: &[Lanes<false>]) -> Vec<Lanes<false>> {
         let own = self.of_base();
         if own == 0 { Vec::new() } else { history.chunks_exact(self.variables()).flat_map(|point| &point[..own]).copied().collect() }
     }
 
-    /// Stresses and heat of the viscosity at all points of a step in which time passes, with the history variables at its end.
+    /// Visits viscous stress, heat and final history variables at all points of a step of nonzero duration.
     fn for_each_point(&self, step: &StrainStep<S>, mut visit: impl FnMut(usize, &[Lanes<false>], Contribution<S>)) {
         let mut branches = Vec::with_capacity(self.branches().len());
         for (point, change) in step.change.iter().enumerate() {

@@ -55,7 +55,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Volumes of a body of revolution: those of the circumference.
+    /// Converts volumes to those of the whole circumference of a body of revolution.
     #[inline(always)]
     pub(super) fn revolve(&mut self, batch: &Batch<D, A>, table: &Table<D, A, Q>) {
         for q in 0..many::<Q>() {
@@ -63,7 +63,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Points of cells that are strained at rest.
+    /// Scales the stress-free lengths of the points of swollen cells.
     #[inline(always)]
     pub(super) fn grow(&mut self, batch: &Batch<D, A>, directions: usize) {
         for (point, factor) in self.points.iter_mut().zip(&batch.growth) {
@@ -132,7 +132,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Smallest determinant of the deformation gradient at the end of the step, not a number where one is not.
+    /// Smallest determinant of the deformation gradient at the end of the step; NaN if any is NaN.
     #[inline(always)]
     pub(super) fn smallest_determinants(&self) -> Lanes<FMA> {
         let mut smallest = Lanes::splat(f64::INFINITY);
@@ -147,7 +147,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         smallest
     }
 
-    /// True if at least one cell is inside out at the end of the step.
+    /// True if at least one cell is inverted at the end of the step.
     #[inline(always)]
     pub(super) fn is_inside_out(&self) -> bool {
         let mut sound = true;
@@ -160,7 +160,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         !sound
     }
 
-    /// Stresses and their derivatives as the step wants them, between [`Self::set_end`] and [`Self::integrate`].
+    /// Evaluates stresses and derivatives for the step's algorithmic gradient, between [`Self::set_end`] and [`Self::integrate`].
     #[inline(always)]
     pub(super) fn respond(&mut self, law: &dyn BatchedLaw<S>, derivative: Derivative) {
         match derivative {
@@ -200,19 +200,19 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         }
     }
 
-    /// Stretch around an axis by which a force there is pulled forward, of a linear strain 1.
+    /// Hoop stretch for the push-forward of forces; 1 for linear strains.
     #[inline(always)]
     pub(super) fn frame_around(&self, hoop: Lanes<false>) -> Lanes<FMA> {
         if self.strain == Strain::Linear { Lanes::splat(1.0) } else { cast::<FMA>(hoop) + 1.0 }
     }
 
-    /// Share of the end of the step in the frame of the forces: a linear strain's frame stands still.
+    /// Derivative of the configuration of the forces with respect to the end; 0 for linear strains, which have a fixed configuration.
     #[inline(always)]
     pub(super) fn geometric_share(&self, share: f64) -> f64 {
         if self.strain == Strain::Linear { 0.0 } else { share }
     }
 
-    /// Sums the weighted force alone over the points, to the same bytes as [`Self::integrate`].
+    /// Sums the weighted force over the points, with bytes equal to those of [`Self::integrate`].
     #[inline(always)]
     pub(super) fn integrate_force(&mut self, derivative: Derivative, weight: f64) {
         let Placement { test, .. } = derivative.placement();
@@ -225,8 +225,8 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         finish_force(&mut self.force);
     }
 
-    /// Sums weighted force and tangent over the points, `geometric` times its part that belongs to the stress itself, and what belongs to
-    /// the change of the strain (`rates`) by variations at the end of the step.
+    /// Sums weighted force and tangent over the points: `geometric` times the geometric part, and derivatives with respect to the strain
+    /// increment (`rates`) by variations at the end of the step.
     #[inline(always)]
     pub(super) fn integrate<const L: usize>(
         &mut self,
@@ -311,7 +311,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
     }
 }
 
-/// A response in `L` components in the `S` of the cells among them.
+/// Response in the `S` components of the cells, out of `L` components.
 #[inline(always)]
 fn in_components<const L: usize, const S: usize>(response: &Response<L>) -> Response<S> {
     let mut own = Response::ZERO;

@@ -59,11 +59,11 @@ impl Bends {
 /// Nodes of both sides at which adjacent facets turn by more than an angle.
 #[derive(Clone, Debug)]
 struct BentNodes {
-    /// Cosine of the smallest angle.
+    /// Cosine of the smallest angle at which a node counts as bent.
     cosine: f64,
-    /// Bent nodes in the reference positions.
+    /// True for each bent node in the reference positions.
     reference: [Vec<bool>; 2],
-    /// Bent nodes at the start of the step.
+    /// True for each bent node at the start of the step.
     now: [Vec<bool>; 2],
 }
 

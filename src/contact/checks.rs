@@ -39,9 +39,9 @@ pub enum Finding {
         surface: String,
         /// Number of nodes with opposite directions.
         nodes: usize,
-        /// Model number of the first such node.
+        /// Model number of the first node with reversed facets.
         first: u32,
-        /// Position of the first such node `[length]`.
+        /// Position of the first node with reversed facets `[length]`.
         at: [f64; 2],
     },
     /// A facet is listed twice.
@@ -108,7 +108,7 @@ pub enum Finding {
         secondary: String,
         /// Name of the primary surface.
         primary: String,
-        /// Interference, and the part that flat facets miss.
+        /// Interference, and the height of the curves missing in flat facets.
         of: PressFit,
     },
     /// Secondary nodes of a tie without an opposite primary point.

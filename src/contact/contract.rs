@@ -66,7 +66,7 @@ pub(super) fn kernels(q_0: &[f64]) -> Vec<(&'static str, Box<dyn ContactKernel>)
 
 const PRESSURES: [f64; 4] = [1.0, 0.5, 2.0, 0.25];
 
-/// `sum_A lambda_A Gbar_A`.
+/// Contact forces `sum_A lambda_A Gbar_A`.
 fn force(kernel: &dyn ContactKernel, derivative: Derivative, q_1: &[f64]) -> Vec<f64> {
     let out = evaluated(kernel, derivative, q_1, &PRESSURES);
     let rows = dense_rows(kernel, &out.gradient_bar, UNKNOWNS);

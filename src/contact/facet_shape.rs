@@ -1,6 +1,6 @@
 //! Option of a contact: straight facets, or facets that follow the curves through their nodes.
 
-/// Geometry that contact assumes between the nodes of a surface.
+/// Geometry assumed between the nodes of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FacetShape {
     /// Facets carry height profiles of the curve, or curved surface, through their nodes in the reference configuration.

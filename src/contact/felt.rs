@@ -29,7 +29,7 @@ pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
     fn at(&self, x: SVector<f64, D>) -> Local<D>;
     /// Discrete gradient between two points, and its derivative with respect to the second one; `size` is the facet size `[length]`.
     fn between(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, size: f64) -> (SVector<f64, D>, SMatrix<f64, D, D>);
-    /// True if rims of cylinders touch the obstacle as they touch a plane.
+    /// True if rims of cylinders touch the obstacle like a plane.
     fn takes_rims(&self) -> bool;
     /// Change of the distance on the straight path between two points, in units of `near`; true if the path crosses the obstacle.
     fn passage(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, near: f64) -> (f64, bool);

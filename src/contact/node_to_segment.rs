@@ -42,7 +42,7 @@ pub static NODE_TO_SEGMENT: ContactMethod = ContactMethod {
 /// Search distance beyond the required one, in shortest secondary facets.
 const SPARE: f64 = 1.0;
 
-/// Cosine of the angle of a corner of a rigid chain, 0.1 degrees: between nodes of the other surface only its own constraint holds it.
+/// Cosine of the angle of a corner of a rigid chain, 0.1 degrees: between nodes of the other surface it has no other constraint.
 const RIGID_CORNER: f64 = 0.999_998;
 
 /// Penetration in shortest facets beyond which a node has no corner constraint: initial overlaps are held by the constraints of the
@@ -74,7 +74,7 @@ pub struct NodeToSegment {
     reference: Vec<f64>,
 }
 
-/// Selection of the secondary nodes that count as corners.
+/// Selection of secondary nodes as corners.
 #[derive(Clone, Debug)]
 enum Corners {
     /// Nodes at bends of either side.

@@ -17,7 +17,7 @@ use super::window::{Outlook, Travel};
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
-/// Contact method on points (the inner method), seen as one on the nodes.
+/// Contact method on points (the inner method), with the interface of a method on the nodes.
 pub(super) struct OnCurves {
     /// Inner method; its node numbers are point numbers.
     inner: Box<dyn ContactKernel>,
@@ -229,7 +229,7 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
     }) as u32
 }
 
-/// Calls `then` with the motion of the points in this step in place of that of the nodes.
+/// Calls `then` with the predicted motion of the points in place of that of the nodes.
 fn with_seen<T>(points: &Combinations, d: usize, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
     let q = points.points(d, outlook.q);
     match outlook.travel {

@@ -39,7 +39,7 @@ struct AddedDepth {
     gradient: Invariants,
     /// Directions `w_eta` and `w_m`.
     directions: [Invariants; 2],
-    /// `(G_etaeta, G_etam, G_mm)/E`.
+    /// Second derivatives of `G` over `E`, `(G_etaeta, G_etam, G_mm)/E`.
     curvature: [f64; 3],
 }
 

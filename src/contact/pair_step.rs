@@ -57,7 +57,7 @@ pub(super) fn hessian(shape: &Shape, overlap: &Option<Overlap>, weights: PerNode
     overlap.as_ref().map_or([[0.0; 5]; 5], |overlap| overlap.hessian(standard))
 }
 
-/// `weights[0] f[0] + weights[1] f[1]`.
+/// Weighted sum `weights[0] f[0] + weights[1] f[1]`.
 #[inline(always)]
 pub(super) fn weighted(f: &PerNode<Invariants>, weights: PerNode<f64>) -> Invariants {
     std::array::from_fn(|k| weights[0] * f[0][k] + weights[1] * f[1][k])

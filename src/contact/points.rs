@@ -73,7 +73,7 @@ struct Drive {
 struct Group {
     nodes: Vec<u32>,
     vectors: Vec<PointVector>,
-    /// Functions; a driven one is that of the end of the step.
+    /// Functions of the group; a driven one belongs to the end of the step.
     functions: Vec<PointFunction>,
     /// Drive of the only function of the group, if a coordinate is prescribed.
     drive: Option<Drive>,

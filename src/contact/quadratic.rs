@@ -199,7 +199,7 @@ struct Edge {
     sagitta: f64,
     /// Number of facets, even.
     pieces: u32,
-    /// Factor `r` of the offset by which the points are raised.
+    /// Factor `r` of the offset in the shift of the points.
     raised: f64,
 }
 
@@ -308,8 +308,8 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Edges that raise the vertex between them, each with its end (0 or 1) there and its weight: two smoothly joined edges share the vertex;
-/// at corners and ends each curved edge has the weight 1. `is_mixed`: a straight edge is adjacent, too.
+/// Edges whose offsets shift their common vertex, each with its end (0 or 1) there and its weight: two smoothly joined edges share the
+/// vertex; at corners and ends each curved edge has the weight 1. `is_mixed`: a straight edge is adjacent, too.
 fn raising([coming, leaving]: &[Vec<Edge>; 2], is_mixed: bool) -> Vec<(Edge, usize, f64)> {
     if let ([one], [other], false) = (&coming[..], &leaving[..], is_mixed) {
         let (t, u) = (one.tangent(1), other.tangent(0));
@@ -390,7 +390,7 @@ impl Curves {
         curves
     }
 
-    /// Facets between points that replace facets between nodes.
+    /// Facets between points, in place of facets between nodes.
     fn fine(&self, facets: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let pieces = |&[from, to]: &[u32; 2]| -> Vec<[u32; 2]> {
             let points = match (self.edges.get(&from), self.edges.get(&to)) {

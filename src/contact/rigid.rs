@@ -35,8 +35,8 @@ pub struct RigidContact {
     start: Vec<[f64; 2]>,
     /// True for nodes without constraints: those inside of round parts of a rigid body, which `rolling.rs` constrains.
     is_hidden: Vec<bool>,
-    /// For nodes that start at a convex corner of a polyline: the line of their side, which replaces the obstacle in this step. Without it
-    /// a node that a side pushes past the corner, and that returns without the push, has no solution.
+    /// For nodes that start at a convex corner of a polyline: the line of their side, which replaces the obstacle in this step. Otherwise a
+    /// node that one side pushes past the corner, and that returns without the push, has no solution.
     lines: Vec<Option<Shape>>,
 }
 

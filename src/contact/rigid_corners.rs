@@ -37,7 +37,7 @@ pub struct RigidCorners {
     /// Number of components of the model's positions.
     components: usize,
     translations: [[f64; 3]; 3],
-    /// Displacement with which the obstacle carries sticking points.
+    /// Displacement of the obstacle, which sticking points share.
     shift: [f64; 3],
     /// Positions of nodes and points at the start of the step.
     start: Vec<f64>,

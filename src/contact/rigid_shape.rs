@@ -42,7 +42,7 @@ pub enum Obstacle {
     },
     /// Straight segments through the points, the obstacle on the left; closed if the last point equals the first.
     Polyline {
-        /// At least two points in order `[length]`.
+        /// Points in order, at least two `[length]`.
         points: Vec<[f64; 2]>,
     },
     /// Obstacle in space, for bodies in space.

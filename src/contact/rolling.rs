@@ -367,7 +367,7 @@ where
 
 /// Slips, which differ between plane and space.
 pub(super) trait Slips {
-    /// Slips of a step into `out`, as [`PatchFunctions::evaluate_slips`].
+    /// Writes the slips of a step to `out`, as [`PatchFunctions::evaluate_slips`].
     fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);
 }
 

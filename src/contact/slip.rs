@@ -17,7 +17,7 @@ use super::numbers::{self, Number};
 use super::patches::{Evaluation, Patches};
 use crate::integrators::Configuration;
 
-/// Number of unknowns that one pass differentiates by.
+/// Number of derivatives computed in one pass.
 const LANES: usize = 8;
 
 /// Number with its derivatives with respect to [`LANES`] unknowns.

@@ -96,7 +96,7 @@ fn sliding_by_a_length_is_that_slip_for_all_methods() {
     }
 }
 
-/// Nodes that an obstacle carries do not slide on it; the slip of a node counts along the body's own surface.
+/// Nodes that stick to a moving obstacle have no slip; the slip of a node counts along the body's own surface.
 #[test]
 fn slips_on_an_obstacle_are_those_against_its_motion() {
     let reference = [0.0, 0.0, 1.0, 0.0];

@@ -1,4 +1,4 @@
-//! Backward Euler: the forces and the velocity of the end of the step. It takes energy from fast motion and never adds any in linear ones.
+//! Backward Euler: forces and velocity at the end of the step. It dissipates energy of fast motion, and never adds energy to linear motion.
 
 use super::derivative::Derivative;
 use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};

@@ -1,14 +1,14 @@
-//! The backward differentiation formula of second order for positions and velocities (Gear, Numerical Initial Value Problems, 1971), for
-//! steps of different sizes, and the method of Bank et al. (IEEE Trans. Electron Devices 32, 1985), of which it is the second stage.
+//! Second-order backward differentiation formula for positions and velocities (Gear, Numerical Initial Value Problems, 1971) with variable
+//! step size, and TR-BDF2 (Bank et al., IEEE Trans. Electron Devices 32, 1985), whose second stage it is.
 //!
 //! ```text
 //! (q_1 - q_0) / dt = w v_1 + c (q_0 - q_b) / dt_b,    (v_1 - v_0) / dt = -w M^-1 f_1 + c (v_0 - v_b) / dt_b
 //! w = (r + 1) / (r + 2),    c = 1 / (r + 2),    r = dt_b / dt
 //! ```
 //!
-//! after a step of size `dt_b` from `q_b`, `v_b`. Its mean velocity is remembered as the acceleration that a motion of constant
-//! acceleration would have, `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`, its mean acceleration as the force that it answers. After a step of
-//! no size, as at the start, it is the trapezoidal rule.
+//! after a step of size `dt_b` from `q_b`, `v_b`. Its mean velocity enters through the history variable
+//! `a_0 = 2 (v_0 - (q_0 - q_b)/dt_b)/dt_b`, the acceleration of an equivalent motion of constant acceleration, its mean acceleration
+//! through the force that balances it. Without a previous step the formula is the trapezoidal rule.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -48,16 +48,16 @@ const fn after(ratio: f64) -> Scheme {
     }
 }
 
-/// The linear momentum exact; what vibrates faster than the steps vanishes.
+/// BDF2: conserves linear momentum exactly; vibrations faster than the steps vanish.
 pub static BDF2: Scheme = Scheme { step: StepKind::ByRatio(after), ..after(1.0) };
 
-/// The first stage: the trapezoidal rule, which leaves the mean of its forces.
+/// First stage of TR-BDF2: the trapezoidal rule; passes on the mean of its forces.
 const FIRST: Scheme = {
     let [velocity, acceleration] = kinematics(Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 });
     Scheme { velocity, acceleration, weight: 0.5, lag: Lag { used: 1.0, force: 0.0, inertia: 1.0, gamma: 1.0 }, ..LAST }
 };
 
-/// The second stage, which leaves half of the force at its end.
+/// Second stage of TR-BDF2; passes on half of the force at its end.
 const LAST: Scheme = {
     let row = after(SQRT_2);
     Scheme {
@@ -71,8 +71,8 @@ const LAST: Scheme = {
     }
 };
 
-/// Stages whose matrices have the same factors of the mass.
+/// Stages with equal mass factors in their matrices.
 static STAGES: [(f64, Scheme); 2] = [(2.0 - SQRT_2, FIRST), (SQRT_2 - 1.0, LAST)];
 
-/// The linear momentum exact; what vibrates faster than the steps vanishes.
+/// TR-BDF2: conserves linear momentum exactly; vibrations faster than the steps vanish.
 pub static TR_BDF2: Scheme = Scheme { step: StepKind::Stages(&STAGES), ..LAST };

@@ -4,15 +4,15 @@
 //! v_h = v_0 - dt/2 m^-1 f_0,    q_1 = q_0 + dt v_h,    f_1 = f(q_1),    v_1 = v_h - dt/2 m^-1 f_1
 //! ```
 //!
-//! It is Newmark's method with `beta` = 0, `gamma` = 1/2 (Hughes, The Finite Element Method, 1987, section 9.1): of second order, stable
-//! for `omega dt <= 2` of the fastest vibration (Courant, Friedrichs and Lewy, Math. Ann. 100, 1928), and symplectic: what it does to the
-//! energy stays bounded by the square of the step. Forces act where the positions are, so that both momenta are kept. Velocities at which
-//! dampers act are those in the middle of the step that has led to the positions: with them the method is of first order.
+//! Equivalent to Newmark's method with `beta` = 0, `gamma` = 1/2 (Hughes, The Finite Element Method, 1987, section 9.1): second order,
+//! stable for `omega dt <= 2` of the fastest vibration (Courant, Friedrichs and Lewy, Math. Ann. 100, 1928), and symplectic: energy errors
+//! stay bounded by the square of the step. Forces act at the positions, so that linear and angular momentum are conserved. Dampers use the
+//! velocities in the middle of the step that led to the positions, which reduces the order to one.
 
 use super::derivative::Derivative;
 use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme, StepKind};
 
-/// The method with a way to lump the mass.
+/// Central differences with a lumping of the mass.
 pub const fn central_differences(lumping: Lumping) -> Scheme {
     Scheme {
         name: "central_differences",
@@ -34,5 +34,5 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
     }
 }
 
-/// Central differences with the lumping that suits the cells.
+/// Central differences with the lumping suitable for each cell.
 pub static CENTRAL_DIFFERENCES: Scheme = central_differences(Lumping::Suitable);

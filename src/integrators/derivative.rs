@@ -13,9 +13,9 @@
 /// A configuration of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Configuration {
-    /// `(q_0 + q_1) / 2`.
+    /// Middle of the step, `(q_0 + q_1) / 2`.
     Middle,
-    /// `q_1`.
+    /// End of the step, `q_1`.
     End,
 }
 
@@ -55,7 +55,7 @@ pub struct Placement {
     pub test: Configuration,
     /// Configuration of the right factor `Dpi(q_trial)` in the tangent.
     pub trial: Configuration,
-    /// `d q_test / d q_1`.
+    /// Derivative `d q_test / d q_1` of the test configuration.
     pub share: f64,
 }
 
@@ -63,7 +63,7 @@ impl Derivative {
     /// The gradient at the end of the step.
     pub const AT_END: Derivative = Derivative::Gradient(Configuration::End);
 
-    /// Every way.
+    /// All algorithmic gradients.
     pub const ALL: [Derivative; 3] = [Derivative::DiscreteGradient, Derivative::Gradient(Configuration::Middle), Derivative::AT_END];
 
     /// Configurations of the evaluation.

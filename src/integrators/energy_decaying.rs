@@ -1,18 +1,18 @@
-//! Energy-decaying, momentum-conserving scheme: the energy-momentum scheme with a dissipation of its own, after Armero and Romero (Comput.
+//! Energy-decaying, momentum-conserving scheme: the energy-momentum scheme with algorithmic dissipation, after Armero and Romero (Comput.
 //! Methods Appl. Mech. Engrg. 190, 2001, 2603-2649).
 //!
-//! Beside the stress of the discrete gradient acts `chi/2 C (E_1 - E_0)`, whose work is never negative; at the end of the step velocities
-//! become `v - k (I - F)^2 v`, `F = (M + dt^2/4 K)^-1 M`, whose eigenvalues are in (0, 1]. `K` is the stiffness of the moduli `C` at the
-//! end of the step, which resists no rigid velocity. A small vibration, `Omega = omega dt`, has with `F = 1/(1 + Omega^2/4)`
+//! The stress `chi/2 C (E_1 - E_0)`, whose work is never negative, is added to that of the discrete gradient; at the end of the step
+//! velocities become `v - k (I - F)^2 v`, `F = (M + dt^2/4 K)^-1 M` with eigenvalues in (0, 1]. `K` is the stiffness by the moduli `C` at
+//! the end of the step, zero for rigid velocities. For a small vibration, `Omega = omega dt`, `F = 1/(1 + Omega^2/4)` gives
 //!
 //! ```text
 //! dv + Omega^2 ((q_0 + q_1)/2 + chi/2 (q_1 - q_0)) = 0,    q_1 - q_0 = (v_0 + v)/2,    v_1 = (1 - k (1 - F)^2) v
 //! ```
 //!
-//! (velocities times `dt`), and for `Omega` to infinity the eigenvalues `-(1 - chi)/(1 + chi)` and `-(1 - k)`, both `-rho`. Velocities
-//! lose by the fourth power of `Omega` where vibrations are slow, strains by the second: that makes it a scheme of first order, and no
-//! stress that follows from the strains of the step alone does better. Armero and Romero filter velocities node by node, which keeps
-//! momenta with lumped masses alone, and changes the equations of the step.
+//! (velocities times `dt`). As `Omega` tends to infinity the eigenvalues tend to `-(1 - chi)/(1 + chi)` and `-(1 - k)`, both `-rho`. For
+//! slow vibrations the loss is of order `Omega^4` by the velocities and `Omega^2` by the strains: the scheme is of first order, as with any
+//! stress that depends on the strains of the step only. (Armero and Romero filter velocities node by node, which conserves momenta with
+//! lumped masses only and changes the equations of the step.)
 
 use super::energy_momentum::ROW;
 use super::family::Family;
@@ -35,10 +35,10 @@ pub const fn energy_decaying(spectral_radius: f64) -> Scheme {
     }
 }
 
-/// Fast vibrations lose a fifth of their amplitude in a long step.
+/// Energy-decaying scheme with spectral radius 0.8: fast vibrations lose a fifth of their amplitude in a long step.
 pub static ENERGY_DECAYING: Scheme = energy_decaying(0.8);
 
-/// All of them.
+/// Energy-decaying schemes of all spectral radii.
 pub static FAMILY: Family = Family {
     default: &ENERGY_DECAYING,
     parameters: &[Parameter {

@@ -7,7 +7,7 @@ use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises
 /// Energy and both momenta exact.
 pub static ENERGY_MOMENTUM: Scheme = ROW;
 
-/// The row as a value, of which others are made.
+/// Row of the energy-momentum scheme as a value, from which variants are made.
 pub(super) const ROW: Scheme = Scheme {
     name: "energy_momentum",
     summary: "energy-momentum scheme: discrete gradients keep the energy and both momenta exactly, for every step size",

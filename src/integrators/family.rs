@@ -3,13 +3,13 @@
 use super::scheme::Scheme;
 use crate::math::catalogue::Parameter;
 
-/// Schemes with parameters; the one with default values is in the catalogue.
+/// Family of schemes with parameters; the scheme with default values is in the catalogue.
 pub struct Family {
     /// Scheme with the default values of all parameters.
     pub default: &'static Scheme,
-    /// The numbers, at most two, each with a default.
+    /// Parameters of the family, at most two, each with a default.
     pub parameters: &'static [Parameter],
-    /// The scheme for values in their ranges; 0 for what there is no parameter for.
+    /// Makes the scheme for admissible values of the parameters; 0 for absent parameters.
     pub make: fn([f64; 2]) -> Scheme,
 }
 

@@ -6,15 +6,15 @@
 //! M ((1 - alpha_m) a_1 + alpha_m a_0) + (1 - alpha_f) f_1 + alpha_f f_0 = 0
 //! ```
 //!
-//! with Newmark's `q_1` and `v_1`. Of second order and unconditionally stable with `gamma = 1/2 - alpha_m + alpha_f`,
-//! `beta = (1 - alpha_m + alpha_f)^2 / 4`. What the accelerations answer, `phi = -M a` at nodes that nothing holds, is a force that lags
-//! behind: in the mean of a step, `gamma phi_1 + (1 - gamma) phi_0`, act
+//! with Newmark's `q_1` and `v_1`. Second order and unconditionally stable with `gamma = 1/2 - alpha_m + alpha_f`,
+//! `beta = (1 - alpha_m + alpha_f)^2 / 4`. The force `phi = -M a`, which balances inertia at unsupported nodes, lags behind the static
+//! forces: its mean over a step, `gamma phi_1 + (1 - gamma) phi_0`, is
 //!
 //! ```text
 //! gamma (1 - alpha_f) / (1 - alpha_m) f_1 + gamma alpha_f / (1 - alpha_m) f_0 + (1 - gamma / (1 - alpha_m)) phi_0
 //! ```
 //!
-//! so that momenta change by forces alone: all of a force acts, some of it later.
+//! so that only forces change momenta: each force acts in full, partly in later steps.
 
 use super::derivative::Derivative;
 use super::family::Family;
@@ -47,21 +47,21 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
     }
 }
 
-/// The method of Hilber, Hughes and Taylor for an `alpha` from -1/3 to 0.
+/// Method of Hilber, Hughes and Taylor for an `alpha` from -1/3 to 0.
 pub const fn hht(alpha: f64) -> Scheme {
     let summary = "method of Hilber, Hughes and Taylor (1977), of second order: Newmark's, with forces shortly before the end of the step; \
                    damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
     family("hht", summary, Parameters { names: &["alpha"], values: [alpha, 0.0] }, 0.0, -alpha)
 }
 
-/// The method of Wood, Bossak and Zienkiewicz for an `alpha` from -1 to 0.
+/// Method of Wood, Bossak and Zienkiewicz for an `alpha` from -1 to 0.
 pub const fn wbz(alpha: f64) -> Scheme {
     let summary = "method of Wood, Bossak and Zienkiewicz (1980), of second order: Newmark's, with inertia shortly after the end of the \
                    step; damps fast vibrations, slow ones hardly; keeps the linear momentum alone";
     family("wbz", summary, Parameters { names: &["alpha"], values: [alpha, 0.0] }, alpha, 0.0)
 }
 
-/// The generalized-alpha method for a spectral radius from 0 to 1 in steps without end.
+/// Generalized-alpha method for a spectral radius from 0 to 1 in the limit of long steps.
 pub const fn generalized_alpha(spectral_radius: f64) -> Scheme {
     let summary = "generalized-alpha method (Chung and Hulbert 1993), of second order: of all with the same damping of the fastest \
                    vibrations the one that damps slow ones least; keeps the linear momentum alone";
@@ -77,7 +77,7 @@ pub static WBZ: Scheme = wbz(-0.1);
 /// Generalized alpha with a spectral radius of 0.8 and the least damping of slow vibrations.
 pub static GENERALIZED_ALPHA: Scheme = generalized_alpha(0.8);
 
-/// All of Hilber, Hughes and Taylor.
+/// HHT schemes with all values of the parameter.
 pub static HHT_FAMILY: Family = Family {
     default: &HHT,
     parameters: &[Parameter {
@@ -91,7 +91,7 @@ pub static HHT_FAMILY: Family = Family {
     make: |[alpha, _]| hht(alpha),
 };
 
-/// All of Wood, Bossak and Zienkiewicz.
+/// WBZ schemes with all values of the parameter.
 pub static WBZ_FAMILY: Family = Family {
     default: &WBZ,
     parameters: &[Parameter {
@@ -105,7 +105,7 @@ pub static WBZ_FAMILY: Family = Family {
     make: |[alpha, _]| wbz(alpha),
 };
 
-/// All of Chung and Hulbert.
+/// Generalized-alpha schemes with all spectral radii.
 pub static GENERALIZED_ALPHA_FAMILY: Family = Family {
     default: &GENERALIZED_ALPHA,
     parameters: &[Parameter {

@@ -59,7 +59,7 @@ pub static CATALOGUE: &[&Scheme] = &[
     &TRIPLE_JUMP,
 ];
 
-/// Time integrators that solve no equations.
+/// Explicit time integrators, whose steps solve no equations.
 pub static EXPLICIT: &[&Scheme] = &[&CENTRAL_DIFFERENCES];
 
 /// Schemes without inertia.

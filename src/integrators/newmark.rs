@@ -4,9 +4,9 @@
 //! q_1 = q_0 + dt v_0 + dt^2 ((1/2 - beta) a_0 + beta a_1),    v_1 = v_0 + dt ((1 - gamma) a_0 + gamma a_1),    M a_1 + f_1 = 0
 //! ```
 //!
-//! The three give velocity and acceleration as functions of `q_1`, and the mean of the forces with the shares `gamma` and `1 - gamma` as
-//! what changes the momentum. With `gamma` = 1/2 and `beta` = 1/4 it is the trapezoidal rule. By default `gamma` is 0.6, with the `beta =
-//! (gamma + 1/2)^2 / 4` that damps the fastest vibrations most without letting any grow.
+//! These equations give velocity and acceleration as functions of `q_1`; momentum changes by the forces with weights `gamma` and
+//! `1 - gamma`. `gamma` = 1/2 and `beta` = 1/4 is the trapezoidal rule. By default `gamma` is 0.6 and `beta = (gamma + 1/2)^2 / 4`, which
+//! damps the fastest vibrations most without letting any grow.
 
 use super::derivative::Derivative;
 use super::family::Family;
@@ -53,7 +53,7 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
 /// The linear momentum exact; fast vibrations fade.
 pub static NEWMARK: Scheme = newmark(BETA, GAMMA);
 
-/// All of them.
+/// Newmark methods with all values of the parameters.
 pub static FAMILY: Family = Family {
     default: &NEWMARK,
     parameters: &[

@@ -1,4 +1,4 @@
-//! Projected discrete gradient of any function of a patch of nodes that rigid motions leave unchanged.
+//! Projected discrete gradient of a function of nodes (a contact element) that is invariant under rigid motions.
 //!
 //! With `P` the orthogonal projector onto the complement of the rigid motions of `q_mid = (q_0 + q_1)/2`, `dq = q_1 - q_0` and `p = P dq`,
 //!
@@ -6,9 +6,9 @@
 //! Gbar = grad f(q_mid) + e p,    e = R / p.p,    R = f(q_1) - f(q_0) - grad f(q_mid).dq
 //! ```
 //!
-//! is directional, `Gbar.dq = f(q_1) - f(q_0)`, and does no work in a rigid motion of `q_mid`, so that neither momentum changes; for every
-//! step size and every `f`, kinks included (after Gonzalez, CMAME 190, 2000, whose gradient lacks the projector). It serves functions
-//! that have no short list of quadratic invariants. It is linear in `f`. `p` vanishes in a rigid motion, and `R` with it.
+//! is directional, `Gbar.dq = f(q_1) - f(q_0)`, and does no work in rigid motions of `q_mid`, so that linear and angular momentum are
+//! conserved for every step size and every `f`, kinks included (after Gonzalez, CMAME 190, 2000, whose gradient lacks the projector). It is
+//! used for functions without a short list of quadratic invariants, and is linear in `f`. In a rigid motion `p` and `R` vanish.
 //!
 //! `P` removes the mean and the rotation: with `r` and `d` the nodes of `q_mid` and `dq` relative to their means, `p = d - omega x r`,
 //! `J omega = sum r x d`, `J = sum (r.r I - r (x) r)`. In the plane only the third component of the rotation exists.
@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::math::tolerances::{PROJECTED_INCREMENT, REMAINDER};
 
-/// Projected increment `p` of one contact element over a step, and the data of its derivative.
+/// Projected increment `p` of one contact element over a step, and data of its derivative, which depend on nodal positions only.
 ///
 /// The projection depends on the nodes alone; storage is reused for the next contact element.
 #[derive(Clone, Debug, Default)]
@@ -30,25 +30,25 @@ pub struct Projection<const D: usize> {
     inverse_inertia: Matrix3<f64>,
     /// `1 / p.p`, zero in a rigid motion.
     inverse_square: f64,
-    /// Extent of the patch, where the increment is so small that a correction may be round-off.
+    /// Extent of the contact element if the increment is so small that a correction may be round-off; otherwise `None`.
     doubtful: Option<f64>,
 }
 
-/// A function of the patch at the configurations of the step, as the tangent needs it.
+/// Function of the contact element at the configurations of the step, as needed for the tangent.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchFunction<'a> {
-    /// `grad f(q_mid)`.
+    /// Gradient at mid-step, `grad f(q_mid)`.
     pub gradient_mid: &'a [f64],
-    /// `grad f(q_1)`.
+    /// Gradient at the end, `grad f(q_1)`.
     pub gradient_end: &'a [f64],
     /// Hessian at `q_mid`, row by row.
     pub hessian_mid: &'a [f64],
-    /// `f(q_1) - f(q_0)`.
+    /// Change `f(q_1) - f(q_0)` of the function in the step.
     pub change: f64,
 }
 
 impl<const D: usize> Projection<D> {
-    /// The projection for a step of a patch from `q_0` to `q_1`, node after node.
+    /// Projection for a step of a contact element from `q_0` to `q_1`, node after node.
     pub fn set(&mut self, q_0: &[f64], q_1: &[f64]) {
         let count = q_0.len() / D;
         let share = 1.0 / count as f64;
@@ -114,7 +114,7 @@ impl<const D: usize> Projection<D> {
         (!is_round_off).then_some(remainder * self.inverse_square)
     }
 
-    /// Discrete gradient of a function with that gradient at `q_mid` and that change `f(q_1) - f(q_0)`.
+    /// Discrete gradient of a function with the gradient `gradient_mid` at `q_mid` and the change `f(q_1) - f(q_0)` over the step.
     pub fn gradient_into(&self, gradient_mid: &[f64], change: f64, out: &mut [f64]) {
         let e = self.quotient(gradient_mid, change).unwrap_or(0.0);
         for (node, p) in self.projected.iter().enumerate() {

@@ -3,7 +3,7 @@
 use super::derivative::Derivative;
 use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
-/// Equilibrium by damped steps. It belongs to no time integrator and is not in the catalogue.
+/// Equilibrium by damped steps; not a time integrator, and not in the catalogue.
 pub static REST: Scheme = Scheme {
     name: "rest",
     summary: "statics: forces in balance at the end of a damped step",

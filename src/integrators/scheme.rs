@@ -24,7 +24,7 @@ use super::derivative::Derivative;
 pub struct Scheme {
     /// Name as written in a script.
     pub name: &'static str,
-    /// One sentence for the reference.
+    /// Summary for the reference, one sentence.
     pub summary: &'static str,
     /// Algorithmic gradient that gives the force of a potential.
     pub derivative: Derivative,
@@ -32,9 +32,9 @@ pub struct Scheme {
     pub remembers: &'static [History],
     /// Update coefficients of the velocity at the end of a step.
     pub velocity: Affine,
-    /// Update coefficients of the acceleration at the end of a step; read where the scheme remembers accelerations.
+    /// Update coefficients of the acceleration at the end of a step; used if accelerations are a history variable.
     pub acceleration: Affine,
-    /// Weight `w` of the forces of the step; the remainder `1 - w` is that of the forces of earlier steps.
+    /// Weight `w` of the forces of the step; forces of earlier steps have the weight `1 - w`.
     pub weight: f64,
     /// Weights of the forces of a step in later steps.
     pub lag: Lag,
@@ -44,7 +44,7 @@ pub struct Scheme {
     pub dissipation: Dissipation,
     /// True if the discrete gradient of a body's energy is built on the mean stress of the step, false if on the stress at the mean strain.
     pub averages_stress: bool,
-    /// Numbers that a user has chosen, by their names.
+    /// User-defined parameters by name.
     pub parameters: Parameters,
     /// Quantities that the scheme conserves, and its order.
     pub promises: Promises,
@@ -86,7 +86,7 @@ pub struct Lag {
 }
 
 impl Lag {
-    /// Forces act in their own step and, with the remaining weight, in the next step alone.
+    /// Forces enter their own step and, with the remaining weight, only the next step.
     pub const fn once(weight: f64) -> Lag {
         Lag { used: 1.0, force: 1.0 - weight, inertia: 0.0, gamma: 1.0 }
     }
@@ -100,7 +100,7 @@ impl Lag {
 /// Sequence of a step.
 #[derive(Clone, Copy, Debug)]
 pub enum StepKind {
-    /// One system of equations with the coefficients of the row.
+    /// One system of equations with the coefficients of the scheme.
     Whole,
     /// One system of equations with coefficients that depend on the ratio of the previous to the present time step size, 0 without a
     /// previous step. The row itself holds the coefficients of equal steps.
@@ -145,8 +145,8 @@ pub struct Dissipation {
     /// `chi` of the stress `chi/2 C (E_1 - E_0)` that acts in the middle of a step beside that of the law, from 0 to 1; `C` are the
     /// isotropic moduli of the law at rest.
     pub strain: f64,
-    /// Share `k` of the velocities of the fastest vibrations that goes at the end of a step, from 0 to 1: `v - k (I - F)^2 v` with
-    /// `F = (M + dt^2/4 K)^-1 M`, where `K` is the stiffness by `C` at the end of the step, without that of the stress.
+    /// Fraction `k` of the velocities of the fastest vibrations removed at the end of a step, from 0 to 1: `v - k (I - F)^2 v` with
+    /// `F = (M + dt^2/4 K)^-1 M`, where `K` is the stiffness by `C` at the end of the step, without geometric stiffness.
     pub velocity: f64,
 }
 
@@ -165,17 +165,17 @@ impl Dissipation {
     }
 }
 
-/// The numbers that make one row of a family, by their names.
+/// Parameter values that determine a row of a family, by name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Names as written in a script.
     pub names: &'static [&'static str],
-    /// Their values, 0 beyond the names.
+    /// Parameter values, 0 beyond the names.
     pub values: [f64; 2],
 }
 
 impl Parameters {
-    /// Parameters of a scheme that belongs to no family.
+    /// No parameters, for schemes outside of families.
     pub const NONE: Parameters = Parameters { names: &[], values: [0.0; 2] };
 }
 
@@ -205,7 +205,7 @@ pub struct Affine {
 }
 
 impl Affine {
-    /// All coefficients zero, where none are read.
+    /// Zero coefficients, for rows whose coefficients are unused.
     pub const NONE: Affine = Affine { moved: 0.0, velocity: 0.0, acceleration: 0.0 };
 
     /// Velocity component after a step with the displacement component `change` `[length/time]`, without the contribution of the
@@ -231,7 +231,7 @@ impl Affine {
 /// Quantities that a scheme conserves in a motion without loads, for every time step size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Promises {
-    /// Total energy, decreased by the dissipation in the ledger alone.
+    /// Total energy; it decreases only by the dissipation in the ledger.
     pub energy: bool,
     /// The linear momentum.
     pub momentum: bool,
@@ -252,14 +252,14 @@ impl Scheme {
         self.parameters.names.iter().copied().zip(self.parameters.values)
     }
 
-    /// The scheme with its parameters.
+    /// Name of the scheme with its parameters.
     pub fn describe(&self) -> String {
         let mut given: Vec<String> = self.given().map(|(name, value)| format!("{name} = {value}")).collect();
         given.extend(self.lumping().filter(|lumping| *lumping != Lumping::Suitable).map(|lumping| format!("mass = {}", lumping.name())));
         if given.is_empty() { self.name.into() } else { format!("{}, {}", self.name, given.join(", ")) }
     }
 
-    /// The row by which a step of a size goes after one of size `before`, 0 where none was.
+    /// Row for a step of size `dt` after a step of size `before`, 0 for the first step.
     pub fn after(&self, before: f64, dt: f64) -> Scheme {
         match self.step {
             StepKind::ByRatio(row) => Scheme { step: self.step, ..row(before / dt) },
@@ -275,7 +275,7 @@ impl Scheme {
         }
     }
 
-    /// True if one of the stages goes backward in time.
+    /// True if a stage goes backward in time.
     pub fn goes_back(&self) -> bool {
         self.stages().iter().any(|(share, _)| *share < 0.0)
     }
@@ -318,13 +318,13 @@ impl Scheme {
         [(1.0 - velocity) / moved * dt, -acceleration / moved * dt * dt]
     }
 
-    /// The motion beyond that drift which changes a velocity by `change` `[length]`.
+    /// Displacement, in addition to [`Self::drift`], that changes a velocity by `change` `[length]`.
     #[inline(always)]
     pub fn motion(&self, change: f64, dt: f64) -> f64 {
         dt / self.velocity.moved * change
     }
 
-    /// Velocity where the forces of a step act: at its end, or the mean of both ends.
+    /// Velocity at which the forces of a step act: at its end, or the mean of both ends.
     pub fn velocity_of_forces(&self) -> Affine {
         let share = self.derivative.placement().share;
         let Affine { moved, velocity, acceleration } = self.velocity;

@@ -3,7 +3,7 @@
 use super::backward_euler::BACKWARD_EULER;
 use super::scheme::{LeadingError, Promises, Scheme, StepKind};
 
-/// Equilibria along the loads. The coefficients are those of backward Euler and are not read.
+/// Statics: equilibria along the loads. The coefficients are those of backward Euler and are unused.
 pub static STATICS: Scheme = Scheme {
     name: "statics",
     summary: "statics, each step to the equilibrium at its end, without inertia; loads, prescribed motions and obstacles take the way \

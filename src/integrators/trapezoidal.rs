@@ -4,7 +4,7 @@
 use super::derivative::{Configuration, Derivative};
 use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
 
-/// Linear momentum exact, energy and angular momentum in small motions only.
+/// Trapezoidal rule: conserves linear momentum exactly, energy and angular momentum in small motions only.
 pub static TRAPEZOIDAL: Scheme = Scheme {
     name: "trapezoidal",
     summary: "trapezoidal rule (Newmark, beta = 1/4, gamma = 1/2): keeps neither the energy nor the angular momentum in large motions",

@@ -6,8 +6,8 @@
 //! c dt, (1 - 2 c) dt, c dt,    c = 1 / (2 - 2^(1/3)) = 1.3512
 //! ```
 //!
-//! A symmetric scheme of second order has an error of odd powers of its steps, and these shares let the cubes cancel,
-//! `2 c^3 + (1 - 2 c)^3 = 0`. What each stage keeps, all of them keep. What takes energy would give it back in the middle stage.
+//! The error of a symmetric second-order scheme has odd powers of the step; these fractions cancel the cubes, `2 c^3 + (1 - 2 c)^3 = 0`.
+//! The step conserves what each stage conserves. Dissipation would supply energy in the middle stage.
 
 use super::energy_momentum::ROW;
 use super::scheme::{LeadingError, Promises, Scheme, StepKind};
@@ -15,7 +15,7 @@ use super::scheme::{LeadingError, Promises, Scheme, StepKind};
 /// Cube root of 2.
 const CUBE_ROOT_OF_TWO: f64 = 1.259_921_049_894_873_2;
 
-/// `c`.
+/// First and last step as fractions `c` of the whole step.
 const OUTER: f64 = 1.0 / (2.0 - CUBE_ROOT_OF_TWO);
 
 static STAGES: [(f64, Scheme); 3] = [(OUTER, STAGE), (1.0 - 2.0 * OUTER, STAGE), (OUTER, STAGE)];

@@ -1,4 +1,4 @@
-//! Numbers that begin at a cache line, kept from one factorisation to the next.
+//! Buffers of numbers aligned to cache lines, reused by successive factorizations.
 
 use std::collections::TryReserveError;
 
@@ -8,7 +8,7 @@ const LINE: usize = 8;
 /// Inverse of the share of a buffer's length that is reserved for later enlargement.
 const SLACK: usize = 16;
 
-/// Numbers that begin at a cache line.
+/// Buffer of numbers that starts at a cache line.
 #[derive(Debug, Default)]
 pub(super) struct AlignedBuffer {
     storage: Vec<f64>,
@@ -17,7 +17,7 @@ pub(super) struct AlignedBuffer {
 }
 
 impl AlignedBuffer {
-    /// Makes room for at least `length` numbers, whose values are lost.
+    /// Resizes the buffer to at least `length` numbers; its values are lost.
     pub(super) fn resize(&mut self, length: usize) -> Result<(), TryReserveError> {
         if self.storage.len() < length + LINE {
             // The old numbers go first: both at once would be the peak of the whole run.

@@ -1,4 +1,4 @@
-//! Assembly of a front from the entries of the matrix that belong to it and the updates of its children.
+//! Assembly of a front from its matrix entries and the update matrices of its children.
 
 use pulp::{Simd, WithSimd};
 
@@ -10,7 +10,7 @@ use super::waiting::Side;
 use crate::math::simd::with_registers;
 use crate::math::workers::Workers;
 
-/// Adds the entries of the matrix that belong to a front, and the identity where its pivot block is padded.
+/// Adds the matrix entries of a front, and the identity in the padding of its pivot block.
 #[inline(always)]
 pub(super) fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], scale: &[f64], blocks: &mut Blocks) {
     let p = blocks.p;
@@ -36,7 +36,7 @@ pub(super) fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], sc
     }
 }
 
-/// Adds a block inside the pivot block; inlined for the sizes that are common, so that its loops unroll.
+/// Adds a block inside the pivot block; inlined for common sizes, so that its loops unroll.
 #[inline(always)]
 fn add_inside(entry: &Inside, rows: usize, columns: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
     for k in 0..columns {
@@ -48,7 +48,7 @@ fn add_inside(entry: &Inside, rows: usize, columns: usize, factor: f64, values: 
     }
 }
 
-/// Adds a block below the pivot block and its mirror image.
+/// Adds a block below the pivot block and its transposed counterpart to the right.
 #[inline(always)]
 fn add_beside(entry: &Beside, pivots: usize, others: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
     let target = entry.target as usize;
@@ -67,26 +67,26 @@ fn add_beside(entry: &Beside, pivots: usize, others: usize, factor: f64, values:
     }
 }
 
-/// Pivots, or other unknowns, whose columns are put together at a time: few enough to stay in a cache near by.
+/// Number of columns assembled at a time, few enough for a fast cache.
 const COLUMNS: usize = 32;
 
-/// Entries of a front from which on its columns are shared among threads.
+/// Number of entries of a front above which threads share its columns.
 const WORTH_SHARING: usize = 20_000;
 
-/// The updates that a front receives from its children.
+/// Update matrices that a front receives from its children.
 #[derive(Clone, Copy)]
 pub(super) struct Received<'a> {
     pub(super) symbolic: &'a Symbolic,
     /// Locations of all waiting updates.
     pub(super) places: &'a [(Side, usize)],
     pub(super) children: &'a [u32],
-    /// Updates that wait, from index `start` of the buffer on, and updates handed over by other tasks.
+    /// Update matrices on the stacks, from index `start` of the buffer on, and those handed over by other tasks.
     pub(super) waiting: &'a [f64],
     pub(super) start: usize,
     pub(super) handed: &'a [f64],
 }
 
-/// Columns of some pivots: those of the pivot block, and what is below and to the right of it.
+/// Columns of some pivots: in the pivot block, below it and to its right.
 struct PivotColumns<'a> {
     first: usize,
     count: usize,
@@ -133,7 +133,7 @@ impl<'a> Received<'a> {
         }
     }
 
-    /// A child and its update.
+    /// Child front and its update matrix.
     #[inline(always)]
     fn update(self, child: u32) -> (&'a Front, &'a [f64]) {
         let ((side, at), child) = (self.places[child as usize], &self.symbolic.fronts[child as usize]);
@@ -191,7 +191,7 @@ impl<'a> Received<'a> {
     }
 }
 
-/// [`Received`], where a thread takes a part.
+/// [`Received`] as a task, of which each thread processes a part.
 struct AddUp<'a, P> {
     received: Received<'a>,
     part: P,
@@ -217,7 +217,7 @@ impl WithSimd for AddUp<'_, &mut RestColumns<'_>> {
     }
 }
 
-/// Adds a run of rows of some columns to where they go.
+/// Adds a run of rows of some columns to the target rows.
 #[inline(always)]
 fn add_run<S: Simd>(simd: S, rows: &Run, source: &[f64], source_stride: usize, target: &mut [f64], target_stride: usize) {
     let (length, from, to) = (rows.length as usize, rows.source as usize, rows.target as usize);

@@ -1,7 +1,7 @@
-//! Dense elimination of one front: LU of its pivot block, the two triangular solves beside it, and the update of what remains.
+//! Dense elimination of one front: LU of its pivot block, the two triangular solves beside it, and the Schur complement of the others.
 //!
-//! In small fronts nothing is packed. In large ones, where each column is on a page of its own, blocks of pivots are eliminated one after
-//! the other: their rows and columns are copied into strips, which stay in the caches while all that remains is updated, and are shared
+//! Small fronts are eliminated in place. In large fronts, where each column occupies its own memory page, blocks of pivots are eliminated
+//! in turn: their rows and columns are copied into strips, which stay in cache during the update of the remaining front and are shared
 //! among threads ([`super::strips`]).
 
 use std::ops::Range;
@@ -14,14 +14,14 @@ use super::tiles::{WIDTH, four, outer_products, store, subtract_from, tiles};
 use crate::math::simd::with_registers;
 use crate::math::workers::Workers;
 
-/// Entries beside the pivot block from which on strips are copied.
+/// Number of entries beside the pivot block above which strips are copied.
 const PACKED: usize = 4096;
 
-/// Pivots up to which a front is one block: its factors fit into the cache.
+/// Largest number of pivots eliminated in one block: the factors fit into the cache.
 const WHOLE: usize = 384;
 
 impl Blocks<'_> {
-    /// Eliminates the pivots. `swaps[k]` becomes the row that was exchanged with row `k`; pivots that are replaced are reported.
+    /// Eliminates the pivots. `swaps[k]` becomes the index of the row exchanged with row `k`; replaced pivots are reported.
     #[inline(always)]
     pub(super) fn eliminate<S: Simd>(
         &mut self,
@@ -71,7 +71,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// Exchanges the columns to the right of the pivot block as its rows in a block of pivots were.
+    /// Exchanges columns to the right of the pivot block like the rows of a block of pivots.
     fn swap_upper(&mut self, swaps: &[u32], block: Range<usize>) {
         let u = self.u;
         for k in block.start..block.end.min(self.pivots) {
@@ -83,7 +83,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// Copies the factors of a block on the diagonal for the solution of strips.
+    /// Copies the factors of a diagonal block for triangular solves of strips.
     fn gather_rows(&self, block: Range<usize>, scratch: &mut Scratch) {
         let (p, from) = (self.p, block.start);
         scratch.upper_rows.clear();
@@ -133,7 +133,7 @@ impl Blocks<'_> {
     }
 }
 
-/// Copies strips of rows back to where they came from.
+/// Copies strips of rows back into the columns.
 fn unpack(strips: &[f64], columns: &mut [f64], u: usize, workers: &Workers) {
     let depth = columns.len() / u.max(1);
     workers.for_each_part(columns, (PANEL * u).max(1), |first, columns| {
@@ -145,8 +145,8 @@ fn unpack(strips: &[f64], columns: &mut [f64], u: usize, workers: &Workers) {
     });
 }
 
-/// Subtracts the product of strips of rows and strips of columns from columns of length `stride`, below row `first`; only the leading
-/// `count` of `depth` terms are not zero.
+/// Subtracts the product of row strips and column strips from columns of length `stride`, below row `first`; only the leading `count` of
+/// `depth` terms are nonzero.
 #[expect(clippy::too_many_arguments, reason = "two operands, a result and their sizes")]
 fn subtract(columns: &mut [f64], stride: usize, first: usize, rows: &[f64], right: &[f64], depth: usize, count: usize, manner: &Manner) {
     manner.workers.for_each_part(columns, (COLUMNS * stride).max(1), |j, columns| {

@@ -1,4 +1,4 @@
-//! Order of elimination and blocks with room in the factors, as a value that can be stored and restored.
+//! Order of elimination and block structure of the factors, as a value that can be stored and restored.
 
 use std::sync::Arc;
 
@@ -8,18 +8,17 @@ use super::ordering::{Order, anchored};
 use super::pattern::{Couplings, Pattern};
 use super::symbolic::Symbolic;
 
-/// An order of elimination, which outlives changes of the pattern, and the blocks that the factors have room for: which ones are in use
-/// depends on the matrices before. It stays equal to itself while matrices are factored, and copies share it; what is counted meanwhile is
-/// an [`Account`].
+/// Order of elimination, valid across pattern changes, and the couplings whose blocks the factors include, which depend on earlier
+/// matrices. It is constant during factorizations and shared by copies; counters are in an [`Account`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EliminationOrder {
-    /// The order that was found best.
+    /// Best order of elimination found.
     pub(super) found: Arc<Order>,
     /// Work of a factorisation when the order was made.
     pub(super) best: f64,
-    /// The couplings whose blocks are in the structure; none before the first matrix.
+    /// Couplings whose blocks are in the structure of the factors; empty before the first matrix.
     pub(super) kept: Arc<Couplings>,
-    /// Work of a factorisation when `kept` was that of one matrix alone.
+    /// Work of a factorization when `kept` contained the couplings of one matrix only.
     pub(super) least: f64,
 }
 
@@ -27,7 +26,7 @@ pub struct EliminationOrder {
 /// together with its counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Account {
-    /// Factorisations since the blocks were those of one matrix alone.
+    /// Number of factorizations since `kept` was reset to the couplings of one matrix.
     pub(super) uses: usize,
     /// Work in excess of the best since the order was made.
     pub(super) wasted: f64,
@@ -39,13 +38,13 @@ impl EliminationOrder {
         self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()
     }
 
-    /// True if the order is consistent with its number of vertices, whatever file it was read from.
+    /// True if the order is a valid permutation with its tree, as a value read from a file may not be.
     pub fn is_sound(&self) -> bool {
         let count = self.found.vertices.len();
         self.found.is_sound() && self.kept.is_sound() && (self.kept.vertices() == 0 || self.kept.vertices() == count)
     }
 
-    /// The structure of the factors in this order, with these blocks of a pattern.
+    /// Structure of the factors in this order, with the given couplings of a pattern.
     pub(super) fn structure(&self, pattern: &Pattern, couplings: &Couplings) -> Symbolic {
         let restricted = pattern.restricted(couplings);
         Symbolic::new(&restricted, &anchored(&restricted, &self.found.repaired(&restricted)))

@@ -8,10 +8,10 @@ use crate::machine::memory::{Shortage, written};
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum LinearError {
-    /// The matrix maps a vector to zero, up to round-off; `Factorization::near_null_vector` estimates it.
+    /// The matrix is singular up to round-off; `Factorization::near_null_vector` estimates a null vector.
     #[error("the matrix is singular")]
     Singular {
-        /// The vertex whose unknowns are largest in that vector, compared in units of its stiffness.
+        /// Vertex with the largest entries of the null vector, in units of its stiffness.
         vertex: Option<u32>,
     },
     /// A value of the matrix or of the right-hand side is infinite or not a number.
@@ -31,7 +31,7 @@ pub enum LinearError {
     OutOfMemory {
         /// Number of unknowns.
         unknowns: usize,
-        /// Bytes that it takes at least.
+        /// Least number of bytes needed.
         needed: u64,
     },
 }

@@ -1,14 +1,13 @@
 //! LU factorisation of a matrix on a [`Pattern`]: scaled, refined, its residual checked, with a second method where the first one fails.
 //!
-//! A pattern has room for couplings that may come: every pair of facets that could meet. Most are zero at any one time, and each costs
-//! fill. So the structure of the factors is that of the blocks that are not zero, or were not since it was made. Whether one has come is
-//! looked up before each factorisation; then the structure is made anew, with the blocks that went before as long as they cost little.
-//! Order and structure do not depend on blocks that were always zero, and outlive the pattern: possible but absent couplings change no
-//! result.
+//! A pattern includes possible couplings: all facet pairs that could meet. Most of their blocks are zero at any time, and each would cost
+//! fill. The structure of the factors therefore contains only blocks that are nonzero, or have been since the structure was made. Before
+//! each factorization new nonzero blocks are detected; then the structure is rebuilt, keeping blocks that became zero while they are cheap.
+//! Order and structure do not depend on blocks that were always zero, so that absent couplings change no result.
 //!
-//! Every vertex has one scale, a power of two: a node's brings its diagonal block to entries of order one, a multiplier's its constraint.
-//! Then pivots of stiffnesses and of constraints can be compared, and residuals of forces and of gaps. The multifrontal LU seeks pivots
-//! inside a front only; where it had to replace one, or where the residual stays poor, the sparse LU with partial pivoting takes over.
+//! Every vertex has a scale, a power of two: it brings the diagonal block of a node, and the constraint of a multiplier, to entries of
+//! order one, so that pivots and residuals of stiffness and constraints are comparable. The multifrontal LU pivots inside a front only; if
+//! it had to replace a pivot, or if the residual stays large, the sparse LU with partial pivoting is used.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,33 +25,33 @@ use crate::machine::memory;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
-/// Wasted operations per nonzero block after which a new order is computed: some times the cost of a dissection, because on coarse meshes
-/// an order degrades within few steps and then no more.
+/// Excess operations per nonzero block after which a new order is computed: several times the cost of a dissection, because on coarse
+/// meshes an order degrades within few steps and then remains.
 const DISSECTION: f64 = 1.5e5;
 
-/// Number of operations of a factorisation above which several dissections are tried: tenths of a second.
+/// Number of operations of a factorization above which several dissections are compared: tenths of a second.
 const WORTH_ALTERNATIVES: f64 = 2e9;
 
-/// Work, relative to that of the blocks of one matrix alone, up to which blocks that have become zero stay in the structure: they tend to
-/// come back, and each new structure costs a third of a factorisation.
+/// Work, relative to that of one matrix's blocks, up to which blocks that became zero are kept: they tend to return, and each new structure
+/// costs a third of a factorization.
 const WORTH_KEEPING: f64 = 1.1;
 
-/// Factorisations within which blocks come back, if they do: about those of a step.
+/// Number of factorizations within which blocks that became zero return, if at all: about those of a step.
 const COME_BACK: usize = 4;
 
-/// Number of factorisations after which blocks that have become zero are searched for without new blocks: bodies have separated after
-/// contact.
+/// Number of factorizations after which the structure is checked for blocks that became zero, even without new blocks: bodies have
+/// separated after contact.
 const REVIEW: usize = 50;
 
-/// Largest number of refinements. One restores full accuracy unless the factors are useless.
+/// Largest number of iterative refinements. One restores full accuracy unless the factors are useless.
 const REFINEMENTS: usize = 2;
 
-/// Counters of the work done; equal on every run and every machine with the same instructions.
+/// Work counters; equal in every run and on every machine with equal instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
     /// Numeric factorisations.
     pub factorizations: usize,
-    /// Floating-point operations of all of them.
+    /// Floating-point operations of all factorizations.
     pub operations: f64,
     /// Symbolic factorisations.
     pub structures: usize,
@@ -60,8 +59,8 @@ pub struct Work {
     pub dissections: usize,
 }
 
-/// The factorisation of a matrix: the order of elimination kept as long as it is good, the structure as long as the pattern stays, the
-/// factors computed for many values.
+/// Factorization of a sequence of matrices: the order of elimination is kept while it is good, the structure while the pattern is
+/// unchanged.
 pub struct Factorization {
     order: EliminationOrder,
     account: Account,
@@ -69,7 +68,7 @@ pub struct Factorization {
     restored: bool,
     pattern: Pattern,
     symbolic: Symbolic,
-    /// Ranges of values that the structure leaves out: zeros, so far.
+    /// Ranges of values outside of the structure, which have been zero so far.
     left_out: Vec<Range<u32>>,
     multifrontal: Multifrontal,
     /// Largest number of bytes reserved for a factorisation.
@@ -78,9 +77,9 @@ pub struct Factorization {
     workers: Workers,
     watch: Watch,
     fallback: Option<Box<PartialPivoting>>,
-    /// True if the fallback holds the factors of the last matrix and has to be used.
+    /// True if the fallback has factorized the last matrix and must solve.
     fallen_back: bool,
-    /// Per vertex and per unknown.
+    /// Scales of the vertices, and of the unknowns.
     vertex_scale: Vec<f64>,
     scale: Vec<f64>,
     solution: Vec<f64>,
@@ -89,7 +88,7 @@ pub struct Factorization {
 }
 
 impl Factorization {
-    /// For matrices of a pattern.
+    /// Factorization for matrices of a pattern.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].
@@ -129,7 +128,7 @@ impl Factorization {
         self.watch = watch;
     }
 
-    /// Adapts to a changed pattern. Where the vertices stay, so does the structure of the factors.
+    /// Adapts to a changed pattern. The structure of the factors is kept if the vertices are unchanged.
     ///
     /// # Errors
     /// [`LinearError::OutOfMemory`].
@@ -158,7 +157,7 @@ impl Factorization {
         Ok(())
     }
 
-    /// Makes the structure fit a matrix. The order of elimination is kept unless the vertices are others or the work has grown too much.
+    /// Adapts the structure to a matrix. The order of elimination is kept unless vertices changed or the work has grown too much.
     fn adapt(&mut self, values: &[f64]) -> Result<(), LinearError> {
         let pattern = &self.pattern;
         let present = pattern.present(values);
@@ -201,7 +200,7 @@ impl Factorization {
         self.use_structure()
     }
 
-    /// Takes the order of elimination that makes the least work, if it makes less than the present one.
+    /// Selects the order of elimination with the least work, if below that of the present one.
     fn choose(&mut self, pattern: &Pattern, orders: Vec<Vec<u32>>) -> Result<(), LinearError> {
         for order in orders {
             if self.watch.is_interrupted() {
@@ -242,7 +241,7 @@ impl Factorization {
         (size_of::<f64>() * (self.symbolic.factors + waiting.handed + waiting.buffer + threads * waiting.of_task)) as u64
     }
 
-    /// The order of elimination that is in use.
+    /// Order of elimination in use.
     pub fn order(&self) -> &EliminationOrder {
         &self.order
     }
@@ -269,7 +268,7 @@ impl Factorization {
         self.work
     }
 
-    /// Bytes of the factors and of the updates that wait while one thread computes them.
+    /// Bytes of the factors and of the stacked update matrices with one thread.
     pub fn bytes(&self) -> usize {
         size_of::<f64>() * (self.symbolic.factors + self.symbolic.alone.buffer)
     }
@@ -285,7 +284,7 @@ impl Factorization {
         self.fallen_back
     }
 
-    /// Backward error of a vector as the solution, by rows.
+    /// Backward error of a vector as the solution, row by row.
     #[cfg(test)]
     pub(crate) fn error_of(&mut self, values: &[f64], x: &[f64], right: &[f64]) -> f64 {
         self.solution.copy_from_slice(x);
@@ -294,7 +293,7 @@ impl Factorization {
         self.error_by_rows(values, right)
     }
 
-    /// Factors the matrix with these values.
+    /// Factorizes the matrix with these values.
     ///
     /// # Errors
     /// [`LinearError::NotFinite`], [`LinearError::OutOfMemory`], [`LinearError::Interrupted`]; whether the matrix is singular is found in
@@ -392,13 +391,12 @@ impl Factorization {
         Ok(error)
     }
 
-    /// An estimate of the vector that the matrix maps to zero, one number per unknown, after [`LinearError::Singular`].
+    /// Estimated null vector after [`LinearError::Singular`], one number per unknown.
     pub fn near_null_vector(&self) -> Option<&[f64]> {
         self.null_vector.as_deref()
     }
 
-    /// Number of negative eigenvalues of the last factored matrix, if that was symmetric; `None` where pivots were replaced, or after the
-    /// slower method.
+    /// Number of negative eigenvalues of the last factored matrix, if symmetric; `None` if pivots were replaced, or after the fallback.
     pub fn negative_eigenvalues(&self) -> Option<usize> {
         if self.fallen_back { None } else { self.multifrontal.negative_eigenvalues(&self.symbolic) }
     }
@@ -422,7 +420,7 @@ impl Factorization {
         Ok(())
     }
 
-    /// `x := A^-1 x` with the factors that are in use, without any check.
+    /// `x := A^-1 x` with the factors in use, without refinement and checks.
     fn substitute(&mut self) {
         match &mut self.fallback {
             Some(fallback) if self.fallen_back => fallback.solve(&self.scale, &mut self.residual),
@@ -430,7 +428,7 @@ impl Factorization {
         }
     }
 
-    /// Solves into `solution`, refined until the backward error, which is returned, is at round-off.
+    /// Solves into `solution` with iterative refinement until the backward error is at round-off; returns the backward error.
     fn refined(&mut self, values: &[f64], right: &[f64], size: f64) -> f64 {
         self.solution.fill(0.0);
         self.residual.copy_from_slice(right);
@@ -453,7 +451,7 @@ impl Factorization {
         if error > tolerances::LINEAR_FALLBACK { self.error_by_rows(values, right) } else { error }
     }
 
-    /// Backward error of `solution` with the residual of every row over the terms of that row, or over `|x|` if that is more.
+    /// Backward error of `solution`: residual of every row relative to the terms of that row, or to `|x|` if larger.
     fn error_by_rows(&self, values: &[f64], right: &[f64]) -> f64 {
         let mut terms = vec![0.0; right.len()];
         self.pattern.multiply_sizes_into(values, &self.solution, &mut terms);

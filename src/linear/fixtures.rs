@@ -1,5 +1,5 @@
-//! Matrices of the kind that contact makes, for tests and benchmarks: cells whose nodes are coupled, disturbed unsymmetrically, and
-//! multipliers that tie nodes together.
+//! Saddle-point matrices as in contact problems, for tests and benchmarks: cells with coupled nodes, unsymmetric perturbations, and
+//! multipliers that tie nodes.
 
 use super::{Pattern, Vertex};
 
@@ -28,8 +28,8 @@ pub struct System {
     pub nodes: usize,
 }
 
-/// Nodes with `D` unknowns coupled by cells, and a multiplier for each list of (node, weight), anchored at the list's first node. Every
-/// entry is disturbed by up to half of `disturbance`, those of the constraints by a hundredth.
+/// Saddle-point matrix: nodes with `D` unknowns coupled by cells, and a multiplier for each list of (node, weight), anchored at the first
+/// node. Entries are perturbed by up to half of `disturbance`, those of constraints by a hundredth.
 pub fn saddle_point<const D: usize>(nodes: usize, cells: &[Vec<u32>], constraints: &[Vec<(u32, f64)>], disturbance: f64) -> System {
     let mut noise = Noise::default();
     let mut vertices = vec![Vertex::coordinates(D as u8); nodes];

@@ -1,4 +1,4 @@
-//! Fronts, and where the entries of the matrix and of updates go in them.
+//! Fronts, and the positions of matrix entries and update matrices in them.
 //!
 //! A *front* is a dense matrix of a few pivots and of the unknowns that their elimination couples. Its remainder after elimination, the
 //! *update*, is added to the front of its parent in the tree (multifrontal method: Duff and Reid 1983, Liu 1992).
@@ -14,22 +14,22 @@ pub(super) struct Front {
     pub(super) first: usize,
     /// Number of pivots.
     pub(super) pivots: usize,
-    /// Number of other unknowns.
+    /// Number of non-pivot unknowns of the front.
     pub(super) update: usize,
-    /// Numbers of pivots (`p`) and of other unknowns (`u`), padded to multiples of four.
+    /// Numbers of pivots (`p`) and of non-pivot unknowns (`u`), padded to multiples of four.
     pub(super) p: usize,
     pub(super) u: usize,
-    /// Place of the front's factors: `p * p` of the pivot block, `u * p` below it, `u * p` to its right.
+    /// Start of the front's factors in `factors`: `p * p` for the pivot block, `u * p` below it, `u * p` to its right.
     pub(super) factors: usize,
-    /// The other unknowns in `rows`.
+    /// Range of the front's non-pivot unknowns in `rows`.
     pub(super) rows: Range<usize>,
-    /// Their places in the parent's front, in `runs`: first those that are pivots there, then the others.
+    /// Ranges in `runs` of the non-pivot unknowns' positions in the parent's front: pivots of the parent, then others.
     pub(super) to_pivots: Range<usize>,
     pub(super) to_others: Range<usize>,
     pub(super) parent: Option<u32>,
     /// Fronts whose updates are added, in ascending order.
     pub(super) children: Range<usize>,
-    /// Entries of the matrix in the pivot block and beside it.
+    /// Matrix entries in the pivot block and beside it.
     pub(super) inside: Range<usize>,
     pub(super) beside: Range<usize>,
 }
@@ -40,20 +40,20 @@ impl Front {
         (self.p + 2 * self.u) * self.p
     }
 
-    /// Floating-point operations of its elimination.
+    /// Floating-point operations of the front's elimination.
     pub(super) fn operations(&self) -> f64 {
         let (p, u) = (self.pivots as f64, self.update as f64);
         2.0 / 3.0 * p * p * p + 2.0 * p * p * u + 2.0 * p * u * u
     }
 
-    /// Time of its elimination in units of an operation: assembling an entry costs about twenty.
+    /// Time of the front's elimination in units of an operation; assembling an entry costs about twenty.
     pub(super) fn work(&self) -> f64 {
         let side = (self.p + self.u) as f64;
         self.operations() + 20.0 * side * side
     }
 }
 
-/// A block of the matrix that goes into the pivot block of a front.
+/// Matrix block in the pivot block of a front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inside {
     pub(super) source: Block,
@@ -64,30 +64,30 @@ pub(super) struct Inside {
     pub(super) column: u32,
 }
 
-/// A block below the pivot block and its mirror image to the right.
+/// Matrix block below the pivot block, and its counterpart to the right.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside {
     pub(super) lower: Block,
     pub(super) upper: Block,
-    /// Place of the first entry of both, the right one stored transposed.
+    /// Position of the first entry of both blocks; the right one is stored transposed.
     pub(super) target: u32,
-    /// The vertex among the pivots and the other one.
+    /// Vertex among the pivots, and the other vertex.
     pub(super) pivot: u32,
     pub(super) other: u32,
 }
 
-/// Unknowns of an update that stay side by side in the parent's front.
+/// Unknowns of an update that are contiguous in the parent's front.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     /// Place of the first unknown in the update.
     pub(super) source: u32,
-    /// Place of the first unknown among the pivots or among the other unknowns of the parent front.
+    /// Position of the first unknown among the pivots or the non-pivot unknowns of the parent front.
     pub(super) target: u32,
     pub(super) length: u32,
 }
 
 impl Run {
-    /// The part whose places are among `count` places from `first` on, its target counted from there.
+    /// Part of the run within `count` positions from `first` on, with its target relative to `first`.
     pub(super) fn within(&self, first: usize, count: usize) -> Option<Self> {
         let (first, end) = (first as u32, (first + count) as u32);
         let from = self.target.max(first);
@@ -98,9 +98,9 @@ impl Run {
 
 /// Numbering of fronts and pivots.
 pub(super) struct Numbering {
-    /// Per front, the last of its vertices (numbers in the order of elimination, as everywhere in the tree).
+    /// Last vertex of each front, by positions in the order of elimination as everywhere in the tree.
     pub(super) roots: Vec<u32>,
-    /// Per vertex, its first pivot.
+    /// First pivot of each vertex.
     pub(super) first: Vec<u32>,
     /// Vertices in the order of their pivots.
     pub(super) sequence: Vec<u32>,

@@ -1,8 +1,8 @@
 //! Number of negative eigenvalues of a symmetric matrix, from its factors.
 //!
-//! Fronts of a symmetric matrix are symmetric, whatever their pivots were exchanged for, so the inertia of the matrix is the sum of those
-//! of their pivot blocks (Haynsworth, Linear Algebra Appl. 1, 1968). Without an exchange of rows that of a block is the signs of its pivots
-//! (Sylvester); a block with one is put together again from its factors.
+//! Fronts of a symmetric matrix are symmetric for any exchange of pivots, so the inertia of the matrix is the sum over the pivot blocks
+//! (Haynsworth, Linear Algebra Appl. 1, 1968). The inertia of a block without row exchanges follows from the signs of its pivots
+//! (Sylvester); a block with row exchanges is reassembled from its factors.
 
 use nalgebra::DMatrix;
 
@@ -10,7 +10,7 @@ use super::multifrontal::Multifrontal;
 use super::symbolic::Symbolic;
 
 impl Multifrontal {
-    /// Number of negative eigenvalues of the last matrix, which is symmetric; `None` where pivots were replaced.
+    /// Number of negative eigenvalues of the last matrix, which must be symmetric; `None` if pivots were replaced.
     pub(super) fn negative_eigenvalues(&self, symbolic: &Symbolic) -> Option<usize> {
         if !self.replaced().is_empty() {
             return None;
@@ -32,7 +32,7 @@ impl Multifrontal {
     }
 }
 
-/// Negative eigenvalues of a pivot block that was factored with exchanges of rows.
+/// Number of negative eigenvalues of a pivot block factored with row exchanges.
 fn negative_of_block(factors: &[f64], p: usize, exchanged: &[u32]) -> usize {
     let size = exchanged.len();
     let lower = DMatrix::from_fn(size, size, |i, k| match i.cmp(&k) {

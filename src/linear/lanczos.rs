@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use crate::math::tolerances::LANCZOS_DEPENDENT;
 
-/// Passes of the orthogonalization: twice is enough (Kahan; Parlett, The Symmetric Eigenvalue Problem, 1980).
+/// Number of orthogonalization passes: twice is enough (Kahan; Parlett, The Symmetric Eigenvalue Problem, 1980).
 const PASSES: usize = 2;
 
 /// Operator of the Lanczos iteration.
@@ -17,13 +17,13 @@ pub trait Operator {
     /// Error of a solve.
     type Error;
 
-    /// `(K - sigma M)^-1 image`.
+    /// Solves with the shifted matrix: `(K - sigma M)^-1 image`.
     ///
     /// # Errors
     /// The linear solver's.
     fn solve(&mut self, image: Vec<f64>) -> Result<Vec<f64>, Self::Error>;
 
-    /// `M v`, whose product with another vector is the one in which the operator is symmetric.
+    /// Returns `M v`; the operator is symmetric in the inner product `x^T M y`.
     fn mass_times(&self, v: &[f64]) -> Vec<f64>;
 
     /// Right-hand side of the solve for a vector `v`; for vibrations `M v`.
@@ -43,12 +43,12 @@ pub struct Ritz {
     pub coefficients: Vec<f64>,
 }
 
-/// The basis so far, orthonormal in the operator's product, and the operator's projection on it.
+/// Lanczos basis, orthonormal in the operator's inner product, and the projected operator.
 pub struct Lanczos {
     unknowns: usize,
     block: usize,
     vectors: Vec<Vec<f64>>,
-    /// For each vector that the operator was applied to, the components of its image along the basis.
+    /// Components along the basis of the operator's image of each processed vector.
     projected: Vec<Vec<f64>>,
     random: u64,
 }
@@ -59,7 +59,7 @@ impl Lanczos {
         Lanczos { unknowns, block, vectors: Vec::new(), projected: Vec::new(), random: 1 }
     }
 
-    /// Vectors that the operator was applied to.
+    /// Number of vectors to which the operator was applied.
     pub fn applied(&self) -> usize {
         self.projected.len()
     }
@@ -92,7 +92,7 @@ impl Lanczos {
         self.applied() == self.vectors.len()
     }
 
-    /// Components of the images of all processed vectors along the next vector that the operator is applied to; 0 without one.
+    /// Components of the images of all processed vectors along the next unprocessed basis vector; 0 without one.
     pub fn coupling(&self) -> Vec<f64> {
         let next = self.applied();
         self.projected.iter().map(|along| along.get(next).copied().unwrap_or(0.0)).collect()
@@ -104,7 +104,7 @@ impl Lanczos {
         self.vectors
     }
 
-    /// Adds a vector of any direction to those that the operator is applied to.
+    /// Adds a vector of arbitrary direction as a start of the iteration.
     ///
     /// # Errors
     /// The operator's.
@@ -115,7 +115,7 @@ impl Lanczos {
         Ok(())
     }
 
-    /// Numbers between -1 and 1, the same in every run (xorshift; Marsaglia 2003).
+    /// Reproducible pseudorandom numbers between -1 and 1 (xorshift; Marsaglia 2003).
     fn next_random(&mut self) -> f64 {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
@@ -123,7 +123,7 @@ impl Lanczos {
         (self.random >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// Adds what a vector has beyond the basis to it, if that is more than round-off; gives its components along the basis.
+    /// Adds the component of a vector orthogonal to the basis, if above round-off; returns its components along the basis.
     fn add<O: Operator>(&mut self, operator: &O, mut vector: Vec<f64>) -> Vec<f64> {
         let mut along = vec![0.0; self.vectors.len()];
         let mut image = operator.mass_times(&vector);
@@ -164,7 +164,7 @@ impl Lanczos {
         order.into_iter().map(of).collect()
     }
 
-    /// A vector with these components in the basis.
+    /// Vector from its components in the basis.
     pub fn vector(&self, coefficients: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.unknowns];
         for (own, coefficient) in self.vectors.iter().zip(coefficients) {
@@ -174,7 +174,7 @@ impl Lanczos {
     }
 }
 
-/// Scalar product, its sums in an order that lets processors add several at once.
+/// Scalar product, summed in an order that allows vector instructions.
 pub fn product(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let mut sums = [0.0; LANES];

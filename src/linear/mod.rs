@@ -1,8 +1,8 @@
 //! Floor 1: sparse pattern built once, block positions for assembly, factorisation (symbolic once per pattern, numeric many times).
 //!
-//! The matrix is that of a graph: a vertex per node with its coordinates, and a vertex per group of constraints with its multipliers. Its
-//! pattern is symmetric, its values are not. For assembly the place of each block is looked up once in the [`Pattern`]; then entries are
-//! added to a flat array of values. A [`LinearSolver`] solves with these values; [`Factorization`] is the one implementation.
+//! The matrix belongs to a graph: one vertex per node with its coordinates, and one per group of constraints with its multipliers. Its
+//! pattern is symmetric, its values are not. The position of each block is looked up once in the [`Pattern`]; assembly adds entries to a
+//! flat array of values. A [`LinearSolver`] solves with these values; [`Factorization`] implements it.
 
 mod aligned;
 mod assembly;

@@ -1,8 +1,8 @@
-//! Numeric multifrontal LU: every front is assembled from the matrix and its children's updates and eliminated; substitution runs along the
-//! tree. Numbers are not moved once they are computed, and buffers are kept from one factorisation to the next.
+//! Numeric multifrontal LU: every front is assembled from matrix entries and its children's updates, and eliminated; substitution follows
+//! the tree. Computed factors are not moved, and buffers are reused by successive factorizations.
 //!
-//! Independent subtrees are shared among threads, then the fronts above them follow one by one, their dense work shared. What is computed
-//! for a front does not depend on who computes it, or when, so the results are the same bytes for any number of threads.
+//! Threads share independent subtrees, then the dense work of the remaining fronts, one by one. The computation of a front depends neither
+//! on the thread nor on the time, so results are byte-identical for any number of threads.
 
 use std::collections::TryReserveError;
 use std::ops::Range;
@@ -25,41 +25,41 @@ use crate::math::workers::Workers;
 /// Buffers of one thread for the elimination of fronts.
 #[derive(Debug, Default)]
 struct Scratch {
-    /// Updates that wait for the assembly of their parent fronts.
+    /// Stacks of update matrices until the assembly of the parent fronts.
     waiting: AlignedBuffer,
     dense: panels::Scratch,
     /// A vector at a front.
     at_front: AlignedBuffer,
 }
 
-/// The factors of a matrix, and room to compute them.
+/// Factors of a matrix, and buffers for their computation.
 #[derive(Debug, Default)]
 pub(super) struct Multifrontal {
     factors: AlignedBuffer,
-    /// Per pivot, the row of its front that was exchanged with it.
+    /// For each pivot, the row of its front that was exchanged with it.
     swaps: Vec<u32>,
-    /// Updates that subtrees hand over.
+    /// Update matrices handed over by subtrees.
     handed: AlignedBuffer,
-    /// One for each thread.
+    /// Buffers of each thread.
     scratch: Vec<Mutex<Scratch>>,
-    /// Places in the order of elimination whose pivots were replaced.
+    /// Positions in the order of elimination with replaced pivots.
     replaced: Vec<u32>,
-    /// The vector in the order of elimination, and what subtrees exchange of it with the fronts above.
+    /// Vector in the order of elimination, and its part exchanged between subtrees and the fronts above.
     ordered: Vec<f64>,
     outside: Vec<f64>,
 }
 
-/// Consecutive fronts and what their elimination writes.
+/// Consecutive fronts and the output of their elimination.
 struct Segment<'a, 'u> {
     fronts: Range<usize>,
     factors: &'a mut [f64],
     swaps: &'a mut [u32],
-    /// The update of the last front, if it is handed over.
+    /// Update matrix of the last front, if it is handed over.
     update: &'u mut [f64],
     replaced: Vec<u32>,
 }
 
-/// Output of all fronts, less the parts that were split off.
+/// Output of all fronts, without the parts that were split off.
 struct Whole<'a> {
     symbolic: &'a Symbolic,
     factors: &'a mut [f64],
@@ -67,7 +67,7 @@ struct Whole<'a> {
 }
 
 impl<'a> Whole<'a> {
-    /// The fronts that come next.
+    /// Splits off the output of the next fronts.
     fn split_off<'u>(&mut self, fronts: Range<usize>, update: &'u mut [f64]) -> Segment<'a, 'u> {
         let all = &self.symbolic.fronts[fronts.clone()];
         let (numbers, pivots) = all.iter().fold((0, 0), |(numbers, pivots), front| (numbers + front.length(), pivots + front.pivots));
@@ -101,8 +101,8 @@ impl Multifrontal {
         Ok(())
     }
 
-    /// Factors `diag(scale) A diag(scale)`, with one scale per vertex; room was made before. What is left when the watch was interrupted is
-    /// of no use.
+    /// Factorizes `diag(scale) A diag(scale)`, with one scale per vertex, into allocated buffers. The factors are useless after an
+    /// interrupt.
     pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64], workers: &Workers, watch: &Watch) {
         self.replaced.clear();
         let Multifrontal { factors, swaps, handed, scratch, replaced, .. } = self;
@@ -147,12 +147,12 @@ impl Multifrontal {
         replaced.sort_unstable();
     }
 
-    /// The factors of all fronts, and per pivot the row of its front that was exchanged with it.
+    /// Factors of all fronts and, for each pivot, the row of its front that was exchanged with it.
     pub(super) fn factors(&self) -> (&[f64], &[u32]) {
         (self.factors.all(), &self.swaps)
     }
 
-    /// Places in the order of elimination where no usable pivot was found.
+    /// Positions in the order of elimination without a usable pivot.
     pub(super) fn replaced(&self) -> &[u32] {
         &self.replaced
     }

@@ -1,4 +1,4 @@
-//! A symmetric scalar matrix on the nodes that acts on every component alike: the consistent mass matrix.
+//! Symmetric scalar matrix on the nodes, equal for all components: the consistent mass matrix.
 
 use super::pattern::Pattern;
 
@@ -11,7 +11,7 @@ pub struct NodeMatrix {
 }
 
 impl NodeMatrix {
-    /// A zero matrix with the couplings of the first `nodes` vertices of a pattern.
+    /// Zero matrix with the couplings of the first `nodes` vertices of a pattern.
     pub fn new(pattern: &Pattern, nodes: usize) -> Self {
         let mut starts = vec![0];
         let mut columns = Vec::new();
@@ -51,12 +51,12 @@ impl NodeMatrix {
         }
     }
 
-    /// Sum of each row: the mass that belongs to a node.
+    /// Row sums, which are the lumped nodal masses.
     pub fn row_sums(&self) -> Vec<f64> {
         self.starts.windows(2).map(|range| self.values[range[0]..range[1]].iter().sum()).collect()
     }
 
-    /// Every entry `(row, column, value)`.
+    /// All entries `(row, column, value)`.
     pub fn entries(&self) -> impl Iterator<Item = (u32, u32, f64)> + '_ {
         (0..self.starts.len() - 1)
             .flat_map(move |row| (self.starts[row]..self.starts[row + 1]).map(move |k| (row as u32, self.columns[k], self.values[k])))

@@ -1,13 +1,13 @@
 //! Order of elimination: nested dissection or minimum degree on the graph of nodes and multipliers, whichever gives less work.
 //!
-//! Vertices, not unknowns, are ordered: the graph is a few times smaller and all unknowns of a node stay together. A multiplier is a vertex
-//! of its own, so that a separator may run through multipliers alone, which are the cheapest cut of an interface. A multiplier has no
-//! diagonal entry; the elimination of a neighbor fills it. So where the dissection puts it before its *anchor* (the node whose motion it
-//! opposes), it moves to the place directly behind.
+//! The ordered graph has nodes and multipliers as vertices, not unknowns: it is a few times smaller and keeps the unknowns of a node
+//! together. Separators may consist of multipliers only, the cheapest cut of an interface. A multiplier has no diagonal entry until the
+//! elimination of a neighbor fills it. If the dissection places it before its *anchor* (the node whose motion it opposes), it is moved to
+//! the position right behind the anchor.
 //!
-//! Dissection by the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis
+//! Dissection uses the crate `feral-metis` (Karypis and Kumar 1998), which orders small parts by approximate minimum degree (Amestoy, Davis
 //! and Duff 1996). Dissection gives less work on large meshes, a sixth less on a bearing of 2 000 unknowns, but takes twenty times as long
-//! as minimum degree. So an order outlives many changes of contact, and is repaired where surfaces have slid.
+//! as minimum degree. An order is therefore kept through many changes of contact, and repaired where surfaces have slid.
 
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -49,7 +49,7 @@ pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
     orders
 }
 
-/// Additional dissections for large matrices, in an order that does not depend on the number of threads.
+/// Additional dissections for large matrices, in an order independent of the number of threads.
 pub(super) fn alternatives(pattern: &Pattern, watch: &Watch, workers: &Workers) -> Vec<Vec<u32>> {
     let Some(graph) = Graph::new(pattern).map(Arc::new) else { return Vec::new() };
     let mut orders = ALTERNATIVES.map(|_| None);
@@ -80,7 +80,7 @@ impl Graph {
         Some(graph)
     }
 
-    /// Nested dissection into small parts, and minimum degree in these.
+    /// Nested dissection into small parts, each ordered by minimum degree.
     fn dissection(&self, options: &MetisOptions) -> Option<Vec<u32>> {
         let graph = CscPattern::new(self.starts.len() - 1, &self.starts, &self.neighbors)?;
         let (order, ..) = metis_order_full(&graph, options).ok()?;
@@ -110,19 +110,19 @@ impl Graph {
     }
 }
 
-/// An order of elimination with its elimination tree, whose vertices are named by their places in the order.
+/// Order of elimination with its elimination tree; tree vertices are positions in the order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Order {
-    /// Vertices in their order.
+    /// Vertices in the order of elimination.
     pub(super) vertices: Vec<u32>,
     /// Parent at each place, or `u32::MAX`.
     parents: Vec<u32>,
-    /// The descendants of each place, itself the last, as a range of numbers in a postorder.
+    /// Range of postorder numbers of the descendants of each position, which is the last of them.
     families: Vec<[u32; 2]>,
 }
 
 impl Order {
-    /// An order and the parents in its tree.
+    /// Order with the parents in its elimination tree.
     pub(super) fn new(vertices: Vec<u32>, parents: Vec<u32>) -> Self {
         let count = parents.len();
         let mut sizes = vec![1u32; count];

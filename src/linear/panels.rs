@@ -1,4 +1,4 @@
-//! A front's blocks, and LU of columns of its pivot block.
+//! Blocks of a front, and LU of columns of its pivot block.
 //!
 //! All blocks are column-major, their sides padded to multiples of four by zeros (the pivot block by the identity), so that every loop runs
 //! over whole tiles ([`super::tiles`]).
@@ -15,14 +15,14 @@ use crate::math::simd::with_registers;
 use crate::math::tolerances::LINEAR_REPLACEMENT;
 use crate::math::workers::Workers;
 
-/// A diagonal entry is the pivot unless it is smaller than this times the largest entry below it.
+/// Ratio of the diagonal entry to the largest entry below it from which the diagonal entry is the pivot.
 const THRESHOLD: f64 = 0.01;
 
-/// One front: `pivots` eliminated unknowns and `update` that remain.
+/// Blocks of one front: `pivots` eliminated unknowns and `update` remaining ones.
 pub(super) struct Blocks<'a> {
     /// Number of pivots.
     pub(super) pivots: usize,
-    /// Padded number of pivots and of the others.
+    /// Padded number of pivots and of remaining unknowns.
     pub(super) p: usize,
     pub(super) u: usize,
     /// Pivot block, `p x p`; becomes the unit lower factor and the upper factor with the reciprocals of the pivots.
@@ -35,13 +35,13 @@ pub(super) struct Blocks<'a> {
     pub(super) rest: &'a mut [f64],
 }
 
-/// Room for copies of what is read often.
+/// Buffers for copies of frequently read factors.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    /// Four columns of the upper factor above each 4 x 4 block on the diagonal, row by row; four rows of the lower one likewise.
+    /// Four columns of the upper factor above each diagonal 4 x 4 block, row by row; four rows of the lower factor likewise.
     pub(super) upper_rows: Vec<[f64; WIDTH]>,
     pub(super) lower_rows: Vec<[f64; WIDTH]>,
-    /// Strips of a block of pivots: of the rows below the pivot block and the columns to its right, and of those inside it.
+    /// Strips of a block of pivots: rows below the pivot block, columns to its right, and rows and columns inside it.
     pub(super) lower: Vec<f64>,
     pub(super) upper: Vec<f64>,
     pub(super) below: Vec<f64>,
@@ -58,7 +58,7 @@ pub(super) struct Manner<'a> {
 }
 
 impl Blocks<'_> {
-    /// LU of a block of columns whose part above is done: panel by panel, each followed by the update of the columns up to the block's end.
+    /// LU of a block of columns whose upper part is complete: panel by panel, each followed by the update of the block's remaining columns.
     #[inline(always)]
     pub(super) fn factor_block<S: Simd>(
         &mut self,
@@ -78,7 +78,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// Brings the columns of the pivot block right of a factored panel, up to column `end`, up to date with it.
+    /// Updates the columns of the pivot block to the right of a factored panel, up to column `end`.
     fn update_panels(&mut self, panel: Range<usize>, end: usize, workers: &Workers, strips: &mut Vec<f64>) {
         let (p, Range { start: from, end: to }) = (self.p, panel);
         let (left, right) = self.diagonal[..end * p].split_at_mut(to * p);
@@ -88,7 +88,7 @@ impl Blocks<'_> {
         workers.for_each_part(right, STRIP * p, |_, columns| with_registers(UpdatePanel { left, strips, columns, p, from, to }));
     }
 
-    /// LU of some columns of the pivot block, four at a time, each brought up to date with those to its left from column `from` on.
+    /// LU of some columns of the pivot block, four at a time, each updated by the columns to its left from column `from` on.
     #[inline(always)]
     pub(super) fn factor_columns<S: Simd>(
         &mut self,
@@ -121,7 +121,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// LU with pivoting of four columns that are up to date.
+    /// LU with pivoting of four columns that earlier pivots have already updated.
     #[inline(always)]
     fn factor_panel<S: Simd>(&mut self, simd: S, j: usize, tiny: f64, swaps: &mut [u32], replaced: &mut impl FnMut(usize)) {
         let p = self.p;

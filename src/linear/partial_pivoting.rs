@@ -1,5 +1,5 @@
-//! Sparse LU with partial pivoting over whole columns: faer's. Several times slower than the multifrontal LU, but not bound to pivots
-//! inside a front: it stands behind it where that one fails, and checks it in tests.
+//! Sparse LU with partial pivoting over whole columns, by the crate `faer`. Several times slower than the multifrontal LU, but not
+//! restricted to pivots inside a front: its fallback, and its reference in tests.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::PartialPivLuParams;
@@ -15,7 +15,7 @@ use super::pattern::Pattern;
 pub(super) struct PartialPivoting {
     starts: Vec<usize>,
     rows: Vec<usize>,
-    /// Places of the values of the entries; `None` for entries that are zero.
+    /// Position of the value of each entry; `None` for zero entries.
     places: Vec<Option<usize>>,
     symbolic: SymbolicLu<usize>,
     numeric: NumericLu<usize, f64>,
@@ -23,7 +23,7 @@ pub(super) struct PartialPivoting {
     scaled: Vec<f64>,
 }
 
-/// Bytes of the matrix alone; how many its factors have is known when they are there.
+/// Bytes of the matrix without its factors, whose number is unknown before the factorization.
 fn bytes_of(rows: &[usize]) -> u64 {
     (size_of::<f64>() * rows.len()) as u64
 }
@@ -44,7 +44,7 @@ impl PartialPivoting {
         Ok(PartialPivoting { scaled: vec![0.0; rows.len()], starts, rows, places, symbolic, numeric: NumericLu::new(), memory })
     }
 
-    /// Factors `diag(scale) A diag(scale)`, with one scale per unknown.
+    /// Factorizes `diag(scale) A diag(scale)`, with one scale per unknown.
     pub(super) fn factorize(&mut self, values: &[f64], scale: &[f64]) -> Result<(), LinearError> {
         let unknowns = scale.len();
         for column in 0..unknowns {

@@ -1,7 +1,7 @@
 //! Symmetric block pattern of a graph whose vertices carry a few unknowns each, as compressed columns.
 //!
-//! All columns of a vertex have the same rows, so a block is found by two numbers: the place of its first entry and the distance to the
-//! next column. Column-major inside a block.
+//! All columns of a vertex have equal rows, so that two numbers locate a block: position of its first entry, distance to the next column.
+//! Blocks are column-major.
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// Role of the unknowns of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Coordinates of a node or a director, or any other numbers with an inertia or a stiffness of their own on the diagonal.
+    /// Coordinates of a node or a director, or other unknowns with their own inertia or stiffness on the diagonal.
     Coordinates,
-    /// Coordinates of a node without inertia, which the constraints that are anchored to it make a combination of other coordinates.
+    /// Coordinates of a massless node that anchored constraints express by other coordinates.
     Carried,
     /// Multipliers of one group of constraints; their diagonal block may be zero.
     Multipliers,
@@ -52,13 +52,13 @@ pub struct Pattern {
     roles: Vec<Role>,
     /// First unknown of each vertex, and the number of all unknowns at the end.
     first: Vec<usize>,
-    /// Per vertex, the range of its neighbors in `neighbors`, itself included.
+    /// Range of each vertex's neighbors in `neighbors`, itself included.
     starts: Vec<usize>,
     /// Neighboring vertices in ascending order.
     neighbors: Vec<u32>,
-    /// Per entry of `neighbors`: the place of the block's first row inside a column of the vertex, or [`NO_PLACE`].
+    /// For each entry of `neighbors`, the position of the block's first row inside a column of the vertex, or [`NO_PLACE`].
     offsets: Vec<u32>,
-    /// Per vertex, the place of its first column's values.
+    /// Position of the values of each vertex's first column.
     columns: Vec<usize>,
     /// Length of a column of each vertex.
     lengths: Vec<usize>,
@@ -66,16 +66,16 @@ pub struct Pattern {
     anchors: Vec<u32>,
 }
 
-/// Place of a block of the matrix in the array of values: entry `(i, k)` at `start + k * stride + i`.
+/// Position of a matrix block in the array of values: entry `(i, k)` at `start + k * stride + i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Block {
-    /// Place of entry `(0, 0)`.
+    /// Position of entry `(0, 0)` in the array of values.
     pub start: u32,
-    /// Distance from one column to the next.
+    /// Distance between successive columns of the block.
     pub stride: u32,
 }
 
-/// Offset of a block that no value belongs to.
+/// Offset of a block without values.
 const NO_PLACE: u32 = u32::MAX;
 
 impl Block {
@@ -90,8 +90,7 @@ impl Block {
 }
 
 impl Pattern {
-    /// The pattern of a graph: its vertices, and cliques of vertices that are all coupled with each other. Every vertex is coupled with
-    /// itself.
+    /// Pattern of a graph given by its vertices and cliques of mutually coupled vertices. Every vertex is coupled with itself.
     pub fn new<'a>(vertices: &[Vertex], cliques: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
         let count = vertices.len();
         let size = |v: usize| vertices[v].size as usize;
@@ -188,7 +187,7 @@ impl Pattern {
         Pattern { starts: couplings.starts.clone(), neighbors: couplings.neighbors.clone(), offsets, ..self.clone() }
     }
 
-    /// The couplings whose block or the mirror image of it holds a value that is not zero; a vertex is always coupled with itself.
+    /// Couplings with a nonzero value in the block or its transposed counterpart; a vertex is always coupled with itself.
     pub(super) fn present(&self, values: &[f64]) -> Couplings {
         let mut present = vec![false; self.neighbors.len()];
         // Vertices ascend, so each finds itself next in the ascending list of its neighbor.
@@ -213,7 +212,7 @@ impl Pattern {
         couplings
     }
 
-    /// The places of the values of all couplings that are not among these, as ascending ranges.
+    /// Positions of the values of all couplings outside the given ones, as ascending ranges.
     pub(super) fn left_out(&self, couplings: &Couplings) -> Vec<Range<u32>> {
         let mut ranges: Vec<Range<u32>> = Vec::new();
         let mut left_out: Vec<(Block, usize)> = Vec::new();
@@ -270,18 +269,18 @@ impl Pattern {
         self.roles[vertex] == Role::Multipliers
     }
 
-    /// Anchor of a multiplier, if it has one.
+    /// Anchor of a multiplier; `None` without one.
     #[inline]
     pub fn anchor(&self, vertex: usize) -> Option<u32> {
         self.anchors.get(vertex).copied().filter(|&anchor| anchor != u32::MAX)
     }
 
-    /// The vertex that an unknown belongs to.
+    /// Vertex of an unknown.
     pub(crate) fn vertex_of(&self, unknown: usize) -> usize {
         self.first.partition_point(|&first| first <= unknown) - 1
     }
 
-    /// Per neighbor of a vertex, itself included: the block that couples it, as row, with the vertex, as column.
+    /// For each neighbor of a vertex, itself included: the block in its row and the vertex's column.
     pub(super) fn column_blocks(&self, vertex: usize) -> impl Iterator<Item = Block> + '_ {
         let (start, stride) = (self.columns[vertex] as u32, self.lengths[vertex] as u32);
         self.offsets[self.starts[vertex]..self.starts[vertex + 1]].iter().map(move |&offset| match offset {
@@ -308,7 +307,7 @@ impl Pattern {
         self.first[vertex]
     }
 
-    /// The block that couples row vertex `u` with column vertex `v`.
+    /// Block in row `u` and column `v` (vertices), which must be coupled.
     ///
     /// # Panics
     /// When the two are not coupled in the pattern.
@@ -317,7 +316,7 @@ impl Pattern {
         self.find_block(u, v).expect("the vertices are coupled in the pattern")
     }
 
-    /// The block that couples row vertex `u` with column vertex `v`, if there is one.
+    /// Block in row `u` and column `v` (vertices); `None` if they are not coupled.
     pub(super) fn find_block(&self, u: u32, v: u32) -> Option<Block> {
         let range = self.starts[v as usize]..self.starts[v as usize + 1];
         let place = self.neighbors[range.clone()].binary_search(&u).ok()?;
@@ -331,7 +330,7 @@ impl Pattern {
         &self.neighbors[self.starts[vertex]..self.starts[vertex + 1]]
     }
 
-    /// `y = A x` with the given values, over the unknowns that `x` and `y` have (the leading ones, whole vertices).
+    /// `y = A x` with the given values, for the leading unknowns that `x` and `y` contain (whole vertices).
     pub fn multiply_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for v in (0..self.lengths.len()).take_while(|&v| self.first[v] < x.len()) {
@@ -379,7 +378,7 @@ impl Pattern {
         }
     }
 
-    /// `y = |A| |x|`, the sum of the sizes of the terms of every row of `A x`.
+    /// `y = |A| |x|`, the sum of the magnitudes of the terms in every row of `A x`.
     pub(super) fn multiply_sizes_into(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for v in 0..self.lengths.len() {
@@ -413,7 +412,7 @@ impl Pattern {
 /// independent of a pattern.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Couplings {
-    /// Per vertex, the range of its neighbors.
+    /// Range of each vertex's neighbors in `neighbors`.
     starts: Vec<usize>,
     /// Neighbors of each vertex in ascending order.
     neighbors: Vec<u32>,

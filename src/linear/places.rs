@@ -1,4 +1,4 @@
-//! Places of the entries of the matrix, and of the updates, in the fronts that they are added to.
+//! Positions in the fronts of the matrix entries and update matrices added to them.
 
 use std::ops::Range;
 
@@ -6,17 +6,17 @@ use super::fronts::{Beside, Front, Inside, Numbering, Run};
 use super::pattern::{Block, Pattern};
 use super::tree::{NONE, Tree};
 
-/// The lists that fronts have ranges of.
+/// Lists of positions, of which each front has ranges.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    /// Unknowns of the updates, as places in the order of elimination.
+    /// Unknowns of the updates, as positions in the order of elimination.
     pub(super) rows: Vec<u32>,
     pub(super) runs: Vec<Run>,
     pub(super) inside: Vec<Inside>,
     pub(super) beside: Vec<Beside>,
 }
 
-/// Data from which places are found. A vertex is identified by its place in the order, as in the tree.
+/// Data for finding positions. Vertices are positions in the order, as in the tree.
 struct Finder<'a> {
     pattern: &'a Pattern,
     order: &'a [u32],
@@ -24,15 +24,15 @@ struct Finder<'a> {
     updates: Updates,
     /// Place in the order of each vertex of the pattern.
     place_in_order: Vec<u32>,
-    /// For every neighbor of every vertex of the pattern the block beyond the diagonal, and where those of each vertex begin.
+    /// For every vertex `v` and each of its neighbors `u`, the block in row `v` and column `u`; start of each vertex's blocks.
     mirrored: Vec<Block>,
     entry_starts: Vec<usize>,
-    /// Place of each vertex in the front at hand.
+    /// Position of each vertex in the present front.
     local: Vec<u32>,
 }
 
 impl Places {
-    /// Finds the rows of all fronts, the places of updates in their parents' fronts and of the entries of the matrix.
+    /// Finds the rows of all fronts, and the positions of update matrices in parent fronts and of matrix entries.
     pub(super) fn find(
         pattern: &Pattern,
         order: &[u32],
@@ -76,7 +76,7 @@ impl Finder<'_> {
         self.pattern.size(self.order[i as usize] as usize) as u32
     }
 
-    /// Takes the vertices of a front off the sequence and numbers their unknowns.
+    /// Removes the vertices of a front from the sequence and numbers their unknowns.
     fn number_pivots<'s>(&mut self, pivots: usize, sequence: &mut &'s [u32]) -> &'s [u32] {
         let mut length = 0;
         let mut count = 0;
@@ -90,7 +90,7 @@ impl Finder<'_> {
         own
     }
 
-    /// Numbers the other unknowns of a front behind its pivots; their range in the list of rows.
+    /// Numbers the non-pivot unknowns of a front after its pivots; returns their range in the list of rows.
     fn number_others(&mut self, front: usize, pivots: usize, rows: &mut Vec<u32>) -> Range<usize> {
         let start = rows.len();
         let mut length = pivots as u32;
@@ -105,7 +105,7 @@ impl Finder<'_> {
         start..rows.len()
     }
 
-    /// Finds the runs of a child's update in the front that is numbered: those among its pivots, and the others.
+    /// Finds the runs of a child's update in the numbered front: among its pivots, and among its other unknowns.
     fn find_runs(&self, child: usize, pivots: usize, runs: &mut Vec<Run>) -> [Range<usize>; 2] {
         let (mut source, mut end) = (0, NONE);
         let first_run = runs.len();
@@ -129,7 +129,7 @@ impl Finder<'_> {
         [first_run..first_other, first_other..runs.len()]
     }
 
-    /// Finds the places of the blocks of the matrix in the columns of a front's own vertices.
+    /// Finds the positions of matrix blocks in the columns of a front's own vertices.
     fn find_blocks(&self, own: &[u32], front: &Front, places: &mut Places) {
         let Front { first, pivots, p, u, .. } = *front;
         for &i in own {
@@ -153,7 +153,7 @@ impl Finder<'_> {
     }
 }
 
-/// The vertices of the updates of all fronts, those of each in the order of elimination.
+/// Non-pivot vertices of all fronts, those of each front in the order of elimination.
 struct Updates {
     vertices: Vec<u32>,
     starts: Vec<u32>,
@@ -161,7 +161,7 @@ struct Updates {
 }
 
 impl Updates {
-    /// Sorts all of them at once: fronts per vertex, then vertices per front.
+    /// Sorts all lists at once: fronts per vertex, then vertices per front.
     fn sorted(count: usize, tree: &Tree, numbering: &Numbering) -> Self {
         let structures = || numbering.roots.iter().map(|&root| &tree.structure[tree.range(root)]);
         let mut starts = vec![0u32; count + 1];

@@ -1,11 +1,11 @@
-//! Scales that are powers of two, so that scaling rounds nothing, and sizes of vectors.
+//! Scales that are powers of two, so that scaling causes no round-off, and norms of vectors.
 
-/// The largest power of two that is at most `x > 0`, as its exponent.
+/// Exponent of the largest power of two not above `x > 0`.
 fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
 }
 
-/// `2^n`, as far as that is a normal number.
+/// `2^n`, limited to normal numbers.
 fn power_of_two(n: i32) -> f64 {
     f64::from_bits(((n.clamp(-1022, 1023) + 1023) as u64) << 52)
 }
@@ -20,7 +20,7 @@ pub(super) fn reciprocal(x: f64) -> f64 {
     if x > 0.0 { power_of_two(-exponent(x)) } else { 1.0 }
 }
 
-/// Largest absolute value; NaN if there is one.
+/// Largest absolute value; NaN if any value is NaN.
 pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |largest: f64, x| if x.abs() <= largest { largest } else { x.abs() })
 }

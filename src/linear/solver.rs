@@ -1,4 +1,4 @@
-//! Interface of linear solvers to the solver of steps: analyse a pattern, factor values, solve, report.
+//! Interface of linear solvers for the solution of steps: pattern analysis, factorization, solution, report.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,14 +12,14 @@ use super::watch::Watch;
 /// share large data.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverMemory {
-    /// Order of elimination, once there is one.
+    /// Order of elimination; `None` before the first matrix.
     pub(super) order: Option<EliminationOrder>,
     /// Cost counters of the order.
     pub(super) account: Account,
 }
 
 impl SolverMemory {
-    /// True if all indices are consistent, whatever file the value was read from.
+    /// True if all indices are consistent, as those of a value read from a file may not be.
     pub fn is_sound(&self) -> bool {
         self.order.as_ref().is_none_or(EliminationOrder::is_sound)
     }
@@ -33,7 +33,7 @@ pub trait LinearSolver: Send {
     /// The system does not fit into memory.
     fn analyse(&mut self, pattern: &Pattern) -> Result<(), LinearError>;
 
-    /// Factors the matrix with these values.
+    /// Factorizes the matrix with these values.
     ///
     /// # Errors
     /// Values that are not finite, lack of memory, an interrupt.
@@ -45,15 +45,15 @@ pub trait LinearSolver: Send {
     /// The matrix is singular, or the solution is not accurate.
     fn solve(&mut self, values: &[f64], right: &mut [f64]) -> Result<f64, LinearError>;
 
-    /// An estimate of the vector that a singular matrix maps to zero, one number per unknown.
+    /// Estimated null vector of a singular matrix, one number per unknown.
     fn near_null_vector(&self) -> Option<&[f64]>;
 
-    /// Number of negative eigenvalues of the last factored matrix, if that was symmetric; `None` if the factors do not provide it.
+    /// Number of negative eigenvalues of the last factored matrix, if symmetric; `None` if the factors do not provide it.
     fn negative_eigenvalues(&self) -> Option<usize> {
         None
     }
 
-    /// Returns the state that is kept for the next matrix.
+    /// Returns the state kept for the next matrix.
     fn memory(&self) -> SolverMemory;
 
     /// Restores an earlier state; [`Self::analyse`] must follow.

@@ -1,5 +1,4 @@
-//! Work on strips: a few rows or columns of a front's blocks at a time, each of which a thread can take; what one computes depends on no
-//! other.
+//! Operations on strips: a few rows or columns of a front's blocks, processed independently by threads.
 
 use std::ops::Range;
 
@@ -11,13 +10,13 @@ use super::tiles::{WIDTH, four, outer_products, store, subtract_from, tiles};
 /// Rows of a strip: the largest tile.
 pub(super) const STRIP: usize = 2 * WIDTH;
 
-/// Columns of a pivot block that are factored before the rest of it is updated.
+/// Number of columns of a pivot block factored before the remaining columns are updated.
 pub(super) const PANEL: usize = 64;
 
-/// Number of terms of a sum, and of pivots per block of a large front: strips of this length stay in a fast cache.
+/// Number of terms of a sum, and of pivots per block of a large front: strips of this length fit into a fast cache.
 pub(super) const DEPTH: usize = 192;
 
-/// Columns that are updated together: their strips stay in a cache not far away.
+/// Number of columns updated together: their strips fit into a second-level cache.
 pub(super) const COLUMNS: usize = 64;
 
 /// Copies the rows from `first` on of some columns, strip by strip.
@@ -39,8 +38,8 @@ pub(super) fn pack_columns(columns: &[f64], height: usize, rows: Range<usize>, s
     }
 }
 
-/// Forward substitution of the rows `i..i + 4` of four columns with the unit lower factor whose columns begin with number `from`; `rows`
-/// are those above. Returns the rows.
+/// Forward substitution of rows `i..i + 4` of four columns with the unit lower factor whose columns start at number `from`; `rows` are the
+/// solved rows above. Returns the rows.
 #[inline(always)]
 pub(super) fn substitute_four<'r, S: Simd>(
     simd: S,
@@ -69,11 +68,11 @@ pub(super) fn substitute_four<'r, S: Simd>(
     std::array::from_fn(|r| std::array::from_fn(|c| columns[c][r]))
 }
 
-/// Copies a strip of rows out of its block and solves it there ([`solve_strip`]).
+/// Copies a strip of rows from its block and solves the copy in place ([`solve_strip`]).
 pub(super) struct SolveStrip<'a, const UNIT: bool> {
     pub(super) source: &'a [f64],
     pub(super) stride: usize,
-    /// The block on the diagonal with columns of length `p`, and its side.
+    /// Diagonal block with columns of length `p`, and its size.
     pub(super) diagonal: &'a [f64],
     pub(super) p: usize,
     pub(super) depth: usize,
@@ -98,15 +97,15 @@ impl<const UNIT: bool> WithSimd for SolveStrip<'_, UNIT> {
     }
 }
 
-/// Subtracts the product of strips of rows and strips of columns from some columns, below row `first`.
+/// Subtracts the product of row strips and column strips from some columns, below row `first`.
 pub(super) struct SubtractProducts<'a> {
-    /// All strips of the rows, and those of these columns.
+    /// All row strips, and the strips of these columns.
     pub(super) rows: &'a [f64],
     pub(super) right: &'a [f64],
     pub(super) columns: &'a mut [f64],
     pub(super) stride: usize,
     pub(super) first: usize,
-    /// Numbers in a row of a strip, and how many of them are not zero.
+    /// Length of a row of a strip, and the number of its nonzero leading entries.
     pub(super) depth: usize,
     pub(super) count: usize,
 }
@@ -136,7 +135,7 @@ impl WithSimd for SubtractProducts<'_> {
     }
 }
 
-/// Solves some rows of four columns with the unit lower factor of a block on the diagonal, and keeps them in `rows`.
+/// Solves some rows of four columns with the unit lower factor of a diagonal block, and stores them in `rows`.
 #[inline(always)]
 fn substitute<S: Simd>(simd: S, left: &[f64], p: usize, range: Range<usize>, rows: &mut [[f64; WIDTH]], columns: &mut [f64]) {
     let from = range.start;
@@ -146,7 +145,7 @@ fn substitute<S: Simd>(simd: S, left: &[f64], p: usize, range: Range<usize>, row
     }
 }
 
-/// Solves the rows `from..to` of a few columns with the unit lower factor of a block on the diagonal.
+/// Solves rows `from..to` of a few columns with the unit lower factor of a diagonal block.
 pub(super) struct SolvePanel<'a> {
     /// The block's columns.
     pub(super) left: &'a [f64],
@@ -169,9 +168,9 @@ impl WithSimd for SolvePanel<'_> {
     }
 }
 
-/// Brings a few columns of the pivot block up to date with a panel to their left.
+/// Updates a few columns of the pivot block by a panel to their left.
 pub(super) struct UpdatePanel<'a> {
-    /// The panel's columns, and its rows from `to` on in strips.
+    /// Columns of the panel, and its rows from `to` on in strips.
     pub(super) left: &'a [f64],
     pub(super) strips: &'a [f64],
     pub(super) columns: &'a mut [f64],

@@ -1,4 +1,4 @@
-//! Substitution along the tree: from the leaves to the roots with the lower factors, back with the upper ones.
+//! Substitution along the tree: from the leaves to the roots with the lower factors, then back with the upper factors.
 
 use std::ops::Range;
 
@@ -14,18 +14,18 @@ pub(super) enum Direction {
     Up,
 }
 
-/// Consecutive fronts and the part of the vector that they own, with what they exchange with the fronts above.
+/// Consecutive fronts with their part of the vector, and the numbers exchanged with the fronts above.
 pub(super) struct Part<'a> {
     pub(super) fronts: Range<usize>,
     /// Place of the first owned number.
     pub(super) start: usize,
     pub(super) own: &'a mut [f64],
-    /// Places of the numbers above that matter, ascending, and what is added to them, or what they are.
+    /// Positions of the exchanged numbers, ascending; the values are contributions (forward) or the solution (backward).
     pub(super) rows: &'a [u32],
     pub(super) outside: &'a mut [f64],
 }
 
-/// The parts of a vector that belong to the tasks.
+/// Parts of a vector for the tasks.
 pub(super) fn parts<'a>(symbolic: &'a Symbolic, mut ordered: &'a mut [f64], mut outside: &'a mut [f64]) -> Vec<Part<'a>> {
     let mut done = 0;
     let part = |task: &Range<usize>| {

@@ -1,7 +1,7 @@
-//! Structure of the factors: elimination tree, fronts, and where every entry of the matrix and of every update goes.
+//! Structure of the factors: elimination tree, fronts, and the positions of all entries of matrix and updates.
 //!
-//! All graph work is done on vertices. They are merged into fronts ([`super::tree`]), fronts are numbered and shared among tasks here, and
-//! entries find their places in [`super::places`].
+//! Graph algorithms work on vertices, which are merged into fronts in [`super::tree`]. This module numbers the fronts and divides them into
+//! tasks; [`super::places`] finds the positions of entries.
 
 use std::ops::Range;
 
@@ -13,17 +13,17 @@ use super::tree::{NONE, Tree};
 use super::waiting::{Waiting, surplus};
 use crate::math::workers::Workers;
 
-/// Number of operations above which several threads are used: some tenths of a millisecond.
+/// Number of operations above which several threads are used: tenths of a millisecond.
 const WORTH_TASKS: f64 = 3e6;
-/// Subtrees with more work than the whole divided by this are split: enough parts for a few threads to end at about the same time.
+/// Ratio of total work to that of a subtree below which the subtree is split: enough parts to balance a few threads.
 const TASKS: f64 = 10.0;
 
-/// The structure of the factors of a pattern, for one order of elimination.
+/// Structure of the factors of a pattern for one order of elimination.
 #[derive(Debug, Default)]
 pub(super) struct Symbolic {
     /// Parent in the elimination tree of the vertex at each place of the order, or `u32::MAX`.
     pub(super) parents: Vec<u32>,
-    /// Unknown at each place of the order of elimination, which the merger of fronts has changed.
+    /// Unknown at each position of the order of elimination after the merging of fronts.
     pub(super) unknowns: Vec<u32>,
     pub(super) fronts: Vec<Front>,
     pub(super) children: Vec<u32>,
@@ -35,7 +35,7 @@ pub(super) struct Symbolic {
     /// Independent subtrees, as ranges of fronts in ascending order, which are eliminated before the remaining fronts; empty for a small
     /// matrix.
     pub(super) tasks: Vec<Range<usize>>,
-    /// Buffer layouts of waiting updates: for one thread that eliminates all fronts, and for tasks shared among several.
+    /// Stack layouts of update matrices: for one thread, and for several tasks.
     pub(super) alone: Waiting,
     pub(super) shared: Waiting,
     /// Unknowns of the largest front.
@@ -45,7 +45,7 @@ pub(super) struct Symbolic {
 }
 
 impl Symbolic {
-    /// The structure for vertices eliminated in the order given.
+    /// Structure for vertices eliminated in the given order.
     pub(super) fn new(pattern: &Pattern, order: &[u32]) -> Self {
         let (tree, parents) = Tree::new(pattern, order);
         let mut symbolic =
@@ -59,7 +59,7 @@ impl Symbolic {
         symbolic
     }
 
-    /// Finds the blocks of a pattern with other couplings; blocks of the structure that the pattern lacks have no place.
+    /// Finds the blocks of a pattern with other couplings; blocks of the structure outside the pattern have no position.
     pub(super) fn find_blocks(&mut self, pattern: &Pattern) {
         let find = |row: u32, column: u32| pattern.find_block(row, column).unwrap_or(Block::NOWHERE);
         for entry in &mut self.places.inside {
@@ -70,7 +70,7 @@ impl Symbolic {
         }
     }
 
-    /// Returns the buffer layout of waiting updates and the number of threads.
+    /// Returns the stack layout of the update matrices and the number of threads.
     pub(super) fn waiting(&self, workers: &Workers) -> (&Waiting, usize) {
         if workers.are_many() && !self.tasks.is_empty() { (&self.shared, workers.count()) } else { (&self.alone, 1) }
     }
@@ -104,8 +104,8 @@ impl Symbolic {
         self.tasks = tasks;
     }
 
-    /// Puts the fronts in an order that ends every subtree with its root. Returns the last vertex of each front and, per vertex in the
-    /// order of elimination, its first pivot.
+    /// Orders fronts so that every subtree ends with its root. Returns the last vertex of each front and the first pivot of each vertex in
+    /// the order of elimination.
     fn number_fronts(&mut self, pattern: &Pattern, order: &[u32], tree: &Tree) -> Numbering {
         let count = order.len();
         let mut numbering = Numbering { roots: Vec::new(), first: vec![0; count], sequence: Vec::with_capacity(count) };

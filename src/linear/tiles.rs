@@ -1,4 +1,4 @@
-//! Tiles of a matrix in registers: 8 or 4 rows by 4 columns, summed from outer products of columns that stand in memory as they are.
+//! Register tiles of a matrix: 8 or 4 rows by 4 columns, summed from outer products of contiguous columns.
 //!
 //! Eight of sixteen registers hold a tile; with twelve some would live in memory.
 
@@ -64,7 +64,7 @@ pub(super) fn outer_products<'b, S: Simd, const M: usize>(
     sum
 }
 
-/// Replaces `tile` by the entries whose first one is the first of `c`, less what `tile` was.
+/// Replaces `tile` by the difference of the entries at `c` and `tile`.
 #[inline(always)]
 pub(super) fn subtract_from<S: Simd, const M: usize>(simd: S, c: &[f64], stride: usize, tile: &mut Tile<S, M>) {
     for j in 0..WIDTH {

@@ -1,15 +1,15 @@
-//! The elimination tree of a pattern, whose vertices are merged into fronts where that costs next to no zeros or where the fronts would be
-//! too small to be worth a call.
+//! Elimination tree of a pattern, whose vertices are merged into fronts if that adds few zeros or if the fronts would be too small for
+//! efficient calls.
 
 use std::ops::Range;
 
 use super::pattern::Pattern;
 
-/// Two fronts of fewer pivots than this are merged unless most of the result were zeros (measured: 1 costs a fifth, 24 a seventh).
+/// Number of pivots below which two fronts are merged unless zeros dominate (measured: 1 costs a fifth, 24 a seventh).
 const SMALL: u32 = 8;
-/// Zeros that a merger of small fronts may bring, as a share of the front.
+/// Largest share of zeros in a merger of small fronts.
 const SMALL_ZEROS: f64 = 0.6;
-/// Zeros that any merger may bring.
+/// Largest share of zeros in any merger.
 const ZEROS: f64 = 0.05;
 
 /// No vertex.
@@ -20,12 +20,12 @@ pub(super) struct Tree {
     pub(super) roots: Vec<u32>,
     pub(super) first_kid: Vec<u32>,
     pub(super) next_kid: Vec<u32>,
-    /// First of the vertices of a front, and the vertex that follows each.
+    /// First vertex of each front, and the next vertex of the front after each vertex.
     pub(super) head: Vec<u32>,
     pub(super) next: Vec<u32>,
     /// Number of unknowns in the update.
     pub(super) update: Vec<u32>,
-    /// Vertices of the updates, one vertex after the other.
+    /// Vertices of the updates, listed by vertex.
     pub(super) structure: Vec<u32>,
     pub(super) starts: Vec<u32>,
 }
@@ -107,7 +107,7 @@ impl Tree {
         (tree, parent)
     }
 
-    /// Merges children into their parents where it pays.
+    /// Merges children into their parents where that saves time.
     fn merge(&mut self, mut pivots: Vec<u32>) {
         let count = pivots.len();
         let mut zeros = vec![0.0f64; count];

@@ -1,7 +1,7 @@
-//! Where the updates of fronts wait for their parents, and in which order children come so that little waits at one time.
+//! Stack positions of the update matrices, and the order of children that minimizes the memory of the stacks.
 //!
-//! Updates wait on two stacks, by turns from level to level of the tree, which grow towards each other in one buffer: a front and its
-//! children are on different ones.
+//! Update matrices are stored on two stacks that grow towards each other in one buffer; the stack alternates with the level of the tree, so
+//! that a front and its children are on different ones.
 
 use std::ops::Range;
 
@@ -9,34 +9,34 @@ use super::fronts::Front;
 use super::tiles::padded;
 use super::tree::Tree;
 
-/// Numbers that wait at one time from which on children come in the order that makes them fewest: 16 MB. Below, the largest comes first.
+/// Number of stacked entries above which children are ordered for least memory: 16 MB. Below, the largest child comes first.
 const LARGE: usize = 1 << 21;
 
 /// Location of a waiting update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Side {
-    /// On the stack that begins at the buffer's start, or on that which begins at its end.
+    /// Stack that grows from the buffer's start, or from its end.
     #[default]
     Low,
     High,
-    /// Among the updates that tasks hand over.
+    /// Among the update matrices handed over by tasks.
     Handed,
 }
 
-/// Locations of all waiting updates.
+/// Stack positions of all update matrices.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
-    /// Side and first number of the update of each front.
+    /// Stack and first position of each front's update matrix.
     pub(super) places: Vec<(Side, usize)>,
-    /// Length of the buffer of the fronts that belong to no task, of that of a task, and of the updates that are handed over.
+    /// Lengths of the buffers for fronts outside tasks, for a task, and for handed-over updates.
     pub(super) buffer: usize,
     pub(super) of_task: usize,
     pub(super) handed: usize,
 }
 
 impl Waiting {
-    /// For fronts in an order that ends every subtree with its root; a task, a range of fronts, has stacks of its own, and its last update
-    /// is handed over.
+    /// Stack positions for fronts in an order that ends every subtree with its root. A task, a range of fronts, has its own stacks; its
+    /// last update is handed over.
     pub(super) fn new(fronts: &[Front], children: &[u32], tasks: &[Range<usize>]) -> Self {
         let mut waiting = Waiting { places: vec![(Side::Low, 0); fronts.len()], ..Waiting::default() };
         for k in (0..fronts.len()).rev() {
@@ -75,8 +75,8 @@ impl Waiting {
     }
 }
 
-/// For each front the numbers that wait at most while its subtree is eliminated, less those that its own update has: children come in
-/// descending order of it (Liu 1986). Nothing where that is not worth another order than by size.
+/// For each front, the peak number of stacked entries during its subtree's elimination, less its own update: children are sorted by it in
+/// descending order (Liu 1986). `None` if sorting by size suffices.
 pub(super) fn surplus(tree: &Tree) -> Option<Vec<usize>> {
     let by_size = peaks(tree, |c, _| tree.update[c as usize] as usize);
     let largest = tree.roots.iter().map(|&root| by_size[root as usize]).max()?;
@@ -89,7 +89,7 @@ fn size(tree: &Tree, front: u32) -> usize {
     padded(tree.update[front as usize] as usize).pow(2)
 }
 
-/// The numbers that wait at most in the subtree of each front, where children come in descending order of a number.
+/// Peak number of stacked entries in the subtree of each front, if children are sorted by `rank` in descending order.
 fn peaks(tree: &Tree, rank: impl Fn(u32, &[usize]) -> usize) -> Vec<usize> {
     let mut from_above = tree.roots.clone();
     let mut k = 0;

@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 /// Operations above which a factorisation reports its progress: a few tenths of a second.
 const LONG: f64 = 5e9;
 
-/// A flag that ends a factorisation, and its progress; both may be shared with other threads.
+/// Interrupt flag and progress counter of a factorization; both may be shared with other threads.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     /// Ends the factorisation when it becomes true.
     pub interrupt: Option<Arc<AtomicBool>>,
-    /// Thousandths of a long factorisation that are done; 0 while none runs.
+    /// Completed thousandths of a long factorization; 0 while none runs.
     pub progress: Option<Arc<AtomicU32>>,
 }
 
@@ -28,7 +28,7 @@ impl Watch {
         }
     }
 
-    /// Takes note that no factorisation runs.
+    /// Resets the progress when no factorization runs.
     pub(super) fn ended(&self) {
         if let Some(progress) = &self.progress {
             progress.store(0, Ordering::Relaxed);

@@ -8,10 +8,10 @@ use std::path::Path;
 
 use super::memory;
 
-/// Memory per byte of a file while it is read and understood.
+/// Memory needed per byte of a file while it is read and parsed.
 const SHARE: u64 = 4;
 
-/// A regular file, opened, and its length.
+/// Opens a regular file and returns it with its length.
 ///
 /// # Errors
 /// The operating system refused; a pipe, a socket or a device.
@@ -24,7 +24,7 @@ pub fn open(path: &Path) -> Result<(File, u64)> {
     Ok((File::open(path)?, found.len()))
 }
 
-/// The bytes of a regular file.
+/// Returns the bytes of a regular file.
 ///
 /// # Errors
 /// Errors of [`open`]; a file that does not fit into memory.

@@ -1,23 +1,22 @@
-//! Memory that is left for this process, and the refusal of what would not fit into it.
+//! Available memory of this process, and refusal of computations that would exceed it.
 //!
-//! The bytes of a mesh, a simulation or a factorisation are estimated before allocation, because an operating system grants more memory
-//! than it has and ends the process when that runs out. The memory left is the minimum of the available memory of the machine, the rest
-//! under limits of a container or of address space, and the rest under a limit of the process itself ([`set_limit`]). Linux provides these
-//! numbers; on other systems nothing is refused.
+//! The memory of a mesh, a simulation or a factorization is estimated before allocation, because operating systems grant more memory than
+//! exists and kill the process when it runs out. Available is the least of the machine's free memory and the unused parts of the limits of
+//! container, address space and process ([`set_limit`]). Linux provides these numbers; other systems refuse nothing.
 
 use std::fmt::{Display, Formatter};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The limit of the process's own.
+/// Memory limit of this process in bytes; the maximum stands for no limit.
 static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
 
-/// Bytes that are left to the operating system.
+/// Bytes reserved for the operating system.
 const RESERVE: u64 = 128 << 20;
 
 /// Number of bytes below which the memory left is not checked.
 const SMALL: u64 = 4 << 20;
 
-/// Bytes that would not fit.
+/// Shortage of memory: bytes needed, and bytes left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortage {
     /// Estimated number of bytes needed.
@@ -41,7 +40,7 @@ impl Shortage {
     }
 }
 
-/// Bytes in the largest unit of which there is one: `4.1 GB`, `512 MB`.
+/// Formats bytes in the largest suitable unit: `4.1 GB`, `512 MB`.
 pub fn written(bytes: u64) -> String {
     let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
     let value = bytes as f64;
@@ -57,12 +56,12 @@ pub fn set_limit(bytes: u64) {
     LIMIT.store(bytes, Ordering::Relaxed);
 }
 
-/// The limit of the process's own, if one was set.
+/// Memory limit of this process set by [`set_limit`]; `None` without one.
 pub fn limit() -> Option<u64> {
     Some(LIMIT.load(Ordering::Relaxed)).filter(|&limit| limit < u64::MAX)
 }
 
-/// Refuses what needs more bytes than are left.
+/// Refuses an allocation of more bytes than are available.
 ///
 /// # Errors
 /// A [`Shortage`] if `bytes` exceeds the memory that is left.
@@ -76,19 +75,19 @@ pub fn ensure(bytes: u64) -> Result<(), Shortage> {
     }
 }
 
-/// Number of bytes left; `None` if the system does not provide it.
+/// Number of available bytes; `None` if the system does not provide it.
 pub fn left() -> Option<u64> {
     let own = limit().and_then(|limit| Some(limit.saturating_sub(used()?)));
     let machine = [available(), address_space()].into_iter().flatten().min().map(|bytes| bytes.saturating_sub(RESERVE));
     [own, machine, container()].into_iter().flatten().min()
 }
 
-/// Bytes of memory that this process has taken.
+/// Bytes of memory used by this process.
 fn used() -> Option<u64> {
     kilobytes("/proc/self/status", "VmRSS:")
 }
 
-/// Bytes that the machine can give without taking them from others.
+/// Bytes that the machine can provide without swapping.
 fn available() -> Option<u64> {
     kilobytes("/proc/meminfo", "MemAvailable:")
 }

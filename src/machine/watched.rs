@@ -1,4 +1,4 @@
-//! Work that cannot be stopped, and need not be waited for.
+//! Runs work that cannot be stopped on a separate thread, so that an interrupt need not wait for it.
 
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Longest delay of the reaction to an interrupt.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Stack of the thread; only what is used of it takes memory.
+/// Stack size of the thread; memory is used only as the stack grows.
 const STACK: usize = 64 << 20;
 
 /// Message from the thread of the work.
@@ -25,7 +25,7 @@ pub fn watched<T: Send + 'static>(interrupt: &Arc<AtomicBool>, work: impl FnOnce
     consulted(interrupt, |_: &dyn Fn(()) -> Option<()>| work(), |()| ())
 }
 
-/// Returns the result of work that asks questions, which the caller answers on its own thread; `None` after an interrupt.
+/// Returns the result of work that queries its caller, who answers on its own thread; `None` after an interrupt.
 ///
 /// The work runs on a thread of its own. After an interrupt its questions return `None`.
 pub fn consulted<T: Send + 'static, Q: Send + 'static, A: Send + 'static>(

@@ -1,4 +1,4 @@
-//! Arruda-Boyce law: eight chains from the center of a cube to its corners, in the series of five terms.
+//! Arruda-Boyce law: eight chains from the center of a cube to its corners, as a series of five terms.
 //!
 //! `W = mu sum_i C_i / m^(2i-2) (I1bar^i - 3^i) + K/4 (J^2 - 1 - 2 ln J)` with `C = 1/2, 1/20, 11/1050, 19/7000, 519/673750` (Arruda and
 //! Boyce, Journal of the Mechanics and Physics of Solids 41, 1993). The shear modulus at rest is greater than `mu`, by the factor

@@ -1,12 +1,11 @@
-//! A law for eight elements at a time, behind a virtual call per batch of points (never per point), compiled for the instructions of the
-//! processor.
+//! Law evaluated for eight elements at a time, by one virtual call per batch of points, compiled for the processor's instruction set.
 
 use super::law::{Increment, Law};
 use crate::math::lanes::{Lanes, relabel, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::Mandel;
 
-/// A law behind a virtual call per batch of strains: `S` Mandel components of eight elements each.
+/// A law evaluated by one virtual call per batch of strains: `S` Mandel components of eight elements each.
 pub trait BatchedLaw<const S: usize>: Send + Sync {
     /// Energies of all strains.
     fn energies_into(&self, strain: &[Components<S>], energy: &mut [Lanes<false>]);
@@ -43,7 +42,7 @@ pub struct IncrementResponse<const S: usize> {
     pub mean: Response<S>,
     /// Stress at the end.
     pub stress_end: Components<S>,
-    /// [`super::Law::remainder`].
+    /// Remainder of the discrete gradient, see [`super::Law::remainder`].
     pub remainder: Lanes<false>,
 }
 

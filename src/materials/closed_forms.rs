@@ -41,7 +41,7 @@ fn sheared(g: f64) -> Matrix {
     Matrix::new(1.0, g, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 }
 
-/// Stresses that a law gives, next to those that it must give.
+/// A material of the catalogue whose stresses are compared with closed forms.
 struct Compared {
     material: Material,
     law: std::sync::Arc<dyn BatchedLaw<6>>,
@@ -59,7 +59,7 @@ impl Compared {
         assert!((found - expected).abs() < 1e-12, "{}, {what}: {found} against {expected}", self.name);
     }
 
-    /// Closed forms by the principal stresses without pressure, functions of the stretches.
+    /// Compares with closed forms of the principal stresses without pressure, as functions of the stretches.
     fn principal(&self, stress: impl Fn([f64; 3], usize) -> f64) {
         for l in [0.5, 0.9, 1.0, 1.0 + 1e-9, 1.3, 2.0] {
             let across = 1.0 / f64::sqrt(l);

@@ -1,10 +1,10 @@
 //! Constants of a law from tests: least squares of nominal stresses of incompressible pieces.
 //!
-//! Rubber keeps its volume in tests, so stresses follow from the stretches by the pressure that frees the third face, and the energy of the
-//! volume drops out (Ogden 1972). Constants in which the energy is linear (moduli) follow from the others by linear least squares;
-//! only the others (powers, limits) are searched for (variable projection: Golub and Pereyra, SIAM Journal on Numerical Analysis 10, 1973),
-//! by damped Gauss-Newton steps (Levenberg 1944, Marquardt 1963) from the best of many starts. So no modulus needs a first guess. The crate
-//! `levenberg-marquardt` is not used because it brings another version of nalgebra.
+//! Rubber is nearly incompressible in tests: stresses follow from the stretches with the pressure that makes the third face free, and the
+//! volumetric energy drops out (Ogden 1972). Constants in which the energy is linear (moduli) follow from the others by linear least
+//! squares; the others (powers, limits) are found (variable projection: Golub and Pereyra, SIAM Journal on Numerical Analysis 10, 1973) by
+//! damped Gauss-Newton steps (Levenberg 1944, Marquardt 1963) from the best of many starts, so that moduli need no initial guess. The crate
+//! `levenberg-marquardt` is not used because it depends on another version of nalgebra.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,20 +16,20 @@ use crate::math::tolerances::{FIT, FIT_DIFFERENCE, FIT_LINEAR, FIT_RANK};
 /// Measurement of a test piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// The test.
+    /// Kind of test.
     pub piece: Piece,
     /// Stretches and nominal stresses.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Constants that fit, and how well.
+/// Fitted constants, and quality of the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// The constants in the order in which they were asked for.
+    /// Constants in the requested order.
     pub constants: Vec<f64>,
     /// Root of the mean of the squared differences of the stresses.
     pub rms: f64,
-    /// 1 minus the squared differences over those from the mean stress.
+    /// Coefficient of determination: 1 minus the ratio of squared residuals to squared deviations from the mean stress.
     pub r_squared: f64,
 }
 
@@ -43,7 +43,7 @@ pub enum FitError {
     /// Fewer points than constants.
     #[error("{points} points cannot tell {constants} constants")]
     Points {
-        /// Number of points given.
+        /// Number of points in the tests.
         points: usize,
         /// Number of constants to be fitted.
         constants: usize,
@@ -64,7 +64,7 @@ impl FitError {
     }
 }
 
-/// Values that are tried for a constant that stresses are not linear in: powers, and limits of `I1 - 3`.
+/// Start values of constants on which stresses depend nonlinearly: powers, and limits of `I1 - 3`.
 const STARTS: [f64; 8] = [-2.0, 0.5, 1.5, 3.0, 5.0, 9.0, 30.0, 90.0];
 /// Starts at most, and how many of the best are followed.
 const TRIED: usize = 512;
@@ -72,7 +72,7 @@ const FOLLOWED: usize = 6;
 /// Steps at most from a start.
 const STEPS: usize = 200;
 
-/// Nominal stress of an incompressible piece at a stretch.
+/// Nominal stress of an incompressible test piece at a stretch.
 pub fn incompressible_stress(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> f64 {
     let stretches = piece.isochoric(stretch);
     let mut strain = [0.0; 6];
@@ -83,7 +83,7 @@ pub fn incompressible_stress(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64
 }
 
 impl StoredEnergy {
-    /// Nominal stresses of an incompressible piece at some stretches.
+    /// Nominal stresses of an incompressible test piece at some stretches.
     ///
     /// # Errors
     /// A mistake in the energy.
@@ -93,7 +93,7 @@ impl StoredEnergy {
     }
 }
 
-/// Finds constants of an energy. `energy` gives it for values of the constants, `start` those to begin with, where they are known.
+/// Fits constants of an energy. `energy` returns the energy for values of the constants; `start` are initial values, where known.
 ///
 /// # Errors
 /// A mistake in the energy, too few points, no finite stresses.
@@ -143,7 +143,7 @@ impl Problem<'_> {
         Ok(DVector::from_vec(stresses.map(|(piece, stretch)| incompressible_stress(&law, piece, stretch)).collect()))
     }
 
-    /// Constants that stresses are linear in, alone and together.
+    /// Constants on which stresses depend linearly, individually and jointly.
     fn linear(&self, start: &[Option<f64>]) -> Result<Vec<usize>, EnergyError> {
         let base: Vec<f64> = start.iter().enumerate().map(|(k, value)| value.unwrap_or(1.3 + 0.4 * k as f64)).collect();
         let scaled = |indices: &[usize], factor: f64| {
@@ -170,7 +170,7 @@ impl Problem<'_> {
     }
 }
 
-/// Constants that are searched for, apart from those that follow from them.
+/// Nonlinear constants, separated from those that follow by linear least squares.
 struct Separated<'a> {
     problem: &'a Problem<'a>,
     linear: Vec<usize>,
@@ -189,7 +189,7 @@ impl Separated<'_> {
         all
     }
 
-    /// All constants for values of the searched ones, and the differences that are left.
+    /// All constants for values of the nonlinear ones, and the stress residuals.
     fn solve(&self, searched: &[f64]) -> Option<(Vec<f64>, DVector<f64>)> {
         let mut constants = vec![0.0; self.problem.count];
         self.searched.iter().zip(searched).for_each(|(&index, value)| constants[index] = *value);

@@ -1,8 +1,8 @@
-//! Plane stress of laws with history variables: the strain across the plane is the one at which no stress acts there.
+//! Plane stress of laws with history variables: the strain across the plane follows from zero stress there.
 //!
-//! That strain is one more history variable, because the stress of a step that conserves is a mean over the step: at its end alone it does
-//! not vanish. In a step it is solved for by Newton's method, `S_33 = 0` of the stress that is asked for, so that nothing across the plane
-//! does work; the tangent is condensed (de Borst, Communications in Applied Numerical Methods 7, 1991).
+//! The strain across the plane is an additional history variable, because the stress of a conserving step is a mean over the step and does
+//! not vanish at its end only. Newton's method solves `S_33 = 0` for the requested stress of the step, so that no work is done across the
+//! plane; the tangent is condensed (de Borst, Communications in Applied Numerical Methods 7, 1991).
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::math::tolerances::THICKNESS_STRAIN;
 /// Most iterations: Newton's method needs four to eight.
 const ITERATIONS: usize = 40;
 
-/// Part of the present thickness, as a strain, that one iteration may take: a tenth would be left.
+/// Largest reduction of the present thickness in one iteration, as a strain.
 const LARGEST_CUT: f64 = 0.45;
 
 /// Index of the direction across the plane among four Mandel components.
@@ -23,21 +23,21 @@ const ACROSS: usize = 2;
 /// A law without stress across the plane.
 pub struct FreeThickness(pub Arc<dyn HistoryLaw<4>>);
 
-/// A step with the strains across that were found.
+/// Step with the strains across the plane found for it.
 struct Found {
     start: Vec<Components<4>>,
     end: Vec<Components<4>>,
     middle: Vec<Components<4>>,
     change: Vec<Components<4>>,
-    /// History variables of the law itself.
+    /// History variables of the law, without the strain across the plane.
     inner: Vec<Lanes<false>>,
     responses: Vec<Response<4>>,
-    /// Derivatives with respect to the change of the strain, where there are some.
+    /// Derivatives with respect to the strain increment; `None` without any.
     rates: Option<Vec<Response<4>>>,
 }
 
 impl FreeThickness {
-    /// History variables of the law itself at all points, and the strains across.
+    /// History variables of the law at all points, and the strains across the plane.
     fn parted(&self, history: &[Lanes<false>]) -> (Vec<Lanes<false>>, Vec<Lanes<false>>) {
         let size = self.variables();
         let (mut inner, mut across) = (Vec::with_capacity(history.len()), Vec::with_capacity(history.len() / size));
@@ -48,7 +48,7 @@ impl FreeThickness {
         (inner, across)
     }
 
-    /// History variables of the law itself and strains, joined to history variables.
+    /// Joins history variables of the law and strains across the plane.
     fn join(&self, inner: &[Lanes<false>], strain: &[Components<4>], history: &mut [Lanes<false>]) {
         let size = self.variables();
         for (point, (history, strain)) in history.chunks_exact_mut(size).zip(strain).enumerate() {
@@ -57,7 +57,7 @@ impl FreeThickness {
         }
     }
 
-    /// Finds the strains across at the end of a step. Where there is none, the stress is no number, and the step is taken in halves.
+    /// Finds the strains across the plane at the end of a step. Without a solution the stress is NaN, and the step is halved.
     fn solve(&self, step: &StrainStep<4>) -> Found {
         let (inner, start) = self.parted(step.history);
         let count = start.len();
@@ -104,7 +104,7 @@ impl FreeThickness {
     }
 }
 
-/// Strains in the plane with those across it.
+/// Strains in the plane completed by those across the plane.
 fn completed(strain: &[Components<4>], across: &[Lanes<false>]) -> Vec<Components<4>> {
     strain.iter().zip(across).map(|(strain, across)| [strain[0], strain[1], *across, strain[3]]).collect()
 }
@@ -116,7 +116,7 @@ impl Found {
     }
 }
 
-/// Takes the strain across out of a response and its derivatives with respect to the change of the strain, zero where there are none.
+/// Condenses the strain across the plane out of a response and its derivatives with respect to the strain increment (zero if none).
 fn condense(response: &mut Response<4>, rates: &mut Response<4>) {
     let full = [response.tangent, rates.tangent];
     let whole = |k: usize| full[0][k][ACROSS] + full[1][k][ACROSS];

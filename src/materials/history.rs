@@ -1,8 +1,8 @@
-//! Laws whose stress depends on what happened before: history variables at every quadrature point.
+//! Laws whose stress depends on the deformation history, by history variables at every quadrature point.
 //!
-//! Input of a law are the strains at both ends of a step and the history variables at its start. Output are the stress of the step with its
-//! derivative and, at the end of an accepted step, the new history variables and the heat. The work of the stress of
-//! [`StressOf::Step`] on the change of the strain is exactly the change of the stored energy and the heat:
+//! A law is given the strains at both ends of a step and the history variables at its start. It returns the stress of the step with its
+//! derivative and, at the end of an accepted step, the new history variables and the heat. The work of [`StressOf::Step`] on the strain
+//! increment is exactly the change of the stored energy plus the heat `D`:
 //!
 //! ```text
 //! S : (E_1 - E_0) = psi(E_1, h_1) - psi(E_0, h_0) + D
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use super::batched::{Components, Response};
 use crate::math::lanes::Lanes;
 
-/// Kind of stress that a step requires.
+/// Kind of stress required in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StressOf {
     /// Mean stress of the step: its work is exactly the change of the stored energy and the heat.
@@ -33,11 +33,11 @@ pub struct StrainStep<'a, const S: usize> {
     pub end: &'a [Components<S>],
     /// Strains of the mean displacement gradient.
     pub middle: &'a [Components<S>],
-    /// Changes of the strain from start to end, without the cancellation of two strains that are nearly the same.
+    /// Strain increments from start to end, without the cancellation of two nearly equal strains.
     pub change: &'a [Components<S>],
-    /// History variables at the start, [`HistoryLaw::variables`] of each point, point after point.
+    /// History variables at the start: [`HistoryLaw::variables`] numbers per point, point after point.
     pub history: &'a [Lanes<false>],
-    /// Size of the step `[time]`; 0 at rest, where whatever depends on a rate has relaxed.
+    /// Step size `[time]`; 0 at rest, where rate-dependent stresses have relaxed.
     pub dt: f64,
     /// Required kind of stress.
     pub stress: StressOf,
@@ -49,7 +49,7 @@ impl<'a, const S: usize> StrainStep<'a, S> {
         StrainStep { start: strain, end: strain, middle: strain, change, history, dt: 0.0, stress: StressOf::End }
     }
 
-    /// History variables of a point with `variables` of them.
+    /// History variables of a point, `variables` of them.
     pub fn history_of(&self, point: usize, variables: usize) -> &'a [Lanes<false>] {
         &self.history[point * variables..(point + 1) * variables]
     }
@@ -61,8 +61,8 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
     /// Number of history variables of a point.
     fn variables(&self) -> usize;
 
-    /// Stresses of a step, and their derivatives with respect to the strain at the end, of [`StressOf::Middle`] half of those with respect
-    /// to the strain in the middle `[stress]`.
+    /// Stresses of a step and their derivatives `[stress]` with respect to the strain at the end; for [`StressOf::Middle`] half of those
+    /// with respect to the strain in the middle.
     fn responses_into(&self, step: &StrainStep<S>, responses: &mut [Response<S>]);
 
     /// Computes derivatives of the stress with respect to the change of the strain, as responses without a stress; returns false if the
@@ -73,34 +73,34 @@ pub trait HistoryLaw<const S: usize>: Send + Sync {
         false
     }
 
-    /// Elastic stiffness at rest, at strains or at none.
+    /// Elastic stiffness at rest, at the given strains or at zero strain.
     fn rest_responses_into(&self, strain: &[Components<S>], responses: &mut [Response<S>]) {
         let none = vec![[Lanes::ZERO; S]; strain.len()];
         let history = vec![Lanes::ZERO; self.variables() * strain.len()];
         self.responses_into(&StrainStep::at_rest(&none, &none, &history), responses);
     }
 
-    /// History variables at the end of a step, into `after`, and the heat of the step at each point.
+    /// Writes the history variables at the end of a step to `after`, and the heat of the step at each point.
     fn advance_into(&self, step: &StrainStep<S>, after: &mut [Lanes<false>], heat: &mut [Heat]);
 
-    /// Lets what depends on rates relax at strains that stay.
+    /// Relaxes the rate-dependent history variables at constant strains.
     fn relax(&self, _strain: &[Components<S>], _history: &mut [Lanes<false>]) {}
 
-    /// Energies stored at strains and history variables, without those that relax `[energy/volume]`.
+    /// Stored energies at strains and history variables, without relaxing parts `[energy/volume]`.
     fn energies_into(&self, strain: &[Components<S>], history: &[Lanes<false>], energies: &mut [Lanes<false>]);
 
-    /// Adds the stored energies that relax, those of branches of a viscosity `[energy/volume]`.
+    /// Adds the relaxing stored energies, those of viscosity branches `[energy/volume]`.
     fn add_relaxing_energies(&self, _history: &[Lanes<false>], _energies: &mut [Lanes<false>]) {}
 
     /// Second Piola-Kirchhoff stresses at strains and history variables `[stress]`.
     fn stresses_into(&self, strain: &[Components<S>], history: &[Lanes<false>], stresses: &mut [Components<S>]);
 
-    /// The strain across the plane of a point, if it is one of the history variables.
+    /// Strain across the plane at a point, if it is a history variable; otherwise `None`.
     fn across(&self, _history: &[Lanes<false>]) -> Option<Lanes<false>> {
         None
     }
 
-    /// Values of the history of one point for fields, of a law that flows.
+    /// Plastic history values of one point for fields; `None` for laws without plastic flow.
     fn shown(&self, _history: &[Lanes<false>], _lane: usize) -> Option<PointHistory> {
         None
     }
@@ -139,13 +139,13 @@ pub struct HistoryLaws {
 }
 
 impl HistoryLaws {
-    /// The laws of a pair: the whole law, and the law without the energy of the volume.
+    /// Laws with history variables: the whole law, then the law without volumetric energy.
     pub(super) fn new<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(laws: [H; 2]) -> Self {
         let [whole, rest] = laws.map(Arc::new);
         HistoryLaws { plane: [whole.clone(), rest.clone()], space: [whole, rest] }
     }
 
-    /// The law where the third direction is stretched but not sheared; without the energy of the volume where `has_volume` is false.
+    /// Law with a stretched, unsheared third direction; without volumetric energy if `has_volume` is false.
     pub fn plane(&self, has_volume: bool) -> Arc<dyn HistoryLaw<4>> {
         self.plane[usize::from(!has_volume)].clone()
     }

@@ -1,7 +1,7 @@
-//! Homogeneous deformations of a material, such as of a test piece between the clamps of a machine.
+//! Homogeneous deformations of a material, as in the test piece of a testing machine.
 //!
-//! The stretches that a test prescribes are given, all other components of the strain follow from the stresses that vanish (Newton's method
-//! on the components, from the last stretch on a path). Nominal stresses: force per undeformed area.
+//! The prescribed stretches of a test are given; all other strain components follow from zero stresses (Newton's method on the components,
+//! from the previous stretch of a path). Nominal stresses are forces per undeformed area.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::math::lanes::Lanes;
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 use crate::math::tolerances::FREE_STRESS;
 
-/// A test on a piece of material.
+/// Homogeneous test of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Piece {
     /// Pulled along the first axis, free across.
@@ -27,11 +27,11 @@ pub enum Piece {
 }
 
 impl Piece {
-    /// All of them with their names.
+    /// All test pieces with their names.
     pub const ALL: [(&'static str, Piece); 3] =
         [("uniaxial", Piece::Uniaxial), ("equibiaxial", Piece::Equibiaxial), ("pure shear", Piece::PureShear)];
 
-    /// Stretches of the three axes where the volume stays.
+    /// Stretches of the three axes at constant volume.
     pub fn isochoric(self, stretch: f64) -> [f64; 3] {
         match self {
             Piece::Uniaxial => [stretch, 1.0 / stretch.sqrt(), 1.0 / stretch.sqrt()],
@@ -53,15 +53,15 @@ pub struct Homogeneous {
     pub stretch: f64,
     /// Force along the first axis per undeformed area `[stress]`.
     pub nominal_stress: f64,
-    /// Strain of the kind that the law takes.
+    /// Strain measure of the law, in Mandel components.
     strain: [f64; 6],
 }
 
-/// Iterations at most from one stretch to the next, and halvings of the way.
+/// Largest number of iterations from one stretch to the next, and of halvings of this interval.
 const ITERATIONS: usize = 30;
 const HALVINGS: u32 = 12;
 
-/// States of a piece at the given stretches, one after the other; ends where there is none. Of an elastic law they go away from 1.
+/// States of a test piece at successive stretches, up to the first one without a solution. Paths of elastic laws lead away from stretch 1.
 pub fn path(material: &Material, piece: Piece, stretches: &[f64]) -> Vec<Homogeneous> {
     let law = &*material.space();
     if material.kinematics() == Kinematics::Linear {
@@ -83,7 +83,7 @@ pub fn path(material: &Material, piece: Piece, stretches: &[f64]) -> Vec<Homogen
 /// Stress and tangent of a strain.
 type Respond<'a> = &'a dyn Fn(&[f64; 6]) -> ([f64; 6], [[f64; 6]; 6]);
 
-/// A law with history variables and those that the strains so far have left, at rest.
+/// Law with history variables, evaluated at rest, and the history variables left by the strains so far.
 struct AtHistory {
     law: Arc<dyn HistoryLaw<6>>,
     history: Vec<Lanes<false>>,
@@ -106,7 +106,7 @@ impl AtHistory {
         first_lane(&response[0])
     }
 
-    /// Goes on to a strain.
+    /// Advances the history variables to a strain.
     fn advance(&mut self, strain: &[f64; 6]) {
         let (strain, mut after, mut heat) = ([strain.map(|x| Lanes([x; 8]))], self.history.clone(), [Heat::ZERO]);
         self.law.advance_into(&self.step(&strain), &mut after, &mut heat);
@@ -114,7 +114,7 @@ impl AtHistory {
     }
 }
 
-/// The state at a stretch from another one, in pieces where one step does not come through.
+/// State at a stretch, starting from another state; the interval is divided if one step fails.
 fn reach(respond: Respond, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
     let (mut state, mut part, mut done) = (*from, 1.0f64, 0.0f64);
     while done < 1.0 {
@@ -154,7 +154,7 @@ fn metric(strain: &[f64; 6]) -> Matrix3<f64> {
     c
 }
 
-/// Components of the strain that a test leaves free: it shears neither by the clamps where two axes are held.
+/// Strain components that a test leaves free; pieces held along two axes do not shear at the clamps.
 fn free_components(piece: Piece) -> Vec<usize> {
     if piece.given() == 1 { (1..6).collect() } else { vec![2, 4, 5] }
 }
@@ -219,7 +219,7 @@ impl Homogeneous {
         metric(&self.strain).cholesky().map_or(Matrix3::identity(), |factors| factors.l().transpose())
     }
 
-    /// Strain of the kind that the law takes, in Mandel components.
+    /// Strain measure of the law, in Mandel components.
     pub(super) fn strain(&self) -> &[f64; 6] {
         &self.strain
     }

@@ -28,7 +28,7 @@ pub trait Law: Send + Sync + 'static {
         let limit = STRAIN_QUOTIENT * STRAIN_QUOTIENT;
         line + square.if_above(limit, difference - line)
     }
-    /// Returns the increment response for a discrete gradient; a law overrides this where some of its values follow from others.
+    /// Returns the increment response for a discrete gradient; laws override this if values can be shared.
     #[inline(always)]
     fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
         let (stress, tangent) = self.stress_tangent(&((*strain_n + *strain_n1) * 0.5));
@@ -36,13 +36,13 @@ pub trait Law: Send + Sync + 'static {
     }
 }
 
-/// The inner points of the five-point Lobatto rule on the interval from -1/2 to 1/2 are here, in its middle, and at minus this.
+/// Positive inner point of the five-point Lobatto rule on [-1/2, 1/2]; the other inner points are 0 and its negative.
 #[inline(always)]
 pub(super) fn lobatto_place() -> f64 {
     0.5 * (3.0f64 / 7.0).sqrt()
 }
 
-/// The integral over the interval of a function that vanishes in its middle, from its values at the start, the inner points and the end.
+/// Five-point Lobatto integral of a function that vanishes in the middle, from its values at start, inner points and end.
 #[inline(always)]
 pub(super) fn lobatto<R: Real>([start, before, after, end]: [R; 4]) -> R {
     (start + end) * 0.05 + (before + after) * (49.0 / 180.0)
@@ -57,6 +57,6 @@ pub struct Increment<T: Tensor> {
     pub tangent: T::Tangent,
     /// Stress at the end `[stress]`.
     pub stress_end: T,
-    /// [`Law::remainder`].
+    /// Remainder of the discrete gradient, see [`Law::remainder`].
     pub remainder: T::Scalar,
 }

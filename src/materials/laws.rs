@@ -1,4 +1,4 @@
-//! One law as the kernels call it, and the strain that it takes.
+//! Laws of one material as called by the element loop, and their strain measure.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use super::batched::BatchedLaw;
 use super::law::Law;
 use super::split::{Split, VolumetricLaw};
 
-/// One law as the kernels call it, in the plane, with a stretched third direction, and in space.
+/// Laws of one material as called by the element loop: plane strain, stretched third direction, space.
 #[derive(Clone)]
 pub(crate) struct Laws {
     pub(super) plane: Arc<dyn BatchedLaw<3>>,
@@ -34,7 +34,7 @@ impl Laws {
     }
 }
 
-/// The strain that a law takes.
+/// Strain measure of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kinematics {
     /// Green-Lagrange strain `E = (F^T F - I)/2`; stresses are of the second Piola-Kirchhoff kind.

@@ -1,8 +1,8 @@
 //! Linear elasticity: small strains of small displacements.
 //!
-//! `W = lambda/2 (tr e)^2 + mu e:e`, `e = sym(grad u)` (Hughes, The Finite Element Method, 2000, section 2.7): the formula of the Saint
-//! Venant-Kirchhoff law on another strain. Not invariant under rotations: a body that turns by 0.1 is strained by 0.005.
-//! No row of the catalogue, whose laws rotations do not strain: a list of its own.
+//! `W = lambda/2 (tr e)^2 + mu e:e`, `e = sym(grad u)` (Hughes, The Finite Element Method, 2000, section 2.7): the Saint Venant-Kirchhoff
+//! energy of the linear strain. Not invariant under rotations: a rotation by 0.1 causes a strain of 0.005. Therefore not in the catalogue,
+//! whose laws are invariant, but in a list of its own.
 
 use super::laws::{Kinematics, Laws};
 use super::material::{Material, MaterialError};
@@ -41,7 +41,7 @@ pub struct LinearElasticity {
 }
 
 impl LinearElasticity {
-    /// The material with these constants.
+    /// Material with these constants.
     ///
     /// # Errors
     /// A constant outside its range.

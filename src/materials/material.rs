@@ -39,16 +39,16 @@ pub enum MaterialError {
         law: &'static str,
         /// Number of constants of the law.
         expected: usize,
-        /// Number of constants given.
+        /// Number of given constants.
         given: usize,
     },
-    /// A text that is no energy with these constants.
+    /// Stored energy that is invalid with these constants.
     #[error(transparent)]
     Energy(#[from] EnergyError),
-    /// Constants of plasticity that make no material.
+    /// Invalid constants of plasticity.
     #[error(transparent)]
     Plasticity(#[from] PlasticityError),
-    /// A law that resists no change of the volume.
+    /// Law without resistance to volume changes.
     #[error("`{law}` resists no change of the volume at rest with these constants")]
     Slack {
         /// Name of the law.
@@ -76,15 +76,15 @@ enum Origin {
     Row(&'static MaterialRow, Vec<f64>),
     /// A text of the user's.
     Text,
-    /// A law that is written beside the crate, by its name.
+    /// Name of a law defined outside of the crate.
     Outside(&'static str),
 }
 
-/// A material: a row of the catalogue with the values of its parameters, or an energy of the user's.
+/// Material: a row of the catalogue with parameter values, or a stored energy defined by the user.
 #[derive(Clone)]
 pub struct Material {
     origin: Origin,
-    /// The energy of a law that is written as text.
+    /// Stored energy of a law defined by text; otherwise `None`.
     energy: Option<StoredEnergy>,
     density: f64,
     laws: Laws,
@@ -103,11 +103,11 @@ impl std::fmt::Debug for Material {
 /// Name of the law with plastic flow.
 pub const ELASTIC_PLASTIC: &str = "elastic_plastic";
 
-/// Name of a law that is given by its energy.
+/// Name of the law of materials defined by a stored energy.
 pub const HYPERELASTIC: &str = "hyperelastic";
 
 impl Material {
-    /// The material of a row with the values of its parameters, in the row's order; a law may have a struct with named fields for this.
+    /// Material of a row with parameter values in the row's order; some laws have a struct with named fields for this.
     ///
     /// # Errors
     /// The first value that is outside its range, or another number of values than the row has parameters; values that make no energy.
@@ -131,7 +131,7 @@ impl Material {
         Material::sound(Origin::Row(row, values.to_vec()), energy, density, laws, youngs_modulus)
     }
 
-    /// The material of an energy that is given as text.
+    /// Material of a stored energy defined by text.
     ///
     /// ```
     /// # use conserva_base::materials::{Material, StoredEnergy};
@@ -151,7 +151,7 @@ impl Material {
         Material::sound(Origin::Text, Some(energy), density, laws, youngs_modulus)
     }
 
-    /// The material of an isotropic law that is written beside the crate (`examples/law.rs` is one).
+    /// Material of an isotropic law defined outside of the crate (example: `examples/law.rs`).
     ///
     /// # Errors
     /// An invalid density; a law without stiffness against changes of volume.
@@ -185,13 +185,13 @@ impl Material {
         Material { origin: Origin::Outside(name), energy: None, laws, ..elastic.with_history([law.clone(), law]) }
     }
 
-    /// The material with a law that has history variables. Its elastic law remains for the stiffness at rest. The second of `laws` has no
-    /// energy of the volume, for cells with a dilatation of their own.
+    /// Replaces the law by one with history variables; the elastic law still defines the stiffness at rest. The second of `laws` has no
+    /// volumetric energy, for cells with a dilatation of their own.
     fn with_history<H: HistoryLaw<4> + HistoryLaw<6> + 'static>(self, laws: [H; 2]) -> Self {
         Material { history: Some(HistoryLaws::new(laws)), ..self }
     }
 
-    /// An elastic material, if contact and tolerances can be scaled by its stiffness.
+    /// Elastic material; refused if its stiffness is unsuitable as a scale for contact and tolerances.
     fn sound(origin: Origin, energy: Option<StoredEnergy>, density: f64, laws: Laws, youngs_modulus: f64) -> Result<Self, MaterialError> {
         let (viscosity, youngs_modulus) = (Viscosity::default(), youngs_modulus.abs());
         let material = Material { origin, energy, density, laws, youngs_modulus, viscosity, history: None, plasticity: None };
@@ -254,7 +254,7 @@ impl Material {
         }
     }
 
-    /// The form of its volumetric part, of a law that is written in several.
+    /// Form of the volumetric part, for laws with several forms; otherwise `None`.
     pub fn volumetric_form(&self) -> Option<VolumetricForm> {
         match &self.origin {
             Origin::Row(row, _) => row.volumetric,
@@ -262,7 +262,7 @@ impl Material {
         }
     }
 
-    /// Names and values of its constants, in the row's order; the density is the last.
+    /// Names and values of the constants in the row's order; the density is the last.
     pub fn constants(&self) -> Vec<(&str, f64)> {
         let mut constants = self.elastic_constants();
         let flow = self.plasticity.iter().map(|flow| ("yield_stress", flow.yield_stress));
@@ -280,7 +280,7 @@ impl Material {
         }
     }
 
-    /// The energy of a law that is written as text.
+    /// Stored energy of a law defined by text; otherwise `None`.
     pub fn energy(&self) -> Option<&StoredEnergy> {
         self.energy.as_ref()
     }
@@ -290,13 +290,13 @@ impl Material {
         self.density
     }
 
-    /// Young's modulus at zero strain `[stress]`, of a law that is not isotropic a mean over all directions.
+    /// Young's modulus at zero strain `[stress]`; the mean over all directions for anisotropic laws.
     pub fn youngs_modulus(&self) -> f64 {
         self.youngs_modulus
     }
 
-    /// Largest modulus at zero strain `[stress]`, that of a strain in one direction alone: what the round-off of its forces is measured by,
-    /// far above Young's modulus where the volume hardly changes.
+    /// Largest modulus at zero strain `[stress]`, for uniaxial strain: the scale of force round-off, far above Young's modulus for nearly
+    /// incompressible laws.
     pub fn stiffness(&self) -> f64 {
         let mut response = [Response::ZERO];
         self.laws.space.responses_into(&[[Lanes::ZERO; 6]], &mut response);
@@ -319,12 +319,12 @@ impl Material {
         self.plasticity.as_deref()
     }
 
-    /// The laws with history variables, of a material whose stress depends on earlier steps.
+    /// Laws with history variables; `None` if the stress depends on the present strain only.
     pub fn history(&self) -> Option<&HistoryLaws> {
         self.history.as_ref()
     }
 
-    /// The strain that the law takes.
+    /// Strain measure of the law.
     pub fn kinematics(&self) -> Kinematics {
         self.laws.kinematics
     }
@@ -334,7 +334,7 @@ impl Material {
         self.laws.plane.clone()
     }
 
-    /// The law where the third direction is stretched but not sheared: rotational symmetry, plane stress.
+    /// Law with a stretched, unsheared third direction: rotational symmetry, plane stress.
     pub fn axisymmetric(&self) -> Arc<dyn BatchedLaw<4>> {
         self.laws.axisymmetric.clone()
     }
@@ -344,7 +344,7 @@ impl Material {
         self.laws.space.clone()
     }
 
-    /// Bulk modulus and mean shear modulus at zero strain `[stress]`, of a law that is not isotropic means over all directions.
+    /// Bulk modulus and mean shear modulus at zero strain `[stress]`; means over all directions for anisotropic laws.
     pub fn moduli_at_rest(&self) -> [f64; 2] {
         moduli_at_rest(&*self.laws.space)
     }
@@ -355,23 +355,22 @@ impl Material {
         bulk / shear
     }
 
-    /// True where the volume hardly changes: with a Poisson's ratio of 0.49 and more, and where plastic flow keeps it. Cells that keep the
-    /// volume at every point then lock.
+    /// True for nearly incompressible materials: Poisson's ratio of 0.49 or more, or plastic flow. Cells that keep the volume at every
+    /// point lock.
     pub fn hardly_changes_volume(&self) -> bool {
         self.plasticity.is_some() || self.bulk_over_shear() >= HARDLY_CHANGES_VOLUME
     }
 
-    /// The law as the sum of a part that depends on the volume alone and the rest, if it is written so.
+    /// Law split into a part that depends on the volume only and the remainder; `None` without such a form.
     pub fn split(&self) -> Option<&Split> {
         self.laws.split.as_ref()
     }
 }
 
-/// Bulk modulus over shear modulus from which on a law hardly changes its volume: that of a Poisson's ratio of 0.49.
+/// Ratio of bulk to shear modulus from which a law counts as nearly incompressible: that of a Poisson's ratio of 0.49.
 const HARDLY_CHANGES_VOLUME: f64 = 49.0;
 
-/// Bulk modulus and mean shear modulus of the tangent at zero strain (Voigt 1889; Hill, Proc. Phys. Soc. A 65, 1952), each 0 where it is
-/// round-off.
+/// Bulk modulus and mean shear modulus of the tangent at zero strain (Voigt 1889; Hill, Proc. Phys. Soc. A 65, 1952); 0 below round-off.
 fn moduli_at_rest(law: &dyn BatchedLaw<6>) -> [f64; 2] {
     let mut response = [Response::ZERO];
     law.responses_into(&[[Lanes::ZERO; 6]], &mut response);
@@ -383,7 +382,7 @@ fn moduli_at_rest(law: &dyn BatchedLaw<6>) -> [f64; 2] {
     [bulk, shear].map(|modulus| if modulus.abs() <= nothing { 0.0 } else { modulus })
 }
 
-/// Young's modulus of the isotropic law with these moduli at rest.
+/// Young's modulus of the isotropic law with the moduli of `law` at zero strain.
 fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
     let [bulk, shear] = moduli_at_rest(law);
     if bulk == 0.0 {

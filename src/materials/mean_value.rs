@@ -1,12 +1,12 @@
-//! A law whose discrete gradient begins with the mean of its stress over an increment of the strain (mean-value discrete gradient: Harten,
-//! Lax and van Leer, SIAM Review 25, 1983; McLachlan, Quispel and Robidoux, Phil. Trans. R. Soc. A 357, 1999).
+//! Law whose discrete gradient starts from the mean stress over a strain increment (mean-value discrete gradient: Harten, Lax and van Leer,
+//! SIAM Review 25, 1983; McLachlan, Quispel and Robidoux, Phil. Trans. R. Soc. A 357, 1999).
 //!
 //! ```text
 //! g = m + a d,   m = (S(E_a) + S(E_b)) / 2,   a = (W(E_1) - W(E_0) - m.d) / d.d,   d = E_1 - E_0
 //! ```
 //!
-//! with the strains `E_a`, `E_b` at the two Gauss points between `E_0` and `E_1`. What the rule misses of the energy, of fourth order in
-//! `d`, the second term adds.
+//! with the strains `E_a`, `E_b` at the two Gauss points between `E_0` and `E_1`. The second term corrects the quadrature error of the
+//! energy, of fourth order in `d`.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::math::lanes::Lanes;
 /// A law with mean-value discrete gradients.
 pub struct MeanValue<const S: usize>(pub Arc<dyn BatchedLaw<S>>);
 
-/// Shares of an increment that have passed at the Gauss points.
+/// Positions of the two Gauss points in an increment, from 0 to 1.
 fn shares() -> [f64; 2] {
     let offset = 0.5 / 3.0_f64.sqrt();
     [0.5 - offset, 0.5 + offset]
@@ -37,8 +37,8 @@ macro_rules! averaged {
             fn responses_into(&self, strain: &[Components<$size>], responses: &mut [Response<$size>]) {
                 self.0.responses_into(strain, responses);
             }
-            /// The means stand where the discrete gradient reads the values at the mean strain: twice the derivative of `m` for the tangent
-            /// there, and what is left of the remainder.
+            /// Writes the means in place of the values at the mean strain: twice the derivative of `m` as tangent, and the remaining part
+            /// of the remainder.
             fn increments_into(
                 &self,
                 strain_n: &[Components<$size>],
@@ -71,7 +71,7 @@ averaged!(3);
 averaged!(4);
 averaged!(6);
 
-/// Puts the means of the responses at the two points in the place of those at the mean strain.
+/// Replaces the values at the mean strain by the means of the responses at the two Gauss points.
 fn average<const S: usize>(increment: &mut IncrementResponse<S>, [a, b]: [&Response<S>; 2], start: &Components<S>, end: &Components<S>) {
     let [share_a, share_b] = shares();
     for k in 0..S {

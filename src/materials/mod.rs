@@ -59,7 +59,7 @@ pub use viscosity::{Branch, Viscosity};
 /// Laws of small displacements, which rotations strain: no rows of [`CATALOGUE`], whose laws are invariant under them.
 pub static LINEAR: &[MaterialRow] = &[linear_elasticity::ROW];
 
-/// The catalogue of materials; a law that is written in several forms has a row for each, the usual one first.
+/// Catalogue of materials; laws with several forms have one row per form, the default first.
 pub static CATALOGUE: &[MaterialRow] = &[
     neo_hookean::ROW,
     neo_hookean::POWER_ROW,

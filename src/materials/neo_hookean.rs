@@ -19,7 +19,7 @@ use crate::math::tensor::Tensor;
 const FORMULA: &str = "W = mu/2 (tr C - 3) - mu ln J + U(J); `volumetric` chooses U: \"logarithmic\" lambda/2 (ln J)^2 (Bonet and Wood \
                        2008, section 6.4.3), \"power\" lambda/4 (J^2 - 1 - 2 ln J), which stiffens without end (Ciarlet and Geymonat 1982)";
 
-/// Names of the forms of the volumetric part, the usual one first.
+/// Names of the volumetric forms, the default first.
 const FORMS: &[&str] = &["logarithmic", "power"];
 
 pub(super) const ROW: MaterialRow = MaterialRow {
@@ -219,8 +219,8 @@ impl Law for PowerForm {
         self.increment(strain_n, strain_n1).remainder
     }
 
-    /// That of `-(mu + lambda/2) ln J`, as in the logarithmic form, and of `lambda/4 det C`, a polynomial: `lambda/4 t/4` with
-    /// `t = 8 det dE`. What is linear in `E` has none.
+    /// Increment response from those of `-(mu + lambda/2) ln J`, as in the logarithmic form, and of the polynomial `lambda/4 det C`:
+    /// `lambda/4 t/4` with `t = 8 det dE`. Terms linear in `E` contribute nothing.
     #[inline(always)]
     fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
         let Lame { lambda, mu } = self.0;

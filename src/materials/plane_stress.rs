@@ -1,9 +1,9 @@
-//! A law without stress across the plane: the strain there is solved for.
+//! Law in plane stress: the strain across the plane follows from zero stress there.
 //!
-//! `W(E) = min over E_33 of W(E, E_33)`, so `S_33 = 0`; the stress is that of the law with this strain, and the tangent is condensed,
-//! `T - T_3 (x) T_3 / T_33`. The minimum is an energy like any other, so a discrete gradient of it conserves (after Simo and Taylor, IJNME
-//! 22, 1986, who condense an elastoplastic law so). Its remainder is that of [`Law::remainder`](super::Law::remainder)'s default; where
-//! stiffness may jump within a step, no quadrature is exact, and it follows from that of the law itself.
+//! `W(E) = min over E_33 of W(E, E_33)`, so `S_33 = 0`; the stress is that of the law at this strain, and the tangent is condensed,
+//! `T - T_3 (x) T_3 / T_33`. The minimum is a stored energy, so its discrete gradient conserves energy (after Simo and Taylor, IJNME 22,
+//! 1986, who condense an elastoplastic law). The remainder is the default of [`Law::remainder`](super::Law::remainder) or, if the stiffness
+//! may jump within a step so that no quadrature is exact, that of the law itself.
 
 use std::sync::Arc;
 
@@ -13,19 +13,19 @@ use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::mandel_place;
 use crate::math::tolerances::{STRAIN_QUOTIENT, THICKNESS_STRAIN};
 
-/// Most iterations for the strain across the plane: Newton's method needs four to six.
+/// Largest number of iterations for the strain across the plane: Newton's method needs four to six.
 const ITERATIONS: usize = 40;
 
 /// A law with `E_33` solved for.
 pub struct PlaneStress(pub Arc<dyn BatchedLaw<4>>);
 
 impl PlaneStress {
-    /// The strain across the plane where the stress there vanishes, for strains in the plane.
+    /// Strain across the plane with zero stress there, for strains in the plane.
     pub fn thickness_strain(&self, strain: &Components<3>) -> Lanes<false> {
         self.solved(strain).0[2]
     }
 
-    /// All four strains, and the law's response there.
+    /// Strains including the one across the plane, and the response of the law to them.
     fn solved(&self, strain: &Components<3>) -> (Components<4>, Response<4>) {
         let mut all = [strain[0], strain[1], Lanes::ZERO, strain[2]];
         let mut response = [Response::ZERO];

@@ -4,12 +4,12 @@ use super::energy::{EnergyError, StoredEnergy};
 use super::laws::Laws;
 use crate::math::catalogue::{Interval, Parameter};
 
-/// The form of a law's volumetric part, where it is written in several: a row for each, which share name and parameters.
+/// Volumetric form of a law with several forms; each form is a row, all with the same name and parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VolumetricForm {
     /// The form of this row.
     pub name: &'static str,
-    /// All forms of the law, the usual one first.
+    /// All forms of the law, the default first.
     pub all: &'static [&'static str],
 }
 
@@ -24,15 +24,15 @@ impl VolumetricForm {
 pub struct MaterialRow {
     /// Name as written in a script.
     pub name: &'static str,
-    /// One sentence: what it is and where it holds.
+    /// Summary, one sentence: kind of law and range of validity.
     pub summary: &'static str,
     /// The formula and its source, for the reference.
     pub formula: &'static str,
-    /// Form of the volumetric part, for a law that has several.
+    /// Volumetric form, for laws with several forms; otherwise `None`.
     pub volumetric: Option<VolumetricForm>,
     /// Parameters in the order in which [`super::Material::new`] takes their values; the density is the last.
     pub parameters: &'static [Parameter],
-    /// Values of the parameters of a material that is about as stiff as one with Young's modulus 1; stresses grow with it.
+    /// Parameter values of a material about as stiff as Young's modulus 1; stresses scale with it.
     pub(super) example: &'static [f64],
     /// Makes the law from the values of the parameters.
     pub(super) construct: Construct,
@@ -40,14 +40,14 @@ pub struct MaterialRow {
 
 /// Constructor of a law from the values of its parameters.
 pub(super) enum Construct {
-    /// From a formula that is written by hand.
+    /// Constructor of a hand-written law.
     Formula(fn(&[f64]) -> Laws),
-    /// From an energy as text.
+    /// Constructor of a stored energy defined by text.
     Text(fn(&[f64]) -> Result<StoredEnergy, EnergyError>),
 }
 
 impl MaterialRow {
-    /// True if this row is the one that the law's name alone refers to.
+    /// True if the law's name alone refers to this row.
     pub fn is_usual(&self) -> bool {
         self.volumetric.is_none_or(|form| form.is_usual())
     }
@@ -66,7 +66,7 @@ impl MaterialRow {
         self.parameters.iter().any(|parameter| parameter.name == BULK_MODULUS.name)
     }
 
-    /// The energy of a law that is written as text, for values of the parameters by their names; others have their defaults, or 1.
+    /// Energy of a law defined by text, for parameter values by name; missing ones have their defaults, or 1.
     ///
     /// # Errors
     /// Values that make no energy, or a law that is not written as text.
@@ -79,8 +79,7 @@ impl MaterialRow {
         }
     }
 
-    /// Values of the parameters of a material that is about as stiff as one with that Young's modulus: for examples and tests that run over
-    /// all rows.
+    /// Parameter values of a material about as stiff as the given Young's modulus, for examples and tests over all rows.
     pub fn example(&self, modulus: f64, density: f64) -> Vec<f64> {
         let value = |(parameter, value): (&Parameter, &f64)| match parameter.dimension {
             "stress" => value * modulus,
@@ -127,15 +126,15 @@ pub(super) const DENSITY: Parameter = Parameter {
 };
 
 /// Energy of the change of volume `K/4 (J^2 - 1 - 2 ln J)` (Simo and Taylor, Computer Methods in Applied Mechanics and Engineering 33,
-/// 1982): infinite for `J -> 0` and `J -> infinity`, without a pressure at rest.
+/// 1982): infinite for `J -> 0` and `J -> infinity`, without a pressure at `J = 1`.
 pub(super) const VOLUMETRIC: &str = "bulk_modulus/4*(J^2 - 1 - 2*ln(J))";
 
-/// A modulus of a law as text.
+/// Parameter of a law that is a modulus.
 pub(super) const fn stress(name: &'static str, range: Interval, summary: &'static str) -> Parameter {
     Parameter { name, summary, dimension: "stress", range, default: None }
 }
 
-/// A pure number of a law as text.
+/// Parameter of a law that is a pure number.
 pub(super) const fn number(name: &'static str, range: Interval, summary: &'static str) -> Parameter {
     Parameter { name, summary, dimension: "1", range, default: None }
 }

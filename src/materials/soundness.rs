@@ -1,9 +1,9 @@
-//! Weaknesses of a law: stress or energy at rest, stiffness that is not positive, equations that lose ellipticity.
+//! Weaknesses of a law: stress or energy at zero strain, nonpositive stiffness, loss of ellipticity.
 //!
-//! Ellipticity holds where the acoustic tensor `Q_ik = A_iJkL N_J N_L` of every direction `N` is positive definite, with
-//! `A = dP/dF` (Marsden and Hughes, Mathematical Foundations of Elasticity, 1983, section 6.1). Where it is lost a body folds into bands
-//! that only the mesh limits. It is looked for along uniaxial, equibiaxial and pure-shear tension and compression with free faces, in many
-//! directions: what happens on other paths is not seen.
+//! Ellipticity requires a positive definite acoustic tensor `Q_ik = A_iJkL N_J N_L`, `A = dP/dF`, for every direction `N` (Marsden and
+//! Hughes, Mathematical Foundations of Elasticity, 1983, section 6.1). Without it deformation localizes in bands of mesh width. It is
+//! checked along uniaxial, equibiaxial and pure-shear tension and compression with free faces, in many directions; other paths are not
+//! checked.
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
@@ -13,14 +13,14 @@ use super::material::Material;
 use crate::math::tensor::{mandel_index, mandel_scale};
 use crate::math::tolerances::RESIDUAL_STRESS;
 
-/// Something that is wrong with a law.
+/// Weakness of a law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Weakness {
-    /// Stress at rest, its largest component `[stress]`.
+    /// Largest component of the stress at zero strain `[stress]`.
     StressAtRest(f64),
-    /// Energy at rest `[energy/volume]`, which no result shows.
+    /// Nonzero energy at zero strain `[energy/volume]`; it affects no result.
     EnergyAtRest(f64),
-    /// Least stiffness at rest `[stress]`, an eigenvalue of the tangent, not positive.
+    /// Least stiffness at zero strain `[stress]`, an eigenvalue of the tangent, not positive.
     StiffnessAtRest(f64),
     /// The equations lose ellipticity.
     Ellipticity {
@@ -48,12 +48,12 @@ impl std::fmt::Display for Weakness {
     }
 }
 
-/// Largest stretch that is looked at, least one its inverse, and factor from one to the next.
+/// Largest stretch that is checked, the least being its inverse, and ratio of successive stretches.
 const REACH: f64 = 4.0;
 const STEP: f64 = 1.02;
 /// Bisections of a step, to three digits.
 const BISECTIONS: usize = 8;
-/// Directions on half of a sphere: four degrees from each other.
+/// Number of directions on a half sphere, four degrees apart.
 const DIRECTIONS: usize = 1200;
 
 impl Material {
@@ -68,7 +68,7 @@ impl Material {
         found
     }
 
-    /// Returns the weaknesses of the law at rest.
+    /// Returns the weaknesses of the law at zero strain.
     pub fn weaknesses_at_rest(&self) -> Vec<Weakness> {
         let mut found = Vec::new();
         let (stress, tangent) = response(&*self.space(), &[0.0; 6]);
@@ -112,7 +112,7 @@ impl Material {
         found
     }
 
-    /// Least eigenvalue of the acoustic tensors of all directions, in a state.
+    /// Least eigenvalue of the acoustic tensors over all directions, in a state.
     fn least_acoustic(&self, state: &Homogeneous, directions: &[Vector3<f64>]) -> f64 {
         let (stress, tangent) = response(&*self.space(), state.strain());
         let f = state.deformation_gradient();
@@ -137,7 +137,7 @@ impl Material {
     }
 }
 
-/// Directions that cover half of a sphere evenly (a spiral by the golden angle), and the axes and diagonals.
+/// Directions that cover a half sphere evenly (golden-angle spiral), with the axes and diagonals.
 fn directions() -> Vec<Vector3<f64>> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let spiral = (0..DIRECTIONS).map(|k| {

@@ -1,14 +1,13 @@
-//! A stored energy as the sum `W(E) = W_d(E) + U(J)`, for elements that take `J` as a mean over the element.
+//! Stored energy as the sum `W(E) = W_d(E) + U(J)`, for elements with a mean `J`.
 //!
-//! `W_d` is what is left when `U` is taken away; it need not be free of pressure. `U` is evaluated from `J - 1`, so that small changes of
-//! volume keep their digits.
+//! `W_d` is the remainder without `U`; it need not be free of pressure. `U` is evaluated from `J - 1`, accurate for small volume changes.
 
 use std::sync::Arc;
 
 use super::batched::BatchedLaw;
 use crate::math::lanes::Lanes;
 
-/// An energy `U(J)` of the volume ratio `J = det F` alone, behind a virtual call per batch.
+/// Energy `U(J)` of the volume ratio `J = det F`, evaluated by one virtual call per batch.
 pub trait VolumetricLaw: Send + Sync {
     /// `U` for each `J - 1` `[energy/volume]`, with relative accuracy at small change.
     fn energies_into(&self, change: &[Lanes<false>], energy: &mut [Lanes<false>]);
@@ -25,10 +24,10 @@ pub trait VolumetricLaw: Send + Sync {
 pub struct Split {
     /// `W_d` in plane strain.
     pub plane: Arc<dyn BatchedLaw<3>>,
-    /// `W_d` where the third direction is stretched but not sheared.
+    /// `W_d` with a stretched, unsheared third direction.
     pub axisymmetric: Arc<dyn BatchedLaw<4>>,
     /// `W_d` in space.
     pub space: Arc<dyn BatchedLaw<6>>,
-    /// `U`.
+    /// Volumetric part `U` of the energy.
     pub volumetric: Arc<dyn VolumetricLaw>,
 }

@@ -12,23 +12,23 @@
 //!
 //! exactly: the work of the stress is stored or dissipated, and what is dissipated is never negative.
 
-/// A branch that relaxes.
+/// Relaxing (Maxwell) branch of a viscosity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branch {
-    /// Shear modulus `mu` that it adds to a sudden strain `[stress]`.
+    /// Shear modulus `mu` of the branch, which resists sudden strains `[stress]`.
     pub shear_modulus: f64,
-    /// Time `tau` in which its stress falls to 1/e at constant strain `[time]`.
+    /// Relaxation time `tau`, in which the stress falls to 1/e at constant strain `[time]`.
     pub relaxation_time: f64,
 }
 
 /// Viscosity of a material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Viscosity {
-    /// `eta` `[stress * time]`.
+    /// Shear viscosity `eta` `[stress * time]`.
     pub shear: f64,
-    /// `zeta`, the resistance to a change of volume besides `[stress * time]`.
+    /// Volumetric viscosity `zeta`, additional resistance to volume changes `[stress * time]`.
     pub bulk: f64,
-    /// Branches that relax.
+    /// Relaxing (Maxwell) branches.
     pub branches: Vec<Branch>,
 }
 

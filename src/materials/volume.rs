@@ -5,24 +5,24 @@ use super::split::VolumetricLaw;
 use crate::math::lanes::{Lanes, Real};
 use crate::math::tensor::Tensor;
 
-/// `det C - 1`.
+/// Change of the squared volume ratio, `det C - 1`.
 #[inline(always)]
 pub(super) fn growth<T: Tensor>(strain: &T) -> T::Scalar {
     let plane = strain.second_invariant().mul_add(T::Scalar::splat(4.0), strain.trace() * 2.0);
     if T::PLANE { plane } else { plane + strain.determinant() * 8.0 }
 }
 
-/// `cof C = I + 2 (tr E I - E) + 4 cof E`.
+/// Cofactor `cof C = I + 2 (tr E I - E) + 4 cof E`.
 #[inline(always)]
 pub(super) fn cofactor_of_c<T: Tensor>(strain: &T) -> T {
     let plane = (*strain * -2.0).plus_identity(strain.trace() * 2.0 + 1.0);
     if T::PLANE { plane } else { plane + strain.cofactor() * 4.0 }
 }
 
-/// `U(J) = lambda/2 (ln J)^2`.
+/// Volumetric energy `U(J) = lambda/2 (ln J)^2`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Logarithmic {
-    /// `[stress]`.
+    /// Lame's first constant `[stress]`.
     pub(super) lambda: f64,
 }
 
@@ -43,10 +43,10 @@ impl VolumetricLaw for Logarithmic {
     }
 }
 
-/// `U(J) = lambda/4 (J^2 - 1 - 2 ln J)`: what the laws as text write with a bulk modulus (`VOLUMETRIC` in `row.rs`).
+/// Volumetric energy `U(J) = lambda/4 (J^2 - 1 - 2 ln J)` of laws with a bulk modulus (`VOLUMETRIC` in `row.rs`).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Power {
-    /// `[stress]`.
+    /// Lame's first constant `[stress]`.
     pub(super) lambda: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Yeoh law: a cubic of the first isochoric invariant.
 //!
 //! `W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c30 (I1bar - 3)^3 + K/4 (J^2 - 1 - 2 ln J)`; shear modulus at rest `2 c10` (Yeoh, Rubber
-//! Chemistry and Technology 66, 1993). With a negative `c20` it softens before it stiffens; biaxial stress comes out too low.
+//! Chemistry and Technology 66, 1993). With negative `c20` it softens, then stiffens; it underestimates biaxial stress.
 
 use super::energy::StoredEnergy;
 use super::row::{BULK_MODULUS, Construct, DENSITY, MaterialRow, VOLUMETRIC, stress};

@@ -51,7 +51,7 @@ impl std::fmt::Display for Interval {
     }
 }
 
-/// A value outside the interval of its parameter; prints as the end of a sentence that begins with what the value is.
+/// Value outside the interval of its parameter; displayed as `must be ..., but is ...`, after the name of the parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutOfRange {
     /// Admissible values.
@@ -80,12 +80,12 @@ impl OutOfRange {
 pub struct Parameter {
     /// Name as written in a script.
     pub name: &'static str,
-    /// One sentence: what it is.
+    /// Summary of the entry, one sentence.
     pub summary: &'static str,
     /// Physical dimension, such as `stress` or `mass/volume`; `1` for a pure number.
     pub dimension: &'static str,
     /// Admissible values.
     pub range: Interval,
-    /// Value when the script leaves it out; `None`: it must be given.
+    /// Default of the parameter; `None` for a required one.
     pub default: Option<f64>,
 }

@@ -1,7 +1,7 @@
-//! Difference of two sampled curves in the range where both are known.
+//! Difference of two sampled curves in the range where both are defined.
 //!
-//! A curve is linear between its points. So is the difference of two between the points of both, and its largest value, mean and mean
-//! square are exact, however densely either was sampled.
+//! Curves are linear between their points. The difference of two curves is linear between the points of both, so that its maximum, mean and
+//! mean square are exact for any sampling.
 
 /// A curve: points `[x, y]` with rising `x`.
 pub type Points = [[f64; 2]];
@@ -9,7 +9,7 @@ pub type Points = [[f64; 2]];
 /// Norms of the difference of two curves over a range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// The difference of the largest size, the second curve less the first.
+    /// Difference of largest magnitude, the second curve minus the first.
     pub largest: f64,
     /// Abscissa of the largest difference.
     pub at: f64,
@@ -23,7 +23,7 @@ pub struct Distance {
     pub range: [f64; 2],
 }
 
-/// The value of a curve; that of its nearest end outside of its range.
+/// Value of a curve at `x`; outside of its range that of the nearest end.
 pub fn value(curve: &Points, x: f64) -> f64 {
     let after = curve.partition_point(|point| point[0] <= x);
     match (after.checked_sub(1).map(|before| curve[before]), curve.get(after)) {
@@ -36,13 +36,13 @@ pub fn value(curve: &Points, x: f64) -> f64 {
     }
 }
 
-/// The range in which both curves are defined; `None` if it is empty.
+/// Interval of `x` in which both curves are defined; `None` if it is empty.
 pub fn overlap(a: &Points, b: &Points) -> Option<[f64; 2]> {
     let (first, last) = (a.first()?[0].max(b.first()?[0]), a.last()?[0].min(b.last()?[0]));
     (first <= last).then_some([first, last])
 }
 
-/// Norms of the difference of two curves in a range in which both are known.
+/// Norms of the difference of two curves in a range in which both are defined.
 pub fn distance(a: &Points, b: &Points, range: [f64; 2]) -> Distance {
     let [first, last] = range;
     let inside = a.iter().chain(b).map(|point| point[0]).filter(|x| (first..last).contains(x));

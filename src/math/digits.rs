@@ -1,6 +1,6 @@
 //! Numbers in messages.
 
-/// A number with three digits, as short as they can be written: `2.1`, `-0.5`, `1.23e-7`.
+/// Number with three significant digits in its shortest form: `2.1`, `-0.5`, `1.23e-7`.
 pub fn three_digits(value: f64) -> String {
     let digits = format!("{value:.2e}");
     match digits.parse::<f64>() {
@@ -10,7 +10,7 @@ pub fn three_digits(value: f64) -> String {
     }
 }
 
-/// A share in percent, with the digits that show it.
+/// Fraction in percent, with two or three significant digits.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent >= 0.01 { format!("{percent:.2} %") } else { format!("{percent:.0e} %") }

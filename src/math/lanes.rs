@@ -1,15 +1,15 @@
 //! Eight numbers that are computed together, one lane per element, and the transcendental functions that stored energies need.
 //!
-//! No intrinsics: arrays that the compiler vectorises where it is told which instructions exist. `FMA` says whether `mul_add` is one
-//! instruction there (without the instruction it would be a slow library call).
-//! `ln(1 + x)` and `atanh(z) - z` share one series: `atanh z - z = z^3 (1/3 + z^2/5 + z^4/7 + ...)`; `exp(x) - 1` has Taylor's.
+//! Arrays without intrinsics, vectorized by the compiler for a given instruction set. `FMA` is true if `mul_add` is one instruction there
+//! (otherwise it is a slow library call). `ln(1 + x)` and `atanh(z) - z` use the series `atanh z - z = z^3 (1/3 + z^2/5 + z^4/7 + ...)`,
+//! `exp(x) - 1` its Taylor series.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Number of lanes of [`Lanes`].
 pub const WIDTH: usize = 8;
 
-/// A number or a group of numbers that formulas are written for: arithmetic lane by lane.
+/// Scalar type of formulas: one number, or a group of numbers with arithmetic lane by lane.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -24,7 +24,7 @@ pub trait Real:
     fn splat(x: f64) -> Self;
     /// `self * b + c`.
     fn mul_add(self, b: Self, c: Self) -> Self;
-    /// `value` in the lanes where `self > threshold`, 0 in the others.
+    /// Returns `value` in the lanes where `self > threshold`, 0 in the others.
     fn if_above(self, threshold: f64, value: Self) -> Self;
     /// `atanh(z) - z` with relative accuracy, `|z| < 1`.
     fn atanh_excess(self) -> Self;
@@ -32,9 +32,9 @@ pub trait Real:
     fn ln_1p(self) -> Self;
 }
 
-/// Coefficients of `(atanh z - z) / z^3` in powers of `z^2`; the first term left out is 5e-18 of it at [`SERIES_LIMIT`].
+/// Coefficients of `(atanh z - z) / z^3` in powers of `z^2`; relative truncation error 5e-18 at [`SERIES_LIMIT`].
 const EXCESS: [f64; 11] = [1. / 3., 1. / 5., 1. / 7., 1. / 9., 1. / 11., 1. / 13., 1. / 15., 1. / 17., 1. / 19., 1. / 21., 1. / 23.];
-/// Coefficients of `(exp(r) - 1 - r) / r^2` in powers of `r`; the first term left out is 2e-17 of `r` at `|r| = ln 2 / 2`.
+/// Coefficients of `(exp(r) - 1 - r) / r^2` in powers of `r`; truncation error 2e-17 relative to `r` at `|r| = ln 2 / 2`.
 const EXPONENTIAL: [f64; 12] = [
     1. / 2.,
     1. / 6.,
@@ -130,7 +130,7 @@ impl<const FMA: bool> Lanes<FMA> {
         self.zip(other, |a, b| if b > a { b } else { a })
     }
 
-    /// `value` where this is not zero, `otherwise` where it is.
+    /// Returns `value` in nonzero lanes of `self`, `otherwise` in zero lanes.
     #[inline(always)]
     pub(crate) fn unless_zero(self, value: Self, otherwise: Self) -> Self {
         let mut result = [0.0; WIDTH];

@@ -1,9 +1,8 @@
-//! The least value of a function of a few variables between bounds, from values alone.
+//! Minimization of a function of a few variables between bounds, without derivatives.
 //!
-//! BOBYQA: quadratic models through the values at `2n + 1` points, trusted within a radius that shrinks (M. J. D. Powell, *The BOBYQA
-//! algorithm for bound constrained optimization without derivatives*, Cambridge NA report 2009/NA06), by the crate `bobyqa`, a port of the
-//! reference implementation PRIMA. Each variable runs from 0 to 1 between its bounds, so their units do not matter. The method is local
-//! and has no chance in it: the same function gives the same course.
+//! BOBYQA: quadratic models through the values at `2n + 1` points in a shrinking trust region (M. J. D. Powell, *The BOBYQA algorithm for
+//! bound constrained optimization without derivatives*, Cambridge NA report 2009/NA06), by the crate `bobyqa`, a port of the reference
+//! implementation PRIMA. Variables are scaled to 0 to 1 between their bounds. The method is local and deterministic.
 
 use bobyqa::{Bobyqa, Config, Status};
 
@@ -16,7 +15,7 @@ pub struct Search {
     pub lower: Vec<f64>,
     /// Upper bound of each variable.
     pub upper: Vec<f64>,
-    /// First distance between points, as a share of each range; at most one half.
+    /// First distance between sample points, relative to each variable's range; at most one half.
     pub step: f64,
     /// Final distance between points, as a share of each range.
     pub tolerance: f64,
@@ -41,13 +40,13 @@ pub enum End {
     Stopped,
 }
 
-/// Points with which every search of that many variables begins.
+/// Number of initial sample points of a search in that many variables.
 pub fn beginnings(variables: usize) -> usize {
     2 * variables + 1
 }
 
 impl Search {
-    /// Points that are evaluated first, independent of the values there, so that they can be computed in parallel.
+    /// Initial sample points; they do not depend on function values, so that they can be evaluated in parallel.
     pub fn first_points(&self) -> Vec<Vec<f64>> {
         let count = beginnings(self.start.len());
         let mut points = Vec::new();
@@ -107,7 +106,7 @@ impl Search {
     }
 }
 
-/// A value below all others, which ends a search.
+/// Value below all others, whose return ends a search.
 const STOP: f64 = f64::MIN;
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Sizes of vectors.
 
-/// Numbers that are compared side by side: one comparison after the other would wait for the one before.
+/// Number of independent comparisons, which avoid a dependency of each comparison on the previous one.
 const SIDE_BY_SIDE: usize = 8;
 
-/// The largest size of a component, at least 0; a component that is not a number is passed over.
+/// Largest absolute value of a component, at least 0; NaN components are ignored.
 pub fn largest_size(values: &[f64]) -> f64 {
     let mut largest = [0.0f64; SIDE_BY_SIDE];
     let (groups, rest) = values.as_chunks::<SIDE_BY_SIDE>();

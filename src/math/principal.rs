@@ -4,7 +4,7 @@ use super::lanes::{Lanes, Real};
 use super::tensor::{mandel_pairs, mandel_scale};
 use super::tolerances::DIAGONAL;
 
-/// Sweeps at most: three rows need four.
+/// Largest number of Jacobi sweeps; 3 x 3 matrices need four.
 const SWEEPS: usize = 8;
 
 /// Principal values of a symmetric tensor and their directions, row by row.
@@ -24,7 +24,7 @@ pub(crate) fn matrix<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) 
     matrix
 }
 
-/// Principal values and directions of a tensor in Mandel components; of one in the plane the third value is 0.
+/// Principal values and directions of a tensor in Mandel components; for plane tensors the third value is 0.
 #[inline(always)]
 pub(crate) fn principal<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> PrincipalAxes<FMA> {
     let mut a = matrix(tensor);
@@ -57,7 +57,7 @@ fn sweep<const FMA: bool>(a: &mut [[Lanes<FMA>; 3]; 3], directions: &mut [[Lanes
     }
 }
 
-/// Turns rows `p` and `q` so that their common entry vanishes: with `t = tan` of the angle, `a_pp - t a_pq` and `a_qq + t a_pq` stay.
+/// Jacobi rotation that zeroes entry `(p, q)`: with the tangent `t` of the angle, the diagonal becomes `a_pp - t a_pq`, `a_qq + t a_pq`.
 #[inline(always)]
 fn rotate<const FMA: bool>(a: &mut [[Lanes<FMA>; 3]; 3], directions: &mut [[Lanes<FMA>; 3]; 3], p: usize, q: usize) {
     let (common, difference) = (a[p][q], a[q][q] - a[p][p]);

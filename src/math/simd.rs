@@ -1,11 +1,10 @@
-//! Running a kernel with the instructions that the processor has.
+//! Runs kernels with the instruction set of the processor.
 //!
-//! On x86-64 kernels take AVX2 and FMA (processors since about 2013; three to four times faster than without), through the crate `pulp`.
-//! With the feature `portable` every kernel is compiled a second time without them, and the choice is made at run time; without it a
-//! processor that lacks them is not supported ([`is_supported`]), because the second version takes a sixth of the time to compile. Other
-//! architectures have the plain version alone. Wider registers gain nothing on the processors measured: a tile of 8 x 4 numbers keeps their
-//! multipliers as busy. Results differ in the last bits between processors with and without these instructions; on one kind they are the
-//! same.
+//! On x86-64 kernels use AVX2 and FMA (processors since about 2013; three to four times faster), by the crate `pulp`. With the feature
+//! `portable` a second version of every kernel without these instructions is compiled and selected at run time; without the feature,
+//! processors that lack them are not supported ([`is_supported`]): the second version takes a sixth of the build time. Other architectures
+//! have the portable version only. Wider registers gave no speed on the processors measured: a tile of 8 x 4 numbers keeps the multipliers
+//! equally busy. Results differ in the last bits between both versions, not between processors with one version.
 
 #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 use pulp::Scalar256b;
@@ -16,7 +15,7 @@ use pulp::{NullaryFnOnce, Simd, WithSimd};
 pub trait Kernel {
     /// Result of the kernel.
     type Output;
-    /// Computes; `FMA` says whether a fused multiply-add is one instruction.
+    /// Computes the result; with `FMA` a fused multiply-add is one instruction.
     fn run<const FMA: bool>(self) -> Self::Output;
 }
 
@@ -31,7 +30,7 @@ impl<K: Kernel> NullaryFnOnce for WithFma<K> {
     }
 }
 
-/// The instructions that results of this processor depend on in their last bits.
+/// Instruction set of this processor on which the last bits of results depend.
 pub fn instructions() -> String {
     #[cfg(target_arch = "x86_64")]
     {
@@ -45,7 +44,7 @@ pub fn instructions() -> String {
     std::env::consts::ARCH.into()
 }
 
-/// True if the program has kernels for this processor. Without that, computing panics.
+/// True if the program has kernels for this processor; without them, computations panic.
 pub fn is_supported() -> bool {
     #[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
     return pulp::x86::V3::try_new().is_some();
@@ -53,21 +52,21 @@ pub fn is_supported() -> bool {
     true
 }
 
-/// The instructions that kernels take.
+/// Instruction set used by kernels.
 #[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
 #[inline]
 fn registers() -> pulp::x86::V3 {
     pulp::x86::V3::try_new().expect("a processor with AVX2 and FMA, or the feature `portable`")
 }
 
-/// Runs a kernel with the best instructions at hand.
+/// Runs a kernel with the best instruction set of the processor.
 #[cfg(all(target_arch = "x86_64", not(feature = "portable")))]
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     registers().vectorize(WithFma(kernel))
 }
 
-/// Runs a kernel with the best instructions at hand.
+/// Runs a kernel with the best instruction set of the processor.
 #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline]
 pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
@@ -93,7 +92,7 @@ pub(crate) fn with_registers<K: WithSimd>(kernel: K) -> K::Output {
     Simd::vectorize(registers(), kernel)
 }
 
-/// Runs a computation on registers of four numbers: those of AVX2 where the processor has them, plain numbers elsewhere.
+/// Runs a computation on registers of four numbers: AVX2 registers if the processor has them, otherwise plain numbers.
 #[cfg(any(not(target_arch = "x86_64"), feature = "portable"))]
 #[inline]
 pub(crate) fn with_registers<K: WithSimd>(kernel: K) -> K::Output {

@@ -1,9 +1,9 @@
 //! Symmetric second-order tensors in Mandel components, so that stored-energy laws are written once for the plane and for space.
 //!
-//! Plane strain carries three components `(11, 22, sqrt2 12)` of a strain whose third direction is zero; space carries six,
-//! `(11, 22, 33, sqrt2 12, sqrt2 23, sqrt2 13)`; where the third direction is stretched but not sheared (rotational symmetry, plane
-//! stress) the first four of these are left. Double contractions are dot products. The operations know what the missing components are:
-//! for a plane strain `E`, `E_33 = 0`, so that `cof E` has no plane components and `det E = 0`.
+//! Plane strain has the three components `(11, 22, sqrt2 12)`, with zero strain in the third direction; space has six,
+//! `(11, 22, 33, sqrt2 12, sqrt2 23, sqrt2 13)`; a stretched, unsheared third direction (rotational symmetry, plane stress) has the first
+//! four of these. Double contractions are dot products. Operations account for the missing components: for a plane strain `E`, `E_33 = 0`,
+//! so that `cof E` has no plane components and `det E = 0`.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -32,7 +32,7 @@ pub const fn mandel_index<const D: usize>(i: usize, j: usize) -> usize {
     }
 }
 
-/// The scale that belongs to [`mandel_index`].
+/// Scale of a Mandel component, corresponding to [`mandel_index`].
 #[inline(always)]
 pub const fn mandel_scale(i: usize, j: usize) -> f64 {
     if i == j { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 }
@@ -44,14 +44,14 @@ pub trait Tensor: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Sca
     type Scalar: Real;
     /// A symmetric fourth-order tensor: a matrix of Mandel components.
     type Tangent;
-    /// True if the third direction is known to be zero; then determinant and cofactor vanish and need not be computed.
+    /// True if the third direction has zero components; determinant and cofactor then vanish and are not computed.
     const PLANE: bool;
 
     /// The identity.
     fn identity() -> Self;
-    /// `A + s I`.
+    /// Sum `A + s I`.
     fn plus_identity(&self, s: Self::Scalar) -> Self;
-    /// `s A + B`.
+    /// Sum `s A + B`.
     fn mul_add(&self, s: Self::Scalar, b: &Self) -> Self;
     /// Double contraction `A:B`.
     fn dot(&self, other: &Self) -> Self::Scalar;
@@ -61,7 +61,7 @@ pub trait Tensor: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Sca
     fn second_invariant(&self) -> Self::Scalar;
     /// Determinant of the three-dimensional tensor: 0 for a plane strain.
     fn determinant(&self) -> Self::Scalar;
-    /// Cofactor of the three-dimensional tensor, of which the components that `Self` carries: 0 for a plane strain.
+    /// Cofactor of the three-dimensional tensor, restricted to the components of `Self`; 0 for plane strain.
     fn cofactor(&self) -> Self;
     /// `a c (x) c + b I_c` with `(I_c)_ijkl = (c_ik c_jl + c_il c_jk) / 2`: the form that every isotropic tangent has.
     fn isotropic_tangent(a: Self::Scalar, b: Self::Scalar, c: &Self) -> Self::Tangent;
@@ -136,7 +136,7 @@ impl<const FMA: bool, const S: usize> Mul<Lanes<FMA>> for Mandel<Lanes<FMA>, S> 
     }
 }
 
-/// A tensor of `$size` Mandel components, of which the first `$direct` stand on the diagonal, with the operations that differ.
+/// Symmetric tensor type with `$size` Mandel components, the first `$direct` of them diagonal, and its size-dependent operations.
 macro_rules! tensor {
     ($size:literal, $direct:literal, $($particular:item)*) => {
         impl<const FMA: bool> Tensor for Mandel<Lanes<FMA>, $size> {
@@ -274,7 +274,7 @@ tensor! { 6, 3,
     }
 }
 
-/// Index of a component of a tensor with `S` components among the six in space, and among the four without shear of the third direction.
+/// Index of a component of a tensor with `S` Mandel components among the six of space; for `S` = 3 also among four without 13 and 23.
 #[inline(always)]
 pub const fn mandel_place<const S: usize>(component: usize) -> usize {
     if S == 3 && component == 2 { 3 } else { component }
@@ -283,7 +283,7 @@ pub const fn mandel_place<const S: usize>(component: usize) -> usize {
 /// Indices of the Mandel components in space.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
-/// Indices of the Mandel components of a tensor with `S` of them.
+/// Index pairs `(i, j)` of the `S` Mandel components of a tensor.
 #[inline(always)]
 pub(crate) const fn mandel_pairs<const S: usize>() -> [(usize, usize); S] {
     let mut pairs = [(0, 1); S];

@@ -1,5 +1,4 @@
-//! Threads that share a loop. What the loop's items compute must not depend on one another; then no result depends on the number of
-//! threads.
+//! Threads that share a loop. Loop items must be computed independently; results then do not depend on the number of threads.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,14 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::Yield;
 use rayon::prelude::*;
 
-/// A number of threads.
+/// A pool of threads.
 #[derive(Clone, Debug, Default)]
 pub struct Workers {
     pool: Option<Arc<rayon::ThreadPool>>,
 }
 
 impl Workers {
-    /// `threads` threads; with one, or where none can be started, everything runs on the calling thread.
+    /// Pool of `threads` threads; with one thread, or if none can be started, all work runs on the calling thread.
     pub fn new(threads: usize) -> Self {
         let pool = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new)).flatten();
         Workers { pool }
@@ -30,7 +29,7 @@ impl Workers {
         self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// Runs work that has many short loops, with all threads awake until it ends: to wake one up takes as long as a short loop.
+    /// Runs work with many short loops, keeping all threads awake until it ends: waking a thread takes as long as a short loop.
     pub fn together<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         let Some(pool) = &self.pool else { return work() };
         let (work, result, done) = (Mutex::new(Some(work)), Mutex::new(None), AtomicBool::new(false));
@@ -72,7 +71,7 @@ impl Workers {
     }
 }
 
-/// Sets a flag at its end, also after a panic.
+/// Guard that sets a flag when dropped, also after a panic.
 struct Ended<'a>(&'a AtomicBool);
 
 impl Drop for Ended<'_> {

@@ -64,7 +64,7 @@ pub struct ColumnDifference {
     pub column: String,
     /// Step of the first run at which the columns first differ.
     pub from_step: usize,
-    /// Time of that row.
+    /// Time of the first row with a difference.
     pub from_time: f64,
     /// Number of rows in which the columns differ.
     pub rows: usize,
@@ -74,9 +74,9 @@ pub struct ColumnDifference {
     pub relative: Option<f64>,
     /// Step of the first run at which the difference is largest.
     pub at_step: usize,
-    /// Value of the first run at that step.
+    /// Value of the first run at the step with the largest difference.
     pub first: Option<f64>,
-    /// Value of the second run at that step.
+    /// Value of the second run at the step with the largest difference.
     pub second: Option<f64>,
 }
 

@@ -70,7 +70,7 @@ impl Patch {
         self.above(f64::NEG_INFINITY)
     }
 
-    /// The part of the patch in which the field is at or above a level, as loops in the sense of the even-odd rule.
+    /// Part of the patch in which the field is at or above a level, as loops in the sense of the even-odd rule.
     pub fn above(&self, level: f64) -> Vec<Vec<[f64; 2]>> {
         let inside = |node: u32| self.values[node as usize] >= level;
         let mut segments: Vec<[Corner; 2]> = Vec::new();

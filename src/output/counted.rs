@@ -21,7 +21,7 @@ pub const KEPT: usize = 2;
 pub const FOLDER: &str = "checkpoints";
 /// Extension of files that were moved to the folder of the checkpoints.
 pub const ASIDE: &str = "kept";
-/// Number of bytes that are read at once.
+/// Number of bytes read at once.
 const PIECE: usize = 1 << 16;
 
 /// File that a resumed run relies on.
@@ -46,7 +46,7 @@ pub enum Standing {
     Aside,
     /// The file is missing.
     Gone,
-    /// Another content is in its place.
+    /// The file at the path has other content.
     Replaced,
 }
 

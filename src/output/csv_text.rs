@@ -7,14 +7,14 @@ use std::borrow::Cow;
 
 /// Characters with which formulas begin, and white space that programs skip before a formula.
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
-/// Prefix that makes a text of a formula.
+/// Prefix that marks a text which looks like a formula as text.
 const MARK: char = '\'';
 
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches(MARK).starts_with(FORMULA)
 }
 
-/// Returns a text that no program takes for a formula.
+/// Returns a text that spreadsheets do not interpret as a formula.
 pub fn harmless(text: &str) -> Cow<'_, str> {
     if is_formula(text) && text.parse::<f64>().is_err() { format!("{MARK}{text}").into() } else { text.into() }
 }

@@ -9,7 +9,7 @@ use crate::dynamics::{LedgerRow, Rows};
 /// Names of the energy columns of a history.
 pub const ENERGIES: [&str; 4] = ["kinetic", "strain", "potential", "total"];
 
-/// Kinetic, strain, potential (where there is any) and total energy over time.
+/// Plot of kinetic, strain, potential (if any) and total energy over time.
 pub fn energies<R: Rows + ?Sized>(title: &str, rows: &R) -> Plot {
     let points = points(rows, MOST_POINTS);
     let column = |place: usize| points.iter().map(|point| point[place]).collect::<Vec<f64>>();

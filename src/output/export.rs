@@ -48,7 +48,7 @@ impl ExportError {
     }
 }
 
-/// Series that a run may have written.
+/// Names of the series that a run may contain.
 const SERIES: [&str; 3] = ["fields", "contacts", "obstacles"];
 
 /// Converts the files of a run, including its further simulations; returns the names of the files that a reader opens.

@@ -24,7 +24,7 @@ use crate::machine::files::read;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// A name that leads outside the output directory.
+    /// Name that leads outside the output directory.
     #[error("the path \"{name}\" leads outside the output directory \"{}\"", directory.display())]
     Outside {
         /// The name as given.
@@ -32,19 +32,19 @@ pub enum OutputError {
         /// The output directory.
         directory: PathBuf,
     },
-    /// A name without a file in it, such as `""` or `"plots/"`.
+    /// Name without a file, such as `""` or `"plots/"`.
     #[error("the path \"{name}\" names no file")]
     NoFileName {
         /// The name as given.
         name: String,
     },
-    /// A file that was written has been removed.
+    /// Written file that has been removed since.
     #[error("\"{}\" is gone: it was removed or replaced while the run went on", path.display())]
     Gone {
         /// The file.
         path: PathBuf,
     },
-    /// A file that the run reads.
+    /// Name of a file that the run reads.
     #[error("\"{}\" is read by this run, so no result is written in its place", path.display())]
     Input {
         /// The file.
@@ -142,7 +142,7 @@ struct Run {
 }
 
 impl RunFiles {
-    /// True if a folder holds files of a run: their record, a summary, or checkpoints for a resumption.
+    /// True if a folder contains files of a run: the record, a summary, or checkpoints.
     pub fn are_in(folder: &Path) -> bool {
         [file_record::NAME, counted::FOLDER, SUMMARY].iter().any(|name| fs::symlink_metadata(folder.join(name)).is_ok())
     }
@@ -194,7 +194,7 @@ impl RunFiles {
         Ok(RunFiles { directory: self.directory.join(name), root, run: self.run.clone() })
     }
 
-    /// Writes the record in alphabetical order at the end of a run.
+    /// Writes the list of files (`.files`) in alphabetical order at the end of a run.
     ///
     /// # Errors
     /// The operating system refused.

@@ -47,16 +47,16 @@ const NAME: &str = "history.csv";
 
 /// Number of rows between recorded positions in the file.
 const MARKED: usize = 256;
-/// Number of bytes that are read at once.
+/// Number of bytes read at once.
 const PIECE: usize = 1 << 16;
 
-/// The growing file.
+/// File `history.csv`, to which rows are appended during the run.
 #[derive(Debug)]
 pub struct HistoryCsv {
     files: RunFiles,
     dimension: usize,
     extra: Vec<String>,
-    /// `None` while the rows are those of an earlier process, whose file is unchanged until then.
+    /// Open file; `None` while the rows are those of an earlier process, whose file is unchanged until then.
     stream: Option<Stream>,
     rows: usize,
     /// Row numbers with the length of the file up to these, ascending; the header first.

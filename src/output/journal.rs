@@ -106,7 +106,7 @@ pub enum Entry {
     State {
         /// Index of the simulation in the script.
         simulation: usize,
-        /// The state.
+        /// State of the simulation.
         state: Arc<State>,
     },
 }

@@ -52,7 +52,7 @@ impl Palette {
         })
     }
 
-    /// All 256 entries.
+    /// Bytes of all 256 palette entries.
     fn bytes(&self) -> Vec<u8> {
         let mut bytes: Vec<u8> = self.colors.iter().flatten().copied().collect();
         bytes.resize(3 * 256, 255);

@@ -3,7 +3,7 @@
 use super::reading::fields::{ArrayRead, FieldsRead, Section};
 use super::table::{Column, Table};
 
-/// Components of an array by their number.
+/// Suffixes of the components of an array by their number.
 fn suffixes(components: usize) -> &'static [&'static str] {
     match components {
         3 => &["_x", "_y", "_z"],
@@ -12,8 +12,8 @@ fn suffixes(components: usize) -> &'static [&'static str] {
     }
 }
 
-/// One row for each point: `point`, the number of its part (`body`, `contact`), `x`, `y`, `z` undeformed, then every field of points by
-/// components (`velocity_x`, `stress_xx`). What is no number is empty.
+/// Table with one row per point: `point`, number of its part (`body`, `contact`), undeformed `x`, `y`, `z`, then every point field by
+/// components (`velocity_x`, `stress_xx`). Values that are not finite are empty.
 pub fn node_table(frame: &FieldsRead) -> Table {
     let count = |name: &str, values: Vec<Option<f64>>| Column { name: name.into(), values, is_count: true };
     let mut columns = vec![count("point", (0..frame.points).map(|point| Some(point as f64)).collect())];

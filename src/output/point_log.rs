@@ -62,7 +62,7 @@ pub fn encoded(value: &(impl Serialize + ?Sized)) -> Vec<u8> {
     postcard::to_allocvec(value).unwrap_or_default()
 }
 
-/// The value of bytes that [`encoded`] has made; `None` for others.
+/// Decodes bytes written by [`encoded`]; `None` for other bytes.
 pub fn decoded<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }

@@ -9,7 +9,7 @@ use super::files::{OutputError, RunFiles};
 use super::markup::escaped;
 use super::vtu::Frame;
 
-/// The text of the list: times and paths of the frames, relative to the list.
+/// Text of the list: times and paths of the frames, relative to the list.
 pub fn pvd<'a>(frames: impl IntoIterator<Item = (f64, &'a str)>) -> String {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n",
@@ -84,7 +84,7 @@ impl FieldSeries {
         }
     }
 
-    /// Removes frames of an earlier process behind the list: that of the interrupt, and those after its last checkpoint.
+    /// Removes frames of an earlier process beyond the list: the frame of the interrupt, and frames after the last checkpoint.
     fn remove_further(&self) -> Result<(), OutputError> {
         let further = (self.frames.len()..).map(|number| self.below(&self.path(number)));
         further.take_while(|name| self.files.has_written(name)).try_for_each(|name| self.files.remove(&name))

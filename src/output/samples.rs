@@ -114,7 +114,7 @@ pub(super) fn rows() -> Vec<LedgerRow> {
         .collect()
 }
 
-/// Checks that a text is an element with all tags closed and free of numbers that are none; returns how often each tag occurs.
+/// Checks that a text is well-formed XML without NaN or infinity; returns how often each tag occurs.
 pub(super) fn well_formed(svg: &str) -> HashMap<String, usize> {
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "a number that is none");
     let mut open = Vec::new();

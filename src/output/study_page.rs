@@ -3,7 +3,7 @@
 use super::drawing::{Drawing, svg};
 use super::markup::escaped;
 
-/// The page of a study: a title, a sentence, a table, and drawings below it.
+/// Page of a study: a title, a sentence, a table, and drawings below the table.
 pub fn study_page(title: &str, about: &str, header: &[&str], rows: &[Vec<String>], drawings: &[Drawing]) -> String {
     let cells = |tag: &str, cells: &mut dyn Iterator<Item = String>| -> String {
         let cells: String = cells.map(|cell| format!("<{tag}>{}</{tag}>", escaped(&cell))).collect();

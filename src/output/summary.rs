@@ -215,7 +215,7 @@ pub struct WallSeconds {
 }
 
 impl WallSeconds {
-    /// Returns the times of the kernels, output and script; `other` is the remainder of `total`.
+    /// Returns the times of solver, output and script; `other` is the remainder of `total`.
     pub fn new(total: Duration, phases: &PhaseTimes, output: Duration, script: Duration) -> Self {
         let PhaseTimes { assembly, contact, factorization, solve, search } = *phases;
         let known = assembly + contact + factorization + solve + search + output + script;

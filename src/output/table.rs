@@ -34,7 +34,7 @@ impl Column {
     }
 }
 
-/// A named column of words; `None` where there is none.
+/// Named column of words; `None` for missing words.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextColumn {
     /// Name of the column.

@@ -26,7 +26,7 @@ struct Thread {
 
 /// Writes the frames of one simulation in the background.
 pub struct FieldWriter {
-    /// The series; `None` while a thread has it, or if lost by a panic.
+    /// Series of frames; `None` while a thread has it, or if lost by a panic.
     series: Option<FieldSeries>,
     thread: Option<Thread>,
     grid: Option<Arc<Grid>>,

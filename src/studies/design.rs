@@ -66,7 +66,7 @@ impl Rows {
 pub struct Design {
     /// Points read from a file.
     pub rows: Option<Rows>,
-    /// Parameters with their values.
+    /// Varied parameters with their values.
     pub varied: Vec<Varied>,
     /// Combination of listed values.
     pub pairing: Pairing,

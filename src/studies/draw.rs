@@ -7,7 +7,7 @@ use crate::output::{Curve, CurveStyle, Drawing, Plot, PlotAxis, Response};
 
 use super::table::{StudyColumn, StudyTable};
 
-/// A picture.
+/// A picture of a study.
 pub struct StudyPicture {
     /// Name of the file without extension.
     pub name: String,

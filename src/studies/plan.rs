@@ -59,7 +59,7 @@ pub struct Limits {
     pub memory: Option<u64>,
 }
 
-/// A point.
+/// A point of a study: one set of parameter values.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Name of the point and of its folder.

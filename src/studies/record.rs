@@ -73,7 +73,7 @@ pub struct Record {
     pub balance: Vec<Option<f64>>,
     /// Version of the program.
     pub version: String,
-    /// A digest of the scripts and of the files that they read.
+    /// Digest of the scripts and of the files that they read.
     pub scripts: Option<String>,
     /// Wall time `[s]`.
     pub wall_seconds: f64,

@@ -22,14 +22,14 @@ pub struct StudyFile {
     set: toml::Table,
     /// Path of a file of points, relative to the folder of the study file.
     pub values: Option<PathBuf>,
-    /// As `--sample`.
+    /// Value of the option `--sample`.
     pub sample: Option<String>,
-    /// As `--seed`.
+    /// Value of the option `--seed`.
     pub seed: Option<u32>,
-    /// As `--zip`.
+    /// True like the option `--zip`.
     #[serde(default)]
     pub zip: bool,
-    /// As `--point-time`.
+    /// Value of the option `--point-time`.
     pub point_time: Option<String>,
 }
 

@@ -66,7 +66,7 @@ pub struct StudyTable {
     pub results: std::ops::Range<usize>,
 }
 
-/// Columns besides parameters and results.
+/// Names of the columns other than parameters and results.
 const OWN: [&str; 10] = ["index", "id", "outcome", "cause", "warnings", "steps", "version", "scripts", "command", "wall_seconds"];
 
 impl StudyTable {

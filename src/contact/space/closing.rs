@@ -67,7 +67,7 @@ type OfBoth2<T> = [T; 2];
 struct Integrals<T, R> {
     /// `int W N_j` and `int W M_j` times differences of the derivatives of `B_1` and `C` with respect to shape functions.
     of_slopes: [[[R; 2]; 3]; 2],
-    /// `int C N_j`.
+    /// Integrals `int C N_j` of the closed gap `C`.
     closed: [T; 3],
     /// `A`, and `Q` as differences of derivatives with respect to shape functions.
     height: R,

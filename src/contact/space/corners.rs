@@ -60,7 +60,7 @@ pub struct CornersInSpace {
     pub(super) owners: Surface,
     pub(super) partners: Surface,
     candidates: Candidates,
-    /// A node of each feature that owns constraints.
+    /// A node of each feature with constraints.
     row_nodes: Vec<u32>,
     pub(super) kinds: Vec<Kind>,
     /// Constraint slot of each contact element and its gap function in this step; `None` without a constraint.
@@ -186,7 +186,7 @@ impl CornersInSpace {
         }
     }
 
-    /// Feature that owns the constraints of a contact element.
+    /// Feature to which the constraints of a contact element belong.
     pub(super) fn owner(&self, patch: usize) -> usize {
         self.sides.patches.rows(patch)[0] as usize / self.slots
     }

@@ -97,7 +97,7 @@ fn depth(a: &Solid, b: &Solid) -> f64 {
     .fold(f64::INFINITY, f64::min)
 }
 
-/// Penetration that the constraints detect, and the size of a facet.
+/// Penetration detected by the constraints, and the facet size.
 fn seen(upper: &Solid, lower: &Solid) -> [f64; 2] {
     let q: Vec<f64> = upper.points.iter().chain(&lower.points).flat_map(|x| [x.x, x.y, x.z]).collect();
     let first = upper.points.len() as u32;

@@ -109,7 +109,7 @@ impl RigidInSpace {
         self
     }
 
-    /// Selects the shape from which each constraint is measured, at the start of the step.
+    /// Selects the shape from which the gap of each constraint is measured, at the start of the step.
     fn feel(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
         let mut felt = vec![None; self.sides.weights.len()];

@@ -58,7 +58,7 @@ pub struct RoundInSpace {
     carried: ([f64; 3], f64),
     /// True if edges have constraints at the rim only, because the obstacle is otherwise large.
     only_at_rim: bool,
-    /// True for constraints of this step, and the searched segments of their edges.
+    /// True for each constraint that is present in this step; for each constraint, the searched segment of its edge.
     is_there: Vec<bool>,
     stretches: Vec<Stretch>,
     /// Ends of the edges at the start of the step, relative to the obstacle.

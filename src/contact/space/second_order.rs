@@ -35,7 +35,7 @@ use crate::elements::face_points;
 use crate::math::tolerances;
 use crate::mesh::{flat_pieces, pieces_of};
 
-/// Fractions of the edges' offsets by which corners of triangles and of quadrilaterals are raised.
+/// Factors `k` of the edges' offsets in the shift of corners, for triangles and for quadrilaterals.
 const OF_TRIANGLES: f64 = 1.0 / 4.0;
 const OF_QUADRILATERALS: f64 = 1.0 / 3.0;
 
@@ -159,7 +159,7 @@ struct Edge {
     /// Shift of the mid-side node along the chord from the chord's middle in the reference positions, in chord lengths.
     shift: f64,
     is_curved: bool,
-    /// Factor `k` by which the offset raises corners.
+    /// Factor `k` of the offset in the shift of the corners.
     by: f64,
     /// Factor `r` of the edge's offset `d` in its points.
     raised: f64,
@@ -223,7 +223,7 @@ fn corners(face: &[u32]) -> usize {
 }
 
 impl Proxies {
-    /// Points on faces, and points of other nodes beside them.
+    /// Points on faces, and points of other nodes without faces.
     fn new(sides: [&[Vec<u32>]; 2], others: &[u32], q: &[f64]) -> Self {
         let faces: BTreeSet<Vec<u32>> = sides.into_iter().flatten().cloned().collect();
         let mut made = Proxies {
@@ -356,7 +356,7 @@ impl Proxies {
         places
     }
 
-    /// Computes `r` and `g` from the areas of the points in the reference positions.
+    /// Computes the factors `r` of edges and `g` of faces from the areas of the points in the reference positions.
     fn adjust(&mut self, q: &[f64]) {
         let seen = self.combinations().0.points(3, q);
         let mut areas = vec![0.0; self.proxies.len()];

@@ -295,7 +295,7 @@ mod tests {
     use crate::contact::{ContactKernel, Outlook};
     use crate::integrators::Derivative;
 
-    /// Four facets of a lower body with three by three nodes, one facet of an upper body.
+    /// Facets of a lower body with three by three nodes.
     const FACETS: [[u32; 4]; 4] = [[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]];
     const COUNT: usize = 13;
     const UNKNOWNS: usize = 3 * COUNT;

@@ -8,7 +8,7 @@ use crate::math::tolerances::{SMALL_TIME, TIME_DIFFERENCE};
 /// Error of a time function.
 pub type TimeFunctionError = Box<dyn std::error::Error + Send + Sync>;
 
-/// A scalar function of time, such as a load's amplitude. Script closures implement it too, so a value may fail.
+/// Scalar function of time, such as a load's amplitude. Script closures implement it, too, so evaluation may fail.
 pub trait TimeFunction: Send + Sync {
     /// Value at `time`.
     ///
@@ -16,22 +16,22 @@ pub trait TimeFunction: Send + Sync {
     /// Error of a user's function; the step is not taken.
     fn value(&self, time: f64) -> Result<f64, TimeFunctionError>;
 
-    /// Rate of change at `time`, by default a central difference; at a kink the mean of both sides.
+    /// Rate of change at `time`, by default a central difference; at a kink the mean of the one-sided rates.
     ///
     /// # Errors
-    /// As [`value`](Self::value).
+    /// Errors of [`value`](Self::value).
     fn rate(&self, time: f64) -> Result<f64, TimeFunctionError> {
         // The best step of a central difference is the cube root of the round-off.
         let h = TIME_DIFFERENCE * time.abs().max(SMALL_TIME);
         Ok((self.value(time + h)? - self.value(time - h)?) / (2.0 * h))
     }
 
-    /// Times of kinks, as far as known: steps end at them.
+    /// Known times of kinks; steps end at these times.
     fn corners(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Text form, such as `hat(0, 0.5, 0.1)`.
+    /// Text of the function, such as `hat(0, 0.5, 0.1)`.
     fn describe(&self) -> String;
 }
 
@@ -42,12 +42,12 @@ pub type Amplitude = Arc<dyn TimeFunction>;
 #[derive(Clone, Copy, Debug)]
 pub struct Constant(pub f64);
 
-/// Zero, then up to `peak` in the middle between `start` and `end`, and back to zero, linearly.
+/// Piecewise linear hat: zero, `peak` in the middle between `start` and `end`, zero again.
 #[derive(Clone, Copy, Debug)]
 pub struct Hat {
-    /// Time at which it leaves zero `[time]`.
+    /// Last time of zero value before the rise `[time]`.
     pub start: f64,
-    /// Time from which it is zero again `[time]`.
+    /// First time of zero value after the fall `[time]`.
     pub end: f64,
     /// Largest value.
     pub peak: f64,
@@ -56,9 +56,9 @@ pub struct Hat {
 /// Zero until `start`, linear to `value` at `end`, constant afterwards.
 #[derive(Clone, Copy, Debug)]
 pub struct Ramp {
-    /// Time at which it leaves zero `[time]`.
+    /// Last time of zero value before the rise `[time]`.
     pub start: f64,
-    /// Time from which it is constant `[time]`.
+    /// First time of constant value `[time]`.
     pub end: f64,
     /// Final value.
     pub value: f64,
@@ -80,7 +80,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table of `(time, value)` points with increasing times; `None` when there is no point or the times do not increase.
+    /// Table of `(time, value)` points with increasing times; `None` without points or for other times.
     pub fn new(points: Vec<(f64, f64)>) -> Option<Self> {
         let increasing = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
         (!points.is_empty() && increasing).then_some(Table { points })
@@ -150,7 +150,7 @@ impl TimeFunction for Table {
     }
 }
 
-/// The value of another time function in other units.
+/// Time function converted to other units.
 pub struct Rescaled {
     inner: Amplitude,
     time: f64,
@@ -158,7 +158,7 @@ pub struct Rescaled {
 }
 
 impl Rescaled {
-    /// A function whose times count by one factor and values by another.
+    /// Time function with factors of time and value.
     pub fn of(inner: &Amplitude, time: f64, value: f64) -> Amplitude {
         if time == 1.0 && value == 1.0 { inner.clone() } else { Arc::new(Rescaled { inner: inner.clone(), time, value }) }
     }

@@ -7,20 +7,20 @@ use super::interactions::BodyBoundary;
 use crate::contact::{ProxyNodes, SeenInSpace, Surface, Tie};
 use crate::mesh::Facet;
 
-/// Facets of a boundary in the plane, whose body's nodes are numbered from `first_node`; a quadratic edge is two of them.
+/// Facets of a boundary in the plane; node numbers of its body start at `first_node`. A quadratic edge gives two facets.
 pub fn boundary_facets(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<[u32; 2]> {
     let mesh = &model.bodies[on.body].mesh;
     let pieces = on.boundary.facets.iter().flat_map(|&facet| mesh.straight_pieces(facet));
     pieces.map(|ends| ends.map(|node| node + first_node as u32)).collect()
 }
 
-/// Facets of a boundary in space, whose body's nodes are numbered from `first_node`, counter-clockwise as seen from outside.
+/// Facets of a boundary in space, counter-clockwise as seen from outside; node numbers of its body start at `first_node`.
 pub fn boundary_faces(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<Vec<u32>> {
     let mesh = &model.bodies[on.body].mesh;
     on.boundary.facets.iter().map(|&facet| mesh.facet_nodes(facet).map(|node| node + first_node as u32).collect()).collect()
 }
 
-/// A node within the body behind each facet of a boundary in space, in their order: that of its cell which lies deepest below the facet.
+/// For each facet of a boundary in space, the node of its cell deepest below the facet, inside the body.
 pub fn inner_nodes(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<u32> {
     let mesh = &model.bodies[on.body].mesh;
     let deepest = |&facet: &Facet| {
@@ -33,7 +33,7 @@ pub fn inner_nodes(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<u
     on.boundary.facets.iter().map(deepest).collect()
 }
 
-/// The middle nodes of edges of second order on the hulls of plane bodies, whose nodes are numbered from where `first` says.
+/// Mid-side nodes of second-order edges on the hulls of plane bodies; `first` maps a body to its first node number.
 pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> ProxyNodes {
     let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.kind.is_quadratic());
     let edges = curved.flat_map(|(index, body)| {
@@ -47,19 +47,18 @@ pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> ProxyNodes {
     ProxyNodes::new(edges)
 }
 
-/// Facets of several boundaries, those in more than one of them once.
+/// Facets of several boundaries, each facet once.
 pub fn facets_of_all<F: Clone + Ord>(boundaries: &[BodyBoundary], facets: impl Fn(&BodyBoundary) -> Vec<F>) -> Vec<F> {
     let mut known = std::collections::BTreeSet::new();
     boundaries.iter().flat_map(facets).filter(|facet| known.insert(facet.clone())).collect()
 }
 
-/// Distance within which a tie holds when none is given: half of the shortest secondary facet.
+/// Default distance of tied points: half of the shortest secondary facet.
 pub fn tie_reach(secondary: &Surface, reference: &[f64]) -> f64 {
     0.5 * secondary.shortest_facet(reference)
 }
 
-/// Two boundaries in space that are tied, on the points of [`SeenInSpace`], and the reach. Bodies' nodes are numbered from where `first`
-/// says.
+/// Tie of two boundaries in space, on the points of [`SeenInSpace`], and its reach; `first` maps a body to its first node number.
 pub fn tied_in_space<'a>(
     model: &Model,
     [secondary, to]: [&BodyBoundary; 2],

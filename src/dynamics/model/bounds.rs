@@ -1,8 +1,8 @@
 //! Rigid obstacles as bounds of whole bodies: parts of a body outside the contact definition would pass through an obstacle unhindered.
 //!
-//! Before the first step the secondary surface must look at its obstacle. During a run every point of the hull counts that is on no
-//! secondary surface of the obstacle. An obstacle into which the hull reaches at the start bounds its secondary surface alone, as a plane
-//! that stops a flange and lets the shaft through.
+//! Before the first step the secondary surface must face its obstacle. During a run penetration is checked at all points of the hull
+//! outside of the obstacle's secondary surfaces. An obstacle that the hull penetrates at the start bounds its secondary surface only, like
+//! a plane that stops a flange but not the shaft.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,11 +14,11 @@ use crate::contact::{Clearance, Finding, NamedSurface, Nearest, Obstacle, Surfac
 use crate::math::tolerances::DEPTH;
 use crate::mesh::{Mesh, is_inside};
 
-/// Depth of the middle of a facet in an obstacle, in shortest edges of the facet, from which on the obstacle has passed between nodes: more
-/// than the sagitta over a facet whose nodes lie on an obstacle as large as the facet.
+/// Depth of a facet's middle in an obstacle, in shortest edges of the facet, from which the obstacle counts as having passed between nodes:
+/// above the sagitta of a facet on an obstacle of its own size.
 const PASSED: f64 = 0.25;
 
-/// Rigid obstacles with the hulls that they bound.
+/// Rigid obstacles, with the hulls of the bodies that must not penetrate them.
 pub struct ObstacleBounds {
     bounds: Vec<Bound>,
 }
@@ -29,27 +29,27 @@ struct Bound {
     obstacle: Clearance,
     motion: [Option<Amplitude>; 3],
     dimension: usize,
-    /// First node among those of all bodies.
+    /// Number of the body's first node in the model.
     first: usize,
     nodes: usize,
-    /// Flat pieces of the hull, in node numbers of the body.
+    /// Flat parts of the hull, by node numbers of the body.
     pieces: Vec<Vec<u32>>,
-    /// Nodes of the hull that are on no secondary surface of this obstacle, with the length of the shortest edge there `[length]`.
+    /// Nodes of the hull outside of all secondary surfaces of this obstacle, with the length of their shortest edge `[length]`.
     free: Vec<(u32, f64)>,
-    /// Flag of every node that is on a secondary surface.
+    /// True for every node on a secondary surface.
     is_named: Vec<bool>,
 }
 
-/// A body that is inside a rigid obstacle, at its deepest place.
+/// Body inside a rigid obstacle, at the deepest point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
     /// Name of the contact with the obstacle.
     pub contact: String,
     /// Name of the body.
     pub body: String,
-    /// Penetration relative to the length of the shortest edge at that place.
+    /// Penetration relative to the length of the shortest edge at that point.
     pub facets: f64,
-    /// Place, with as many coordinates as there are dimensions.
+    /// Position of the deepest point, with one coordinate per dimension.
     pub at: Vec<f64>,
     /// Number of the step.
     pub step: usize,
@@ -58,7 +58,7 @@ pub struct Passed {
 }
 
 impl ObstacleBounds {
-    /// The obstacles of a model into which no hull reaches at the start.
+    /// Obstacles of a model that no hull penetrates at the start.
     pub fn of(model: &Model) -> ObstacleBounds {
         let dimension = model.dimension();
         let mut firsts = vec![0];
@@ -114,7 +114,7 @@ impl ObstacleBounds {
         self.bounds.is_empty()
     }
 
-    /// The body that is deepest inside an obstacle, in facets, with the nodes of all bodies at `q` and obstacles as at a time.
+    /// Body with the deepest penetration of an obstacle, in facets, for node positions `q` and obstacles at time `time`.
     pub fn deepest(&self, q: &[f64], time: f64, step: usize) -> Option<Passed> {
         let of = |bound: &Bound| {
             let own = &q[bound.dimension * bound.first..bound.dimension * (bound.first + bound.nodes)];
@@ -127,7 +127,7 @@ impl ObstacleBounds {
 }
 
 impl Bound {
-    /// The deepest place of the hull: depth in facets, if that is more than `allowed` at a node, and where.
+    /// Deepest point of the hull, if deeper than `allowed`: depth in facets and position.
     fn deepest(&self, q: &[f64], time: f64, allowed: f64) -> Option<(f64, [f64; 3])> {
         // A time function that fails does so again, with its error, in the next step.
         let by = self.motion.each_ref().map(|motion| motion.as_ref().and_then(|motion| motion.value(time).ok()).unwrap_or(0.0));
@@ -174,7 +174,7 @@ impl Bound {
         found
     }
 
-    /// Edges of the hull that lead through an open surface, from a node in front of it to a free one behind it.
+    /// Adds edges of the hull that cross an open surface, from a node in front of it to a node behind it outside of the secondary surfaces.
     fn crossings(&self, at: &dyn Fn(u32) -> [f64; 3], allowed: f64, add: &mut dyn FnMut(f64, [f64; 3])) {
         for piece in &self.pieces {
             let ends = (0..piece.len()).map(|k| [piece[k], piece[(k + 1) % piece.len()]]);
@@ -215,8 +215,8 @@ impl Bound {
 }
 
 impl Model {
-    /// A secondary surface that does not look at its rigid obstacle. Nothing is said of what may turn, or come to look at the obstacle
-    /// on its way.
+    /// Finding for a secondary surface that faces away from its rigid obstacle; `None` also for surfaces that may rotate or move towards
+    /// it.
     pub(super) fn away_from_obstacle(&self, interaction: &Interaction) -> Option<Finding> {
         let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
         let (on, dimension) = (&interaction.secondary, self.dimension());
@@ -245,7 +245,7 @@ impl Model {
     }
 }
 
-/// Straight or flat pieces of the hull of a mesh.
+/// Flat or straight parts of the hull of a mesh.
 fn hull_pieces(mesh: &Mesh) -> Vec<Vec<u32>> {
     if mesh.dimension() == 2 {
         return mesh.outline().iter().map(|ends| ends.to_vec()).collect();

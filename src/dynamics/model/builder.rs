@@ -27,7 +27,7 @@ impl Model {
         self.bodies.len() - 1
     }
 
-    /// A boundary of a body by its name.
+    /// Boundary of a body by name.
     ///
     /// # Errors
     /// [`ModelError::UnknownBoundary`].
@@ -59,7 +59,7 @@ impl Model {
         self.add_interaction(Interaction::contact(name, secondary, primary))
     }
 
-    /// Gives a body a velocity at the start: that of its center of mass, and an angular one.
+    /// Sets the initial velocity of a body: linear velocity of its center of mass, and angular velocity.
     pub fn set_initial_velocity(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
         self.initial_velocities.push(InitialVelocity { body, linear, angular });
     }

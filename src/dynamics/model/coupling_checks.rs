@@ -17,7 +17,7 @@ const PERIODIC_REMEDY: &str = "both boundaries need the same nodes, moved or tur
                                by a tie, rigid bodies by joints";
 
 impl Model {
-    /// Normal of the plane in which the nodes of a boundary lie at rest, of length 1; `None` where they lie in none, or in many.
+    /// Unit normal of the plane that contains the undeformed nodes of a boundary; `None` if there is no such plane, or no unique one.
     pub fn flat_normal(&self, on: &BodyBoundary) -> Option<[f64; 3]> {
         let mesh = &self.bodies[on.body].mesh;
         let points: Vec<[f64; 3]> = mesh.boundary_nodes(&on.boundary).into_iter().map(|node| mesh.points[node as usize]).collect();
@@ -34,7 +34,7 @@ impl Model {
         is_plane.then_some(normal.into())
     }
 
-    /// The nodes of a periodic pair, each of the first boundary with the one opposite, in the numbering of their bodies' meshes.
+    /// Node pairs of a periodic coupling: each node of the first boundary and its counterpart, by node numbers in their meshes.
     ///
     /// # Errors
     /// A node with nothing opposite to it, and unlike numbers of nodes.

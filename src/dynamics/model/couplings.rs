@@ -17,14 +17,14 @@ pub struct Coupling {
 /// Kind of a coupling: its linear equations.
 #[derive(Clone)]
 pub enum CouplingKind {
-    /// Nodes stay in the planes in which they are at rest, as in a plane of symmetry or on rollers: `n . (x - X) = 0`.
+    /// Nodes stay in their initial planes, as in a plane of symmetry or on rollers: `n . (x - X) = 0`.
     Plane {
-        /// The nodes.
+        /// Boundary of the nodes.
         on: BodyBoundary,
         /// Normal of the planes, of any length.
         normal: [f64; 3],
     },
-    /// Each node of one boundary moves as the node opposite to it moves, turned: `x_b - R x_a = X_b - R X_a + d(t) + x_h - X_h`.
+    /// Each node of one boundary has the rotated motion of its counterpart: `x_b - R x_a = X_b - R X_a + d(t) + x_h - X_h`.
     Periodic {
         /// Boundary of the nodes `a`.
         from: BodyBoundary,
@@ -66,7 +66,7 @@ impl Sector {
 }
 
 impl CouplingKind {
-    /// The boundaries that it couples.
+    /// Boundaries joined by the coupling.
     pub fn boundaries(&self) -> Vec<&BodyBoundary> {
         match self {
             CouplingKind::Plane { on, .. } => vec![on],
@@ -74,7 +74,7 @@ impl CouplingKind {
         }
     }
 
-    /// The bodies that it joins.
+    /// Bodies joined by the coupling.
     pub fn bodies(&self) -> Vec<usize> {
         let follows = match self {
             CouplingKind::Plane { .. } => None,

@@ -27,7 +27,7 @@ pub struct BodyDefinition {
     pub material: Material,
     /// Plane strain, plane stress or axisymmetric, and the treatment of volume changes.
     pub formulation: Formulation,
-    /// Mass and inertia of a rigid body, of whose material only the density is used; `None`: it deforms.
+    /// Mass and inertia of a rigid body, whose material only provides the density; `None` for deformable bodies.
     pub rigid: Option<Inertia>,
 }
 
@@ -50,13 +50,13 @@ pub struct Support {
 /// Kind of a load, scaled by a time function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadKind {
-    /// Dead traction vector per undeformed facet area `[stress]`, times the amplitude.
+    /// Dead traction vector per undeformed facet area `[stress]`, multiplied by the amplitude.
     Traction([f64; 3]),
-    /// Dead force spread evenly over the boundary `[force]`, times the amplitude.
+    /// Dead force distributed over the boundary `[force]`, multiplied by the amplitude.
     Force([f64; 3]),
-    /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body.
+    /// Pressure on the deformed boundary `[stress]`, multiplied by the amplitude; positive values push into the body.
     Pressure(f64),
-    /// Torque about the third axis `[force * length]`, the amplitude itself, as nodal forces without resultant.
+    /// Torque about the third axis `[force * length]`, equal to the amplitude, as nodal forces without resultant.
     Torque,
 }
 
@@ -71,7 +71,7 @@ pub struct Load {
     pub amplitude: Amplitude,
 }
 
-/// Velocity of a body at the start: `linear + angular x (x - center of mass)`.
+/// Initial velocity of a body: `linear + angular x (x - center of mass)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialVelocity {
     /// Index of the body in the model.
@@ -82,12 +82,12 @@ pub struct InitialVelocity {
     pub angular: [f64; 3],
 }
 
-/// Initial displacements of a body's nodes, by which the body is strained relative to its mesh.
+/// Initial displacements of a body's nodes, which strain the body relative to its mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InitialDisplacement {
     /// Index of the body in the model.
     pub body: usize,
-    /// Displacement of each node of its mesh `[length]`.
+    /// Displacement of each node of the body's mesh `[length]`.
     pub displacement: Vec<[f64; 3]>,
 }
 
@@ -96,7 +96,7 @@ pub struct InitialDisplacement {
 pub struct Growth {
     /// Index of the body in the model.
     pub body: usize,
-    /// Stress-free length over that in the mesh, at each node; in the plane and around an axis in all directions of its bodies.
+    /// Ratio of stress-free length to length in the mesh at each node, equal in all directions of the body's dimension.
     pub factors: Vec<f64>,
 }
 
@@ -105,7 +105,7 @@ pub struct Growth {
 pub struct Model {
     /// Name of the model.
     pub name: String,
-    /// Bodies in the order in which they were added.
+    /// Bodies in the order of their definition.
     pub bodies: Vec<BodyDefinition>,
     /// Supports.
     pub supports: Vec<Support>,
@@ -113,7 +113,7 @@ pub struct Model {
     pub prescriptions: Vec<Prescription>,
     /// Acceleration of gravity `[length/time^2]`.
     pub gravity: [f64; 3],
-    /// Factor of gravity over time; `None`: constant. A varying gravity has no potential, and its work is that of a load.
+    /// Factor of gravity over time; `None`: constant. Time-dependent gravity has no potential; its work is that of a load.
     pub gravity_amplitude: Option<Amplitude>,
     /// Loads.
     pub loads: Vec<Load>,
@@ -125,11 +125,11 @@ pub struct Model {
     pub joints: Vec<JointDefinition>,
     /// Nodes of boundaries that linear equations couple.
     pub couplings: Vec<Coupling>,
-    /// Initial displacements of the nodes of bodies `[length]`; a later one of the same body replaces an earlier one.
+    /// Initial displacements of bodies' nodes `[length]`; of several entries for a body the last one is used.
     pub initial_displacements: Vec<InitialDisplacement>,
-    /// Stress-free stretches of bodies; a later one of the same body replaces an earlier one.
+    /// Stress-free stretches of bodies; of several entries for a body the last one is used.
     pub growths: Vec<Growth>,
-    /// Initial velocities; a later one of the same body replaces an earlier one.
+    /// Initial velocities of bodies; of several entries for a body the last one is used.
     pub initial_velocities: Vec<InitialVelocity>,
 }
 
@@ -186,7 +186,7 @@ impl Model {
         lacking.map_or(Ok(()), |what| Err(ModelError::NotInSpace { contact: interaction.name.clone(), what }))
     }
 
-    /// Times at which loads, prescribed motions, drives and obstacles have kinks, in their order.
+    /// Times of kinks of loads, prescribed motions, drives and obstacles, ascending.
     pub fn corners(&self) -> Vec<f64> {
         let motions = self.interactions.iter().filter_map(|interaction| match &interaction.partner {
             Partner::Obstacle { motion, turn, .. } => Some(motion.iter().flatten().chain(turn)),
@@ -219,7 +219,7 @@ impl Model {
         self.interactions.iter().map(|interaction| interaction.name.as_str()).collect()
     }
 
-    /// Adds an interaction behind those of its kind: contacts come first, then surfaces that touch themselves, obstacles, ties.
+    /// Inserts an interaction after the others of its kind; the order of kinds is contacts, self-contact, obstacles, ties.
     pub fn add_interaction(&mut self, interaction: Interaction) -> &mut Interaction {
         let place = self.interactions.partition_point(|other| other.rank() <= interaction.rank());
         self.interactions.insert(place, interaction);
@@ -238,7 +238,7 @@ impl Model {
         names
     }
 
-    /// Names of the reactions, in their order: [`Model::support_names`], then the couplings.
+    /// Names of the reactions in their order: [`Model::support_names`], then couplings.
     pub fn reaction_names(&self) -> Vec<String> {
         let couplings = self.couplings.iter().map(|coupling| coupling.name.clone());
         self.support_names().into_iter().chain(couplings).collect()
@@ -282,7 +282,7 @@ impl Model {
         self.bodies[body].mesh.points.iter().zip(self.initial_displacement(body)).map(moved).collect()
     }
 
-    /// Positions of all nodes at the start, body after body, with so many coordinates as the model has dimensions `[length]`.
+    /// Initial positions of all nodes `[length]`, body after body, with one coordinate per dimension.
     pub fn start_positions(&self) -> Vec<f64> {
         let dimension = self.dimension();
         (0..self.bodies.len()).flat_map(|body| self.start(body)).flat_map(|x| x.into_iter().take(dimension)).collect()
@@ -326,7 +326,7 @@ impl Model {
         }
     }
 
-    /// Checks that no boundary is supported and moved in one direction. Nodes that two boundaries share may be: there the motion applies.
+    /// Checks that no boundary is supported and moved in one direction. For nodes shared by two boundaries the prescribed motion is used.
     fn check_held_and_moved(&self) -> Result<(), ModelError> {
         let contradiction = |support: &Support, moved: &Prescription| {
             let (held, on) = (&support.on, &moved.on);
@@ -339,7 +339,7 @@ impl Model {
         })
     }
 
-    /// Checks everything that can be said without computing: names, dimensions, empty boundaries, a surface in contact with itself.
+    /// Checks the model without computing: names, dimensions, empty boundaries, self-contact.
     ///
     /// # Errors
     /// The first defect found.

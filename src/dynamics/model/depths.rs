@@ -1,9 +1,9 @@
 //! Penetration of the sides of contacts into bodies, and of obstacles into sides, at any positions. In the plane only.
 //!
-//! A node of one side counts if it is inside the body of the other side, with its distance from the nearest facet of that side that faces
-//! it; so do corners of a rigid polyline inside a body. Behind the hull of another body, in any orientation, there is no penetration.
-//! Unlike the gaps of a contact the search is unlimited, but does not pass through bodies: a node in the open has no penetration, wherever
-//! facets behind it may be.
+//! A node of one side counts if it is inside the body of the other side, with its distance from the nearest facet that faces it; so do
+//! corners of a rigid polyline inside a body. Behind the hull of another body, in any orientation, there is no penetration. Unlike for
+//! contact gaps the search distance is unlimited, but the search does not pass through bodies: a node outside of all bodies has no
+//! penetration.
 
 use super::amplitude::Amplitude;
 use super::boundaries::{boundary_facets, facets_of_all};
@@ -14,14 +14,14 @@ use crate::contact::{Obstacle, Surface};
 use crate::math::tolerances::{BESIDE, DEPTH, OPPOSITE};
 use crate::mesh::is_inside;
 
-/// Sides of the contacts of a model and hulls of their bodies.
+/// Sides of the contacts of a model, with the hulls of their bodies.
 pub struct Depths {
     meetings: Vec<Meeting>,
     /// Facets of the hull of each body.
     hulls: Vec<Vec<[u32; 2]>>,
 }
 
-/// Two surfaces that may be inside each other's bodies, or a surface and an obstacle's corners.
+/// Contact whose sides may penetrate each other's bodies: two surfaces, or a surface and an obstacle's corners.
 struct Meeting {
     contact: usize,
     first: Side,
@@ -46,17 +46,17 @@ pub struct Depth {
     pub contact: usize,
     /// Penetration `[length]`.
     pub depth: f64,
-    /// Length of the longest facet at that place `[length]`.
+    /// Length of the longest facet at the point `[length]`.
     pub size: f64,
     /// Place of the deepest penetration `[length]`.
     pub at: [f64; 2],
-    /// Nodes of both sides at that place, in the numbers of the model.
+    /// Nodes of both sides at the point, by model numbers.
     pub nodes: Vec<u32>,
     /// True if a corner of an obstacle is inside a body.
     pub is_corner: bool,
 }
 
-/// A point of one side: its position, the normal of its side, the length of its facets, its node.
+/// Point of one side: position, normal of the side, facet length, node.
 struct Point {
     at: [f64; 2],
     normal: Option<[f64; 2]>,
@@ -65,7 +65,7 @@ struct Point {
 }
 
 impl Depths {
-    /// The contacts of a model; none in space.
+    /// Depths of the contacts of a model; empty in space.
     pub fn of(model: &Model) -> Depths {
         if model.dimension() != 2 {
             return Depths { meetings: Vec::new(), hulls: Vec::new() };
@@ -107,7 +107,7 @@ impl Depths {
         Depths { meetings, hulls }
     }
 
-    /// Deepest penetration of each contact that has any, with all nodes at `q` and obstacles at a time, among those that `counts` accepts.
+    /// Deepest penetration of each contact, for node positions `q` and obstacles at time `time`, among depths accepted by `counts`.
     pub fn at(&self, q: &[f64], time: f64, counts: &dyn Fn(&Depth) -> bool) -> Vec<Depth> {
         let mut found: Vec<Depth> = Vec::new();
         for meeting in &self.meetings {
@@ -140,7 +140,7 @@ impl Depths {
         found
     }
 
-    /// Deepest of several points inside the body of a side, among those that count; with clearance, only points clearly inside.
+    /// Deepest of several points inside the body of a side, among depths accepted by `counts`; with `asks_for_room` only clearly inside.
     fn deepest(
         &self,
         points: Vec<Point>,
@@ -196,7 +196,7 @@ fn points(surface: &Surface, q: &[f64]) -> Vec<Point> {
     surface.nodes().iter().enumerate().map(point).collect()
 }
 
-/// Nearest facet of a surface that has a point in front of it, and the distance.
+/// Nearest facet of a surface that the point is behind, and its distance.
 fn nearest(point: &Point, surface: &Surface, q: &[f64]) -> Option<(f64, usize)> {
     let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
     let to_facet = |(index, &facet): (usize, &[u32; 2])| {

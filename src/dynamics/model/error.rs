@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::bodies::FormulationError;
 use crate::math::digits::three_digits;
 
-/// A model that cannot be simulated.
+/// Reason why a model cannot be simulated.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -23,10 +23,10 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
-    /// Steps that choose their size have nothing to begin with.
+    /// No initial size for adaptive steps: it cannot be derived from rigid bodies.
     #[error("the first step cannot be guessed where all bodies are rigid")]
     NoFirstStep,
-    /// A rigid body that cannot be one.
+    /// Body that cannot be rigid, for the given reason.
     #[error("body \"{body}\" cannot be rigid: {reason}")]
     NotRigid {
         /// Name of the body.
@@ -34,7 +34,7 @@ pub enum ModelError {
         /// Cause of the error.
         reason: String,
     },
-    /// A joint that joins nothing, or has no direction where it needs one.
+    /// Joint without two different ends, or without a required direction.
     #[error("joint \"{joint}\" cannot be made: {reason}")]
     UnsoundJoint {
         /// Name of the joint.
@@ -42,7 +42,7 @@ pub enum ModelError {
         /// Cause of the error.
         reason: String,
     },
-    /// A drive, limits, a gear or a bushing that cannot be.
+    /// Drive, limits, gear or bushing with inconsistent data.
     #[error("{what} \"{name}\" cannot be made: {reason}")]
     Unsound {
         /// Kind of the entity.
@@ -54,7 +54,7 @@ pub enum ModelError {
         /// Suggested remedy.
         remedy: &'static str,
     },
-    /// A joint with unilateral constraints, with a time integrator that remembers forces.
+    /// Joint with unilateral constraints under a time integrator with a force history.
     #[error("joint \"{joint}\" holds one way, and with the integrator \"{integrator}\" forces act on after their step")]
     OneSidedJoint {
         /// Name of the joint.
@@ -67,7 +67,7 @@ pub enum ModelError {
     JointApart {
         /// Name of the joint.
         joint: String,
-        /// Position of the first point at rest `[length]`.
+        /// Reference position of the first point `[length]`.
         place: [f64; 3],
         /// Distance `[length]`.
         distance: f64,
@@ -84,7 +84,7 @@ pub enum ModelError {
         /// Dimension of the second body.
         second_dimension: usize,
     },
-    /// A boundary that a body does not have.
+    /// Boundary that does not exist in the body.
     #[error("body \"{body}\" has no boundary \"{boundary}\"; it has {}", listed(.available))]
     UnknownBoundary {
         /// Name of the body.
@@ -94,7 +94,7 @@ pub enum ModelError {
         /// Names of the body's boundaries.
         available: Vec<String>,
     },
-    /// A time integrator that is none.
+    /// Inconsistent coefficients of a time integrator.
     #[error("the integrator \"{integrator}\" is not sound: {reason}")]
     UnsoundIntegrator {
         /// Name of the integrator.
@@ -102,7 +102,7 @@ pub enum ModelError {
         /// Violated condition.
         reason: &'static str,
     },
-    /// Cells whose mass, at their nodes, is not positive.
+    /// Row sums of the cell masses are not positive at all nodes.
     #[error("the row sums of the mass of the cells of body \"{body}\" are not positive at all nodes")]
     NoLumpedMass {
         /// Name of the body.
@@ -123,23 +123,23 @@ pub enum ModelError {
     /// A boundary without facets.
     #[error("boundary \"{boundary}\" has no facets")]
     EmptyBoundary {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
     },
-    /// Single points where facets are needed.
+    /// Boundary of single points where facets are required.
     #[error("\"{boundary}\" has single points, which have no area")]
     PointBoundary {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
     },
-    /// Initial displacements that turn a cell inside out.
+    /// Initial displacements that invert a cell.
     #[error(
         "the initial displacement turns cell {cell} of body \"{body}\" inside out: the determinant of its deformation is {determinant:.2e}"
     )]
     InvertedAtStart {
         /// Name of the body.
         body: String,
-        /// The cell.
+        /// Number of the cell in its mesh.
         cell: usize,
         /// Smallest determinant of the deformation gradient.
         determinant: f64,
@@ -162,7 +162,7 @@ pub enum ModelError {
         /// Dimension of the bodies.
         of_bodies: usize,
     },
-    /// A contact pair whose sides share facets.
+    /// Contact pair whose sides share facets, defined as two surfaces.
     #[error("both sides of contact \"{contact}\" contain facets of \"{boundary}\"")]
     SelfContact {
         /// Name of the pair.
@@ -170,7 +170,7 @@ pub enum ModelError {
         /// `body.boundary` of the secondary side.
         boundary: String,
     },
-    /// A spring or a damper whose ends are at one place.
+    /// Spring or damper with coinciding ends.
     #[error("the ends of \"{spring}\" are at the same place")]
     SpringOfNoLength {
         /// Name of the spring.
@@ -181,21 +181,21 @@ pub enum ModelError {
     OpenChamber {
         /// Name of the chamber.
         chamber: String,
-        /// A point of the rim.
+        /// A point of the surface's rim.
         place: [f64; 3],
     },
-    /// A chamber that encloses nothing.
+    /// Chamber without volume.
     #[error("chamber \"{chamber}\" encloses the volume {}", three_digits(*volume))]
     ChamberOfNoVolume {
         /// Name of the chamber.
         chamber: String,
-        /// Enclosed volume.
+        /// Computed volume.
         volume: f64,
     },
-    /// A mass that is negative or no number.
+    /// Negative or non-finite mass.
     #[error("the mass of \"{part}\" is {mass}")]
     NoMass {
-        /// The part.
+        /// Name of the point mass.
         part: String,
         /// Mass of the part.
         mass: f64,
@@ -206,25 +206,25 @@ pub enum ModelError {
         /// Number of unknowns or contact elements, and the shortage of memory.
         reason: String,
     },
-    /// A boundary that is held and moved in one direction.
+    /// Boundary that is fixed and moved in one direction.
     #[error("\"{boundary}\" is held and moved in the direction {direction}")]
     HeldAndMoved {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
         /// x, y or z.
         direction: &'static str,
     },
-    /// Two contacts between the same surfaces, whose constraints would depend on each other.
+    /// Two contacts between equal surfaces, whose constraints are linearly dependent.
     #[error("contacts \"{first}\" and \"{second}\" are between the same surfaces: \"{boundary}\" has the same facets opposite in both")]
     RepeatedContact {
-        /// Name of one.
+        /// Name of the first contact.
         first: String,
-        /// Name of the other.
+        /// Name of the second contact.
         second: String,
         /// Secondary `body.boundary` of the second.
         boundary: String,
     },
-    /// A contact between surfaces that are tied.
+    /// Contact between surfaces that are also tied.
     #[error("contact \"{contact}\" is between surfaces that \"{tie}\" ties: \"{boundary}\" has the same facets opposite in both")]
     TiedContact {
         /// Name of the contact.
@@ -234,7 +234,7 @@ pub enum ModelError {
         /// Secondary `body.boundary` of the contact.
         boundary: String,
     },
-    /// A formulation that does not go with a body.
+    /// Formulation that is incompatible with a body.
     #[error("body \"{body}\": {source}")]
     Formulation {
         /// Name of the body.
@@ -242,12 +242,12 @@ pub enum ModelError {
         /// Cause of the error.
         source: FormulationError,
     },
-    /// Bodies of revolution beside others.
+    /// Model with both axisymmetric and other bodies.
     #[error("body \"{first}\" is axisymmetric and body \"{second}\" is not")]
     MixedSymmetry {
-        /// The one.
+        /// Name of the first body.
         first: String,
-        /// The other.
+        /// Name of the second body.
         second: String,
     },
     /// Load, support or other entity that breaks the symmetry of an axisymmetric model.
@@ -256,7 +256,7 @@ pub enum ModelError {
         /// Entity that breaks the symmetry.
         what: String,
     },
-    /// A coefficient of restitution of a contact that does not solve impacts as those of rigid bodies.
+    /// Coefficient of restitution of a contact that does not resolve impacts of rigid bodies.
     #[error("contact \"{contact}\" has no restitution: {reason}")]
     NoRestitution {
         /// Name of the contact.
@@ -280,7 +280,7 @@ pub enum ModelError {
         /// Distance over the length of the secondary facets.
         facets: f64,
     },
-    /// A cell that is inside out or degenerate.
+    /// Inverted or degenerate cell.
     #[error("cell {cell} of body \"{body}\" has a Jacobian determinant of {jacobian:.3e}")]
     InvertedCell {
         /// Name of the body.

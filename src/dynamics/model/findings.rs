@@ -1,6 +1,6 @@
-//! Suspicious properties of a model's contacts in the undeformed bodies, before anything is computed.
+//! Suspicious properties of a model's contacts in the undeformed bodies.
 //!
-//! Unlike [`Model::check`] these are no errors: the model can be simulated, but it is hardly what was meant.
+//! Unlike those of [`Model::check`] they are not errors: the model can be simulated, but hardly as intended.
 
 use super::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use super::definitions::Model;
@@ -11,8 +11,8 @@ use crate::contact::{
 };
 
 impl Model {
-    /// Everything suspicious about contacts, obstacles and ties, each with the name of the first of them where it was found; of bodies in
-    /// space that sides look away from each other and from obstacles, and about ties and press fits.
+    /// Suspicious properties of contacts, obstacles and ties, each with the name of the first interaction concerned; in space only sides
+    /// that face away from each other or from obstacles, ties and press fits.
     pub fn findings(&self) -> Vec<(String, Finding)> {
         let dimension = self.dimension();
         let counts = self.bodies.iter().map(|body| body.mesh.points.len());
@@ -80,13 +80,13 @@ impl Model {
         unique
     }
 
-    /// True if joints guide a side of a contact, which may then rotate towards the other side later.
+    /// True if joints guide a side of a contact, so that it may face the other side later.
     pub(super) fn is_guided(&self, secondary: &BodyBoundary, primary: &[BodyBoundary]) -> bool {
         let is_joined = |on: &BodyBoundary| self.joints.iter().any(|joint| joint.bodies().any(|body| body == on.body));
         std::iter::once(secondary).chain(primary).any(is_joined)
     }
 
-    /// Sides in space that look away from each other, ties that leave nodes out, press fits of facets of first order that are too coarse.
+    /// Findings in space: sides that face away from each other, nodes that ties leave out, coarse press fits of first-order facets.
     fn findings_in_space(&self, first: &[usize], reference: &[f64]) -> Vec<(String, Finding)> {
         let is_flat = |on: &BodyBoundary| !self.bodies[on.body].mesh.kind.is_quadratic();
         let surface = |on: &BodyBoundary| {

@@ -7,12 +7,12 @@ use super::definitions::Model;
 use super::error::ModelError;
 
 impl Model {
-    /// Factors at the nodes of a body that is not without stress in its mesh.
+    /// Nodal factors of a body with a stress-free stretch; `None` for other bodies.
     pub fn growth(&self, body: usize) -> Option<&[f64]> {
         self.growths.iter().rfind(|growth| growth.body == body).map(|growth| &growth.factors[..])
     }
 
-    /// Checks that bodies with growth deform, are not viscous, and have positive factors.
+    /// Checks that bodies with a stress-free stretch are deformable, not viscous, and have positive factors.
     pub(super) fn check_growths(&self) -> Result<(), ModelError> {
         for growth in &self.growths {
             let body = &self.bodies[growth.body];
@@ -30,7 +30,7 @@ impl Model {
     }
 }
 
-/// A body that cannot grow so.
+/// Error for a body with an invalid stress-free stretch.
 pub fn unsound(body: &str, reason: String) -> ModelError {
     let remedy = "factors are positive numbers about 1, such as `1 + alpha dT`, on a body of an elastic material";
     ModelError::Unsound { what: "growth of body", name: body.into(), reason, remedy }

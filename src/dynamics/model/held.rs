@@ -9,32 +9,32 @@ use crate::bodies::Inertia;
 use crate::math::digits::three_digits;
 use crate::math::norms::length;
 
-/// Part of the velocity of a body at the start above which what a support takes from it is neither round-off nor that of a center of mass
-/// that was rounded by hand.
+/// Fraction of a body's initial velocity, blocked by a support, above which it is reported: more than round-off or a rounded center of
+/// mass.
 const AGAINST_SUPPORT: f64 = 0.001;
 
-/// A definition without effect on nodes that are held or moved.
+/// Definition without effect, on nodes that are supported or moved otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Held {
-    /// The initial velocity of a body moves nodes that something holds, or moves otherwise.
+    /// Initial velocity of a body that supports or prescribed motions override at some nodes.
     Thrown {
         /// Name of the body.
         body: String,
         /// `body.boundary` of the nodes.
         boundary: String,
-        /// Largest difference of the velocities there `[length/time]`.
+        /// Largest velocity difference at these nodes `[length/time]`.
         speed: f64,
     },
-    /// A load acts on nodes alone that are held in its direction.
+    /// Load on nodes that are all fixed in its direction.
     Loaded {
         /// `body.boundary` of the load.
         boundary: String,
     },
-    /// All nodes of a support are moved in a direction in which it holds them.
+    /// Support whose nodes all have a prescribed motion in a supported direction.
     Overruled {
         /// `body.boundary` of the support.
         held: String,
-        /// `body.boundary` that is moved.
+        /// `body.boundary` with the prescribed motion.
         moved: String,
         /// x, y or z.
         direction: &'static str,
@@ -90,7 +90,7 @@ impl Held {
 }
 
 impl Model {
-    /// Velocities, loads and supports that have no effect, or not the one that they say, as their nodes are held or moved.
+    /// Velocities, loads and supports that supports or prescribed motions make ineffective, fully or partly.
     pub fn held(&self) -> Vec<Held> {
         let thrown = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|given| &given.on));
         let planes = self.couplings.iter().filter_map(|coupling| match &coupling.kind {
@@ -126,8 +126,8 @@ impl Model {
         self.bodies[on.body].mesh.boundary_nodes(&on.boundary)
     }
 
-    /// Largest difference between the initial velocity of a boundary's body and what supports, motions and planes of symmetry of the
-    /// boundary allow; 0 below round-off.
+    /// Largest difference between the initial velocity of a boundary's body and the velocity that supports, prescribed motions and planes
+    /// of symmetry admit; 0 below round-off.
     fn speed_against(&self, on: &BodyBoundary) -> f64 {
         let Some(given) = self.initial_velocities.iter().rfind(|given| given.body == on.body) else { return 0.0 };
         let body = &self.bodies[on.body];

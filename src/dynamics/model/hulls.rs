@@ -1,28 +1,27 @@
-//! Hulls of bodies, and where two of them are inside each other.
+//! Hulls of bodies, and their mutual penetration.
 //!
-//! In the plane two cases count: a node of one hull inside the other, and facets that cross far from all their nodes. Hulls are polygons,
-//! so a node of one curved side may lie behind the chord of the other by its rise (sagitta): that much, and a hundredth of a facet, is
-//! allowed.
+//! In the plane there are two cases: a node of one hull inside the other, and crossing facets far from all their nodes. Hulls are polygons,
+//! so a node of one curved side may lie behind the chord of the other by the sagitta; this and a hundredth of a facet are admitted.
 
 use std::collections::HashMap;
 
 use crate::contact::{Solid, Sunk};
 use crate::mesh::{Mesh, cross, is_inside};
 
-/// Part of a facet that may overlap besides the rise of curved sides.
+/// Admitted overlap as a fraction of a facet, in addition to the sagitta of curved sides.
 pub const ALLOWED: f64 = 0.01;
 
-/// Angle between neighboring facets, in degrees, beyond which a hull has a corner and is not a curve.
+/// Angle between neighboring facets, in degrees, above which a node of the hull is a corner and not part of a curve.
 const CORNER: f64 = 45.0;
 
 /// Distance of a probe point behind the middle of a facet, relative to its length, to detect the overlap of hulls whose nodes coincide.
 const BEHIND: f64 = 0.25;
 
-/// The hull of a body in the plane, the body on the left of its facets.
+/// Hull of a body in the plane, the body on the left of its facets.
 pub struct Hull {
     /// Index of the body.
     pub body: usize,
-    /// Ends of its facets.
+    /// End points of the facets.
     pub facets: Vec<[[f64; 2]; 2]>,
     /// Admitted penetration per facet: the sagitta of the curve that the facet approximates, and a fraction of the facet length.
     allowed: Vec<f64>,
@@ -38,18 +37,18 @@ pub enum BodyHull {
     Space(Box<Solid>),
 }
 
-/// Two hulls that are inside each other.
+/// Mutual penetration of two hulls.
 pub struct Inside {
     /// Penetration `[length]`.
     pub depth: f64,
     /// Length of the penetrated facet `[length]`.
     pub size: f64,
-    /// Place of the penetration, with as many coordinates as there are dimensions `[length]`.
+    /// Position of the penetration, with one coordinate per dimension `[length]`.
     pub at: Vec<f64>,
 }
 
 impl BodyHull {
-    /// The hull of a mesh with its nodes at `q`.
+    /// Hull of a mesh with nodes at `q`.
     pub fn new(body: usize, mesh: &Mesh, q: &[f64]) -> BodyHull {
         if mesh.dimension() == 2 {
             return BodyHull::Plane(Hull::new(body, &mesh.outline(), &|node| [q[2 * node as usize], q[2 * node as usize + 1]]));
@@ -58,7 +57,7 @@ impl BodyHull {
         BodyHull::Space(Box::new(Solid::new(facets.iter().map(|facet| &facet[..]), q.to_vec())))
     }
 
-    /// The deepest place where the two are inside each other, if they are.
+    /// Deepest mutual penetration of two hulls; `None` without one.
     pub fn inside(&self, other: &BodyHull) -> Option<Inside> {
         match (self, other) {
             (BodyHull::Plane(own), BodyHull::Plane(other)) => own.inside(other),
@@ -71,7 +70,7 @@ impl BodyHull {
 }
 
 impl Hull {
-    /// The hull of a body with these facets, its nodes at these points.
+    /// Hull of a body with these facets; `point` returns node positions.
     pub fn new(body: usize, ends: &[[u32; 2]], point: &dyn Fn(u32) -> [f64; 2]) -> Hull {
         let before: HashMap<u32, usize> = ends.iter().enumerate().map(|(facet, [_, end])| (*end, facet)).collect();
         let facets: Vec<[[f64; 2]; 2]> = ends.iter().map(|ends| ends.map(point)).collect();
@@ -99,7 +98,7 @@ impl Hull {
         Hull { body, facets, allowed, low, high }
     }
 
-    /// The deepest place where the two are inside each other, if they are.
+    /// Deepest mutual penetration of two hulls; `None` without one.
     pub fn inside(&self, other: &Hull) -> Option<Inside> {
         if !self.meets(other) {
             return None;
@@ -114,8 +113,8 @@ impl Hull {
         (0..2).all(|i| self.low[i] < other.high[i] && other.low[i] < self.high[i])
     }
 
-    /// The part of `ray` from `x` on after which the hull is passed, if it is: where the ray leaves it, so that a hull counts that touches
-    /// `x`.
+    /// Fraction of `ray` at which it first leaves the hull from inside, starting at `x`; `None` if it never does. A hull that touches `x`
+    /// counts.
     pub fn passed(&self, x: [f64; 2], ray: [f64; 2]) -> Option<f64> {
         let part = |[a, b]: &[[f64; 2]; 2]| {
             let (along, to) = ([b[0] - a[0], b[1] - a[1]], [a[0] - x[0], a[1] - x[1]]);
@@ -132,8 +131,8 @@ impl Hull {
     }
 }
 
-/// The deepest node of one hull inside another, or point a part of a facet behind one where nodes lie on the other hull: depth, size of the
-/// facet there, place.
+/// Deepest point of one hull inside another: a node, or a probe point behind a facet for coinciding nodes. Returns depth, facet size and
+/// position.
 fn deepest(of: &Hull, inside: &Hull) -> Option<(f64, f64, [f64; 2])> {
     let in_box = |x: &[f64; 2]| (0..2).all(|i| inside.low[i] < x[i] && x[i] < inside.high[i]);
     let depth = |(index, x): (usize, [f64; 2])| {
@@ -148,7 +147,7 @@ fn deepest(of: &Hull, inside: &Hull) -> Option<(f64, f64, [f64; 2])> {
     points.filter(|(_, x)| in_box(x)).filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// The crossing of two hulls' facets that is farthest from all their nodes: bodies that pass through each other without a node inside.
+/// Crossing facets of two hulls with the largest distance from all their nodes: bodies that penetrate without a node inside.
 fn crossing(first: &Hull, second: &Hull) -> Option<(f64, f64, [f64; 2])> {
     let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
     let mut farthest: Option<(f64, f64, [f64; 2])> = None;

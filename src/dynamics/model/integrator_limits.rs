@@ -5,7 +5,7 @@ use super::error::ModelError;
 use super::update_rules::GAP;
 use crate::integrators::Scheme;
 
-/// Refuses what steps of an integrator cannot do; `chooses_size`: whether they are to choose their size.
+/// Refuses entities that an integrator does not support; `chooses_size`: the step size is adaptive.
 ///
 /// # Errors
 /// First unsupported entity of the model.

@@ -1,4 +1,4 @@
-//! Interactions as they are defined: one list for contacts, obstacles, self contact and ties.
+//! Interactions as defined in the model: one list of contacts, obstacles, self-contact and ties.
 
 use std::slice;
 use std::sync::Arc;
@@ -22,18 +22,18 @@ pub struct BodyBoundary {
 pub enum Enforcement {
     /// Lagrange multipliers: the update rule holds exactly.
     Multiplier,
-    /// The potential `kappa/2 min(Phi, 0)^2` of the weighted gap `Phi`, with `kappa = factor * youngs_modulus / (h w)`, `w` the length
-    /// that a node stands for: a small penetration, and exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update
-    /// rule is not used.
+    /// Penalty potential `kappa/2 min(Phi, 0)^2` of the weighted gap `Phi`, `kappa = factor * youngs_modulus / (h w)` with the tributary
+    /// length `w` of a node: small penetration, exact energy by the quotient `(U(Phi_1) - U(Phi_0)) / (Phi_1 - Phi_0)`. The update rule is
+    /// not used.
     Penalty {
-        /// Pressure per depth over `youngs_modulus / h`, the stiffness of the shortest facet of the secondary body.
+        /// Penalty stiffness (pressure per penetration) relative to `youngs_modulus / h`, `h` the shortest facet of the secondary body.
         factor: f64,
     },
     /// Augmented Lagrangian: `lambda = max(0, lambda_old - kappa (Phi - target))`, with the multiplier brought up to date in every Newton
     /// iteration until the update rule holds as exactly as with multipliers. It copes with constraints that depend on one another.
     /// `kappa = factor (youngs_modulus / h^2 + m_A / w_A^2 * 2 / dt^2)`: the stiffness of a facet and the inertia of the node.
     AugmentedLagrange {
-        /// Augmentation over the stiffness that a node has in the step; the larger, the fewer iterations.
+        /// Augmentation relative to the node's stiffness in the step; larger values need fewer iterations.
         factor: f64,
     },
 }
@@ -54,11 +54,11 @@ pub enum Coefficient {
     Constant(f64),
     /// Coefficient over time, taken at the middle of a step.
     OverTime(Amplitude),
-    /// Coefficient over place, taken at a contact point at the start of a step.
+    /// Coefficient as a function of place, evaluated at a contact point at the start of a step.
     OverPlace(Arc<dyn PlaceFunction>),
 }
 
-/// A scalar function of the place. Script closures implement it, too, so a value may fail.
+/// Scalar function of place. Script closures implement it, too, so evaluation may fail.
 pub trait PlaceFunction: Send + Sync {
     /// Value at a point.
     ///
@@ -77,13 +77,13 @@ pub struct Interaction {
     pub name: String,
     /// The side that carries the multipliers (slave, nonmortar).
     pub secondary: BodyBoundary,
-    /// The other side.
+    /// Contact partner of the secondary side.
     pub partner: Partner,
     /// Discretisation between two surfaces.
     pub method: &'static ContactMethod,
-    /// Geometry of the facets of both sides; `None`: that of the method ([`Interaction::facet_shape`]).
+    /// Geometry of the facets of both sides; `None`: default of the method ([`Interaction::facet_shape`]).
     pub facets: Option<FacetShape>,
-    /// Condition over a step; `None`: that of the time integrator ([`default_rule`](super::update_rules::default_rule)).
+    /// Update rule; `None`: default of the time integrator ([`default_rule`](super::update_rules::default_rule)).
     pub update: Option<&'static UpdateRule>,
     /// Enforcement of the constraints.
     pub enforcement: Enforcement,
@@ -91,39 +91,38 @@ pub struct Interaction {
     pub equality: bool,
     /// Friction; `None`: surfaces slide freely.
     pub friction: Option<Friction>,
-    /// Coefficient of restitution of impacts between rigid sides, 0 to 1; `None`: that of the update rule
-    /// ([`UpdateRule::restitution`]).
+    /// Coefficient of restitution of impacts between rigid sides, 0 to 1; `None`: that of the update rule ([`UpdateRule::restitution`]).
     pub restitution: Option<f64>,
 }
 
 /// Partner of the secondary side of an interaction.
 #[derive(Clone)]
 pub enum Partner {
-    /// Boundaries of bodies (master, mortar): one or several, of one body or several.
+    /// Boundaries of one or several bodies (master, mortar).
     Surfaces(Vec<BodyBoundary>),
-    /// The secondary side itself, where it folds.
+    /// The secondary side itself, for self-contact of folds.
     Itself,
     /// A rigid obstacle.
     Obstacle {
         /// Shape and place of the obstacle.
         shape: Obstacle,
-        /// Translation in x, y and z over time `[length]`; `None`: at rest.
+        /// Translation in x, y and z over time `[length]`; `None` without translation.
         motion: [Option<Amplitude>; 3],
         /// Angle of rotation of a disk or ring about its center, or of a body of revolution about its axis `[rad]`, counter-clockwise; used
-        /// for friction alone. `None`: at rest.
+        /// for friction alone. `None` without rotation.
         turn: Option<Amplitude>,
     },
-    /// A boundary to which the secondary side is tied, although their meshes do not match. Better the coarser one.
+    /// Boundary to which the secondary side is tied with nonmatching meshes; preferably the coarser one.
     Tied {
-        /// The boundary.
+        /// Boundary to which the secondary side is tied.
         to: BodyBoundary,
-        /// Distance in the undeformed bodies within which they are tied `[length]`; `None`: half of the shortest secondary facet.
+        /// Largest distance of tied points in the undeformed bodies `[length]`; `None`: half of the shortest secondary facet.
         reach: Option<f64>,
     },
 }
 
 impl Interaction {
-    /// An interaction by mortar contact with multipliers and the rule of the time integrator; change the fields for anything else.
+    /// Interaction by mortar contact with multipliers and the default update rule; other options are set in the fields.
     pub fn new(name: &str, secondary: BodyBoundary, partner: Partner) -> Self {
         Interaction {
             name: name.into(),
@@ -144,7 +143,7 @@ impl Interaction {
         Interaction::new(name, secondary, Partner::Surfaces(vec![primary]))
     }
 
-    /// Contact with a rigid obstacle at rest.
+    /// Contact with a fixed rigid obstacle.
     pub fn obstacle(name: &str, secondary: BodyBoundary, shape: Obstacle) -> Self {
         Interaction::new(name, secondary, Partner::Obstacle { shape, motion: [None, None, None], turn: None })
     }
@@ -154,7 +153,7 @@ impl Interaction {
         Interaction::new(name, secondary, Partner::Tied { to, reach: None })
     }
 
-    /// The boundaries of the other side; none of an obstacle.
+    /// Boundaries of the primary side; empty for obstacles.
     pub fn primary(&self) -> &[BodyBoundary] {
         match &self.partner {
             Partner::Surfaces(primary) => primary,
@@ -164,7 +163,7 @@ impl Interaction {
         }
     }
 
-    /// Geometry of the facets of both sides: curved by default; straight with node-to-segment contact in the plane, which seldom has an
+    /// Geometry of the facets of both sides: curved by default; straight for node-to-segment contact in the plane, which rarely has an
     /// equilibrium between curves at rest.
     pub fn facet_shape(&self, dimension: usize) -> FacetShape {
         let is_straight = self.method.is_nodal && dimension == 2;
@@ -176,7 +175,7 @@ impl Interaction {
         matches!(self.partner, Partner::Tied { .. })
     }
 
-    /// Place of its kind in the order in which a simulation counts contacts.
+    /// Rank of the interaction's kind in the order of contacts in a simulation.
     pub fn rank(&self) -> usize {
         match self.partner {
             Partner::Surfaces(_) => 0,

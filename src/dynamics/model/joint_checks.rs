@@ -19,15 +19,15 @@ const DRIVE_REMEDY: &str = "what a drive prescribes begins with what the joint i
                             that; hinges have an angle, sliders and slots a travel, links and cables a distance";
 
 impl Model {
-    /// Node of a body that is nearest to a point at the start, and its distance `[length]`.
+    /// Node of a body nearest to a point in the initial configuration, and its distance `[length]`.
     pub fn nearest_node(&self, body: usize, point: [f64; 3]) -> (u32, f64) {
         let distance = |at: [f64; 3]| length(std::array::from_fn(|i| at[i] - point[i]));
         let all = (0..).zip(self.start(body).into_iter().map(distance));
         all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY))
     }
 
-    /// Modulus that compares forces with gaps where a body touches: its own, or, of a rigid body, that of the stiffest one which deforms. A
-    /// model of rigid bodies alone has its weight or, without gravity, its inertia in its place.
+    /// Modulus that relates forces to gaps at a body: its own, or for a rigid body that of the stiffest deformable body. In models of rigid
+    /// bodies only it follows from their weight or, without gravity, their inertia.
     pub fn modulus(&self, body: usize) -> f64 {
         let own = |body: &BodyDefinition| if body.rigid.is_some() { 0.0 } else { body.material.youngs_modulus() };
         let (own, stiffest) = (own(&self.bodies[body]), self.bodies.iter().map(own).fold(0.0, f64::max));
@@ -48,7 +48,7 @@ impl Model {
         self.joints.iter().any(|joint| joins(joint, first) && joins(joint, second))
     }
 
-    /// The joints that a gear couples, or the joint alone.
+    /// The two joints of a gear, or the joint itself.
     pub fn joints_of<'a>(&'a self, joint: &'a JointDefinition) -> impl Iterator<Item = &'a JointDefinition> {
         let coupled = match joint.kind {
             JointKind::Gear(gear) => gear.joints.map(|index| self.joints.get(index)),
@@ -57,7 +57,7 @@ impl Model {
         coupled.into_iter().flatten()
     }
 
-    /// Largest extent of the bodies at rest along an axis `[length]`.
+    /// Largest extent of the undeformed bodies along an axis `[length]`.
     pub fn extent(&self) -> f64 {
         largest_extent(self.bodies.iter().flat_map(|body| &body.mesh.points))
     }
@@ -207,8 +207,8 @@ impl Model {
         }
     }
 
-    /// Checks that stops and cables are compatible with a time integrator: with one that remembers forces, pressures act beyond their step
-    /// and drive open constraints apart.
+    /// Checks that stops and cables are compatible with a time integrator: with a force history, pressures act beyond their step and drive
+    /// open constraints apart.
     pub(crate) fn check_stops(&self, scheme: &Scheme) -> Result<(), ModelError> {
         match self.joints.iter().find(|joint| joint.holds_one_way()) {
             Some(joint) if !scheme.remembers.is_empty() => {
@@ -218,7 +218,7 @@ impl Model {
         }
     }
 
-    /// Distance at the start of the points that a joint makes one, or of a point from the node of a deformable body `[length]`.
+    /// Initial distance between the two points of a joint, or of a point from the node of a deformable body `[length]`.
     fn apart(&self, joint: &JointDefinition) -> f64 {
         let off = |end: &Anchor| {
             let body = end.body.filter(|&body| self.bodies[body].rigid.is_none());
@@ -245,7 +245,7 @@ impl BodyDefinition {
         self.rigid.map_or_else(|| self.material.density() * self.mesh.measure(), |inertia| inertia.mass)
     }
 
-    /// Checks that mass and moments of inertia of a rigid body are those of a possible body.
+    /// Checks that mass and moments of inertia of a rigid body are physically possible.
     fn check_rigid(&self) -> Result<(), ModelError> {
         let Some(inertia) = &self.rigid else { return Ok(()) };
         let wrong = |reason: String| Err(ModelError::NotRigid { body: self.name.clone(), reason });

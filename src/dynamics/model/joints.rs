@@ -9,7 +9,7 @@ use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 pub struct Anchor {
     /// Index of the body; `None`: the ground.
     pub body: Option<usize>,
-    /// The point at rest: any of a rigid body, the nearest node of one that deforms `[length]`.
+    /// Reference position `[length]`: any point of a rigid body, the nearest node of a deformable one.
     pub point: [f64; 3],
 }
 
@@ -18,19 +18,19 @@ pub struct Anchor {
 pub enum JointKind {
     /// Common point: a hinge in the plane, a ball joint in space.
     Point,
-    /// Rotation about an axis in space, given at rest.
+    /// Rotation about an axis in space, given in the reference positions.
     Hinge([f64; 3]),
-    /// Translation along a line of the first end, without rotation; the direction at rest.
+    /// Translation along a line of the first end, without rotation, given by its initial direction.
     Slider([f64; 3]),
-    /// A point of the second end on a line of the first; the direction at rest.
+    /// A point of the second end on a line of the first, given by its initial direction.
     Slot([f64; 3]),
     /// No free motion.
     Weld,
-    /// Constant distance of both points; all other motions are free.
+    /// Constant distance between both points; all other motions are free.
     Link,
     /// Distance of both points up to this value `[length]`: a cable, slack or taut.
     Cable(f64),
-    /// Constant sum of the coordinates of two earlier joints, angles or travels: `s_1 + ratio s_2`. The ends are those of the first joint.
+    /// Constant sum `s_1 + ratio s_2` of the coordinates (angle or displacement) of two earlier joints. The ends are those of the first.
     Gear(Gear),
 }
 
@@ -46,9 +46,9 @@ pub struct Gear {
 /// Free coordinate of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
-    /// Rotation of the second end relative to the first about the axis, zero at rest `[rad]`.
+    /// Rotation of the second end relative to the first about the axis, zero in the reference positions `[rad]`.
     Angle,
-    /// Displacement of the second point along the direction of the first end, zero at rest `[length]`.
+    /// Displacement of the second point along the direction of the first end, zero in the reference positions `[length]`.
     Travel,
     /// Distance of both points `[length]`.
     Distance,
@@ -64,14 +64,14 @@ impl Coordinate {
         }
     }
 
-    /// The power of a length that it is.
+    /// Power of length in the dimension of the coordinate: 0 for an angle.
     pub fn lengths(self) -> i32 {
         if self == Coordinate::Angle { 0 } else { 1 }
     }
 }
 
 impl JointKind {
-    /// Free coordinate that can be prescribed or limited, if there is one.
+    /// Free coordinate that can be prescribed or limited; `None` without one.
     pub fn coordinate(self, dimension: usize) -> Option<Coordinate> {
         match self {
             JointKind::Point if dimension == 2 => Some(Coordinate::Angle),
@@ -96,7 +96,7 @@ impl JointKind {
         }
     }
 
-    /// Axis or direction of the joint, if it has one.
+    /// Axis or direction of the joint; `None` for joints without one.
     pub fn direction(self) -> Option<[f64; 3]> {
         match self {
             JointKind::Hinge(direction) | JointKind::Slider(direction) | JointKind::Slot(direction) => Some(direction),
@@ -104,7 +104,7 @@ impl JointKind {
         }
     }
 
-    /// Returns the kind of joint with its direction, if it has one, replaced by `turned(direction)`.
+    /// Returns the kind of joint with its direction, if any, replaced by `turned(direction)`.
     pub fn along(self, turned: impl Fn([f64; 3]) -> [f64; 3]) -> JointKind {
         match self {
             JointKind::Hinge(direction) => JointKind::Hinge(turned(direction)),
@@ -114,7 +114,7 @@ impl JointKind {
         }
     }
 
-    /// True if end `end` needs directions; a node of a deformable body has none.
+    /// True if end `end` needs body-fixed directions, which nodes of deformable bodies do not have.
     pub(super) fn turns(self, end: usize) -> bool {
         match self {
             JointKind::Point | JointKind::Link | JointKind::Cable(_) | JointKind::Gear(_) => false,
@@ -140,12 +140,12 @@ pub struct JointDefinition {
 }
 
 impl JointDefinition {
-    /// The bodies that it joins.
+    /// Bodies connected by the joint.
     pub fn bodies(&self) -> impl Iterator<Item = usize> {
         self.ends.iter().filter_map(|end| end.body)
     }
 
-    /// First time after the start at which the rate of the drive jumps, among the corners that the drive's time function lists.
+    /// First time after the start at which the rate of the drive jumps, among the known kinks of its time function; `None` without one.
     pub fn jump(&self) -> Option<f64> {
         let drive = self.drive.as_ref()?;
         // Beyond the differences by which a rate is found at a corner.
@@ -157,7 +157,7 @@ impl JointDefinition {
         drive.corners().into_iter().filter(|time| *time > 0.0).find(jumps)
     }
 
-    /// Value of the coordinate at rest.
+    /// Value of the coordinate in the reference positions.
     pub fn at_rest(&self) -> f64 {
         match self.kind {
             JointKind::Cable(longest) => longest,
@@ -176,7 +176,7 @@ impl JointDefinition {
         self.ends.iter().any(|end| end.body.is_none())
     }
 
-    /// From the first point to the second at rest `[length]`.
+    /// Vector from the first point to the second in the undeformed model `[length]`.
     pub fn distance(&self) -> [f64; 3] {
         std::array::from_fn(|i| self.ends[1].point[i] - self.ends[0].point[i])
     }

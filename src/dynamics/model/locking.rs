@@ -1,15 +1,15 @@
 //! Detection of volumetric locking: bodies whose cells cannot follow a nearly incompressible law.
 //!
-//! A law that hardly changes its volume leaves no freedom to cells that keep the volume at every quadrature point: they lock (Nagtegaal,
-//! Parks and Rice, CMAME 4, 1974). One mean dilatation for each cell mends that, but not in triangles and tetrahedra of first order, which
-//! have one point anyway.
+//! A nearly incompressible law leaves no freedom to cells that preserve the volume at every quadrature point: they lock (Nagtegaal, Parks
+//! and Rice, CMAME 4, 1974). A mean dilatation per cell avoids this, except in first-order triangles and tetrahedra, which have a single
+//! point.
 
 use super::definitions::{BodyDefinition, Model};
 use crate::bodies::{Dilatation, Plane};
 use crate::elements::CellKind;
 use crate::materials::Kinematics;
 
-/// A body that locks.
+/// Body with volumetric locking.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Locking {
     /// The body.
@@ -18,13 +18,13 @@ pub struct Locking {
     pub law: &'static str,
     /// Element type.
     pub cells: CellKind,
-    /// Bulk modulus over shear modulus at rest.
+    /// Bulk modulus over shear modulus at zero strain.
     pub ratio: f64,
     /// True if a mean dilatation prevents locking.
     pub is_curable: bool,
     /// True if the law has a form with a mean dilatation.
     pub has_mean: bool,
-    /// True where plastic flow keeps the volume, not the elastic law.
+    /// True if plastic flow and not the elastic law preserves the volume.
     pub flows: bool,
 }
 
@@ -65,7 +65,7 @@ impl Locking {
 }
 
 impl Model {
-    /// The bodies that lock because their laws hardly change their volume.
+    /// Bodies that lock because their laws are nearly incompressible.
     pub fn locking(&self) -> Vec<Locking> {
         let of = |body: &BodyDefinition| {
             let (ratio, cells) = (body.material.bulk_over_shear(), body.mesh.kind);

@@ -1,4 +1,4 @@
-//! Overlaps of bodies and obstacles before anything is computed, from the undeformed meshes alone.
+//! Overlaps of bodies and obstacles before the first step, from the undeformed meshes.
 //!
 //! Hulls that penetrate each other are an overlap for every contact definition between them.
 
@@ -17,7 +17,7 @@ use crate::mesh::Facet;
 pub struct Overlap {
     /// Overlapping entities.
     pub kind: OverlapKind,
-    /// Name of the interaction between them; `None` without one.
+    /// Name of the interaction between the two objects; `None` without one.
     pub contact: Option<String>,
     /// Penetration of a node, or distance of crossing hulls from all their nodes `[length]`.
     pub depth: f64,
@@ -30,11 +30,11 @@ pub struct Overlap {
 /// Entities that overlap.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OverlapKind {
-    /// Two bodies, by their names.
+    /// Two bodies, by name.
     Bodies([String; 2]),
     /// Boundary and rigid obstacle.
     Obstacle {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
         /// True if the whole body lies behind the obstacle and faces away from it: the obstacle has the wrong orientation.
         whole: bool,
@@ -77,7 +77,7 @@ impl Overlap {
 }
 
 impl Model {
-    /// Everything that overlaps in the undeformed bodies, the deepest place of each two.
+    /// All overlaps in the undeformed bodies, with the deepest point of each pair.
     pub fn overlaps(&self) -> Vec<Overlap> {
         let dimension = self.dimension();
         let hull = |(body, definition): (usize, &BodyDefinition)| {
@@ -150,14 +150,14 @@ impl Model {
         })
     }
 
-    /// Facets of a body in space as a surface, in the numbers of its own nodes.
+    /// Facets of a body in space as a surface in local node numbers.
     fn faces_of(&self, facets: &[Facet], body: usize) -> Surface {
         let faces: Vec<Vec<u32>> = facets.iter().flat_map(|&facet| self.bodies[body].mesh.flat_pieces(facet)).collect();
         Surface::in_space(faces.iter().map(|face| &face[..]))
     }
 
-    /// The distance and the node of a body's hull that is deepest behind an obstacle, where no node is in front of the obstacle by more
-    /// than a part of a facet of that size, and one at least behind it by as much.
+    /// Gap and node of the deepest hull point behind an obstacle, if the whole hull lies behind it within a fraction of `size`, and that
+    /// point is deeper than this fraction; otherwise `None`.
     fn behind(&self, body: usize, shape: &Obstacle, translation: [f64; 3], size: f64) -> Option<(f64, usize)> {
         let (mesh, dimension) = (&self.bodies[body].mesh, self.dimension());
         let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
@@ -177,9 +177,8 @@ impl Model {
     }
 }
 
-/// True if the body of a surface behind an obstacle lies between that surface and the obstacle's boundary, so that the surface faces away;
-/// that of a surface pressed in too far does not. The closed surface of a whole body faces both ways: it counts from a penetration of one
-/// facet on.
+/// True if a surface behind an obstacle faces away from it, so that its body lies between the surface and the obstacle's boundary, unlike a
+/// surface pressed in too far. Closed surfaces face both ways: they count from a penetration of one facet on.
 fn looks_away(kernel: &dyn ContactKernel, q: &[f64], depth: f64) -> bool {
     let surface = kernel.secondary();
     if surface.is_closed() {

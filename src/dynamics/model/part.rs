@@ -24,7 +24,7 @@ pub struct Pose<'a> {
     pub u: &'a [f64],
 }
 
-/// State of a step at which parts evaluate their forces. Positions are flat, node after node, of the whole model.
+/// State of a step at which force elements evaluate their forces. Positions are flat, node after node, of the whole model.
 pub struct Iterate<'a> {
     /// Algorithmic gradient of potentials.
     pub derivative: Derivative,
@@ -44,8 +44,8 @@ pub struct Iterate<'a> {
     pub u_1: &'a [f64],
     /// Positions at which loads act `[length]`.
     pub q_test: &'a [f64],
-    /// Velocities at which forces act `[length/time]`: by the algorithmic gradient the mean of both ends of the step, or those at its end.
-    /// At rest zero, or those of the start where the forces there are evaluated.
+    /// Velocities at which forces act `[length/time]`: depending on the algorithmic gradient the mean over the step or those at its end. At
+    /// rest zero, or those at the start for an evaluation there.
     pub velocity: &'a [f64],
     /// Derivative of each velocity component with respect to its component of `q_1` `[1/time]`; 0 for constant velocities.
     pub velocity_slope: f64,
@@ -57,7 +57,7 @@ pub struct Iterate<'a> {
 
 #[cfg(test)]
 impl<'a> Iterate<'a> {
-    /// One between two positions, for tests of parts to which neither times nor velocities matter.
+    /// Iterate between two positions, for tests of force elements that depend on neither time nor velocity.
     pub(in crate::dynamics) fn between(derivative: Derivative, q_0: &'a [f64], q_1: &'a [f64]) -> Self {
         Iterate {
             derivative,
@@ -77,13 +77,13 @@ impl<'a> Iterate<'a> {
     }
 }
 
-/// Sums that parts add to, unknown by unknown of the whole model.
+/// Sums to which force elements contribute, indexed by unknowns of the whole model.
 pub struct Sums<'a> {
-    /// Weighted forces of potentials, as in the residual: against the motion that they drive `[force]`.
+    /// Weighted forces of potentials with the sign of the residual, opposite to the motion that they drive `[force]`.
     pub internal: &'a mut [f64],
     /// Forces from outside, not weighted `[force]`.
     pub load: &'a mut [f64],
-    /// Values of the matrix, where the weighted derivative is wanted `[force/length]`.
+    /// Matrix values for the weighted derivative `[force/length]`; `None` if it is not requested.
     pub tangent: Option<&'a mut [f64]>,
     /// Threads to share work among.
     pub workers: &'a Workers,
@@ -95,7 +95,7 @@ pub enum Refusal {
     Inverted {
         /// Name of the body.
         body: String,
-        /// The cell.
+        /// The inverted cell.
         inverted: Inverted,
     },
     /// A time function failed.
@@ -170,7 +170,7 @@ pub struct Remembered {
 /// Heat of each part in a step `[energy]`, bodies first; empty where nothing dissipates.
 #[derive(Clone, Debug, Default)]
 pub struct Heats {
-    /// All of it.
+    /// Heat of all force elements.
     pub all: Vec<f64>,
     /// The share of plastic flow.
     pub plastic: Vec<f64>,
@@ -184,17 +184,17 @@ impl Heats {
     }
 }
 
-/// Numbering of a model's nodes, from which parts are made.
+/// Node numbers of a model, from which force elements are made.
 pub struct Numbering<'a> {
     /// Space dimension.
     pub dimension: usize,
     /// First node of each body.
     pub first: &'a [usize],
-    /// Positions at rest, node after node `[length]`.
+    /// Reference positions, node after node `[length]`.
     pub reference: &'a [f64],
 }
 
-/// Transformation of a whole model to another place and other units: [`PartDefinition::changed`].
+/// Transformation of a whole model to another position and other units: [`PartDefinition::changed`].
 pub struct Change<'a> {
     /// Map of points.
     pub point: &'a dyn Fn([f64; 3]) -> [f64; 3],
@@ -258,12 +258,12 @@ pub trait PartDefinition: Send + Sync {
         false
     }
 
-    /// Time functions that it follows: steps land on their kinks.
+    /// Time functions of the element; steps end at their kinks.
     fn functions(&self) -> Vec<Amplitude> {
         Vec::new()
     }
 
-    /// Checks the definition before anything is computed; `_point` gives the position of a body's node at rest.
+    /// Checks the definition before anything is computed; `_point` gives the reference position of a body's node.
     ///
     /// # Errors
     /// Cause why the definition is refused.
@@ -271,12 +271,12 @@ pub trait PartDefinition: Send + Sync {
         Ok(())
     }
 
-    /// The part with its numbers.
+    /// Makes the force element from its definition.
     fn part(&self, numbering: &Numbering) -> Box<dyn Part>;
 
-    /// Returns the definition in a model that is moved or written in other units.
+    /// Returns the definition in a transformed model: moved or in other units.
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition>;
 
-    /// One line for the list of a model.
+    /// Description of the element in one line, for the list of a model.
     fn describe(&self) -> String;
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::amplitude::{Amplitude, TimeFunctionError};
 use super::interactions::BodyBoundary;
 
-/// The nodes of a boundary, moved along, turned, or both:
+/// Prescribed displacement, rotation, or both, of the nodes of a boundary:
 ///
 /// ```text
 /// x(t) = X + d(t) + (R(angle(t)) - 1) (X - center)
@@ -34,7 +34,7 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// The axis about which everything in the plane turns.
+    /// Third axis, about which all rotations in the plane occur.
     pub const UPRIGHT: [f64; 3] = [0.0, 0.0, 1.0];
 }
 
@@ -47,7 +47,7 @@ pub struct PrescribedMotion<'a> {
 }
 
 impl Prescription {
-    /// A displacement in one direction (0, 1, 2: x, y, z); the others are free.
+    /// Prescribed displacement in one direction (0, 1, 2: x, y, z); the others are free.
     pub fn along(on: BodyBoundary, component: usize, displacement: Amplitude) -> Self {
         let mut all = [const { None }; 3];
         all[component] = Some(displacement);
@@ -59,7 +59,7 @@ impl Prescription {
         self.turn.is_some() || self.displacement[component].is_some()
     }
 
-    /// All its time functions.
+    /// All time functions of the prescription.
     pub fn functions(&self) -> impl Iterator<Item = &Amplitude> {
         self.displacement.iter().flatten().chain(self.turn.as_ref().map(|turn| &turn.angle))
     }
@@ -90,7 +90,7 @@ fn at(function: &Amplitude, time: f64) -> Result<[f64; 2], TimeFunctionError> {
 }
 
 impl PrescribedMotion<'_> {
-    /// Displacement `[length]` and velocity `[length/time]` in one direction of a node that was at `place`.
+    /// Displacement `[length]` and velocity `[length/time]` in one direction, for a node initially at `place`.
     pub fn of(&self, place: [f64; 3], component: usize) -> (f64, f64) {
         let [value, rate] = self.shift[component];
         let Some((Turn { center, axis, .. }, [angle, spin])) = self.turn else { return (value, rate) };

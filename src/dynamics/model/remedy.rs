@@ -1,19 +1,19 @@
-//! Remedies for a failed step, as data, so that a language on top of the kernels can word them.
+//! Remedies for a failed step, as data, so that a language on top of the solver can word them.
 
 use std::fmt;
 
 /// Remedy for a failed step; `Display` writes it as one sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Remedy {
-    /// Guide a body that contact alone does not hold.
+    /// Support a body that only contact could hold.
     Guide,
-    /// Hold every body against its loads, before rest is looked for.
+    /// Support every body against its loads before `settle`.
     HoldBeforeRest,
-    /// Hold every body against its loads: a rigid motion under a load has no equilibrium.
+    /// Support every body against its loads: a rigid motion under a load has no equilibrium.
     HoldAgainstLoads,
-    /// Hold every body against rigid motion, and define nothing twice.
+    /// Support every body against rigid motion, without redundant definitions.
     HoldOnce,
-    /// Suggests smaller increments; the text is appended and names additions or alternatives.
+    /// Use smaller increments or a similar easing; the text is appended and names additions or alternatives.
     Ease(Ease, &'static str),
     /// Suggests to check the definitions, or to follow the path by arc length, which passes a limit point of the load.
     FollowPath,
@@ -26,7 +26,7 @@ pub enum Remedy {
 pub enum Ease {
     /// Time steps below this size `[time]`, or more halvings.
     SmallerStep(f64),
-    /// Other means than time steps below this size `[time]`, since the residuals grew from halving to halving.
+    /// Means other than steps below this size `[time]`, since the residuals grew from halving to halving.
     LargerStep(f64),
     /// Review of supports and loads: a computation at rest has no time steps.
     SupportsAndLoads,

@@ -1,11 +1,11 @@
-//! Interactions whose constraints follow from each other: their forces would be arbitrary, or the equations singular.
+//! Interactions with linearly dependent constraints, whose forces would be arbitrary or whose equations singular.
 
 use super::definitions::Model;
 use super::error::ModelError;
 use super::interactions::{BodyBoundary, Enforcement, Interaction, Partner};
 
 impl Model {
-    /// No two contacts with multipliers have facets of both sides in common, and none has them in common with a tie.
+    /// Checks that no two contacts with multipliers, and no contact and tie, have facets of both sides in common.
     pub(super) fn check_repeated(&self) -> Result<(), ModelError> {
         let exact: Vec<&Interaction> = self.interactions.iter().filter(|one| one.is_exact()).collect();
         for (index, second) in exact.iter().enumerate() {
@@ -42,7 +42,7 @@ fn shares(a: &BodyBoundary, b: &BodyBoundary) -> bool {
     a.body == b.body && a.boundary.facets.iter().any(|facet| b.boundary.facets.contains(facet))
 }
 
-/// True if both interactions are between the same facets.
+/// True if both interactions are between equal facets.
 fn repeats(first: &Interaction, second: &Interaction) -> bool {
     let is_opposite = |on: &BodyBoundary, of: &Interaction| of.primary().iter().any(|other| shares(on, other));
     let along = || shares(&first.secondary, &second.secondary) && first.primary().iter().any(|on| is_opposite(on, second));

@@ -7,7 +7,7 @@ use crate::machine::memory::written;
 use crate::math::digits::three_digits;
 use crate::math::tolerances::EIGHTH_TURN;
 
-/// A step that could not be taken.
+/// Reason why a step or equilibrium failed.
 #[derive(Debug, Error)]
 pub enum StepError {
     /// A time function failed.
@@ -20,7 +20,7 @@ pub enum StepError {
         /// Error of the function.
         source: super::amplitude::TimeFunctionError,
     },
-    /// A prescribed rotation of a boundary is too large for one step.
+    /// Prescribed rotation of a boundary beyond the limit of one step.
     #[error("\"{boundary}\" turns by {} rad in a step of {} at t = {time}", three_digits(*angle), three_digits(*dt))]
     TurnsFar {
         /// `body.boundary` that rotates.
@@ -32,7 +32,7 @@ pub enum StepError {
         /// The angle `[rad]`.
         angle: f64,
     },
-    /// The equations of a coupling or a joint contradict those of others or supports.
+    /// Equations of a coupling or a joint that contradict those of other couplings, joints or supports.
     #[error(
         "\"{coupling}\" asks for what supports and other couplings or joints forbid at t = {time}: it is off by {}",
         three_digits(*gap)
@@ -60,9 +60,9 @@ pub enum StepError {
     NotConverged {
         /// Time at the beginning of the step.
         time: f64,
-        /// Number of the step that failed.
+        /// Number of the failed step.
         step: usize,
-        /// Step size of the last try.
+        /// Step size of the last attempt.
         dt: f64,
         /// Number of halvings.
         halvings: usize,
@@ -89,12 +89,12 @@ pub enum StepError {
         frequency: f64,
         /// The body with the fastest cell.
         body: String,
-        /// Number of that cell in the body's mesh.
+        /// Number of the fastest cell in its body's mesh.
         cell: usize,
-        /// Share of penalties of contacts in the square of the frequency.
+        /// Share of contact penalties in the squared frequency.
         penalty_share: f64,
     },
-    /// Explicit steps have made energy from nothing, or have turned a cell inside out.
+    /// Energy of explicit steps grew without cause, or a cell was inverted.
     #[error("explicit steps of {} came to an end at t = {time}: {cause}", three_digits(*dt))]
     RanAway {
         /// Time of the last accepted step.
@@ -103,7 +103,7 @@ pub enum StepError {
         dt: f64,
         /// Observed cause.
         cause: String,
-        /// The stable step of the last accepted state, where it could be found.
+        /// Stable step size at the last accepted state; `None` if not found.
         stable: Option<f64>,
     },
     /// Sides of a contact penetrate each other without contact forces.
@@ -115,7 +115,7 @@ pub enum StepError {
         time: f64,
         /// Penetration `[length]`.
         depth: f64,
-        /// Penetration relative to the longest facet length at that place.
+        /// Penetration relative to the longest facet length at that point.
         facets: f64,
         /// Place of the deepest penetration `[length]`.
         at: Vec<f64>,
@@ -133,7 +133,7 @@ pub enum StepError {
         time: f64,
         /// Number of unknowns.
         unknowns: usize,
-        /// Bytes that it takes at least.
+        /// Least number of bytes needed.
         needed: u64,
     },
 }

@@ -7,18 +7,18 @@ use super::definitions::Model;
 use super::hulls::{BodyHull, Hull, Inside};
 use crate::mesh::Mesh;
 
-/// Two bodies by their names.
+/// Names of two bodies.
 pub type Names = [String; 2];
 
-/// The pairs of bodies of a model without an interaction between them.
+/// Pairs of bodies of a model without an interaction between them.
 pub struct UnpairedBodies {
-    /// Name, first node among those of all bodies, and mesh of each body.
+    /// Name, first node number and mesh of each body.
     bodies: Vec<(String, usize, Arc<Mesh>)>,
     pairs: Vec<[usize; 2]>,
 }
 
 impl UnpairedBodies {
-    /// All pairs of bodies of a model that have neither an interaction nor a joint.
+    /// All pairs of bodies of a model without an interaction or a joint.
     pub fn of(model: &Model) -> UnpairedBodies {
         let mut pairs = Vec::new();
         for first in 0..model.bodies.len() {
@@ -35,7 +35,7 @@ impl UnpairedBodies {
         UnpairedBodies { bodies, pairs }
     }
 
-    /// Unpaired bodies that penetrate each other with the nodes of all bodies at `q`, and the deepest place of each pair.
+    /// Unpaired bodies that penetrate each other at node positions `q`, with the deepest point of each pair.
     pub fn inside(&self, q: &[f64]) -> Vec<(Names, Inside)> {
         let hull = |index: usize| {
             let (_, first, mesh) = &self.bodies[index];
@@ -86,7 +86,7 @@ impl Model {
         met.into_iter().map(|pair| pair.map(|index| self.bodies[index].name.clone())).collect()
     }
 
-    /// The direction in which a body approaches another one at the start.
+    /// Direction in which a body approaches another one at the start; `None` without approach.
     fn approach(&self, moving: usize, other: usize) -> Option<[f64; 2]> {
         let is_guided = self.joints.iter().any(|joint| joint.bodies().any(|body| body == moving));
         if moving == other || is_guided || self.is_held(moving) {

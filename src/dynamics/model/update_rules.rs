@@ -1,4 +1,4 @@
-//! Update rules: the condition that an active contact node fulfils over a step.
+//! Update rules: gap conditions of active contact nodes over a step.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ pub struct UpdateRule {
 }
 
 impl UpdateRule {
-    /// Coefficient of restitution of impacts between rigid bodies whose contact names none.
+    /// Default coefficient of restitution of impacts between rigid bodies under this rule.
     pub fn restitution(&self) -> f64 {
         if self.keeps_energy { 1.0 } else { 0.0 }
     }
@@ -53,8 +53,8 @@ pub static PERSISTENCY: UpdateRule = UpdateRule {
     keeps_energy: true,
 };
 
-/// As [`GAP`]; closings are plastic impacts whose energy a smoothed velocity jump returns at the opening (after Laursen and Love, IJNME 53,
-/// 2002, who return it at once).
+/// As [`GAP`], but closings are plastic impacts whose energy a smoothed velocity jump returns at the opening (after Laursen and Love, IJNME
+/// 53, 2002, who return it at once).
 pub static VELOCITY: UpdateRule = UpdateRule {
     name: "velocity",
     summary: "closed as with `gap`, and exact energy: what a closing takes is kept in reserve (column `reserve`, part of `potential`) and \
@@ -67,8 +67,8 @@ pub static VELOCITY: UpdateRule = UpdateRule {
 /// All update rules, in the order of the reference.
 pub static UPDATE_RULES: &[&UpdateRule] = &[&GAP, &PERSISTENCY, &VELOCITY];
 
-/// The rule of a contact that names none: a scheme that keeps the energy has one that does, too. With others `persistency` would keep a
-/// depth for the sake of an energy that is not kept anyway.
+/// Default update rule: an energy-conserving one for energy-conserving schemes. For others `persistency` would keep penetrations without
+/// conserving energy.
 pub fn default_rule(scheme: &Scheme) -> &'static UpdateRule {
     if scheme.promises.energy { &PERSISTENCY } else { &GAP }
 }

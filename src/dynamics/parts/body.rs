@@ -9,17 +9,17 @@ use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Remembered, Sum
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
-/// A body. Bodies come first among the parts: they set the sums of their nodes, the others add.
+/// Body of the model. Bodies are evaluated before all other force elements: they set the sums of their nodes, the others add to these.
 pub struct Body<const D: usize> {
     /// Name of the body.
     pub name: String,
     /// Index of the body in the model.
     pub number: usize,
-    /// Range of its nodes.
+    /// Range of the body's nodes.
     pub nodes: Range<usize>,
-    /// True if the mass is lumped at the nodes, so that the element loop adds none.
+    /// True if the mass is lumped at the nodes and therefore not added by the element loop.
     pub is_lumped: bool,
-    /// The loop over its cells.
+    /// Element loop over the body's cells.
     pub elements: Box<dyn ElementLoop<D>>,
     /// Recovery of nodal values from values in the cells, computed on first use.
     pub recovery: OnceLock<Recovery>,

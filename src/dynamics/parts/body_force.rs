@@ -16,9 +16,9 @@ use crate::linear::{Pattern, product};
 use crate::math::norms::largest_size;
 use crate::math::tolerances::{SMALL_TIME, TIME_DIFFERENCE};
 
-/// A field of accelerations. Script closures implement it, so it may fail.
+/// Field of accelerations. Script closures implement it, so evaluation may fail.
 pub trait BodyField: Send + Sync {
-    /// Force per mass at a position with a velocity at a time `[length/time^2]`.
+    /// Force per mass as a function of position, velocity and time `[length/time^2]`.
     ///
     /// # Errors
     /// The user's function failed.
@@ -66,9 +66,9 @@ pub struct BodyForceDefinition {
     pub name: String,
     /// Number of the body.
     pub body: usize,
-    /// Definition of the body, for its mass.
+    /// Definition of the body, from which its mass is computed.
     pub definition: BodyDefinition,
-    /// The field.
+    /// Force per unit mass as a function of position, velocity and time.
     pub field: Arc<dyn BodyField>,
 }
 
@@ -104,7 +104,7 @@ struct BodyForce {
     field: Arc<dyn BodyField>,
 }
 
-/// The field at a node, and its derivative with respect to the positions at the end of the step, row by row.
+/// Field at a node, and its derivative with respect to the positions at the end of the step, row by row.
 type At = ([f64; 3], [[f64; 3]; 3]);
 
 impl BodyForce {

@@ -6,7 +6,7 @@ use crate::dynamics::model::part::{Change, Numbering};
 use crate::linear::{Block, NodeMatrix, Pattern};
 use std::sync::Arc;
 
-/// Element loop of a body, for its mass.
+/// Element loop of a body, used to compute its mass.
 enum Cells {
     Plane(Box<dyn ElementLoop<2>>),
     Space(Box<dyn ElementLoop<3>>),
@@ -16,7 +16,7 @@ enum Cells {
 pub struct BodyMass {
     /// Number of the model's nodes.
     nodes: usize,
-    /// Element loop of the body; `None` for an unsound body, which the model refuses.
+    /// Element loop of the body; `None` for an invalid body, which the model check refuses.
     cells: Option<Cells>,
     /// Entries between nodes, with their blocks in the matrix.
     pub entries: Vec<(u32, u32, f64, Block)>,
@@ -56,7 +56,7 @@ impl BodyMass {
     }
 }
 
-/// Body in other units; only the data for the mass are converted.
+/// Body in other units; only data that determine the mass are converted.
 pub fn changed_mass(body: &BodyDefinition, change: &Change) -> BodyDefinition {
     let ([mass, length, _], mut changed) = (change.units, body.clone());
     let density = |dimension: &str| Some(if dimension == "mass/volume" { mass / length.powi(3) } else { 1.0 });

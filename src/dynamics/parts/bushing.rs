@@ -34,9 +34,9 @@ pub struct BushingDefinition {
     pub name: String,
     /// Bodies, each with its masters; `None`: the ground. The axes rotate with the second body.
     pub bodies: [Option<(usize, Vec<u32>)>; 2],
-    /// The point at rest `[length]`.
+    /// Reference position of the point `[length]`.
     pub point: [f64; 3],
-    /// Axes of the bushing at rest; the first two in the plane.
+    /// Initial axes of the bushing; the first two in the plane.
     pub axes: [[f64; 3]; 3],
     /// Stiffness matrix: forces, then moments, by displacements, then rotations, row by row: 3 x 3 in the plane, 6 x 6 in space.
     pub stiffness: Vec<f64>,
@@ -141,7 +141,7 @@ impl PartDefinition for BushingDefinition {
     }
 }
 
-/// A body by its masters at rest, or the ground.
+/// One side of a bushing: a body given by its masters at rest, or the ground.
 struct Side {
     masters: Vec<u32>,
     origin: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! A rigid body in the numbering of the model: its masters, and the nodes that are carried by them.
+//! Rigid body in the numbering of the model: its masters, and its other nodes, whose motion follows from them.
 
 use crate::bodies::Frame;
 use crate::math::norms::largest_extent;
@@ -35,7 +35,7 @@ impl Carried {
         }
     }
 
-    /// Followers: nodes that are not unknowns.
+    /// Followers: carried nodes that are not unknowns.
     pub fn followers(&self) -> impl Iterator<Item = usize> {
         self.followers.iter().map(|&index| self.carried[index].0 as usize)
     }

@@ -305,7 +305,7 @@ impl Chamber {
         }
     }
 
-    /// Enclosed volume at given positions of the chamber's nodes, with the accuracy of its change from rest.
+    /// Enclosed volume at given positions of the chamber's nodes, with the accuracy of its change from the initial volume.
     fn volume(&self, x: &[f64]) -> f64 {
         self.rest_volume + self.change(&self.rest, x)
     }

@@ -19,7 +19,7 @@ use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
 
-/// Kind of a contact pair: the entities that its constraints connect.
+/// Kind of a constraint block: the entities that its constraints connect.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PairKind {
     /// Two surfaces, or a surface in self contact.
@@ -48,7 +48,7 @@ impl PairKind {
     }
 }
 
-/// Nodes on which the constraint forces of a coupling act, one per constraint: those of the plane, or of the second boundary.
+/// Nodes on which the constraint forces of a coupling act, one per constraint: nodes of the symmetry plane or of the second boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledNodes {
     /// Index of the coupling in the model.
@@ -74,7 +74,7 @@ pub struct ContactPair {
     pub name: String,
     /// Kind of the pair.
     pub kind: PairKind,
-    /// Contact pair whose corners the constraints hold; `None` for a contact of its own.
+    /// Contact pair to which the corner constraints belong; `None` for other constraint blocks.
     pub corners: Option<CornersOf>,
     /// Translation of the obstacle over time.
     pub motion: [Option<Amplitude>; 3],
@@ -113,8 +113,8 @@ pub struct ContactPair {
     places: Places,
 }
 
-/// Blocks of the contact elements in the matrix: of node pairs (row by row), then per constraint and node those in the row and column of
-/// the multiplier.
+/// Blocks of the contact elements in the matrix: those of node pairs (row by row), then for each constraint and node the blocks in the row
+/// and in the column of the multiplier.
 #[derive(Default)]
 struct Places {
     tangent: Vec<Block>,
@@ -190,14 +190,14 @@ impl ContactPair {
         }
     }
 
-    /// Adds the tangential constraints of the contact's friction, if the contact has any.
+    /// Adds the tangential constraints of the contact's friction, if defined.
     pub fn add_friction(&mut self, interaction: &Interaction) {
         let tangents = self.kernel.patches().dimension() - 1;
         let of = |friction| FrictionRows::new(friction, self.kernel.rows(), tangents, self.c);
         self.friction = interaction.friction.as_ref().map(of);
     }
 
-    /// Factor from a length of the section at a node to an area: 1 in the plane, the circumference in an axisymmetric model `[length]`.
+    /// Factor from length in the section at a node to area: 1 in the plane, the circumference in an axisymmetric model `[length]`.
     pub fn circumference(&self, node: u32, q: &[f64]) -> f64 {
         if self.is_axisymmetric { std::f64::consts::TAU * q[2 * node as usize] } else { 1.0 }
     }
@@ -226,9 +226,7 @@ impl ContactPair {
         self.obstacle_velocity[component]
     }
 
-    /// True for contacts with friction, whose forces act in their own step alone with every time integrator. A shear stress does work on
-    /// the slip of its own step; on the slip of a later step it could supply energy. The contact pressure acts in the same step: divided
-    /// among steps it would alternate from step to step, and friction would excite vibrations.
+    /// True for contacts with friction, whose forces enter only their own step with every time integrator.
     pub fn acts_alone(&self) -> bool {
         self.friction.is_some()
     }
@@ -238,7 +236,7 @@ impl ContactPair {
         self.law.has_multiplier()
     }
 
-    /// True if multipliers enforce the constraints and can press but not pull.
+    /// True if multipliers enforce the constraints and are nonnegative.
     pub fn is_unilateral(&self) -> bool {
         self.law.has_multiplier() && !self.law.is_bilateral()
     }
@@ -286,7 +284,7 @@ impl ContactPair {
         Ok(())
     }
 
-    /// True if a moving rigid obstacle carries sticking nodes along.
+    /// True if a moving rigid obstacle moves sticking nodes with it.
     pub fn carries(&self) -> bool {
         self.friction.is_some() && (self.motion.iter().any(Option::is_some) || self.turn.is_some())
     }

@@ -27,7 +27,7 @@ type Terms = Vec<(u32, [f64; 3])>;
 struct Direction {
     /// Direction of the force that the equations exert on the nodes of the plane, or of the second boundary.
     along: [f64; 3],
-    /// One equation per node, which is its first term.
+    /// One equation per node, in which this node is the first term.
     equations: Vec<Terms>,
     /// Value added to the right side of all equations over time.
     offset: Option<Amplitude>,
@@ -93,7 +93,7 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
     pairs
 }
 
-/// Constraints that hold at the start; if driven, their right side follows a prescribed value.
+/// Constraints that are satisfied at the positions `start`; if driven, their right side follows a prescribed value.
 fn constraints(equations: Vec<Terms>, is_driven: bool, start: &[f64], size: f64, dimension: usize) -> PointConstraints {
     let mut kernel = PointConstraints::new(dimension, size);
     for terms in equations {

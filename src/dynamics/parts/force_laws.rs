@@ -71,7 +71,7 @@ impl SpringLaw {
         SpringLaw { elastic, sides: self.sides }
     }
 
-    /// Effective elongation of a spring, and its derivative.
+    /// Effective elongation of a spring, 0 on an inactive side (tension or compression), and its derivative.
     fn felt(&self, x: f64) -> (f64, f64) {
         let is_felt = match self.sides {
             Sides::Both => true,
@@ -153,7 +153,7 @@ impl SpringLaw {
         }
     }
 
-    /// Text form, such as `stiffness 3`.
+    /// Text of the law, such as `stiffness 3`.
     pub fn describe(&self) -> String {
         let law = match &self.elastic {
             Elastic::Linear(k) => format!("stiffness {k}"),
@@ -258,7 +258,7 @@ impl Viscous {
         }
     }
 
-    /// Speed at which the law drives instead of damping, or has no value, among samples over many decades in both directions.
+    /// Speed at which the law is undefined or drives instead of damping, among samples over many decades in both directions.
     pub fn drives_at(&self) -> Option<f64> {
         let speeds = DECADES.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(decade)));
         let is_wrong = |v: &f64| {
@@ -271,7 +271,7 @@ impl Viscous {
         speeds.flat_map(|v| [v, -v]).find(is_wrong)
     }
 
-    /// Text form, such as `coefficient 3`.
+    /// Text of the law, such as `coefficient 3`.
     pub fn describe(&self) -> String {
         match self {
             Viscous::Linear(c) => format!("coefficient {c}"),

@@ -3,13 +3,13 @@
 /// Shares of the multipliers of a step in its balance of momentum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceShares {
-    /// Weight of multipliers whose forces also act in later steps, as the time integrator prescribes.
+    /// Weight of multipliers whose forces also enter later steps, as defined by the time integrator.
     pub lagging: f64,
-    /// Weight of the multipliers of contacts with friction, whose forces act in their own step alone: 1 in a motion.
+    /// Weight of the multipliers of contacts with friction, whose forces enter only their own step: 1 in a motion.
     pub alone: f64,
 }
 
 impl ForceShares {
-    /// All forces as a whole.
+    /// Full weight of all multipliers.
     pub const WHOLE: ForceShares = ForceShares { lagging: 1.0, alone: 1.0 };
 }

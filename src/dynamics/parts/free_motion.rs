@@ -25,7 +25,7 @@ pub struct FreeMotion {
     coordinate: Coordinate,
     /// Vectors `b, a, n` of an angle, `r, t` of a displacement, `r` of a distance.
     vectors: Vec<PointVector>,
-    /// Reference value at rest: `r.t` of a displacement, `l` of a distance.
+    /// Reference value: `r.t` of a displacement, `l` of a distance.
     rest: f64,
     /// Length that converts an angle to a gap.
     size: f64,
@@ -35,7 +35,7 @@ pub struct FreeMotion {
 }
 
 impl FreeMotion {
-    /// Coordinate of a joint, `None` if the joint has none; `size` converts angles to lengths.
+    /// Coordinate of a joint; `None` for joints without one. `size` converts angles to lengths.
     pub fn new<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &JointDefinition, size: f64) -> Option<Self> {
         let coordinate = joint.kind.coordinate(D)?;
         let [a, b] = End::of(model, bodies, joint);
@@ -86,7 +86,7 @@ impl FreeMotion {
         kernel.add_driven(self.vectors.clone(), function, start, self.is_grounded);
     }
 
-    /// Adds the constraints that limit the coordinate.
+    /// Adds the constraints of stops that limit the coordinate to a range.
     pub fn limit_into(&self, [least, largest]: [f64; 2], kernel: &mut PointConstraints) {
         let functions = match self.coordinate {
             Coordinate::Angle => {

@@ -50,13 +50,13 @@ impl FrictionRows {
         }
     }
 
-    /// Tangential constraints beside the normal constraint with the index `local` in the pair.
+    /// Tangential constraints of the normal constraint with the index `local` in the pair.
     pub fn group(&self, local: usize) -> Range<usize> {
         let first = self.rows.start + self.tangents * local;
         first..first + self.tangents
     }
 
-    /// Index in the pair of the normal constraint beside the tangential constraint `row`.
+    /// Index in the pair of the normal constraint of the tangential constraint `row`.
     pub fn pressing(&self, row: usize) -> usize {
         (row - self.rows.start) / self.tangents
     }
@@ -116,7 +116,7 @@ pub struct Pressed<'a> {
     /// Stiffness `kappa` of the node in this step, multiplier per slip: its elastic stiffness and its inertia, which grows with `1/dt^2`.
     /// The equations of slipping constraints are divided by `kappa`, so that their entries are of order one for every step size.
     pub stiffness: f64,
-    /// Slip that counts as zero.
+    /// Slip below which slips count as zero.
     pub tolerance: f64,
 }
 
@@ -181,7 +181,7 @@ impl SlipRow<'_> {
         self.pressed.film(self.slip.abs())
     }
 
-    /// Multiplier without that of the film.
+    /// Multiplier of dry friction, without the film's contribution.
     fn dry(&self) -> f64 {
         self.lambda + self.film() * self.slip
     }
@@ -212,7 +212,7 @@ impl SlipRow<'_> {
         (state, -sense * s)
     }
 
-    /// State of a constraint whose slip supports prevent.
+    /// State of a constraint without free slip, because supports fix its nodes.
     fn held(&self) -> RowState {
         if self.pressed.is_clear(self.slip.abs()) { RowState::sliding(-self.slip) } else { RowState::Closed }
     }
@@ -278,7 +278,7 @@ impl SlipRow<'_> {
         }
     }
 
-    /// Equation of a given slip `at`.
+    /// Equation `slip = at` of a constraint with a given slip.
     fn stuck(&self, at: f64) -> Equation {
         let compliance = self.pressed.compliance;
         Equation { compliance, ..Equation::held(compliance, compliance * self.lambda - self.slip + at) }

@@ -5,7 +5,7 @@ use crate::integrators::Derivative;
 use crate::linear::Pattern;
 use crate::math::workers::Workers;
 
-/// Force, tangent values and heat of a part in a step of size `dt` from `q_0` to `q_1`, with the mean velocity of the step.
+/// Force, tangent values and heat of a force element in a step of size `dt` from `q_0` to `q_1`, with the mean velocity of the step.
 pub(super) fn linearized(
     part: &dyn Part,
     pattern: &Pattern,

@@ -36,7 +36,7 @@ impl<'a, const D: usize> End<'a, D> {
         }
     }
 
-    /// Direction that rotates with the body, given at rest; constant on the ground.
+    /// Direction that rotates with the body, given in the reference positions; constant on the ground.
     pub fn direction(&self, vector: [f64; 3]) -> PointVector {
         match self.body.and_then(|body| body.rigid.as_ref()) {
             Some(rigid) => {
@@ -47,7 +47,7 @@ impl<'a, const D: usize> End<'a, D> {
     }
 }
 
-/// Unit vector along a direction, and two perpendicular ones, of which the first lies in the plane for plane directions.
+/// Unit vector along a direction, and two perpendicular unit vectors; for plane directions the first of these lies in the plane.
 pub fn across(direction: [f64; 3]) -> [[f64; 3]; 3] {
     let size = length(direction);
     let t = direction.map(|x| x / size);

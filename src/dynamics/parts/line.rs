@@ -28,7 +28,7 @@ impl From<(usize, u32)> for End {
 }
 
 impl End {
-    /// Mean over a boundary whose nodes have these shares of its measure.
+    /// Mean of the positions of a boundary's nodes, weighted by their shares of its measure.
     pub fn mean(body: usize, shares: &[(u32, f64)]) -> Self {
         let whole: f64 = shares.iter().map(|(_, share)| share).sum();
         End::Mean(body, shares.iter().map(|&(node, share)| (node, share / whole)).collect())

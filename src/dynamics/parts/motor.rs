@@ -24,7 +24,7 @@ pub struct MotorDefinition {
     pub name: String,
     /// Body with the forward torque and body with the reaction, each with its masters; `None`: the ground.
     pub bodies: [Option<(usize, Vec<u32>)>; 2],
-    /// Axis at rest; the third one in the plane.
+    /// Initial axis; the third one in the plane.
     pub axis: [f64; 3],
     /// Torque over time `[force * length]` (per thickness in the plane).
     pub torque: Amplitude,
@@ -92,7 +92,7 @@ struct Motor {
     sides: [Vec<u32>; 2],
     /// Coefficients of the axis in the edges of the second body, in space.
     shares: Option<Vector3<f64>>,
-    /// Axis at rest.
+    /// Initial axis.
     axis: Vector3<f64>,
     torque: Amplitude,
     places: Vec<Block>,

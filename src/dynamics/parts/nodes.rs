@@ -11,7 +11,7 @@ use crate::math::norms::largest_size;
 
 /// Nodes of a model, body by body.
 pub struct Nodes<const D: usize> {
-    /// Positions at rest.
+    /// Reference positions.
     pub reference: Vec<f64>,
     /// Mass matrix: consistent, or lumped at the nodes.
     pub mass: NodeMatrix,

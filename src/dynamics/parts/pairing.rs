@@ -71,13 +71,13 @@ struct Pairing<'a> {
     faces: &'a dyn Fn(&BodyBoundary) -> Vec<Vec<u32>>,
     /// Mid-side nodes of edges of second order.
     middles: &'a ProxyNodes,
-    /// Positions at rest.
+    /// Reference positions.
     reference: &'a [f64],
     /// Positions at the start.
     start: &'a [f64],
-    /// Largest coordinate of the positions at rest.
+    /// Largest coordinate of the reference positions.
     reach: f64,
-    /// Update rule of contacts that name none.
+    /// Update rule of contacts without an explicit rule.
     default_rule: &'static UpdateRule,
 }
 
@@ -103,7 +103,7 @@ impl Pairing<'_> {
         self.model.interactions.iter().map(|interaction| self.pair_of(interaction)).collect()
     }
 
-    /// Contact representation of the surfaces of a contact in space; obstacles have no surface.
+    /// Contact representation of the surfaces of a contact in space; obstacles have none.
     fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
         SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3))
@@ -199,7 +199,7 @@ impl Pairing<'_> {
         is_rigid.then(|| interaction.restitution.unwrap_or(pair.update.restitution()))
     }
 
-    /// Secondary surface of a contact between its own nodes.
+    /// Secondary surface of a contact with facets between its nodes.
     fn surface(&self, secondary: &BodyBoundary) -> Surface {
         if self.model.dimension() == 2 {
             return Surface::new(&(self.facets)(secondary));
@@ -220,7 +220,7 @@ impl Pairing<'_> {
         round_parts(&self.surface(&interaction.secondary), self.reference)
     }
 
-    /// Nodes that arcs and spheres of a rigid body replace, ascending. Nodes of a rim are kept: they support an upright cylinder.
+    /// Nodes inside of arcs and spheres of a rigid body, ascending, which round parts replace; rim nodes are kept for upright cylinders.
     fn nodes_inside(&self, interaction: &Interaction) -> Vec<u32> {
         let mut nodes: Vec<u32> =
             self.round_parts(interaction).into_iter().filter(|part| part.axis.is_none()).flat_map(|part| part.inside).collect();

@@ -131,7 +131,7 @@ fn components(dimension: usize) -> Vec<PointFunction> {
     (0..dimension).map(|i| PointFunction { linear: vec![(0, along(i))], ..PointFunction::default() }).collect()
 }
 
-/// Product of two vectors, given by their indices, times `by`.
+/// Product of two vectors, given by their indices, with the factor `by`.
 fn product(a: usize, b: usize, by: f64) -> PointFunction {
     PointFunction { products: vec![(a, b, by)], ..PointFunction::default() }
 }

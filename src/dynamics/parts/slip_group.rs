@@ -29,7 +29,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Residual and energy of tangential constraints whose node is not covered: their whole multipliers are residual.
+    /// Residual and energy of tangential constraints at an uncovered node: their whole multipliers.
     pub fn excess(&self) -> (f64, f64) {
         match self {
             SlipGroup::Row(row) => (row.lambda / row.pressed.c, row.lambda * row.slip),
@@ -48,7 +48,7 @@ impl SlipGroup<'_> {
         }
     }
 
-    /// Slip that counts as zero.
+    /// Slip below which slips count as zero.
     pub fn tolerance(&self) -> f64 {
         match self {
             SlipGroup::Row(row) => row.pressed.tolerance,
@@ -73,7 +73,7 @@ impl SlipGroup<'_> {
         pressed.compliance = pressed.compliance.max(compliance);
     }
 
-    /// Equations of the constraints in a state; a single constraint has the first.
+    /// Equations of the constraints in a state; for a single constraint the second is inactive.
     pub fn equations(&self, state: RowState) -> [Equation; 2] {
         match self {
             SlipGroup::Row(row) => [row.equation(state), Equation::OPEN],

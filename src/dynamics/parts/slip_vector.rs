@@ -55,7 +55,7 @@ fn dot(a: Pair, b: Pair) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// `a + s b`.
+/// Returns `a + s b`.
 fn plus(a: Pair, s: f64, b: Pair) -> Pair {
     [a[0] + s * b[0], a[1] + s * b[1]]
 }
@@ -81,7 +81,7 @@ impl SlipVector<'_> {
         self.pressed.film(size(self.slip))
     }
 
-    /// Multiplier without that of the film.
+    /// Multiplier of dry friction, without the film's contribution.
     fn dry(&self) -> Pair {
         plus(self.lambda, self.film(), self.slip)
     }
@@ -222,7 +222,7 @@ mod tests {
         SlipVector { pressed, lambda, slip, rest }
     }
 
-    /// Points of the graph for a limit and a size of `rest`: multiplier, slip, state.
+    /// Points on the graph of the friction law for a slip limit and a size of `rest`: multiplier, slip, state.
     fn places(limit: f64, r: f64) -> Vec<(Pair, Pair, RowState)> {
         let e = [0.6, -0.8];
         let at = |slip: f64, s: f64| (e.map(|e| -s * e), e.map(|e| slip * e));

@@ -59,7 +59,7 @@ struct Spring {
     is_outside: bool,
 }
 
-/// A force `pull r_test`, and its derivative `isotropic I + along r_test r_trial^T` with respect to `r_1`.
+/// Force `pull r_test` of a spring, and its derivative `isotropic I + along r_test r_trial^T` with respect to `r_1`.
 struct Pull {
     pull: f64,
     isotropic: f64,

@@ -15,7 +15,7 @@ use crate::materials::Viscosity;
 
 /// The dissipation of a deformable body in the numbering of the model.
 pub struct StepDamping<const D: usize> {
-    /// Cells that resist the rate of strain with the moduli of the body as viscosities.
+    /// Element loop with the isotropic moduli of the body as viscosities.
     elements: Box<dyn ElementLoop<D>>,
 }
 
@@ -41,7 +41,7 @@ where
 }
 
 impl<const D: usize> StepDamping<D> {
-    /// Finds its places in a new pattern.
+    /// Finds the positions of the body's blocks in a new pattern.
     pub fn place(&mut self, pattern: &Pattern) {
         self.elements.place(pattern);
     }

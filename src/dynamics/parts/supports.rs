@@ -16,7 +16,7 @@ pub struct PrescribedUnknown {
     /// Position of the node at the start `[length]`, and the component.
     place: [f64; 3],
     component: usize,
-    /// Displacement at the start for bodies with initial displacements, else `None` `[length]`.
+    /// Displacement at the start for bodies with initial displacements, otherwise `None` `[length]`.
     start: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ pub struct Supports {
     pub prescribed: Vec<PrescribedUnknown>,
     /// Prescribed motions with the names of their boundaries.
     motions: Vec<(Prescription, String)>,
-    /// Index of the prescribed rotation of each boundary of `held`, if it has one.
+    /// Index of the prescribed rotation of each boundary of `held`; `None` without one.
     turning: Vec<Option<usize>>,
     /// Components supported by each boundary of [`Model::support_names`]; each component belongs to one of them.
     pub held: Vec<Vec<usize>>,

@@ -96,7 +96,7 @@ impl Torsion {
         self.nodes.iter().flat_map(|&node| [q[2 * node as usize], q[2 * node as usize + 1]]).collect()
     }
 
-    /// Start indices and signs of the directions: the second one, or a single one, is positive.
+    /// For each direction the start index of its coordinates, and the sign of its angle: negative for the first of two, else positive.
     fn signs(&self) -> impl Iterator<Item = (usize, f64)> {
         let both = self.nodes.len() == 4;
         (0..self.nodes.len() / 2).map(move |k| (4 * k, if both && k == 0 { -1.0 } else { 1.0 }))

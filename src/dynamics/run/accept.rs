@@ -34,18 +34,18 @@ struct Outside {
     /// Work of moving supports, and their angular momentum in addition to that of the reactions.
     prescribed_work: f64,
     slip_moment: [f64; 3],
-    /// Part of loads and obstacle forces that belongs to this step, for a scheme that remembers forces.
+    /// Contribution of this step's loads and of its obstacle forces to the force history of a scheme that keeps one.
     own: [Vec<f64>; 2],
 }
 
 impl Outside {
-    /// Work of all of it along the way `moved`, one value a coordinate.
+    /// Work of loads, obstacles and prescribed motions in a step with the displacement `moved`.
     fn work(&self, moved: &[f64]) -> f64 {
         let loads = self.load.iter().zip(moved).map(|(load, moved)| load * moved).sum::<f64>();
         loads + self.obstacle_work + self.prescribed_work
     }
 
-    /// Adds the velocities of an impact to those of the step, and the work of obstacles in it.
+    /// Adds the velocities of an impact to those of the step, and the work of obstacles in the impact.
     fn add_jump(&mut self, jump: Option<&VelocityCorrection>, v_1: &mut [f64]) {
         if let Some(jump) = jump {
             v_1.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w);
@@ -162,7 +162,7 @@ where
         Ok(state)
     }
 
-    /// Potential energy at the end of a step, without the stored impact energy of active contacts.
+    /// Potential energy at the end of a step, excluding the stored impact energy of active contacts.
     pub(super) fn potential(&self, at: &Linearization, penalty_gap: &[f64], memory: &[Vec<f64>]) -> f64 {
         let system = &self.system;
         system.nodes.potential_energy(&at.q_1) + system.penalty_energy(penalty_gap) + system.stored_energy(at.pose(), memory)
@@ -289,7 +289,7 @@ where
         })
     }
 
-    /// Work of contact that the update rules lose or gain on purpose `[energy]`, `reserve` that of the new state.
+    /// Work of contact that the update rules remove or add by design `[energy]`; `reserve`: stored impact energy of the new state.
     fn contact_work(
         &self,
         start: &StepStart,
@@ -322,7 +322,7 @@ where
         found + closed + jump.map_or(0.0, |jump| jump.energy + jump.impact) + kept
     }
 
-    /// Reactions of supports are the residual there; with loads and weight they explain the change of the momenta.
+    /// Books the momentum defects of a step: changes of the momenta that loads, weight and support reactions (the residual) do not explain.
     fn book_momentum_defects(
         &self,
         row: &mut LedgerRow,
@@ -357,8 +357,8 @@ where
         row.angular_momentum_defect = unexplained([row.angular_momentum, old.angular_momentum], changes(turning, impulse));
     }
 
-    /// Work of the reactions that move the prescribed nodes, and the angular momentum that they give by moving them by `dq` while their
-    /// velocities are those of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
+    /// Work of the reactions at prescribed nodes, and their angular momentum from the difference between the displacements `dq` and the
+    /// velocities of the time functions: inertia forces work on `dt (v_0 + v_1)/2`, all others on `dq`.
     fn prescribed_work(&self, motion: &Motion, at: &Linearization, v_1: &[f64]) -> (f64, [f64; 3]) {
         let (Motion { dt, v_0, .. }, unknowns) = (*motion, at.q_1.len());
         let change: Vec<f64> = (0..unknowns).map(|k| (v_1[k] - v_0[k]) / dt).collect();

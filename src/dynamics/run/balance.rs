@@ -1,8 +1,8 @@
-//! The balance of forces at rest, judged for every component of connected nodes by its own forces.
+//! Balance of forces at rest, evaluated for every connected component of nodes relative to its own forces.
 //!
-//! A component that is free as a rigid body is judged by the resultant and the torque of the forces on it, along the rigid motions that its
-//! supports leave, relative to the sum of the loads, reactions or contact forces on that component alone; then each of its nodes, relative
-//! to the largest of these forces. So a stiff or heavy body elsewhere conceals no imbalance. Damping does not count as a force.
+//! For a component with free rigid motions, the resultant and torque along these motions are compared with the sum of the loads, reactions
+//! or contact forces on this component, then the force on each node with the largest of these forces. A stiff or heavy body elsewhere thus
+//! conceals no imbalance. Damping does not count as a force.
 //!
 //! A rigid motion is `u = t + w x (q - c)/r` with the component's mass center `c` and radius `r`: all its components are lengths.
 
@@ -19,19 +19,19 @@ use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Forces;
 use crate::math::tolerances;
 
-/// Displacement of a component, relative to the extent of the model, by which the resistance of force elements is tested; small, so that no
-/// spring reaches its rest length.
+/// Displacement relative to the model extent by which the resistance of force elements is tested; small, so that no spring reaches its rest
+/// length.
 const GLANCE: f64 = 0.01;
 
-/// Load that a rigid body counts with at least, over the largest one: links without loads of their own made the equations of a slider-crank
+/// Least load assigned to a rigid body, relative to the largest load: links without loads of their own made the equations of a slider-crank
 /// singular.
 const MOVED_ALONG: f64 = 0.01;
 
-/// Admissible displacement of a rigid body with joints in a step, relative to its extent: half a radian. With a whole one a chain of six
-/// links is not found at rest.
+/// Admissible displacement of a rigid body with joints in a step, relative to its extent: half a radian. With a full radian a chain of six
+/// links finds no equilibrium.
 const SWING: f64 = 0.5;
 
-/// Rigid motions in space; the plane has three of them.
+/// Number of rigid motions in space; in the plane there are three.
 const MOTIONS: usize = 6;
 
 /// The components of a model.
@@ -48,8 +48,8 @@ pub struct Component {
     /// Mass of a rigid body.
     rigid_mass: Option<f64>,
     modulus: f64,
-    /// Largest modulus times the cells' aspect ratio, for the round-off of forces: that of a strain is over the shortest edge, and its
-    /// force acts on the longest.
+    /// Largest modulus times the aspect ratio of the cells, for the round-off of forces: strain errors scale with the shortest edge, forces
+    /// with the longest.
     stiffness: f64,
     extent: f64,
     /// Admissible displacement of a rigid body with joints in a step; infinite for others.
@@ -91,7 +91,7 @@ impl Pull {
         self.shift.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// True if another component has the same displacement.
+    /// True if both components have equal displacements within round-off.
     fn is_as(&self, other: &Pull) -> bool {
         let apart: f64 = self.shift.iter().zip(&other.shift).map(|(a, b)| (a - b).powi(2)).sum();
         self.shift_size() > 0.0 && apart.sqrt() <= tolerances::ALIKE * self.shift_size()
@@ -99,19 +99,19 @@ impl Pull {
 }
 
 impl Component {
-    /// Nodes of the component, including those that a rigid body carries.
+    /// Nodes of the component, including followers of a rigid body.
     fn whole<const D: usize>(&self, equations: &Equations<D>) -> Box<dyn Iterator<Item = usize> + '_> {
         if self.rigid_mass.is_some() { Box::new(equations.bodies[self.body].nodes.clone()) } else { Box::new(self.nodes.iter().copied()) }
     }
 
-    /// Sum of the forces on its nodes.
+    /// Sum of the force magnitudes on the nodes of the component.
     fn load<const D: usize>(&self, forces: &Forces) -> f64 {
         let on_node = |&node: &usize| (node * D..(node + 1) * D).map(|k| forces.without_contact[k].abs().max(forces.contact[k].abs()));
         self.nodes.iter().flat_map(on_node).sum()
     }
 
-    /// Damping that keeps its rigid motions regular: a trifle of its own stiffness. A rigid body has none, and its constraints as many
-    /// digits as the damping has of their forces: of its own, or of a share of the `largest` load where it is only moved along.
+    /// Least damping that keeps the rigid motions of the component regular: a small fraction of its stiffness; for a rigid body a fraction
+    /// of its load, at least `MOVED_ALONG` of the `largest` load, because the damping determines the digits of its constraint forces.
     pub fn least_damping<const D: usize>(&self, forces: &Forces, largest: f64) -> f64 {
         let Some(mass) = self.rigid_mass else { return tolerances::LEAST_DAMPING * self.frequency_squared };
         let load = self.load::<D>(forces).max(MOVED_ALONG * largest);
@@ -217,8 +217,8 @@ impl Balance {
         imbalance
     }
 
-    /// Gives rigid motions the mass matrix `R^T M R` with the consistent mass: row sums at the masters of a rigid body have other moments
-    /// of inertia, which may be zero or negative.
+    /// Sets the mass matrix `R^T M R` of rigid motions from the consistent mass: row sums at the masters of a rigid body would have other
+    /// moments of inertia, possibly zero or negative.
     fn weigh<const D: usize>(&self, equations: &Equations<D>, q: &[f64], motions: &mut [RigidMotions<D>]) {
         let count = D * (D + 1) / 2;
         let mut masses = vec![DMatrix::zeros(count, count); motions.len()];
@@ -272,8 +272,8 @@ impl Balance {
         })
     }
 
-    /// Admissible displacement of each component: its share of the least distance from possible contact partners `[length]`, infinite
-    /// without partners. Components with the same unbalanced displacement do not approach each other: they fall together.
+    /// Admissible displacement of each component: a share of the least distance from possible contact partners `[length]`, infinite without
+    /// partners. Components with equal unbalanced displacements fall together and do not approach each other.
     pub fn clearances<const D: usize>(&self, equations: &Equations<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
         let mut component_of = vec![0; equations.nodes.nodal_mass.len()];
         for (number, component) in self.components.iter().enumerate() {
@@ -319,7 +319,7 @@ impl Balance {
         clearances
     }
 
-    /// Adds a displacement of each component to the nodes that are free.
+    /// Adds the displacement of each component to its free nodes.
     pub fn shift<const D: usize>(&self, equations: &Equations<D>, by: &[[f64; 3]], q: &mut [f64]) {
         for (component, by) in self.components.iter().zip(by) {
             for k in component.nodes.iter().flat_map(|&node| node * D..(node + 1) * D).filter(|&k| !equations.supports.fixed[k]) {
@@ -328,7 +328,7 @@ impl Balance {
         }
     }
 
-    /// Gives every node the value of its component.
+    /// Returns the value of its component for every node.
     pub fn spread(&self, values: &[f64], nodes: usize) -> Vec<f64> {
         let mut of_node = vec![0.0; nodes];
         for (component, value) in self.components.iter().zip(values) {
@@ -344,13 +344,13 @@ impl Balance {
     }
 }
 
-/// The rigid motions of a component: components of a shift, then of a turn over the radius.
+/// Rigid motions of a component: translations, then rotations divided by its radius.
 struct RigidMotions<const D: usize> {
     center: [f64; D],
     radius: f64,
-    /// A basis of the motions that supports leave, in columns.
+    /// Basis of the rigid motions admitted by supports, in columns.
     free: DMatrix<f64>,
-    /// Mass of the motions in that basis.
+    /// Mass matrix of the rigid motions in the basis `free`.
     mass: DMatrix<f64>,
 }
 

@@ -28,7 +28,7 @@ pub enum BucklingError {
     /// A follower load, which rotates with the surface.
     #[error("the load on \"{boundary}\" turns with its boundary")]
     Follows {
-        /// `body.boundary`.
+        /// Name of the boundary, `body.boundary`.
         boundary: String,
     },
     /// No load acts.
@@ -37,7 +37,7 @@ pub enum BucklingError {
     /// The supports do not prevent rigid motions.
     #[error("the model is not held against rigid motions")]
     Loose,
-    /// The load makes nothing softer.
+    /// The load reduces the stiffness in no direction.
     #[error("{found} of {count} load factors were found: in other shapes the load makes nothing softer")]
     NotFound {
         /// Requested number of factors.

@@ -1,8 +1,8 @@
 //! Separation of initial overlaps in `settle`: measured depths, a limited displacement per step, and a check that no overlap remains.
 //!
-//! Pairs that overlap take part at any depth ([`Outlook::depth`](crate::contact::Outlook)). A damped step closes only a part of the
-//! overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay in its range of convergence. So
-//! a target is no farther above the gap at the start of the step than a fraction of a facet, which is reduced when a step fails.
+//! Overlapping pairs are admitted at any depth ([`Outlook::depth`](crate::contact::Outlook)). A damped step closes only part of the
+//! overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay within its range of
+//! convergence. The target thus exceeds the gap at the start by at most a fraction of a facet, which is reduced when a step fails.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
@@ -16,27 +16,27 @@ use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::equations::Equations;
 use crate::math::tolerances::{LEFT, LEFT_HELD, LEFT_PASSED};
 
-/// Closing of a step in shortest secondary facets: of the first one, and at most. A step that takes 25 iterations of a tenth of a facet
-/// moves nodes by 2.5 facets.
+/// Overlap closed in a step, in shortest secondary facets: initial and largest value. A step with 25 iterations of a tenth of a facet moves
+/// nodes by 2.5 facets.
 const FIRST: f64 = 0.4;
 const MOST: f64 = 1.6;
 
-/// Change of it after a step that failed, and after one that did not.
+/// Factors of the closed overlap per step after a failed and after a successful step.
 const SHRINK: f64 = 0.25;
 const GROW: f64 = 2.0;
 
-/// Overlap in shortest secondary facets up to which nothing has to be done: half a facet takes part always.
+/// Overlap in shortest secondary facets that needs no gradual closing: contact search always admits half a facet.
 const SHALLOW: f64 = 0.25;
 
-/// Reach of a pair beyond the measured depth, since gaps and depths are measured along different lines and at different places of the
-/// facets: a factor of the depth, and a fraction of the facet length.
+/// Extra reach of a pair, since gaps and depths are measured along different lines and at different points: factor of the measured depth,
+/// and fraction of the facet length.
 const DEEPER: f64 = 1.1;
 const ELSEWHERE: f64 = 0.5;
 
-/// Overlaps of contacts and the state of their closing.
+/// Initial overlaps of contacts and the progress of their closing.
 pub struct Closing {
     depths: Depths,
-    /// In shortest secondary facets in a step.
+    /// Largest closing in a step, in shortest secondary facets.
     facets: f64,
 }
 
@@ -64,7 +64,7 @@ impl Closing {
         self.facets * sizes.fold(0.0, f64::max)
     }
 
-    /// Brings the targets of the step that has begun at `q` as near to its gaps as it closes them; returns whether any was farther.
+    /// Limits the gap targets of a step that starts at `q` to the overlap it may close; returns true if any target was reduced.
     pub fn limit<const D: usize>(&self, equations: &Equations<D>, q: &[f64], conditions: &mut Conditions) -> bool {
         let mut is_part = false;
         for pair in equations.pairs.iter().filter(|pair| !pair.kind.is_bilateral() && pair.has_multipliers()) {
@@ -81,12 +81,12 @@ impl Closing {
         is_part
     }
 
-    /// A step failed: the next one closes less.
+    /// Reduces the overlap closed per step after a failure.
     pub fn failed(&mut self) {
         self.facets *= SHRINK;
     }
 
-    /// A step succeeded.
+    /// Increases the overlap closed per step after a success.
     pub fn succeeded(&mut self) {
         self.facets = (GROW * self.facets).min(MOST);
     }
@@ -102,7 +102,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Sides of a contact that are so deep inside each other at the present state that it cannot be meant.
+    /// Refuses contacts whose sides overlap too deeply in the present state to be intended.
     ///
     /// # Errors
     /// Sides overlap: the deepest place.

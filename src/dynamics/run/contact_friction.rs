@@ -13,7 +13,7 @@ use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
-/// Adds the forces of friction to those of a contact and of its corners.
+/// Adds friction forces to the forces of a contact and of its corners.
 pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces: &mut ContactForces) {
     let secondary = contact.pair.kernel.secondary();
     let (with_itself, count) = (secondary == contact.pair.kernel.primary(), secondary.nodes().len());
@@ -63,8 +63,7 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
     }
 }
 
-/// Shear stress of friction at each secondary node, that of corners on it included, where the rows of the nodes make these pressures on
-/// these areas.
+/// Frictional shear stress at each secondary node, corners included, for the given nodal pressures and areas.
 pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, areas]: [&[f64]; 2]) -> Vec<f64> {
     let Loaded { pair, lambda, tangential, .. } = contact;
     let (Some(tangential), Some(friction)) = (tangential, &pair.friction) else { return vec![0.0; forces.own.len()] };
@@ -114,7 +113,7 @@ fn is_held(contact: Loaded) -> bool {
     contact.tangential.is_some() || contact.pair.kind == PairKind::Tie
 }
 
-/// True for each corner constraint that slips: its shear stress is at the limit, to round-off.
+/// True for each corner constraint that slips: its shear stress equals the limit up to round-off.
 fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
     let Some(friction) = &corners.pair.friction else { return Vec::new() };
     let groups = tangential.active.iter().step_by(tangential.count).zip(tangential.lambda.chunks_exact(tangential.count));
@@ -126,7 +125,7 @@ fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
     groups.enumerate().map(slides).collect()
 }
 
-/// Marks the secondary nodes that rows of facets and edges press on, which belong to no node.
+/// Marks as active the secondary nodes loaded by facet and edge constraints that have no node of their own.
 pub fn mark_between(contact: Loaded, corners: &[Loaded], active: &mut [bool], states: &mut [NodeState]) {
     for corners in corners {
         let slides: Vec<bool> = corners.tangential.iter().flat_map(|of| sliding_rows(corners, of)).collect();
@@ -145,13 +144,13 @@ pub fn mark_between(contact: Loaded, corners: &[Loaded], active: &mut [bool], st
     }
 }
 
-/// The secondary node on which a corner's rows lie, if they lie on one.
+/// Secondary node that owns the constraints of a corner; `None` if there is none.
 pub fn corner_node(contact: Loaded, corners: &Loaded, index: usize) -> Option<usize> {
     corners.pair.kernel.row_nodes().get(index).and_then(|&node| contact.pair.kernel.secondary().index(node))
 }
 
-/// For each row of corners that belongs to no secondary node the nodes that it presses on, with their shares of its force; the nodes of its
-/// first patch alike where it does not press.
+/// Loaded secondary nodes, with their shares of the force, of each corner constraint without a node of its own; equal shares of its first
+/// contact element while inactive.
 fn rows_between(contact: Loaded, corners: &Loaded) -> Vec<Vec<(usize, f64)>> {
     let (pair, secondary) = (corners.pair, contact.pair.kernel.secondary());
     let (patches, stride) = (pair.kernel.patches(), pair.kernel.rows_per_node());
@@ -187,7 +186,7 @@ fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Nodes that bear a part of a row's force.
+/// Nodes with a part of the constraint's force.
 fn pressed_nodes(nodes: &[(usize, f64)]) -> impl Iterator<Item = usize> {
     nodes.iter().filter(|(_, share)| *share > tolerances::ZERO_ROW).map(|(node, _)| *node)
 }

@@ -1,14 +1,14 @@
 //! Quantities of a contact pair at a configuration: nodal forces, their resultant, pressure, gap, area.
 //!
-//! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Each patch of a kernel has an own side (the nodes of its
-//! constraint rows) and another one on which the opposite forces act. So a surface in contact with itself is covered, too: each pair of
-//! its facets is taken once, and its force is that on the side that was taken as secondary.
+//! Forces are `lambda_A grad Phi_A(q)` with the multipliers of the last step. Each contact element has an own side (the nodes of its
+//! constraints) and another side with the opposite forces. In self-contact each facet pair is evaluated once, and its force is that on the
+//! secondary facet.
 //!
-//! Pressures are forces over the present area, which includes the circumference in axisymmetric models. The multipliers of a mortar method
-//! are the nodal values of a linear field that acts where the surface is covered. At a partly covered node the field is extrapolated beyond
-//! the contact, and its value there can be many times the pressure. So the uncovered part takes the mean of the field over the node's part
-//! of the contact instead, which is the nodal force over that of a unit pressure. That mean of every node is a field of its own beside the
-//! pressure. A node on the axis of revolution has no force: its pressure is extrapolated from its neighbours.
+//! Pressures are forces per present area, including the circumference in axisymmetric models. The multipliers of a mortar method are nodal
+//! values of a linear field on the covered surface. At a partly covered node the field is extrapolated, and its value there can be many
+//! times the pressure; the uncovered part is therefore replaced by the mean of the field over the node's part of the contact, the ratio of
+//! the nodal force to that of a unit pressure. This mean is also a separate field. A node on the axis of revolution has no force: its
+//! pressure is extrapolated from its neighbors.
 //!
 //! Quantities of friction are in `contact_friction.rs`.
 
@@ -58,8 +58,8 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     forces
 }
 
-/// Ratio of the nodal contact forces to those of unit multipliers, along the latter; `for_each` visits the forces. Corners of faces of six
-/// nodes have nearly no force, and their multipliers take the place of the mean.
+/// Ratio of nodal contact forces to those of unit multipliers, projected on the latter; `for_each` visits the forces. Corners of six-node
+/// faces carry almost no force; their multipliers are used instead.
 fn means<const D: usize>(
     contact: Loaded,
     lambda: &[f64],
@@ -78,7 +78,7 @@ fn means<const D: usize>(
     forces.iter().zip(&unit).enumerate().map(of).collect()
 }
 
-/// Forces of unit multipliers on the secondary nodes; none where there are no means or no multipliers `lambda`.
+/// Forces of unit multipliers on the secondary nodes; empty if no means are defined or `lambda` is empty.
 fn unit_forces<const D: usize>(
     contact: Loaded,
     lambda: &[f64],
@@ -159,8 +159,8 @@ fn pressure_on_axis(contact: Loaded, index: usize, pressures: &[f64], q: &[f64])
     }
 }
 
-/// Stress at each secondary node from one multiplier per row: what rows and corners there make of it, `mean` its mean where the node is
-/// covered in part and `more` the force of corners. On an axis it is left at zero.
+/// Stress at each secondary node from one multiplier per constraint; `mean` is used at partly covered nodes, `more` is the corner force.
+/// Nodes on an axis of revolution get zero.
 fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f64]; 2], q: &[f64]) -> Vec<f64> {
     let pair = contact.pair;
     let (kernel, secondary) = (&pair.kernel, pair.kernel.secondary());
@@ -188,13 +188,13 @@ fn at_nodes(contact: Loaded, [lambda, coverage]: [&[f64]; 2], [mean, more]: [&[f
     lambda.chunks_exact(stride).enumerate().map(of).collect()
 }
 
-/// Pressure at each secondary node, that of corners left out.
+/// Pressure at each secondary node, without corner forces.
 fn own_pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let Loaded { evaluation, lambda, .. } = contact;
     at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &vec![0.0; forces.own.len()]], q)
 }
 
-/// Pressure at each secondary node, that of corners on it included.
+/// Pressure at each secondary node, including forces of its corners.
 fn pressures(contact: Loaded, forces: &ContactForces, q: &[f64]) -> Vec<f64> {
     let Loaded { pair, evaluation, lambda, .. } = contact;
     let mut pressures = at_nodes(contact, [lambda, &evaluation.coverage], [&forces.mean, &forces.pressed], q);
@@ -219,8 +219,7 @@ fn smoothed(contact: Loaded, forces: &ContactForces, pressures: &[f64], q: &[f64
     means
 }
 
-/// True for each node on which a pressure exerts a tensile force: the corners of faces of second order in space, whose consistent forces
-/// point outward under a uniform pressure.
+/// True for each node whose consistent force under a uniform pressure points outward: corner nodes of second-order faces in space.
 fn pulling(pair: &ContactPair, forces: &[[f64; 3]], q: &[f64]) -> Vec<bool> {
     let secondary = pair.kernel.secondary();
     if secondary.dimension() == 2 || pair.law.is_bilateral() {
@@ -290,7 +289,7 @@ fn summed(contact: Loaded, corners: &[Loaded], forces: &ContactForces, q: &[f64]
     totals
 }
 
-/// Everything about a contact in a state, evaluated at its positions.
+/// All fields of a contact in a state, evaluated at its positions.
 pub fn contact_fields<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[f64]) -> ContactFields {
     let Loaded { pair, evaluation, .. } = contact;
     let (rows, secondary) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());

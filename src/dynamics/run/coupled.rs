@@ -12,7 +12,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Forces of couplings on the nodes of their planes and second boundaries at `q`, with the multipliers `lambda`.
+    /// Forces of couplings on the nodes of their symmetry planes and second boundaries at `q`, with the multipliers `lambda`.
     ///
     /// # Errors
     /// [`StepError::Contradiction`]: equations that were left out, because at rest they follow from others and from supports, do not hold.

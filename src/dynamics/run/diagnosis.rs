@@ -1,7 +1,6 @@
 //! Diagnosis of a failed step from the Newton iterations, the loads and the factors of the tangent.
 //!
-//! One idea: a cause is only named where numbers show it. Nothing here changes a step; a cause that is not recognised is called slow
-//! convergence.
+//! A cause is named only if numbers show it; otherwise the failure is called slow convergence. The diagnosis changes no step.
 
 use super::report::{CyclingNode, FailureCause, FailureReport, IterationReport, TryReport};
 use super::state::State;
@@ -16,22 +15,22 @@ use crate::dynamics::step::system::System;
 use crate::linear::LinearError;
 use crate::math::tolerances::{EXPLAINED, RIGID};
 
-/// Last iterations in which a node must have changed at least every second time to be called cycling.
+/// Number of last iterations; a node that changed in at least half of them is called cycling.
 const CYCLE: usize = 6;
-/// Cells by which a load may move a node in one step before that counts as the cause.
+/// Displacement by a load in one step, in cells, from which the load is named as the cause.
 const FAST_LOAD: f64 = 0.5;
-/// Growth of the residual, from the least to the last, that counts as divergence.
+/// Growth of the residual above its minimum that counts as divergence.
 const GROWTH: f64 = 1e3;
 /// Data of a failed step.
 pub struct Evidence<'a, const D: usize> {
     pub model: &'a Model,
     pub system: &'a System<D>,
     pub state: &'a State,
-    /// Newton iterations of the last try.
+    /// Newton iterations of the last attempt.
     pub trace: &'a Trace,
-    /// All tries, the last one included.
+    /// All attempts at the step, including the last one.
     pub tries: &'a [TryReport],
-    /// Time step size of the last try; 0 in `settle`.
+    /// Time step size of the last attempt; 0 in `settle`.
     pub dt: f64,
     pub halvings: usize,
 }
@@ -54,7 +53,7 @@ where
         self.report_of(cause)
     }
 
-    /// The report with a cause that is known.
+    /// Report of the failure with its cause.
     pub fn report_of(&self, cause: FailureCause) -> FailureReport {
         let row = &self.state.row;
         FailureReport {
@@ -94,7 +93,7 @@ where
             .collect()
     }
 
-    /// The cause where all iterations were used up.
+    /// Cause of a failure at the iteration limit.
     fn not_converged(&self) -> FailureCause {
         let residuals: Vec<f64> = self.trace.iterations.iter().map(|iteration| iteration.residual).collect();
         let last = residuals.last().copied().unwrap_or(0.0);
@@ -162,7 +161,7 @@ where
         FailureCause::InvertedCell { body: body.into(), cell, determinant, center, dimension: D }
     }
 
-    /// A load that alone moves nodes too far in the step, with what that led to; otherwise what was seen itself.
+    /// Failure with the load that moves nodes too far in the step as its cause, if there is one; otherwise `outcome` unchanged.
     fn blamed_on_a_load(&self, outcome: FailureCause) -> FailureCause {
         match self.fastest_load().filter(|(_, _, cells)| *cells > FAST_LOAD) {
             Some((load, node, cells)) => {
@@ -173,7 +172,7 @@ where
         }
     }
 
-    /// The load or prescribed motion that moves a node farthest in the step, by itself; the node, and how many cells far.
+    /// Load or prescribed motion with the largest displacement of a node in the step, the node, and the displacement in cells.
     ///
     /// A force moves a node at most by `f dt^2 / 2m`, because of its inertia, and at most by about `f / (E h^(D-2))`, because of what it
     /// hangs on.
@@ -214,7 +213,7 @@ where
         fastest
     }
 
-    /// Body of a connected piece without support whose loads do not balance, if there is one.
+    /// Body of a connected component without supports whose loads are unbalanced; `None` without one.
     fn unheld(&self) -> Option<String> {
         let (system, positions) = (self.system, &self.state.positions);
         let mut force = system.nodes.weight.clone();
@@ -250,7 +249,7 @@ where
 }
 
 impl<const D: usize> Evidence<'_, D> {
-    /// Meaning of a failure of the linear solver for the model: the rigid motion that a body can perform, or the dependent constraints.
+    /// Explanation of a linear solver failure in terms of the model: the free rigid motion of a body, or the dependent constraints.
     fn explain(&self, error: &LinearError) -> String {
         let (system, positions) = (self.system, &self.state.positions);
         let LinearError::Singular { vertex: Some(vertex) } = error else { return error.to_string() };
@@ -287,7 +286,7 @@ impl<const D: usize> Evidence<'_, D> {
     }
 }
 
-/// `(1.00, 0.00)`, of length one.
+/// Text of a unit vector, such as `(1.00, 0.00)`.
 fn direction(vector: &[f64]) -> String {
     let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
     // A zero without a sign.
@@ -295,7 +294,7 @@ fn direction(vector: &[f64]) -> String {
     format!("({})", components.join(", "))
 }
 
-/// Description of a motion that is rigid except for a relative remainder `within`: `move along (1.00, 0.00)` or, in the plane,
+/// Description of a motion that is rigid up to the relative remainder `within`: `move along (1.00, 0.00)` or, in the plane,
 /// `turn about (0.50, 0.25)`; `None` for other motions.
 pub fn rigid_motion_of<const D: usize>(positions: &[f64], motion: &[f64], within: f64) -> Option<String> {
     let count = (motion.len() / D) as f64;

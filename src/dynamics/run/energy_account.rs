@@ -102,7 +102,7 @@ impl EnergyAccount {
 }
 
 impl fmt::Display for EnergyAccount {
-    /// `contact took 0.0129 (2.45 %), loads gave 0.3 (57 %)`; nothing where no energy came or went.
+    /// Writes the account, such as `contact took 0.0129 (2.45 %), loads gave 0.3 (57 %)`; empty without energy changes.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let changes = self.changes();
         let parts = changes.iter().map(|(cause, amount)| {

@@ -46,7 +46,7 @@ pub struct Engine<const D: usize> {
     pub trace: Trace,
     /// Tries of the current step.
     pub tries: Vec<TryReport>,
-    /// The last step that failed for good, and the iterate at which it was given up.
+    /// Report on the last finally failed step, and the iterate at which its solution was abandoned.
     pub failure: Option<(FailureReport, Vec<f64>)>,
     /// Halvings by cause.
     pub halvings: Halvings,
@@ -58,8 +58,8 @@ pub struct Engine<const D: usize> {
     pub sound: f64,
 }
 
-/// Bytes that a simulation takes for an unknown, with its matrix and without the factors of it (measured: 700 to 900 before the first step,
-/// and 150 to 700 for the matrix).
+/// Bytes of memory per unknown, including its matrix entries but not the factors (measured: 700 to 900 before the first step, and 150 to
+/// 700 for the matrix).
 const UNKNOWN: u64 = 1500;
 
 impl<const D: usize> Engine<D>
@@ -172,7 +172,7 @@ fn open_equality<const D: usize>(system: &Equations<D>, q: &[f64]) -> Result<(),
     Ok(())
 }
 
-/// Refuses initial displacements that turn a cell inside out.
+/// Refuses initial displacements that invert a cell.
 fn inverted_at_start<const D: usize>(system: &Equations<D>, model: &Model, u: &[f64]) -> Result<(), ModelError> {
     for initial in &model.initial_displacements {
         let body = &system.bodies[initial.body];

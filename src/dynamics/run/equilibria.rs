@@ -1,8 +1,8 @@
-//! A step of statics: to the equilibrium at its end, with its row of the ledger.
+//! Static step to the equilibrium at its end, with its row of the ledger.
 //!
-//! Works are those of the trapezoidal rule: the mean of the forces at both ends times the displacement between them. They are exact where
-//! load and displacement are proportional; the error, the `energy_defect` of the row, decreases with the square of the step. For a jump to
-//! a distant equilibrium it is the energy that the jump releases.
+//! Works follow the trapezoidal rule: the mean of the forces at both ends times the displacement. This is exact for proportional load and
+//! displacement; the error, the `energy_defect` of the row, decreases with the square of the step. In a jump to a distant equilibrium it is
+//! the released energy.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::dynamics::step::start::{StepKind, StepStart};
 
 /// Nodal forces in an equilibrium `[force]`.
 struct Balanced {
-    /// Loads, and reactions where supports move.
+    /// Loads, and reactions of moving supports.
     outside: Vec<f64>,
     /// Contacts of all kinds, ties and joints.
     contact: Vec<f64>,
     /// Contact forces between bodies.
     between: Vec<f64>,
-    /// Energy that penalties keep `[energy]`.
+    /// Energy stored by penalties `[energy]`.
     kept: f64,
 }
 
@@ -30,7 +30,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The state in the equilibrium at the end of a step, as [`Self::settle_at`] finds it.
+    /// State in the equilibrium at the end of a static step, found by [`Self::settle_at`].
     pub(super) fn static_piece(&mut self, dt: f64) -> Result<State, Failure> {
         let before = self.state.clone();
         let begun = self.balanced()?;

@@ -5,7 +5,7 @@
 //! v_h = v_0 - dt/2 m^-1 f_0 + dt m^-1 G_0^T (lambda - lambda_0),    q_1 = q_0 + dt v_h,    v_1 = v_h - dt/2 m^-1 f_1
 //! ```
 //!
-//! Static forces `f` include contact forces, `f_1` with the multipliers of this step: so velocities and forces belong to the positions, and
+//! Static forces `f` include contact forces, `f_1` with the multipliers of this step: velocities and forces belong to the positions, and
 //! the next step corrects the difference to its own multipliers.
 
 use std::sync::Arc;
@@ -29,7 +29,7 @@ use crate::math::tolerances;
 /// Number of corrections of a motion until the gaps meet their targets: gaps are nearly linear within a step.
 const PASSES: usize = 4;
 
-/// A step on its way.
+/// An explicit step in progress.
 pub(super) struct Leap {
     /// Size of the step.
     pub dt: f64,
@@ -39,7 +39,7 @@ pub(super) struct Leap {
     pub lambda: [Vec<f64>; 2],
     /// Motion without the change of multipliers.
     pub unpushed: Vec<f64>,
-    /// Change of the force at the start by new multipliers, and the force of the earlier multipliers; empty without multipliers.
+    /// Force change at the start of the step by the new multipliers, and the force of the earlier multipliers; empty without multipliers.
     pub kick: Vec<f64>,
     pub pressed_0: Vec<f64>,
 }
@@ -48,7 +48,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// One step from the current state.
+    /// Takes one explicit step from the present state.
     pub(super) fn explicit_piece(&mut self, dt: f64) -> Result<State, Failure> {
         let outcome = self.leap(dt);
         outcome.map_err(|failure| match failure.or_end(self.state.row.time) {
@@ -170,7 +170,7 @@ where
         self.system.part_forces(start, at)
     }
 
-    /// Static forces at evaluations: internal ones, less loads, weights and contact `[force]`.
+    /// Static forces `[force]`: internal forces minus loads, weights and contact forces.
     pub(super) fn static_forces(&self, forces: &PartForces, pairs: &[Evaluation], lambda: &[f64]) -> Vec<f64> {
         let weight = &self.system.nodes.weight;
         let mut sum: Vec<f64> = (0..weight.len()).map(|k| forces.internal[k] - forces.load[k] - weight[k]).collect();
@@ -180,7 +180,7 @@ where
         sum
     }
 
-    /// Stops a run whose energy comes from nowhere.
+    /// Stops a run whose unexplained energy grows beyond [`tolerances::RAN_AWAY`] times the known energy.
     fn check_energy(&mut self, dt: f64, landed: &State) -> Result<(), Failure> {
         let nodes = &self.system.nodes;
         let floor = tolerances::FORCE_FLOOR * nodes.stiffness() * nodes.extent.powi(2);

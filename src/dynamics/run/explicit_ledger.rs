@@ -1,7 +1,7 @@
 //! The end of an explicit step: velocities, and its row of the ledger.
 //!
-//! Forces act at both ends of the step, half each: their moments are taken at their places, and their work is that of the trapezoidal rule.
-//! So linear and angular momentum close to round-off; the energy defect is that of the scheme.
+//! Half of the forces act at either end of the step: moments are evaluated there, and works follow the trapezoidal rule. The balances of
+//! linear and angular momentum close to round-off; the energy defect is that of the scheme.
 
 use std::sync::Arc;
 
@@ -23,13 +23,13 @@ use crate::integrators::Derivative;
 
 /// External forces in a step, at its start and at its end, as means over the step `[force]`.
 struct Ends {
-    /// Obstacles; at the start the change by the multipliers of the step alone.
+    /// Forces of rigid obstacles; at the start only the change by the multipliers of this step.
     obstacles: [Vec<f64>; 2],
     /// Reactions of supports.
     reactions: [Vec<f64>; 2],
-    /// Loads, weights, the ground, and at the start the obstacles as the step before left them.
+    /// Loads, weights and forces of the ground; at the start also the obstacle forces of the previous step.
     others: [Vec<f64>; 2],
-    /// Work of obstacles that move: of all, and of those with multipliers.
+    /// Work of moving obstacles: of all, and of those with multipliers.
     obstacle_work: [f64; 2],
 }
 
@@ -37,7 +37,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The state after a leap, whose forces at the end are these.
+    /// New state after an explicit step, with the static forces at its end.
     pub(super) fn land(
         &mut self,
         start: &StepStart,
@@ -153,7 +153,7 @@ where
         Ends { obstacles, reactions, others, obstacle_work }
     }
 
-    /// Work of loads, supports and obstacles along the way, and that of contact by the velocities before and after each of its impulses.
+    /// Books the work of loads, supports and obstacles in the step, and that of contact by velocities before and after each impulse.
     fn book_explicit_work(
         &self,
         row: &mut LedgerRow,

@@ -9,20 +9,20 @@ use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::Trace;
 
-/// Part of a damped step that may differ from the rigid motion that it is called: bodies deform where they touch.
+/// Relative part of a damped step that may deviate from a rigid motion described as such: bodies deform where they touch.
 const MOSTLY: f64 = 0.3;
 
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The error that a user sees when a step failed for good; its report is kept.
+    /// Error for a finally failed step; its report is kept.
     pub fn failed(&mut self, failure: &Failure, dt: f64, halvings: usize) -> StepError {
         let report = self.evidence(dt, halvings).report(failure);
         self.given_up(report)
     }
 
-    /// The error of a failure that no smaller step mends: the end of the run, or a report on it.
+    /// Error for a failure that smaller steps cannot avoid: a fatal one itself, otherwise with a report.
     pub fn error_of(&mut self, failure: Failure) -> StepError {
         match failure.or_end(self.state.row.time) {
             Failure::Fatal(error) => error,
@@ -36,7 +36,7 @@ where
         Evidence { model, system, state, trace, tries, dt, halvings }
     }
 
-    /// The error of a step with the report on it, which is kept.
+    /// Error for a failed step with its `report`, which is kept.
     pub fn given_up(&mut self, report: FailureReport) -> StepError {
         let FailureReport { time, step, dt, halvings, .. } = report;
         let ease = match dt > 0.0 {
@@ -49,7 +49,7 @@ where
         StepError::NotConverged { time, step, dt, halvings, cause, remedy }
     }
 
-    /// The body that moves most in a motion of all nodes, and how.
+    /// Body that moves most in a nodal motion, and a description of its motion.
     pub fn moving_body(&self, motion: &[f64]) -> (String, String) {
         let largest = |nodes: &std::ops::Range<usize>| {
             let moved = motion[nodes.start * D..nodes.end * D].iter();
@@ -63,7 +63,7 @@ where
     }
 }
 
-/// Report of one try of a step.
+/// Report of one attempt at a step.
 pub fn tried(failure: &Failure, dt: f64, trace: &Trace) -> TryReport {
     let last = trace.iterations.last();
     TryReport {

@@ -21,20 +21,20 @@ pub struct BodyFields {
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, recovered at nodes as the stress.
     pub strain: Vec<[f64; 6]>,
-    /// Estimated error of the stresses around a node `[stress]`: how far those of its cells are from the continuous stress of the nodes, a
-    /// root mean square of the tensor's size (Zienkiewicz and Zhu 1987).
+    /// Estimated error of the stresses around a node `[stress]`: root mean square of the difference between cell stresses and the
+    /// continuous nodal stress (Zienkiewicz and Zhu 1987).
     pub stress_error: Vec<f64>,
     /// True of a deformable body whose material flows plastically.
     pub flows: bool,
-    /// Equivalent plastic strain, recovered as the stresses are and never below 0; 0 of a material that does not flow.
+    /// Equivalent plastic strain, recovered at nodes like the stress and never negative; 0 for materials without plasticity.
     pub plastic_strain: Vec<f64>,
-    /// Von Mises' norm of the back stress, likewise `[stress]`.
+    /// Von Mises' norm of the back stress, recovered at nodes like the stress `[stress]`.
     pub back_stress: Vec<f64>,
     /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
     pub contact_gap: Vec<f64>,
-    /// Contact force `[force]` on the nodes of both sides of all contacts, that of friction included, ties not included.
+    /// Contact force `[force]` on the nodes of both sides of all contacts, including friction, without ties.
     pub contact_force: Vec<[f64; 3]>,
     /// Contact force `[force]` on the nodes of both sides of all contacts, without friction and ties.
     pub contact_pressing: Vec<[f64; 3]>,
@@ -76,9 +76,9 @@ pub fn von_mises([xx, yy, zz, xy, yz, xz]: &[f64; 6]) -> f64 {
 /// Evaluation places of stresses and strains inside of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellPlaces {
-    /// One mean for each cell, by volume, at its centroid.
+    /// One volume-weighted mean for each cell, at its centroid.
     Cells,
-    /// Each quadrature point, those of a cell together.
+    /// Each quadrature point, grouped by cell.
     Points,
 }
 
@@ -97,7 +97,7 @@ pub struct CellStress {
     pub back_stress: f64,
 }
 
-/// One body as a whole at one time.
+/// Totals of one body at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyTotals {
     /// Mass `[mass]`.
@@ -112,16 +112,16 @@ pub struct BodyTotals {
     pub momentum: [f64; 3],
     /// Angular momentum about the origin; in the plane only the third component.
     pub angular_momentum: [f64; 3],
-    /// Estimated error of the stresses over their size, as in [`BodyFields::stress_error`].
+    /// Estimated error of the stresses relative to their size, as in [`BodyFields::stress_error`].
     pub stress_error: f64,
     /// Center of mass `[length]`.
     pub center: [f64; 3],
 }
 
-/// Rigid obstacle at its place at one time.
+/// Rigid obstacle with its position at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedObstacle {
-    /// Name of its contact; of several contacts with the same obstacle, those of all.
+    /// Name of the contact; the names of all contacts if several share the obstacle.
     pub name: String,
     /// Shape of the obstacle at its initial place.
     pub shape: Obstacle,
@@ -146,7 +146,7 @@ pub struct JointLoad {
     pub work: Option<f64>,
 }
 
-/// Constraints of a tie or a joint that follow from others and from supports, and are left out.
+/// Redundant constraints of a tie or a joint, which depend on other constraints and on supports and are omitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RedundantConstraints {
     /// Name of the tie or joint.
@@ -159,7 +159,7 @@ pub struct RedundantConstraints {
     pub count: usize,
     /// Total number of constraints.
     pub of: usize,
-    /// Body, number and position at rest `[length]` of the first node with a redundant constraint; `None` for joints.
+    /// Body, number and reference position `[length]` of the first node with a redundant constraint; `None` for joints.
     pub node: Option<(String, usize, [f64; 3])>,
 }
 
@@ -203,26 +203,25 @@ pub struct ContactFields {
     pub state: Vec<NodeState>,
     /// Shear stress of friction on the secondary side, along its tangent with the body on the left; in space its size `[stress]`.
     pub shear: Vec<f64>,
-    /// Slip in the last step against the other side, along the same tangent; in space its size `[length]`.
+    /// Slip in the last step relative to the other side, along the tangent of `shear`; in space its size `[length]`.
     pub slip: Vec<f64>,
     /// Sum of the sizes of the slips since the start `[length]`.
     pub slip_path: Vec<f64>,
     /// Heat of friction since the start `[energy/length^2]`.
     pub heat: Vec<f64>,
-    /// Contact force on each secondary node, that of friction included `[force]`.
+    /// Contact force on each secondary node, including friction `[force]`.
     pub forces: Vec<[f64; 3]>,
-    /// Resultant of these forces `[force]`; of a surface with itself on one side of its folds, each pair of
-    /// facets being taken once.
+    /// Resultant of `forces` `[force]`; for self-contact that of one side only, since each facet pair is counted once.
     pub force: [f64; 3],
-    /// Sum of the sizes of the nodal forces that press `[force]`.
+    /// Sum of the magnitudes of the normal nodal forces `[force]`.
     pub normal_force: f64,
     /// Length of the secondary surface in contact `[length]`.
     pub area: f64,
-    /// Number of secondary nodes that slide against friction.
+    /// Number of secondary nodes that slip.
     pub sliding: usize,
 }
 
-/// The secondary surface of a contact at one time, as something to look at.
+/// Secondary surface of a contact at one time, for display.
 #[derive(Clone, Debug)]
 pub struct ContactSurface {
     /// Name of the contact.

@@ -18,7 +18,7 @@ use crate::dynamics::step::vibrations::Vibrations;
 use crate::linear::{Lanczos, LinearError, Operator, Ritz, product};
 use crate::math::tolerances;
 
-/// Vectors at most, so many for each factor and so many besides; vectors between two looks.
+/// Largest number of Lanczos vectors: per factor and in addition; vectors between two convergence checks.
 const VECTORS: usize = 20;
 const BESIDES: usize = 300;
 const LOOK_AFTER: usize = 4;
@@ -26,7 +26,7 @@ const LOOK_AFTER: usize = 4;
 /// Largest number of repeated searches for missing factors.
 const MOST_RECOUNTS: usize = 8;
 
-/// `K_0^-1 (K_0 - K_1)`.
+/// Operator `K_0^-1 (K_0 - K_1)` of the eigenvalue problem.
 struct Softening<'a, 'b, const D: usize> {
     vibrations: &'a mut Vibrations<'b, D>,
     stiffness: Vec<f64>,
@@ -58,7 +58,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The smallest factors of the load of the present state at which the model buckles; the state stays as it is.
+    /// Smallest factors of the present load at which the model buckles; the state is not changed.
     ///
     /// # Errors
     /// [`BucklingError`].
@@ -88,7 +88,7 @@ where
     }
 }
 
-/// Load factors with their motions, the strain energy of the linear model with the displacements of the state, and whether none is missing.
+/// Load factors with their shapes, strain energy of the linear model under the state's displacements, true if no factor is missing.
 type Found = (Result<Vec<(f64, Vec<f64>)>, BucklingError>, f64, bool);
 
 fn search<const D: usize>(

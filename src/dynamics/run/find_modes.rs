@@ -1,7 +1,7 @@
 //! Natural vibrations about the present state: `K x = omega^2 M x` with `G x = 0` for ties and active constraints.
 //!
 //! The shift lies below all eigenvalues, so that Lanczos' method finds the lowest ones first. The number of eigenvalues below a value is
-//! the inertia of the matrix shifted to it (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980), so that none is missed.
+//! the number of negative eigenvalues of the shifted matrix (Sylvester; Parlett, The Symmetric Eigenvalue Problem, 1980): none is missed.
 
 use super::balance::Balance;
 use super::engine::Engine;
@@ -16,15 +16,15 @@ use crate::dynamics::step::vibrations::{Rest, Vibrations};
 use crate::linear::{Lanczos, LinearError, Ritz, product};
 use crate::math::tolerances;
 
-/// Growth of a shift that is not below all eigenvalues, and how often it grows at most: instabilities are as stiff as the stiffest cells.
+/// Growth of a shift that is above an eigenvalue, and its largest number of growths: instabilities are as stiff as the stiffest cells.
 const LOWER: f64 = 10.0;
 const MOST_SHIFTS: usize = 25;
 
-/// Vectors at most: so many for each mode, and so many besides.
+/// Largest number of Lanczos vectors: per mode, and in addition.
 const VECTORS: usize = 20;
 const BESIDES: usize = 200;
 
-/// Vectors between two looks at what has been found, at least, and their share of the vectors so far.
+/// Least number of vectors between two convergence checks, and that number relative to the vectors so far.
 const LOOK_AFTER: usize = 3;
 const LOOK_SHARE: usize = 24;
 
@@ -39,7 +39,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The slowest vibrations about the present state, which stays as it is.
+    /// Lowest natural vibrations about the present state, which is not changed.
     ///
     /// # Errors
     /// [`ModesError`].
@@ -88,12 +88,12 @@ where
         -tolerances::MODE_SHIFT * components.iter().map(|component| component.frequency_squared).fold(f64::INFINITY, f64::min)
     }
 
-    /// Directions in which a body may move as a whole: of bodies of revolution that along the axis alone.
+    /// Directions of rigid translation: for bodies of revolution only the axial one.
     fn directions(&self) -> Vec<usize> {
         if self.system.nodes.is_axisymmetric { vec![1] } else { (0..D).collect() }
     }
 
-    /// Result of a search as a mode.
+    /// Vibration mode from an eigenvalue and vector in the Lanczos basis.
     fn mode(&self, ritz: &Ritz, lanczos: &Lanczos, shift: f64, floor: f64) -> Mode {
         let x = self.shape_of(lanczos.vector(&ritz.coefficients));
         let momenta = self.system.nodes.momenta_of(&x);
@@ -110,7 +110,7 @@ where
         }
     }
 
-    /// Shape of a motion of the unknowns: followers of rigid bodies move with these, and the longest displacement has the length 1.
+    /// Nodal shape of a motion of the unknowns, including followers of rigid bodies, scaled to a longest displacement of 1.
     pub(super) fn shape_of(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.system.lead(&mut x);
         scaled_to_one::<D>(x)
@@ -131,8 +131,7 @@ where
     }
 }
 
-/// A motion of the nodes made so large that the longest displacement has the length 1; the first of the components that are as good as the
-/// largest is positive.
+/// Scales a nodal motion to a longest displacement of 1; the sign makes the first of its (nearly) largest components positive.
 fn scaled_to_one<const D: usize>(mut x: Vec<f64>) -> Vec<f64> {
     let size = |node: &[f64]| node.iter().map(|x| x * x).sum::<f64>().sqrt();
     let largest = x.chunks_exact(D).map(size).fold(0.0, f64::max);
@@ -156,7 +155,7 @@ impl From<Failure> for SearchError {
     }
 }
 
-/// Factors the matrix with a shift below all eigenvalues, as far as that can be counted: the shift, from one to begin with.
+/// Factorizes the matrix with a shift below all eigenvalues, if these can be counted: the first of `shift`, 10 `shift`, ...; returns it.
 pub(super) fn below_all<const D: usize>(vibrations: &mut Vibrations<D>, mut shift: f64) -> Result<f64, SearchError>
 where
     Space<D>: Elements<D>,
@@ -230,7 +229,7 @@ where
     }
 }
 
-/// A place between two eigenvalues beyond the first `wanted`, as a distance from the shift; `None` where those known so far lie too close.
+/// Middle of a gap between two eigenvalues beyond the first `wanted`, as a distance from the shift; `None` if known ones lie too close.
 fn gap_after(ritz: &[Ritz], wanted: usize, found: usize) -> Option<f64> {
     let distance = |k: usize| 1.0 / ritz[k].theta;
     let is_gap = |k: &usize| distance(*k) - distance(k - 1) > tolerances::MODE_GAP * distance(*k);

@@ -4,10 +4,10 @@
 //! (K (1 + i eta + i omega beta) - omega^2 M + i omega alpha M) x = f
 //! ```
 //!
-//! with `G x = 0` for what is tied or closed. Stiffness and mass alone are on the left, so the matrix is `K - s M` for a complex `s` of
-//! each frequency, and `(K - sigma M)^-1` of one real shift serves all: `x` is looked for in the Krylov space of `(K - sigma M)^-1 M` that
-//! begins with the static answer (Lanczos' method; Freund, Acta Numerica 12, 2003), until what it misses is small at all frequencies. A
-//! motion of the base carries all nodes along: `x` is what they move beyond it, under the force `(omega^2 - i omega alpha) M r`.
+//! with `G x = 0` for ties and active constraints. Only stiffness and mass are on the left, so the matrix is `K - s M` with a complex `s`
+//! for each frequency, and one real shift serves all: `x` is approximated in the Krylov space of `(K - sigma M)^-1 M` that starts with the
+//! static response (Lanczos' method; Freund, Acta Numerica 12, 2003), until the residual is small at all frequencies. Under base motion `x`
+//! is the displacement relative to the base, under the force `(omega^2 - i omega alpha) M r`.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Steady vibrations about the present state, which stays as it is.
+    /// Steady vibrations about the present state, which is not changed.
     ///
     /// # Errors
     /// [`HarmonicError`].
@@ -71,7 +71,7 @@ where
     }
 }
 
-/// Vectors, their combination for each frequency, and the largest residual.
+/// Lanczos vectors, their coefficients for each frequency, and the largest relative residual.
 type Found = (Vec<Vec<f64>>, Vec<Vec<Complex<f64>>>, f64);
 
 fn search<const D: usize>(

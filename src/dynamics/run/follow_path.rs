@@ -1,9 +1,9 @@
-//! Equilibria along a load, by their load or by the length of the path.
+//! Equilibrium path under a load, controlled by load or by arc length.
 //!
-//! The load parameter is the time of all time functions: forces, pressures and prescribed motions depend on it. A point is predicted along
-//! the tangent and corrected by Newton's method in displacements and load, on a sphere around the point before (Crisfield, Computers &
-//! Structures 13, 1981: displacements alone measure the length). A step that fails is shortened; after fast convergence the next step is
-//! longer. The number of unstable directions is the inertia of the symmetric stiffness.
+//! The load parameter is the time in all time functions of forces, pressures and prescribed motions. A point is predicted along the tangent
+//! and corrected by Newton's method in displacements and load, on a sphere around the previous point (Crisfield, Computers & Structures 13,
+//! 1981: arc length of displacements only). A failed step is shortened; after fast convergence the next step is longer. The number of
+//! unstable directions is the inertia of the symmetric stiffness.
 
 use std::sync::Arc;
 
@@ -23,11 +23,11 @@ use crate::dynamics::step::vibrations::{Rest, Vibrations};
 use crate::linear::product;
 use crate::math::tolerances;
 
-/// Corrections of a point at most, and as many as are wanted.
+/// Largest number of corrections of a point, and their number for which the step size is kept.
 const CORRECTIONS: usize = 12;
 const WANTED: f64 = 4.0;
 
-/// Change of a step after one that failed, of one after another at most, and over the first at most.
+/// Factors of the path step: after a failed step, largest growth per step, and largest size relative to the first step.
 const SHORTER: f64 = 0.5;
 const LONGER: f64 = 1.5;
 const LONGEST: f64 = 4.0;
@@ -35,10 +35,10 @@ const LONGEST: f64 = 4.0;
 /// Largest number of successive reductions of a step.
 const MOST_SHORTER: usize = 12;
 
-/// Halvings of the stretch of a path in which stability changes: a thousandth of an increment is left.
+/// Number of bisections of the path segment in which stability changes: to a thousandth of an increment.
 const BISECTIONS: usize = 10;
 
-/// A point that is looked for.
+/// Iterate of a point on the path.
 #[derive(Clone)]
 struct Guess {
     load: f64,
@@ -46,11 +46,11 @@ struct Guess {
     lambda: Vec<f64>,
 }
 
-/// Derivatives with respect to the load parameter, of all unknowns: of the forces on the right side, and of prescribed motions.
+/// Derivatives of the forces on the right-hand side and of prescribed motions with respect to the load parameter, for all unknowns.
 struct Rates {
     force: Vec<f64>,
     motion: Vec<f64>,
-    /// Derivatives of the gaps of all constraints at fixed nodes: driven joints.
+    /// Derivatives of the gaps of all constraints at fixed nodes; nonzero for driven joints.
     gap: Vec<f64>,
 }
 
@@ -68,7 +68,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Equilibria from the present state on; the simulation is as it was before.
+    /// Equilibria on the path from the present state on; the simulation is not changed.
     ///
     /// # Errors
     /// [`PathError`].
@@ -151,9 +151,8 @@ where
         Ok(Path { points, critical, end })
     }
 
-    /// Finds the load of a bifurcation: between two points by halving, by the number of negative eigenvalues, then from the eigenvalues
-    /// that change their sign, if they are found. Where several vanish at one load, their order at the two ends is not the same, so that
-    /// only ends near each other tell them apart.
+    /// Locates the load of a bifurcation: by bisection on the number of negative eigenvalues, then from the eigenvalues that change sign,
+    /// if found. If several vanish at one load, their order differs at both ends, and only close ends distinguish them.
     fn sharpen(&mut self, points: &[PathPoint], critical: &mut CriticalPoint) {
         let [mut from, mut to] = [0, 1].map(|k| points[critical.after + k].clone());
         for _ in 0..BISECTIONS {
@@ -219,7 +218,7 @@ where
         Ok(())
     }
 
-    /// The next point, and how many corrections it took.
+    /// Finds the next point; returns also the number of corrections.
     fn next_point(
         &mut self,
         from: &Guess,
@@ -337,8 +336,8 @@ where
     }
 }
 
-/// Change of the load that moves a corrected point onto the sphere around the last one; of two solutions the one in the direction of the
-/// step. `None` where no node moves with the load.
+/// Load increment that moves a corrected point onto the sphere around the last point; of two solutions the one in the direction of the
+/// step. `None` if no node moves with the load.
 fn on_sphere(from: &Guess, guess: &Guess, response: &Response, arc: f64) -> Option<f64> {
     let step: Vec<f64> = guess.u.iter().zip(&from.u).map(|(now, before)| now - before).collect();
     let corrected: Vec<f64> = step.iter().zip(&response.correction).map(|(step, own)| step + own).collect();

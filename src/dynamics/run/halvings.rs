@@ -7,13 +7,13 @@ use super::ledger::LedgerRow;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 
-/// The name of a cause. (A name of its own for the type keeps `serde` from borrowing it from what is read.)
+/// Name of a cause; the type alias prevents `serde` from borrowing it from the input.
 pub type Cause = &'static str;
 
 /// Halvings for one cause.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Halving {
-    /// The cause: the name of a motion that is too large, or of the way in which Newton's method failed.
+    /// Cause: name of a too large motion, or kind of failure of Newton's method.
     #[serde(deserialize_with = "known_cause")]
     pub cause: Cause,
     /// First motion that was too large; `None` for other causes.
@@ -46,24 +46,24 @@ impl Halvings {
         new.count_among(&mut self.done);
     }
 
-    /// Counts a step of size `dt` after `row` that would have to be halved, but may not be any more.
+    /// Counts a step of size `dt` after `row` that requires halving but has reached the largest number of halvings.
     pub fn refuse(&mut self, motion: LargeMotion, dt: f64, row: &LedgerRow) {
         let new = Halving { cause: motion.kind.name(), motion: Some(motion), count: 1, step: row.step, time: row.time, dt };
         new.count_among(&mut self.refused);
     }
 
-    /// Cause by cause and contact by contact, in the order of their first ones.
+    /// Halvings by cause and contact, in the order of first occurrence.
     pub fn all(&self) -> &[Halving] {
         &self.done
     }
 
-    /// Steps that were tried without halving although their motion is too large, by cause and contact.
+    /// Steps taken without the halving that their motion requires, by cause and contact.
     pub fn refused(&self) -> &[Halving] {
         &self.refused
     }
 }
 
-/// A cause by the name that was written for it.
+/// Known cause with the name in a file.
 fn known_cause<'de, D: Deserializer<'de>>(reader: D) -> Result<Cause, D::Error> {
     let name = String::deserialize(reader)?;
     let known = Failure::NAMES.iter().chain(MotionKind::NAMES).find(|known| **known == name);

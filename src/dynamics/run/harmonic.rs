@@ -11,12 +11,12 @@ use crate::dynamics::model::interactions::BodyBoundary;
 pub enum Excitation {
     /// A force on a boundary, spread evenly `[force]`.
     Force {
-        /// The boundary.
+        /// Loaded boundary.
         on: BodyBoundary,
         /// Amplitude of the force `[force]`.
         vector: [f64; 3],
     },
-    /// All supports, and the surroundings, by this amplitude `[length]`.
+    /// Common motion of all supports and of the surroundings with this amplitude `[length]`.
     Base([f64; 3]),
 }
 
@@ -42,7 +42,7 @@ pub struct HarmonicResponse {
     pub time: f64,
     /// Angular frequencies `[1/time]`.
     pub frequencies: Vec<f64>,
-    /// Vectors whose combinations the vibrations are, component by component of all nodes.
+    /// Basis vectors whose linear combinations are the vibrations, with all components of all nodes.
     pub(super) basis: Vec<Vec<f64>>,
     /// Coefficients of the basis vectors for each frequency.
     pub(super) combinations: Vec<Vec<Complex<f64>>>,
@@ -56,8 +56,8 @@ pub struct HarmonicResponse {
 }
 
 impl HarmonicResponse {
-    /// Real and imaginary parts of the displacement of a node (bodies one after the other) at each frequency `[length]`: real parts swing
-    /// with the excitation, `x(t) = Re(amplitude exp(i omega t))`.
+    /// Complex amplitude of the displacement of a node (numbered over all bodies) at each frequency `[length]`:
+    /// `x(t) = Re(amplitude exp(i omega t))`, real parts in phase with the excitation.
     pub fn at(&self, node: usize) -> Vec<[[f64; 2]; 3]> {
         let component = |combination: &[Complex<f64>], i: usize| {
             let along = self.basis.iter().zip(combination).map(|(vector, share)| share * vector[node * self.dimension + i]);
@@ -77,7 +77,7 @@ pub enum HarmonicError {
     /// The matrix could not be made or solved with.
     #[error(transparent)]
     Matrix(#[from] ModesError),
-    /// An undamped vibration meets its own frequency.
+    /// Resonance: the excitation of an undamped model has a natural frequency.
     #[error("the vibration with the angular frequency {frequency} grows without bound: it is a natural one, and nothing damps it")]
     Resonance {
         /// The frequency `[1/time]`.
@@ -88,10 +88,10 @@ pub enum HarmonicError {
     NotFound {
         /// The frequency `[1/time]`.
         frequency: f64,
-        /// Vectors that were used.
+        /// Number of vectors used.
         vectors: usize,
     },
-    /// The excitation is zero, or acts on supported unknowns alone.
+    /// The excitation is zero, or acts on supported unknowns only.
     #[error("nothing is excited: the force acts on what is held, or is zero")]
     Nothing,
 }

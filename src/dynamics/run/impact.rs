@@ -2,20 +2,20 @@
 //! their closing is returned at their opening (`reserve.rs`).
 //!
 //! *At closing* a plastic impact makes the rates of all closed constraints zero: `v_1 + w` with `M w = G_1^T mu`, `G_1 (v_1 + w) = 0`, the
-//! smallest change of the velocities that does so. What it takes, and the work `lambda (Phi_n - target)` of the closing itself, goes into a
-//! *reserve*, constraint by constraint, which counts as potential energy. *At opening*, when the constraint has left the active set and its
-//! gap grows, a smoothed jump `v_1 + s w`,
+//! smallest such velocity change. Its energy loss, and the work `lambda (Phi_n - target)` of the closing, are stored for each constraint as
+//! *reserve*, which counts as potential energy. *At opening*, when the constraint has become inactive and its gap grows, a smoothed jump
+//! `v_1 + s w`,
 //!
 //! ```text
 //! (M + (dt/2)^2 K_m(q_1)) w = G_1^T (push + mu),    G_1 w = 0 where closed,    1/2 s^2 w.Mw + s v_1.Mw = reserve
 //! ```
 //!
-//! returns it (energetic restitution, after Stronge, *Impact Mechanics*, 2000). `G_1` at the end of the step and the material stiffness
-//! `K_m` have neither resultant nor moment there, so both momenta are exact. Given back at once, as in Laursen and Love (IJNME 53, 2002),
-//! the energy throws the node off again, and a plane contact opens and closes in every second step.
+//! returns the energy (energetic restitution, after Stronge, *Impact Mechanics*, 2000). The forces of `G_1` and of the material stiffness
+//! `K_m` at the end of the step have no resultant and no moment, so linear and angular momentum are exact. Energy returned at once, as in
+//! Laursen and Love (IJNME 53, 2002), repels the node, and a plane contact opens and closes in every second step.
 //!
-//! Friction acts in both: the ratios of tangential to normal impulses are those of the step, so that the sum stays within the cone, and the
-//! tangential momentum that an impact transfers is `mu` times the normal one.
+//! Friction acts in both: ratios of tangential to normal impulses are those of the step, so that the sum stays within the friction cone,
+//! and an impact transfers the tangential momentum `mu` times the normal one.
 
 use super::engine::Engine;
 use super::velocity_correction::{Ending, VelocityCorrection};

@@ -1,10 +1,10 @@
-//! `settle` at a later time: at once or, where that fails, in increments of the time, each from equilibrium to equilibrium.
+//! `settle` at a later time: in one increment or, if that fails, in several increments of time, from equilibrium to equilibrium.
 //!
-//! Loads, prescribed motions and obstacles follow their functions of time. An increment that fails is reduced, after an accepted one the
-//! next is longer; intermediate equilibria are found less exactly than the last one. Where even a small increment fails, a limit point may
-//! have been reached: then damped steps may find an equilibrium beyond it (a snap-through). Obstacles move by at most a facet per
-//! increment, since contact with a body that is jumped over would be missed. Boundaries rotate by at most an eighth of a turn, since a
-//! motion to the end at once takes the shorter direction.
+//! Loads, prescribed motions and obstacles follow their functions of time. Increments are reduced after a failure and enlarged after a
+//! success; intermediate equilibria are less accurate than the last one. If even a small increment fails, a limit point may have been
+//! reached: damped steps may then find an equilibrium beyond it (snap-through). Obstacles move by at most a facet per increment, or contact
+//! with a body could be missed. Boundaries rotate by at most an eighth of a turn, because larger rotations could take the shorter
+//! direction.
 
 use std::sync::Arc;
 
@@ -19,15 +19,15 @@ use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
 use crate::math::tolerances::{EIGHTH_TURN, PASSING};
 
-/// Change of an increment after one that failed, and after one that did not.
+/// Factors of an increment after a failed and after a successful one.
 const SHORTER: f64 = 0.25;
 const LONGER: f64 = 2.0;
 
-/// The first increment after all at once has failed, and that below which increments no longer help: shares of the whole.
+/// First increment after the whole motion at once has failed, and least increment, relative to the whole.
 const FIRST: f64 = 0.25;
 const LEAST: f64 = 1.0 / 512.0;
 
-/// The increment over which damped steps may look for an equilibrium, where the way there has none.
+/// Increment over which damped steps may find an equilibrium if the quasi-static path has none.
 const JUMP: f64 = 1.0 / 64.0;
 
 /// Relative size of a remaining interval below which it is merged with the increment before it.
@@ -37,7 +37,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Settles at a time: that of the state, or a later one, which the model reaches without inertia.
+    /// Settles at a time: the present one, or a later one that the model reaches quasi-statically.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         let (from, iterations, factorizations) =
             (self.state.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
@@ -74,7 +74,7 @@ where
         Ok(report)
     }
 
-    /// Settles in one increment if obstacles and rotations permit, or in several, or in one with all remedies.
+    /// Settles in one increment if the motions of obstacles and rotations permit, else in several; if these fail, in one with all remedies.
     fn settle_later(&mut self, from: f64, time: f64) -> Result<SettleReport, StepError> {
         let begun = self.state.clone();
         let may_be_at_once = !self.goes_far(from, time)?;
@@ -135,7 +135,7 @@ where
         }
     }
 
-    /// Equilibrium at a time, from where the model is.
+    /// Equilibrium at a time, starting from the present state.
     pub(super) fn settle_once(&mut self, time: f64, care: Care) -> Result<SettleReport, StepError> {
         if time != self.state.row.time {
             let state = Arc::make_mut(&mut self.state);

@@ -7,7 +7,7 @@ use crate::dynamics::model::definitions::Model;
 use crate::dynamics::step::equations::Equations;
 use crate::math::tolerances;
 
-/// Velocities at the start: those of the bodies, of supports, of prescribed motions.
+/// Initial velocities: those of the bodies, of supports, and of prescribed motions.
 pub(super) fn initial_velocities<const D: usize>(system: &Equations<D>, model: &Model, positions: &[f64]) -> Vec<f64> {
     let mut velocities = vec![0.0; system.nodes.reference.len()];
     for initial in &model.initial_velocities {
@@ -45,8 +45,8 @@ pub(super) fn initial_velocities<const D: usize>(system: &Equations<D>, model: &
     velocities
 }
 
-/// Replaces the velocities of a rigid body by those of the rigid motion nearest to them, in the norm of the kinetic energy, that has the
-/// velocities of its held components. Else those of its masters, and with them the energy at the start, would depend on the numbering.
+/// Replaces the velocities of a rigid body by the closest rigid motion in the kinetic energy norm that satisfies its prescribed components.
+/// Otherwise velocities and initial energy would depend on the node numbering.
 fn hold_rigid_body<const D: usize>(system: &Equations<D>, model: &Model, body: usize, positions: &[f64], velocities: &mut [f64]) {
     let (Some(inertia), nodes) = (model.bodies[body].rigid, system.bodies[body].nodes.clone()) else { return };
     let own = nodes.start * D..nodes.end * D;

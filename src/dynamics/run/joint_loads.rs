@@ -19,7 +19,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Force, moment and coordinate of the joint `name`: those on its second body, with the multipliers of the last step at the present
+    /// Force, moment and coordinate of the joint `name`: acting on its second body, with the multipliers of the last step at the present
     /// positions. Returns `None` without such a joint.
     pub fn joint_load(&self, name: &str) -> Option<JointLoad> {
         let index = self.model.joints.iter().position(|joint| joint.name == name)?;
@@ -36,15 +36,15 @@ where
         Some(JointLoad { force, moment, time, place: self.anchor_place(&joint.ends[1], q)?, coordinate, work })
     }
 
-    /// Forces of all joints in a step with an iterate at its end, where they act in it.
+    /// Forces of all joints in a step that ends at the iterate `at`, at the configuration where the forces act.
     pub(super) fn joints_after(&self, start: &StepStart, at: &Linearization, lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
         let share = start.derivative().placement().share;
         let acting: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(q_0, q_1)| q_0 + share * (q_1 - q_0)).collect();
         self.joint_totals(&at.q_1, (&acting, &at.pairs), lambda, works)
     }
 
-    /// Forces of all joints with the multipliers of a step, `acting` where and with the gradients with which they act, and the coordinates
-    /// at its end `q`; `works` are those of the drives in this step.
+    /// Forces of all joints with the multipliers of a step; `acting`: configuration and evaluations at which forces act, `q`: positions at
+    /// its end for the coordinates, `works`: work of the drives in this step.
     pub(super) fn joint_totals(&self, q: &[f64], acting: (&[f64], &[Evaluation]), lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
         let mut works = works.iter();
         let known = &self.state.row.joints;
@@ -62,7 +62,7 @@ where
         FreeMotion::new(&self.model, &self.system.bodies, joint, 1.0).map_or(f64::NAN, |free| free.value(q, before))
     }
 
-    /// Force and moment of a joint in a step: with the gradients of the step they equal the change of its bodies' momenta.
+    /// Force and moment of a joint in a step; with the gradients of the step they equal the momentum change of its bodies.
     fn joint_total(&self, joint: &JointDefinition, (q, pairs): (&[f64], &[Evaluation]), lambda: &[f64]) -> JointTotals {
         let held = joint.ends[1].body.map_or(0..0, |body| self.system.bodies[body].nodes.clone());
         let place = self.anchor_place(&joint.ends[1], q).unwrap_or_default();
@@ -83,7 +83,7 @@ where
         total
     }
 
-    /// Updates the number of turns that gears count of their joints, from the present state.
+    /// Updates the counted turns of joints that gears couple, from the present state.
     pub(super) fn count_turns(&mut self) {
         let known = &self.state.row.joints;
         let value = |joint: usize| known.get(joint).map_or(0.0, |known| known.value);
@@ -94,7 +94,7 @@ where
         }
     }
 
-    /// Joints that the initial velocities violate, with the rate at which the joint would open `[length/time]`.
+    /// Joints violated by the initial velocities, with the rate at which each would open `[length/time]`.
     pub fn loose_joints(&self) -> Vec<(String, f64)> {
         let (q, v) = (&self.state.positions, &self.state.velocities);
         let rate = |pair: &ContactPair| {

@@ -14,8 +14,8 @@ use crate::dynamics::step::system::System;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// Open time after which a touch counts as a first one, in times in which an elastic wave crosses a cell: nodes of a surface in contact
-/// bounce with the mesh.
+/// Open time after which a touch counts as a first one, in travel times of an elastic wave through a cell: nodes in contact chatter at mesh
+/// frequency.
 const BOUNCE: f64 = 10.0;
 
 impl<const D: usize> Engine<D>
@@ -58,7 +58,7 @@ where
         }
     }
 
-    /// Largest change of the equivalent plastic strain of a point, from the present state to another.
+    /// Largest increase of the equivalent plastic strain of a point from the present state to another.
     fn plastic_strain(&self, state: &State) -> f64 {
         let flowing = self.system.bodies.iter().filter(|body| body.elements.flows());
         let of_body = |body: &Body<D>| {

@@ -1,4 +1,4 @@
-//! A contact with its multipliers at a configuration, and the forces that these exert.
+//! A contact with its multipliers at a configuration, and the resulting nodal forces.
 
 use super::slip_memory::Tangential;
 use crate::contact::Evaluation;
@@ -42,7 +42,7 @@ impl Loaded<'_> {
         self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, false, visit);
     }
 
-    /// Visits forces like [`Self::for_each_force`], but those of constraints between nodes as a whole at the node where output shows them.
+    /// Visits forces like [`Self::for_each_force`]; forces of constraints between nodes are assigned to the node where output shows them.
     pub(super) fn for_each_shown_force<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         self.visit::<D>(lambda, self.pressing(), &self.evaluation.gradient_end, true, visit);
     }
@@ -52,7 +52,7 @@ impl Loaded<'_> {
         self.pulls::<D>(lambda, false, visit);
     }
 
-    /// Visits forces like `for_each_pull`, but those of constraints between nodes as a whole at the node where output shows them.
+    /// Visits forces like `for_each_pull`; the whole force of a constraint between nodes is assigned to the node where output shows it.
     pub(super) fn for_each_shown_pull<const D: usize>(&self, lambda: &[f64], visit: impl FnMut(u32, bool, f64, [f64; 3])) {
         self.pulls::<D>(lambda, true, visit);
     }
@@ -72,7 +72,7 @@ impl Loaded<'_> {
         self.pair.live_rows(self.evaluation).map(move |row| (row.row - first, row.row - first, row))
     }
 
-    /// Visits forces of constraints, each with the index of its multiplier and that of its normal constraint.
+    /// Visits forces of constraints, each with the index of its multiplier and the index of its normal constraint.
     fn visit<'a, const D: usize>(
         &self,
         lambda: &[f64],

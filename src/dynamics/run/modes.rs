@@ -19,24 +19,22 @@ pub struct Modes {
     pub directions: Vec<usize>,
     /// True if the inertia count confirms that no vibration is missed.
     pub is_complete: bool,
-    /// Difference of the stiffness from a symmetric one, over its largest entry: loads that follow the surface. Their symmetric part is
-    /// what the modes are of.
+    /// Largest asymmetry of the stiffness relative to its largest entry, caused by follower loads; modes belong to the symmetric part.
     pub asymmetry: f64,
-    /// Factorizations that were needed, and vectors that the inverse operator was applied to.
+    /// Number of factorizations, and number of applications of the inverse operator.
     pub work: [usize; 2],
 }
 
 /// A vibration.
 #[derive(Clone, Debug)]
 pub struct Mode {
-    /// Square of the angular frequency; negative where the state is unstable in this direction, 0 where it is less than round-off
-    /// `[1/time^2]`.
+    /// Square of the angular frequency `[1/time^2]`; negative for an unstable direction, 0 below round-off.
     pub eigenvalue: f64,
     /// Displacements of the nodes of every body, the largest of length 1.
     pub shape: Vec<Vec<[f64; 3]>>,
-    /// Mass of the vibration with that shape, `x^T M x` `[mass]`.
+    /// Modal mass of the scaled shape, `x^T M x` `[mass]`.
     pub modal_mass: f64,
-    /// Part of a unit motion along each direction that is this vibration, `x^T M e / x^T M x`.
+    /// Participation factor of this vibration for a unit motion along each direction, `x^T M e / x^T M x`.
     pub participation: Vec<f64>,
     /// Mass that vibrates along each direction, `(x^T M e)^2 / x^T M x` `[mass]`.
     pub effective_mass: Vec<f64>,
@@ -55,7 +53,7 @@ impl Mode {
         self.angular_frequency() / TAU
     }
 
-    /// Rate with which an instability grows, 0 of a vibration `[1/time]`.
+    /// Growth rate of an instability, 0 for a vibration `[1/time]`.
     pub fn growth(&self) -> f64 {
         (-self.eigenvalue).max(0.0).sqrt()
     }
@@ -75,7 +73,7 @@ pub enum ModesError {
     TooMany {
         /// Requested number of modes.
         count: usize,
-        /// Number of motions that supports and constraints leave.
+        /// Number of motions admitted by supports and constraints.
         motions: usize,
     },
     /// Lanczos' method did not find all requested modes.
@@ -85,7 +83,7 @@ pub enum ModesError {
         count: usize,
         /// Number of converged modes.
         found: usize,
-        /// Vectors that were used.
+        /// Number of vectors used.
         vectors: usize,
     },
 }

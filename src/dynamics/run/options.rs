@@ -16,7 +16,7 @@ use crate::linear::Work;
 pub struct Options {
     /// Time integrator.
     pub integrator: Scheme,
-    /// Nominal step size, that of the first step where steps choose theirs, 0 for one that follows from the cells `[time]`.
+    /// Nominal step size; initial size for adaptive steps, 0 to derive the size from the cells `[time]`.
     pub dt: f64,
     /// Step size control; `None`: constant nominal size.
     pub control: Option<StepControl>,
@@ -59,13 +59,13 @@ impl Options {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// An error, or the end of the run at `time` where an interrupt came before it: an interrupt also ends a script's closure that is
-    /// just running, and what fails after that may not fail without it.
+    /// The error, or an interruption at `time` if the run was interrupted: an interrupt also ends script closures, and their failure may be
+    /// its consequence.
     pub(super) fn or_interrupted(&self, error: StepError, time: f64) -> StepError {
         if self.interrupted() { StepError::Interrupted { time } } else { error }
     }
 
-    /// Refuses a result that was found while an interrupt came: a time function that it ended may have been taken for one without a value.
+    /// Refuses a result found while the run was interrupted: an interrupted time function may have returned no value.
     ///
     /// # Errors
     /// The user wants the run to end.
@@ -79,13 +79,13 @@ impl Options {
 pub struct Statistics {
     /// Accepted steps.
     pub steps: usize,
-    /// Newton iterations, those of refused steps included.
+    /// Newton iterations, including those of refused steps.
     pub newton_iterations: usize,
-    /// Halvings of steps that were tried; [`Simulation::halvings`](crate::dynamics::Simulation::halvings) counts all, by their causes.
+    /// Halvings of attempted steps; [`Simulation::halvings`](crate::dynamics::Simulation::halvings) counts all by cause.
     pub halvings: usize,
     /// Numeric factorisations.
     pub factorizations: usize,
-    /// Factorizations of failed attempts and of steps that were taken back.
+    /// Factorizations of failed attempts and of undone steps.
     pub discarded: usize,
     /// Work of the linear solver, including factorizations of refused steps.
     pub linear: Work,

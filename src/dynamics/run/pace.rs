@@ -30,10 +30,10 @@ const LONGER: f64 = 2.0;
 const SHORTER: f64 = 0.2;
 /// Largest size of a repeated step relative to the refused one.
 const LESS: f64 = 0.9;
-/// Weight of a shorter step in the size that steps usually have, for a step of that size.
+/// Weight of a shorter step in the average step size, for a step of that size.
 const FORGETTING: f64 = 0.3;
-/// Growth of the largest speed in a step, over the root of the tolerance, from which a motion counts as just begun: it is still slow, and
-/// accuracy relative to its distance is not significant.
+/// Growth of the largest speed in a step relative to the root of the tolerance from which a motion counts as just begun: accuracy relative
+/// to its small distance is not significant.
 const BEGUN: f64 = 5.0;
 
 /// Accuracy and bounds of the step size.
@@ -50,12 +50,12 @@ pub struct StepControl {
 }
 
 impl StepControl {
-    /// Plastic strain of a step over the largest one; 0 without a bound.
+    /// Increase of plastic strain in a step relative to its bound; 0 without a bound.
     fn plastic_ratio(&self, plastic_strain: f64) -> f64 {
         self.plastic_strain.map_or(0.0, |largest| plastic_strain / largest)
     }
 
-    /// Smallest size after a first one `[time]`.
+    /// Smallest step size, given the size `first` of the first step `[time]`.
     fn smallest(&self, first: f64) -> f64 {
         self.smallest.unwrap_or(tolerances::SMALLEST_STEP * first)
     }
@@ -64,7 +64,7 @@ impl StepControl {
 /// State of the step size controller.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pace {
-    /// Size of the next step, 0 where none has been chosen `[time]`.
+    /// Size of the next step, 0 if not chosen yet `[time]`.
     dt: f64,
     /// Usual size of steps, in which short steps at impacts have little weight `[time]`.
     usual: f64,
@@ -87,7 +87,7 @@ struct PastStep {
     velocity: Arc<Vec<f64>>,
 }
 
-/// A step that has converged.
+/// Converged step, as judged by the controller.
 pub struct Stepped<'a> {
     /// Time integrator of the step.
     pub scheme: &'a Scheme,
@@ -99,15 +99,15 @@ pub struct Stepped<'a> {
     pub v_0: &'a [f64],
     /// True if the step is shorter than chosen, to end at an event.
     pub is_cut: bool,
-    /// First touch of a contact that the step has missed.
+    /// First touch of a contact at another time than the end of the step.
     pub touch: Option<Touch>,
-    /// Round-off of the positions, where contacts or rigid bodies depend on them; else 0 `[length]`.
+    /// Round-off of the positions if contacts or rigid bodies depend on them; otherwise 0 `[length]`.
     pub round_off: f64,
     /// Largest plastic strain of the step at a point.
     pub plastic_strain: f64,
 }
 
-/// A first touch that does not fall on the end of a step.
+/// First touch of a contact within a step, not at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Touch {
     /// Penetration of the sides at the end of the step `[length]`.
@@ -118,7 +118,7 @@ pub enum Touch {
 
 /// Root mean squares over the mass of bodies, the largest of all.
 pub trait Measure {
-    /// Root mean square of a vector with a component for each unknown, of all unknowns or of the free ones.
+    /// Root mean square of a vector of all unknowns, over all or over the free ones.
     fn size(&self, vector: &[f64], free: bool) -> f64;
 }
 
@@ -141,7 +141,7 @@ impl Pace {
         Pace { open, ..self }
     }
 
-    /// Discards the history of the motion, which continues in another way.
+    /// Discards the history of the motion after a discontinuity.
     pub fn restart(&mut self) {
         self.steps.clear();
         self.ratio = 0.0;
@@ -152,7 +152,7 @@ impl Pace {
         Pace { dt: self.dt.min(dt), ..self.clone() }
     }
 
-    /// Returns the controller after a step that is accurate enough.
+    /// Returns the controller after a sufficiently accurate step.
     ///
     /// # Errors
     /// The step is not accurate enough: the size of the next try.
@@ -208,7 +208,7 @@ impl Pace {
         Ok(next)
     }
 
-    /// Growth of the error in the step by second and by third differences, component by component; `None` if too few states are known.
+    /// Growth of the error in the step by second and by third differences, for each component; `None` if too few states are stored.
     fn growth(&self, step: &Stepped, velocity: &[f64]) -> Option<[Vec<f64>; 2]> {
         let &Stepped { scheme: Scheme { error, .. }, dt, v_0, .. } = step;
         // Mean velocities of stretches of time up to now, the last one first; that of no length is the velocity itself.

@@ -1,18 +1,18 @@
 //! Ledger rows as bytes, for files that hold many of them: numbers of 8 bytes (little endian), lists behind their length.
 //!
-//! This is compiled with the kernels' optimization: a run visits each of its rows a dozen times, and `serde` takes ten times as long.
+//! Compiled with full optimization: a run visits each row a dozen times, and `serde` takes ten times as long.
 
 use super::ledger::{ContactTotals, JointTotals, LedgerRow, PartTotals, ProbeValues, Reaction};
 
 /// Bytes of a number.
 const NUMBER: usize = 8;
 
-/// A value as bytes.
+/// Value that is converted to and from bytes.
 trait Packed {
     /// Appends the bytes.
     fn put(&self, into: &mut Vec<u8>);
 
-    /// Takes the value from the beginning of some bytes; `None` where they are too few.
+    /// Reads the value from the front of a byte slice; `None` if the slice is too short.
     fn take(&mut self, from: &mut &[u8]) -> Option<()>;
 }
 
@@ -102,7 +102,7 @@ impl LedgerRow {
         self.put(into);
     }
 
-    /// Takes the row from the beginning of some bytes, in place of what it was; the bytes behind it, or `None` where they are too few.
+    /// Replaces the row by one read from the front of a byte slice; returns the remaining bytes, or `None` if the slice is too short.
     #[inline(never)]
     pub fn unpack<'a>(&mut self, mut bytes: &'a [u8]) -> Option<&'a [u8]> {
         self.take(&mut bytes)?;

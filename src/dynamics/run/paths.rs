@@ -23,7 +23,7 @@ pub struct PathOptions {
 /// Equilibria along a load.
 #[derive(Clone, Debug)]
 pub struct Path {
-    /// The equilibria, from that at which the path begins.
+    /// Equilibria on the path, from its start on.
     pub points: Vec<PathPoint>,
     /// Critical points, where stability is lost or gained.
     pub critical: Vec<CriticalPoint>,
@@ -50,7 +50,7 @@ pub struct CriticalPoint {
     /// Load at the critical point, as a time `[time]`: for a limit point the extremum of the parabola through the adjacent points, for
     /// others the zero of the eigenvalue that changes its sign between two points.
     pub load: f64,
-    /// Index of the path point before it.
+    /// Index of the path point before the critical point.
     pub after: usize,
 }
 
@@ -59,7 +59,7 @@ pub struct CriticalPoint {
 pub enum CriticalKind {
     /// The load has an extremum.
     Limit,
-    /// Another path branches off.
+    /// Another path branches off at this point.
     Bifurcation,
 }
 
@@ -80,7 +80,7 @@ pub enum PathError {
     /// The first equilibrium was not found, or the run was interrupted.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// Sides may touch and part.
+    /// The model has a contact that may close and open.
     #[error("contact \"{contact}\" may close and open, which the search for equilibria along a path does not follow")]
     Contact {
         /// Name of the contact.

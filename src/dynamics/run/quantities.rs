@@ -99,7 +99,7 @@ where
             .collect()
     }
 
-    /// A body as its element loop sees the present state.
+    /// Present state of a body, as passed to its element loop.
     pub(super) fn present(&self, body: &Body<D>) -> Present<'_> {
         let history = self.state.memory.get(body.number).map_or(&[][..], Vec::as_slice);
         Present { u: &self.state.displacements, history }
@@ -114,14 +114,14 @@ where
         Stresses::at_nodes(&*body.elements, self.present(body), body.nodes.clone(), recovery)
     }
 
-    /// Estimated error of the stresses of a body over the size of the stresses.
+    /// Estimated error of the stresses of a body relative to their size.
     pub fn estimated_error(&self, body: usize) -> f64 {
         let body = &self.system.bodies[body];
         let continuous = self.stresses_at(body).stress;
         StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &continuous).relative()
     }
 
-    /// Stress and strain inside of the cells of a body, in the order of the cells.
+    /// Stress and strain inside the cells of a body, in the order of the cells.
     pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
         let (q, body) = (&self.state.positions, &self.system.bodies[body]);
         let mut points = Vec::new();
@@ -151,7 +151,7 @@ where
         }
     }
 
-    /// One body as a whole.
+    /// Totals of one body.
     pub fn body_totals(&self, body: usize) -> BodyTotals {
         let (system, state) = (&self.system, &self.state);
         let Body { nodes, elements, .. } = &system.bodies[body];
@@ -176,7 +176,7 @@ where
         }
     }
 
-    /// Every rigid obstacle where it is; one that several contacts have in common is one.
+    /// Rigid obstacles at their present positions; an obstacle shared by several contacts is listed once.
     pub fn placed_obstacles(&self) -> Vec<PlacedObstacle> {
         let mut placed: Vec<PlacedObstacle> = Vec::new();
         for interaction in &self.model.interactions {
@@ -191,7 +191,7 @@ where
         placed
     }
 
-    /// The ties and joints of which some constraints follow from others.
+    /// Redundant constraints of ties and joints.
     pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
         let system = &self.system;
         let of = |pair: &ContactPair| {
@@ -219,7 +219,7 @@ where
         Some(contact_fields::<D>(contact, &corners, &self.state.positions).in_order(&order))
     }
 
-    /// The secondary surfaces of all contacts but ties, in the order of the model.
+    /// Secondary surfaces of all contacts except ties, in the order of the model.
     pub fn contact_surfaces(&self) -> Vec<ContactSurface> {
         let there = self.evaluated_at(&self.state.positions);
         let reference = &self.system.nodes.reference;
@@ -256,7 +256,7 @@ where
         [evaluations, slips]
     }
 
-    /// A contact and its corners with evaluations of all pairs, in the present state.
+    /// A contact and its corners with the evaluations of all pairs, in the present state.
     fn loaded<'a>(&'a self, index: usize, [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (Loaded<'a>, Vec<Loaded<'a>>) {
         let State { lambda, active, slipped, .. } = &*self.state;
         loaded(&self.system, index, &Touching { evaluations, slips, lambda, active, slipped })
@@ -301,7 +301,7 @@ where
     }
 }
 
-/// Mean of the values at the points of a cell, by their shares.
+/// Weighted mean of the values at the points of a cell.
 fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
     let mut mean = CellStress::default();
     for (_, share, values) in points {

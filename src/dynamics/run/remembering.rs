@@ -1,4 +1,4 @@
-//! History variables of a time integrator at a state that none of its steps led to: at the start, after `settle`, after another integrator.
+//! History variables of a time integrator at a state that none of its own steps has reached: the start, or after `settle` or another one.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};
 use crate::dynamics::step::start::{StepKind, StepStart};
 use crate::integrators::{Derivative, History};
 
-/// Part of a step over which the acceleration of a prescribed node is the change of its velocity: a kink at the start does not count.
+/// Fraction of a step over which the acceleration of a prescribed node is differenced, so that a kink at the start does not count.
 const SOON: f64 = 0.125;
 
 impl<const D: usize> Engine<D>
@@ -77,7 +77,7 @@ where
         Ok(remembered)
     }
 
-    /// Loads and the forces of obstacles and of the ground at an iterate at rest, with these multipliers.
+    /// Loads, and forces of obstacles and of the ground, at an iterate at rest with the multipliers `lambda`.
     ///
     /// # Errors
     /// A time function failed.
@@ -94,7 +94,7 @@ where
         Ok([at.forces.load.iter().map(|load| whole * load).collect(), obstacles])
     }
 
-    /// Accelerations of prescribed nodes from now on, 0 for all others of so many unknowns.
+    /// Accelerations of prescribed nodes from the present time on, 0 for all other unknowns.
     fn prescribed_accelerations(&self, unknowns: usize) -> Result<Vec<f64>, StepError> {
         let (supports, mut accelerations) = (&self.system.supports, vec![0.0; unknowns]);
         if !supports.prescribed.is_empty() {

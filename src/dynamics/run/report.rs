@@ -10,7 +10,7 @@ pub enum FailureCause {
     CyclingContact {
         /// Name of the contact pair.
         contact: String,
-        /// Nodes that changed.
+        /// Nodes whose contact state cycled.
         cycling: Vec<CyclingNode>,
         /// Secondary nodes of the pair.
         nodes: usize,
@@ -21,18 +21,18 @@ pub enum FailureCause {
     LoadTooFast {
         /// Name of the load or prescribed motion, such as `the load on "block.top"`.
         load: String,
-        /// Body of the node that it moves farthest.
+        /// Body of the node with the largest displacement by the load.
         body: String,
-        /// Number of that node in the body's mesh.
+        /// Number of the node in the body's mesh.
         node: usize,
-        /// Displacement of the node by the load alone in the last try, in cells.
+        /// Displacement of the node by the load alone in the last attempt, in cells.
         cells: f64,
         /// Resulting failure.
         outcome: Box<FailureCause>,
     },
-    /// Newton's method came nearer from halving to halving, or was still converging when its iterations were over.
+    /// Newton's method improved from halving to halving, or was still converging at its iteration limit.
     StepLimit {
-        /// Residual over target at the end of each try.
+        /// Residual over target at the end of each attempt.
         ratios: Vec<f64>,
     },
     /// `settle` found no equilibrium.
@@ -41,7 +41,7 @@ pub enum FailureCause {
         steps: usize,
         /// Unbalanced force on the body over the forces on it.
         unbalanced: f64,
-        /// Body that moves most.
+        /// Body with the largest motion.
         body: String,
         /// Motion of the body, such as `move along (1.00, 0.00)`.
         how: String,
@@ -58,7 +58,7 @@ pub enum FailureCause {
         body: String,
         /// Cell number in its mesh.
         cell: usize,
-        /// Smallest determinant of the deformation gradient in it.
+        /// Smallest determinant of the deformation gradient in the cell.
         determinant: f64,
         /// Center of the cell in the undeformed body `[length]`.
         center: [f64; 3],
@@ -67,7 +67,7 @@ pub enum FailureCause {
     },
     /// The linear system could not be solved.
     SingularSystem {
-        /// Rigid motion that a body can perform, or the dependent constraints.
+        /// Possible rigid motion of a body, or dependent constraints.
         reason: String,
     },
     /// Bodies moved farther in the step than the search for contact reaches.
@@ -77,15 +77,15 @@ pub enum FailureCause {
     },
 }
 
-/// Support that a body lacks to be at rest.
+/// Kind of support that a body needs for equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Missing {
     /// The body touches nothing.
     Support,
-    /// The body is in contact without friction, which does not hold it.
+    /// The body is only in frictionless contact, which does not prevent sliding.
     Guidance,
-    /// The body is in contact with friction, which does not hold it.
+    /// The body is in contact with friction that is insufficient to hold it.
     Friction,
 }
 
@@ -100,7 +100,7 @@ pub struct CyclingNode {
     pub index: Option<usize>,
 }
 
-/// One try of the step that failed.
+/// One attempt at the failed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TryReport {
     /// Size of the step `[time]`.
@@ -115,7 +115,7 @@ pub struct TryReport {
     pub outcome: &'static str,
 }
 
-/// One Newton iteration of the step that failed.
+/// One Newton iteration of the failed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IterationReport {
     /// Largest component of the residual `[force]`.
@@ -126,7 +126,7 @@ pub struct IterationReport {
     pub energy: f64,
     /// Largest violation of the contact conditions, relative to the tolerance.
     pub gap_violation: f64,
-    /// Contact nodes that changed their state.
+    /// Number of contact nodes whose state changed.
     pub changes: usize,
     /// Active contact nodes.
     pub active: usize,
@@ -140,29 +140,29 @@ pub struct IterationReport {
     pub is_slip: bool,
 }
 
-/// Report of a step that failed after all tries.
+/// Report of a step that failed in all attempts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailureReport {
     /// Time at the beginning of the step `[time]`.
     pub time: f64,
     /// Number of the step.
     pub step: usize,
-    /// Size of the last try `[time]`; 0 in `settle`.
+    /// Size of the last attempt `[time]`; 0 in `settle`.
     pub dt: f64,
     /// Number of halvings.
     pub halvings: usize,
     /// Cause of the failure.
     pub cause: FailureCause,
-    /// Iterations of the last try.
+    /// Iterations of the last attempt.
     pub iterations: Vec<IterationReport>,
-    /// Body without support whose loads do not balance, so that contact alone can hold it; set in `settle`.
+    /// Body without support whose loads are unbalanced, so that only contact can hold it; set in `settle`.
     pub unheld: Option<String>,
-    /// All tries, from the nominal step to the last halving; empty in `settle`.
+    /// All attempts, from the nominal step to the last halving; empty in `settle`.
     pub tries: Vec<TryReport>,
 }
 
 impl FailureReport {
-    /// The cause with its numbers, one sentence.
+    /// One sentence on the cause with its numbers.
     pub fn explanation(&self) -> String {
         let cause = self.cause_text();
         match &self.unheld {
@@ -248,10 +248,10 @@ impl FailureReport {
     }
 }
 
-/// Halvings from which on the residuals of the tries say whether smaller steps help.
+/// Number of halvings from which the residuals of the attempts indicate whether smaller steps help.
 const HALVINGS_TO_JUDGE: usize = 3;
 
-/// Growth of the residual over its target, from the nominal step to the last halving, from which on smaller steps are no remedy.
+/// Growth of the residual relative to its target, from the nominal step to the last halving, above which smaller steps are no remedy.
 const WORSE: f64 = 10.0;
 
 /// Additional remedy for friction.
@@ -281,10 +281,10 @@ impl IterationReport {
     }
 }
 
-/// Nodes that an explanation names at most.
+/// Largest number of nodes named in an explanation.
 const NAMED: usize = 4;
 
-/// `nodes 3, 4 and 7 of body "block"`.
+/// Lists the nodes in words, such as `nodes 3, 4 and 7 of body "block"`.
 fn named(cycling: &[CyclingNode]) -> String {
     let numbers: Vec<String> = cycling.iter().take(NAMED).map(|node| node.node.to_string()).collect();
     let (body, plural) = (cycling.first().map_or("", |node| &node.body), if cycling.len() == 1 { "" } else { "s" });

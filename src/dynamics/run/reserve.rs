@@ -13,16 +13,16 @@ use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::impulse_response::ImpulseResponse;
 use crate::math::tolerances;
 
-/// Gap, relative to the secondary facet length, up to which an inactive constraint takes over the stored impact energy of one that has
-/// slipped off.
+/// Gap relative to the secondary facet length up to which an inactive constraint takes over the stored impact energy of a constraint whose
+/// node left the surface.
 const NEAR: f64 = 0.5;
 
-/// Condition on constraints that have opened and push.
+/// Condition on opened constraints for the return of their stored energy.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
     /// Only constraints whose sides part.
     Parting,
-    /// All constraints.
+    /// All opened constraints.
     Anyhow,
 }
 
@@ -50,7 +50,7 @@ where
         Ok(())
     }
 
-    /// Rows that have left the active set with a reserve.
+    /// Constraints with stored impact energy that have become inactive.
     fn opened(&self, end: &Ending, jump: &VelocityCorrection) -> Vec<usize> {
         (0..end.ours.len()).filter(|&row| end.has_opened(row, &jump.reserve)).collect()
     }
@@ -67,7 +67,7 @@ where
         end.solution.at.pairs[pair].coverage[local] > tolerances::SLIVER
     }
 
-    /// Constraints under the rule that belong to the contact of a constraint, including those of its corners.
+    /// Constraints with the `velocity` rule in the contact of the constraint `row`, corner constraints included.
     fn of_same_contact(&self, end: &Ending, row: usize) -> Vec<usize> {
         let pairs = &self.system.pairs;
         let contact = |index: usize| self.system.contact_of(index);
@@ -85,8 +85,8 @@ where
         }
     }
 
-    /// Transfers the stored impact energy of a constraint to the nearest inactive one of its contact that faces the other side, if one is
-    /// near.
+    /// Transfers the stored impact energy of a constraint to the nearest inactive constraint of its contact that faces the other side
+    /// within `NEAR`.
     fn hand_to_nearest(&self, end: &Ending, jump: &mut VelocityCorrection, row: usize) {
         let facets = |row: usize| {
             let (pair, local) = self.place(row);

@@ -1,10 +1,10 @@
-//! Impacts between rigid bodies, and with rigid obstacles, at the end of a step (`step/impact_law.rs`): the outcome does not depend on
-//! where in the step the bodies touch.
+//! Impacts between rigid bodies, and with rigid obstacles, at the end of a step (`step/impact_law.rs`), independent of the time of the
+//! touch within the step.
 //!
-//! A step of `persistency` ends with the velocities before the impact. A step of `gap` or `velocity` has closed gaps by multipliers, whose
-//! impulses depend on the moment of the touch: they are taken out first, and contacts that were closed before get back what keeps them
-//! closed. What restitution gives back is measured by the energy that has disappeared till the end of compression, work of the closing
-//! in the step included: with a coefficient of 1 and without friction the energy is exact, whatever else acts in the step.
+//! A step of `persistency` ends with the velocities before the impact. A step of `gap` or `velocity` closes gaps by multipliers, whose
+//! impulses depend on the time of the touch: they are removed first, except impulses that keep earlier closed contacts closed. Restitution
+//! returns energy relative to the loss up to the end of compression, including the work of the closing: with a coefficient of 1 and without
+//! friction the energy is exact, whatever else acts in the step.
 
 use super::engine::Engine;
 use super::velocity_correction::VelocityCorrection;
@@ -19,8 +19,8 @@ use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::start::Motion;
 use crate::math::tolerances;
 
-/// Change of the gap in a step, over the tolerance of a gap, up to which bodies do not approach: the midpoint rule doubles what is left
-/// of a gap in its velocities.
+/// Gap change in a step, relative to the gap tolerance, below which bodies do not approach: the midpoint rule doubles a remaining gap error
+/// in its velocities.
 const NOISE: f64 = 4.0;
 
 /// Largest number of attempts to reach the energy that restitution returns.
@@ -38,16 +38,15 @@ struct Touch {
 
 /// Impulses of the constraints in the impacts of a step, and their work.
 struct Outcome {
-    /// Impulses beyond those of the step, in the order of the rows.
+    /// Impulses in addition to those of the step, in the order of all constraints.
     impulses: Vec<f64>,
-    /// Energy that was lost to restitution.
+    /// Energy lost to restitution.
     lost: f64,
-    /// Work of friction contact by contact, that of the step in the same contacts taken away.
+    /// Work of friction in each contact, minus the friction work of the step in the contacts of the impact.
     friction: Vec<f64>,
-    /// Sum of the sizes of the momenta that the contacts of the impact give and take, those of the step among them: what is left of them
-    /// is known to their round-off.
+    /// Sum of the momentum magnitudes exchanged by the contacts of the impact, in the step included: the scale of their round-off.
     exchanged: f64,
-    /// Work of all impulses, as seen from obstacles, with what closings in the step have done beyond their targets.
+    /// Work of all impulses in the frame of the obstacles, with the work of closings in the step beyond their targets.
     work: f64,
 }
 
@@ -55,7 +54,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Adds the impacts of rigid bodies to the velocity jump of a converged step; the jump itself where there is none.
+    /// Adds impacts of rigid bodies to the velocity jump of a converged step; returns `jump` unchanged without an impact.
     ///
     /// # Errors
     /// Joints and ties depend on one another at these positions, so that impulses have no response; or the run was interrupted.
@@ -94,7 +93,7 @@ where
         Ok(Some(jump))
     }
 
-    /// Rows of rigid contacts that are closed at the end of the step; `None` where no impact is among them.
+    /// Normal constraints of rigid contacts that are closed at the end of the step; `None` if there is no impact.
     fn touches(&self, motion: &Motion, solution: &Solution, conditions: &Conditions, rates: &[f64]) -> Option<Vec<Touch>> {
         let (mut touches, mut is_impact, held) = (Vec::new(), false, self.system.closed_gaps());
         let mut before = None;
@@ -125,7 +124,7 @@ where
         is_impact.then_some(touches)
     }
 
-    /// Normal constraint of a touch and its tangential constraints.
+    /// Constraints of a touch: the normal one and its tangential ones.
     fn rows_of(&self, touch: &Touch) -> Vec<usize> {
         let pair = &self.system.pairs[touch.pair];
         let slips = self.slips_of(pair, touch.row);
@@ -137,7 +136,7 @@ where
         friction.map_or(0..0, |friction| friction.group(row - pair.rows.start))
     }
 
-    /// Contacts of an impact, with the friction that they have at their speed.
+    /// Contacts of an impact, with the friction coefficients at their slip speeds and pressures.
     fn impact_contacts(&self, motion: &Motion, solution: &Solution, touches: &[Touch], rates: &[f64]) -> Vec<ImpactContact> {
         let mut first = 0;
         let made = touches.iter().map(|touch| {
@@ -161,7 +160,7 @@ where
         made.collect()
     }
 
-    /// Factorized masses, the response of the rows, and the power of what holds at these rates.
+    /// Factorized masses, responses of the constraints, and power of the bilateral constraints at the rates `ending`.
     fn solved(
         &mut self,
         solution: &Solution,

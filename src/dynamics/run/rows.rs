@@ -2,12 +2,12 @@
 
 use super::ledger::LedgerRow;
 
-/// Rows of a ledger that are visited in their order, such as an array of them or a history whose older rows are on the disk.
+/// Ordered rows of a ledger, such as an array or a history whose older rows are on disk.
 pub trait Rows {
     /// Number of rows.
     fn count(&self) -> usize;
 
-    /// Calls a function with every row from the one of index `from` on.
+    /// Calls a function with every row from index `from` on.
     fn visit(&self, from: usize, each: &mut dyn FnMut(&LedgerRow));
 
     /// The last row.

@@ -12,7 +12,7 @@ use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
 use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LEAP, LOST, PASSING, SLIDING};
 
-/// Fraction of discarded factorizations from which a finding is reported, for more than a few.
+/// Fraction of discarded factorizations from which a finding is reported, if there are more than a few.
 const DISCARDED: f64 = 1.0 / 3.0;
 const FEW: usize = 100;
 
@@ -21,37 +21,37 @@ const FEW: usize = 100;
 pub enum RunFindingKind {
     /// The work of contact in a step was positive; the value is its share of the energy.
     PositiveContactWork,
-    /// More energy appeared or vanished in a step than round-off explains; the value is its share.
+    /// The energy balance of a step has an error larger than round-off explains; the value is the error as a share of the energy.
     EnergyDefect,
-    /// The integrator does not promise to keep the energy, and did not; the value is the largest share that it added or took so far.
+    /// The integrator does not conserve energy by design, and has not; the value is the largest relative energy added or removed so far.
     NotConserved,
-    /// A step of statics leapt to another equilibrium, or was too large; the value is the share of the energy that it does not explain.
+    /// A static step jumped to another equilibrium, or was too large; the value is the unexplained share of the energy.
     Leap,
-    /// Bodies between which nothing is defined are inside each other; the value is the depth in facets.
+    /// Bodies without a defined interaction overlap; the value is the depth in facets.
     PassedThrough,
-    /// A body was inside a rigid obstacle with a part outside its contact definition; the value is the depth in facets.
+    /// A body entered a rigid obstacle outside its contact surface; the value is the depth in facets.
     PassedObstacle,
     /// The sides of a contact overlap by more than a tenth of a facet; the value is the largest depth in facets.
     Depth,
-    /// Contact took energy; the value is its share.
+    /// Contact dissipated energy; the value is its share.
     EnergyTaken,
-    /// Closed contacts of the `velocity` rule still keep energy at the end; the value is its share.
+    /// Closed contacts of the `velocity` rule still store impact energy at the end; the value is its share.
     ReserveHeld,
-    /// Steps were halved because of this motion; the value is how far it went in the first of them, in facets.
+    /// Steps were halved because of a too large motion of this kind; the value is its size in the first of these steps, in facets.
     Motion(MotionKind),
-    /// Steps were taken in spite of this motion since they may not be halved further; the value is how far it went in the first of them.
+    /// Motions of this kind exceeded the limit in steps that could not be halved further; the value is the first such motion in facets.
     TooFast(MotionKind),
     /// Steps were halved because Newton's method failed, for this reason; the value is the number of halvings per accepted step.
     Failures(&'static str),
-    /// A body of linear elasticity has turned; the value is the angle of a cell, or the share of strain or moment that it causes.
+    /// A body of linear elasticity has rotated; the value is the angle of a cell, or the relative strain or moment caused by the rotation.
     Turned,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is its least stretch.
     Crushed,
     /// A point has flowed beyond the last point of its hardening table.
     BeyondTable,
-    /// Cells do not follow the stress at rest; the value is the estimated error of the stresses over their size.
+    /// Cells are too coarse for the static stress field; the value is the estimated stress error relative to the stresses.
     CoarseCells,
-    /// Much of the work went into attempts that failed and steps that were taken back; the value is its share of the factorisations.
+    /// A large part of the work was discarded, in failed attempts and undone steps; the value is the share of the factorizations.
     Discarded,
 }
 
@@ -140,13 +140,13 @@ pub struct RunFinding {
     pub kind: RunFindingKind,
     /// Name of the contact concerned, if known.
     pub contact: Option<String>,
-    /// Magnitude, in the unit of the kind.
+    /// Magnitude of the finding, in the unit of its kind.
     pub value: f64,
     /// Magnitude from which a finding is reported.
     pub limit: f64,
-    /// Number of the accepted step with the largest magnitude; for halvings that of the step before the first one.
+    /// Step at which the value occurred, or the step before the first halving.
     pub step: usize,
-    /// End of that step `[time]`.
+    /// Time at the end of the step `[time]`.
     pub time: f64,
     /// Numbers that show the finding; begins with the name of the integrator where energy is not conserved.
     pub explanation: String,
@@ -179,7 +179,7 @@ impl std::fmt::Display for RunFinding {
 }
 
 impl RunFinding {
-    /// The stable code of its kind, which `conserva doc` explains.
+    /// Returns the stable code of the finding's kind, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         self.kind.code()
     }
@@ -261,18 +261,18 @@ pub struct Measures<'a> {
     pub defect: Option<f64>,
     /// Name of the time integrator.
     pub integrator: &'static str,
-    /// True for forward increments of multipliers (explicit steps), whose contact returns in one step what it takes in the next: sums are
-    /// judged.
+    /// True for explicit steps with forward increments of multipliers, whose contact returns in one step the energy taken in the next: sums
+    /// are judged.
     pub is_explicit: bool,
-    /// True for statics, whose works are those of the trapezoidal rule.
+    /// True for statics, where works follow the trapezoidal rule.
     pub is_static: bool,
     /// Halvings by cause.
     pub halvings: &'a [Halving],
-    /// Halvings by cause that were required but not possible, since the largest number was reached.
+    /// Halvings by cause that were required but impossible, since the limit was reached.
     pub refused: &'a [Halving],
     /// True if the step size is controlled.
     pub chooses_steps: bool,
-    /// Number of factorizations, and the part of failed attempts and of steps that were taken back.
+    /// Number of factorizations, and the part in failed attempts and undone steps.
     pub factorizations: usize,
     pub discarded: usize,
 }
@@ -286,7 +286,7 @@ struct At {
 }
 
 impl At {
-    /// Takes a value that is larger beyond round-off; of equal values the first one stays.
+    /// Replaces the value by a larger one, beyond round-off; the first of equal values is kept.
     fn raise(&mut self, value: f64, row: &LedgerRow) {
         if value > self.value * (1.0 + EQUAL) {
             *self = At { value, step: row.step, time: row.time };
@@ -299,13 +299,13 @@ struct Gathered {
     defect: At,
     /// Depth in facets for each contact.
     depths: Vec<At>,
-    /// Largest energy that contact took in a step, and gave, over the energy.
+    /// Largest relative energy that contact removed, and added, in a step.
     taken: At,
     given: At,
     /// Sums of the energy taken by contact, of the work of contact, and of energy defects.
     sums: [f64; 3],
     drift: Drift,
-    /// Largest energy defect; of equal ones the last.
+    /// Largest energy defect; of equal values the last.
     leap: At,
 }
 
@@ -371,7 +371,7 @@ impl Drift {
     }
 }
 
-/// Everything found about a run with these rows, in a fixed order.
+/// All findings on a run with these rows, in a fixed order.
 pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunFinding> {
     let Some(last) = rows.last_row() else { return Vec::new() };
     // What rests has no other energy than round-off.
@@ -441,7 +441,7 @@ pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunF
     found
 }
 
-/// Findings on steps that were halved, or should have been.
+/// Findings on halved steps, and on steps that could not be halved further.
 fn halved(measures: &Measures, last: &LedgerRow) -> Vec<RunFinding> {
     let mut found = Vec::new();
     for Halving { motion, step, time, dt, .. } in measures.refused {
@@ -465,7 +465,7 @@ fn halved(measures: &Measures, last: &LedgerRow) -> Vec<RunFinding> {
     found
 }
 
-/// The step of statics whose ends explain the least of what its energy has become.
+/// Finding on the static step with the largest unexplained share of the energy; `None` below the limit.
 fn leap(At { value, step, time }: At, scale: f64) -> Option<RunFinding> {
     let (value, kind) = (value / scale, RunFindingKind::Leap);
     let explanation = format!("the forces at both ends of a step leave {} of the energy unexplained", percent(value));
@@ -473,7 +473,7 @@ fn leap(At { value, step, time }: At, scale: f64) -> Option<RunFinding> {
     (value > LEAP).then_some(found)
 }
 
-/// Energy that contact gave over that of the run, in the step that gave most or in all explicit ones together: its limit, the value, words.
+/// Relative energy added by contact, in the worst step or in all explicit steps together: its limit, the value, a description.
 fn given(seen: &Gathered, scale: f64, is_explicit: bool, end: impl Fn(f64) -> At) -> (f64, At, String) {
     if is_explicit {
         // Its work is booked at both ends of a step: what the integrator takes back within the same steps it has not given.
@@ -484,7 +484,7 @@ fn given(seen: &Gathered, scale: f64, is_explicit: bool, end: impl Fn(f64) -> At
     (GIVEN, seen.given, format!("its work in a step was {:.1e} of the energy", seen.given.value))
 }
 
-/// A step size without the round-off of times that were subtracted.
+/// Step size without the round-off of subtracted times.
 fn rounded(dt: f64) -> f64 {
     format!("{dt:.6e}").parse().unwrap_or(dt)
 }

@@ -40,46 +40,44 @@ use crate::dynamics::step::start::{StepKind, StepStart};
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// Largest number of damped steps: stacks of twenty take seven, a fall from a distance one for each halving of it.
+/// Largest number of damped steps: stacks of twenty need seven, a fall from a distance one per halving of the distance.
 const MAX_STEPS: usize = 100;
 
-/// Displacement limit of a loose body in a step, in facets; with larger ones Newton's method does not follow closing contacts.
+/// Displacement limit of an unsupported body in a step, in facets; above it Newton's method fails to follow closing contacts.
 const FALL: f64 = 0.5;
 
-/// Displacement limit in a step of a body without a contact partner, and the distance from which it counts as lost, in extents of the
-/// model.
+/// Displacement limit in a step of a body without a contact partner, and distance from which the body counts as lost, relative to the model
+/// extent.
 const FLIGHT: f64 = 10.0;
 const GONE: f64 = 95.0;
 
-/// Growth of the damping after a step that was refused, and in a mechanism.
+/// Growth of the damping after a refused step, and in a mechanism.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPING_OF_MECHANISMS: f64 = 10.0;
 
 /// Factor of the fraction of a prescribed motion after a failed step.
 const SHORTER: f64 = 0.25;
 
-/// Displacement limit of prescribed nodes in a step, in facets, after the whole motion at once has failed.
+/// Displacement limit of prescribed nodes in a step, in facets, after the whole prescribed motion at once has failed.
 pub(super) const STRIDE: f64 = 0.5;
 
-/// Steps at most that close a part of an overlap or follow a part of a prescribed motion: they do not count among the others.
+/// Largest number of steps that close part of an overlap or follow part of a prescribed motion; they do not count in `MAX_STEPS`.
 const MAX_PARTS: usize = 200;
 
-/// Growth of the search's reach after bodies moved beyond it.
+/// Growth of the search horizon after bodies moved beyond it.
 const WIDER: f64 = 3.0;
 
-/// Largest number of repetitions of a step, and of those with one remedy alone.
+/// Largest number of repetitions of a step, and of repetitions with a single remedy.
 const MAX_TRIES: usize = 6;
 const EARLY_TRIES: usize = 3;
 
-/// Number of steps with more damping than the forces require that may pass without a smaller imbalance: buckling may be passed, a body that
-/// slides off is given up.
+/// Number of steps with increased damping that may pass without a smaller imbalance: buckling may be passed, a sliding body is given up.
 const MAX_STUCK: usize = 20;
 
-/// Imbalance relative to its tolerance, 1e-8 of the forces, below which its direction is not evaluated: it is the end of a converging
-/// sequence.
+/// Imbalance relative to its tolerance, 1e-8 of the forces, below which its direction is not evaluated: the iteration is about to converge.
 const TRIFLE: f64 = 1e3;
 
-/// Number of steps without motion after which none is expected: pairs that take part only while bodies move must not keep them moving.
+/// Number of steps without motion after which none is expected: facet pairs that are admitted only during motion must not prolong it.
 const MAX_STOOD: usize = 3;
 
 /// Imbalance relative to its tolerance, 1e-6 of the forces, that suffices for intermediate equilibria.
@@ -89,7 +87,7 @@ const COARSE: f64 = 1e5;
 struct Present {
     positions: Vec<f64>,
     displacements: Vec<f64>,
-    /// Positions with prescribed motion, the displacement that leads there, and its size.
+    /// Positions with prescribed motion, the displacement to these positions, and its size.
     predicted: Vec<f64>,
     moved: Vec<f64>,
     prescribed: f64,
@@ -107,7 +105,7 @@ struct Present {
 struct Plan {
     /// Damping factor of each body.
     damping: Vec<f64>,
-    /// Displacement of each component with which Newton's method starts.
+    /// Initial displacement of each component in Newton's method.
     shift: Vec<[f64; 3]>,
     /// Expected largest displacement of the nodes of each component.
     travel: Vec<f64>,
@@ -117,7 +115,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Equilibrium at the present time, prescribed nodes moved by no more than `stride` in a step `[length]`.
+    /// Settles at the present time, prescribed nodes moved by at most `stride` in a step `[length]`.
     pub(super) fn settle_from_here(&mut self, stride: f64, care: Care) -> Result<SettleReport, StepError> {
         self.tries.clear();
         let iterations_before = self.statistics.newton_iterations;
@@ -182,8 +180,8 @@ where
         })
     }
 
-    /// Lets the histories of bodies go from where they began to the equilibrium that was found, in one step: on the way there nothing is in
-    /// balance, and what would flow by that is none of the model's.
+    /// Advances the history variables of bodies from the initial state to the equilibrium in one step: intermediate states are unbalanced,
+    /// and their plastic flow would be an artifact.
     fn advance_histories(&mut self, at: &Linearization) -> Result<(), StepError> {
         let (state, undamped) = (self.state.clone(), vec![0.0; self.system.bodies.len()]);
         let kind = StepKind::Rest { damping: &undamped, velocities: None };
@@ -230,8 +228,8 @@ where
         Ok(Present { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
 
-    /// True if only round-off is left and a further step has halved neither the imbalance of sums nor that of nodes. That step is taken
-    /// back, so that a settled state stays unchanged. Internal forces cancel in sums, so round-off of positions limits nodes alone.
+    /// True if only round-off remains and a further step has halved neither the imbalance of sums nor that of nodes. That step is undone,
+    /// so that a settled state stays unchanged. Internal forces cancel in sums, so round-off of positions limits nodal forces only.
     fn gains_nothing(&mut self, imbalance: &Imbalance, best: &mut Option<(Arc<State>, [f64; 2])>) -> bool {
         if !imbalance.is_round_off {
             return false;
@@ -251,7 +249,7 @@ where
         }
     }
 
-    /// A damped step, or the experience that more damping is needed or more motion to be expected.
+    /// Takes a damped step or, if it is refused, increases the damping or the expected motion for the next attempt.
     fn step_to_rest(&mut self, balance: &Balance, present: &Present, progress: &mut Progress) -> Result<(), StepError> {
         let Present { positions, displacements, imbalance, .. } = present;
         let plan = self.plan(balance, present, progress);
@@ -319,7 +317,7 @@ where
         Ok(())
     }
 
-    /// Damping of the next step, and the expected displacements of the components.
+    /// Damping of the next step, and expected displacements of the components.
     fn plan(&self, balance: &Balance, Present { imbalance, positions: q, at, .. }: &Present, progress: &Progress) -> Plan {
         let facet = self.shortest_facet();
         let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
@@ -358,7 +356,7 @@ where
         self.system.equations.begin_friction(self.state.row.time, outlook.q)
     }
 
-    /// At rest every rule closes the gaps.
+    /// Conditions of a static step, in which every update rule closes the gaps.
     pub(super) fn conditions_at_rest(&self, start: &StepStart) -> Conditions {
         let (count, stiffness) = (self.system.multipliers, self.system.row_stiffness(start));
         Conditions {
@@ -403,7 +401,7 @@ where
         solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)
     }
 
-    /// The error where damped steps lead to no equilibrium.
+    /// Error if damped steps find no equilibrium.
     fn no_equilibrium(&mut self, balance: &Balance, imbalance: &Imbalance, progress: &Progress) -> StepError {
         let (body, how) = self.moving_body(&progress.motion);
         let number = self.system.bodies.iter().position(|other| other.name == body).unwrap_or(0);

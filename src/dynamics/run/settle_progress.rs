@@ -1,29 +1,29 @@
-//! Progress of `settle`: damping, shares and limits of its next step by the outcome of the steps before.
+//! Progress of `settle`: damping, increments and limits of the next step from the outcome of previous steps.
 
 use std::sync::Arc;
 
 use super::closing::Closing;
 use super::state::State;
 
-/// Decay of the damping after a step that was accepted.
+/// Decay of the damping after an accepted step.
 const LESS_DAMPING: f64 = 0.1;
 
-/// Growth of the share of a prescribed motion after a step that was accepted.
+/// Growth of the increment of a prescribed motion after an accepted step.
 const LONGER: f64 = 2.0;
 
-/// Imbalance over what is tolerated, 1e-8 of the forces, that is accepted after [`MAX_RIPPLES`] steps that did not reduce it to
-/// [`NEARER`] of the least one: in a smooth race without friction a ring is in balance at any angle but for ripples of the facets, and
-/// Newton's method finds no rest there. Eight steps in place of forty leave the patch test of dual multipliers in space at 5e-9.
+/// Imbalance relative to its tolerance, 1e-8 of the forces, that is accepted after [`MAX_RIPPLES`] steps without a reduction to [`NEARER`]
+/// of the least one: a ring in a smooth race without friction is balanced at any angle up to ripples of its facets, and Newton's method
+/// does not converge. With eight steps instead of forty the patch test of dual multipliers in space reaches 5e-9.
 const RIPPLE: f64 = 1e3;
 const MAX_RIPPLES: usize = 40;
 
-/// Share of the least imbalance from which on a step counts as progress towards balance.
+/// Ratio of imbalance to the least one below which a step counts as progress towards equilibrium.
 const NEARER: f64 = 0.9;
 
 /// Effort and accuracy of the search for an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Care {
-    /// All remedies where a damped step is refused.
+    /// Search with all remedies if a damped step is refused.
     Patient,
     /// Search that ends where a damped step is refused, because the caller has another method.
     Exact,
@@ -46,7 +46,7 @@ pub(super) struct Progress {
     pub(super) stride: f64,
     /// Number of refused attempts at the present step.
     pub(super) tries: usize,
-    /// Factor of the damping over that which the unbalanced forces require.
+    /// Damping relative to the damping that the unbalanced forces require.
     pub(super) excess: f64,
     /// Factor of the search horizon over the predicted motion.
     pub(super) leeway: f64,
@@ -56,15 +56,15 @@ pub(super) struct Progress {
     pub(super) travelled: Option<Vec<f64>>,
     /// Number of steps in which no component moved.
     pub(super) stood: usize,
-    /// Least imbalance so far, over what is tolerated.
+    /// Least imbalance so far, relative to its tolerance.
     pub(super) least: f64,
     /// Number of steps with increased damping that did not reduce the least imbalance.
     pub(super) stuck: usize,
-    /// Number of closed states with no more imbalance than ripples that came no nearer to balance.
+    /// Number of closed states within the ripple limit that came no nearer to equilibrium.
     ripples: usize,
-    /// Least imbalance of a closed state with no more than ripples, over what is tolerated.
+    /// Least imbalance of a closed state within the ripple limit, relative to its tolerance.
     least_ripple: f64,
-    /// A state at which only round-off was left, and its imbalance: of sums, of nodes.
+    /// State at which only round-off was left, and its imbalance of sums and of nodes.
     pub(super) best: Option<(Arc<State>, [f64; 2])>,
 }
 
@@ -91,7 +91,7 @@ impl Progress {
         }
     }
 
-    /// A step was taken from a state with that imbalance, with that motion and largest displacements of the components.
+    /// Records a step accepted from a state with this imbalance, its motion and the largest displacements of the components.
     pub(super) fn accepted(&mut self, imbalance: f64, travelled: Vec<f64>, motion: Vec<f64>, stands: f64) {
         if imbalance < NEARER * self.least {
             (self.least, self.stuck) = (imbalance, 0);
@@ -106,7 +106,7 @@ impl Progress {
         (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 
-    /// Counts a closed state that has this imbalance; true if states with no more imbalance than ripples no longer come nearer to balance.
+    /// Counts a closed state with this imbalance; returns true if states within the ripple limit come no nearer to equilibrium.
     pub(super) fn has_only_ripples(&mut self, imbalance: f64) -> bool {
         if imbalance > RIPPLE {
             return false;

@@ -73,12 +73,12 @@ pub struct Tangential<'a> {
 }
 
 impl Tangential<'_> {
-    /// Tangential multiplier beside each normal constraint: its value, or the norm of several.
+    /// Tangential multiplier of each normal constraint: the value, or the norm of several components.
     pub fn multipliers(&self) -> Vec<f64> {
         self.lambda.chunks_exact(self.count).map(size).collect()
     }
 
-    /// Accumulated slip beside each normal constraint.
+    /// Accumulated slip for each normal constraint.
     pub fn memories(&self) -> impl Iterator<Item = SlipMemory> {
         let of = |group: &[SlipMemory]| {
             let slips: Vec<f64> = group.iter().map(|memory| memory.slip).collect();
@@ -88,7 +88,7 @@ impl Tangential<'_> {
     }
 }
 
-/// Value of a group: that of its only constraint, or the norm of several.
+/// Size of a group of tangential constraints: its single value, or the norm of several.
 pub fn size(rows: &[f64]) -> f64 {
     match rows {
         [only] => *only,

@@ -1,9 +1,9 @@
-//! The longest explicit step that is stable: `omega dt <= 2` for the fastest vibration about the present state.
+//! Longest stable explicit step: `omega dt <= 2` for the fastest vibration about the present state.
 //!
 //! The step is found without a matrix, by Lanczos' method on `m^-1 K` (Parlett, The Symmetric Eigenvalue Problem, 1980), with `K x` from
 //! the change of the forces along `x`. Dampers, whose velocities lag by half a step, count as a stiffness: with `K + 2 C/dt` the condition
-//! is unchanged. A penalty counts as if all its constraints were active, by its largest stiffness over the masses of nodes on either side.
-//! The fastest cell by itself is a bound, and shows where a mesh limits the step.
+//! is unchanged. Penalties count as if active, by their largest stiffness relative to the nodal masses on either side. The fastest single
+//! cell gives a bound, and shows where the mesh limits the step.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, FastestCell, Space};
@@ -20,21 +20,21 @@ use crate::math::tolerances;
 const VECTORS: usize = 150;
 const LOOK_AFTER: usize = 5;
 
-/// Tries of a step that depends on its own size, as dampers make it.
+/// Largest number of iterations for a step that depends on its own size because of dampers.
 const TRIES: usize = 20;
 
-/// The longest explicit step that is stable.
+/// Longest stable explicit step, and its cause.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StableStep {
     /// Stable time step size `[time]`.
     pub dt: f64,
-    /// Angular frequency of the fastest vibration, as steps of this size resolve it `[1/time]`.
+    /// Angular frequency of the fastest vibration, as resolved by steps of this size `[1/time]`.
     pub frequency: f64,
-    /// The step by the fastest cell alone, never more than the first one where no damper and no penalty is `[time]`.
+    /// Step size by the fastest cell alone, an upper bound of `dt` without dampers and penalties `[time]`.
     pub bound: f64,
-    /// The body with that cell.
+    /// Body with the fastest cell.
     pub body: String,
-    /// The cell in its mesh.
+    /// Index of the fastest cell in its mesh.
     pub cell: usize,
     /// Share of penalties in the square of the frequency.
     pub penalty_share: f64,
@@ -75,7 +75,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// The longest explicit step that is stable about the present state, which stays as it is.
+    /// Longest stable explicit step about the present state, which is not changed.
     pub(super) fn stable_step(&mut self) -> Result<StableStep, StepError> {
         let state = self.state.clone();
         let lumping = self.options.integrator.lumping().expect("the steps are explicit");
@@ -100,7 +100,7 @@ where
         Ok(StableStep { dt, frequency: squared.sqrt(), bound, body, cell, penalty_share: by_penalties / squared })
     }
 
-    /// Square of the largest angular frequency, not below by more than [`tolerances::FASTEST`].
+    /// Square of the largest angular frequency, from below within the relative error [`tolerances::FASTEST`].
     fn fastest(&self, start: &StepStart, dt: f64) -> Result<f64, Failure> {
         let unknowns = start.q_0.len();
         let mobility = (0..unknowns).map(|k| self.system.mobility(k)).collect();
@@ -123,7 +123,7 @@ where
         Ok(largest)
     }
 
-    /// Refuses steps that are longer than the stable one.
+    /// Refuses steps longer than the stable one.
     pub(super) fn check_stable(&mut self) -> Result<(), StepError> {
         if self.options.integrator.lumping().is_none() {
             return Ok(());
@@ -134,15 +134,15 @@ where
     }
 }
 
-/// The fastest cell of all bodies, with the number of its body.
+/// Fastest cell of all bodies, with the index of its body.
 fn fastest_cell<const D: usize>(system: &Equations<D>, lumping: Lumping, u: &[f64]) -> (usize, FastestCell) {
     let all = system.bodies.iter().map(|body| body.elements.fastest_cell(lumping, u)).enumerate();
     let fastest = all.max_by(|(_, a), (_, b)| a.frequency_squared.total_cmp(&b.frequency_squared));
     fastest.unwrap_or((0, FastestCell { cell: 0, frequency_squared: 0.0 }))
 }
 
-/// A bound of what closed penalties add to the square of a frequency: `k w / m` of the nodes on either side, with the pressure `k` per
-/// depth and the area `w` of a node.
+/// Bound of the contribution of active penalties to a squared frequency: `k w / m` of the nodes on either side, with the penalty stiffness
+/// `k` per area and the area `w` of a node.
 fn penalties<const D: usize>(system: &Equations<D>) -> f64 {
     let of = |pair: &ContactPair| {
         let weights = pair.kernel.weights();

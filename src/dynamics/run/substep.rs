@@ -16,15 +16,15 @@ use crate::dynamics::step::start::{Motion, StepKind, StepStart};
 use crate::integrators::Scheme;
 use crate::math::tolerances;
 
-/// Factor of the predicted motion that a step may reach: impacts add elastic motion. After an overlooked contact, a second try expects this
-/// motion.
+/// Factor of the search horizon over the predicted motion: impacts add elastic motion. After an overlooked contact, a second attempt
+/// expects this motion.
 const MORE_MOTION: f64 = 3.0;
 
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Takes one substep from the present state: the new state, or the failure.
+    /// Takes one substep from the present state; a substep that `may_be_halved` is refused if its predicted motion is too large.
     ///
     /// A step that `may_be_halved` is not tried when its predicted motion is too large.
     pub fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
@@ -148,7 +148,7 @@ where
         integrator.promises.energy && self.state.drift.abs() > tolerances::DEFECT * tolerance * energy
     }
 
-    /// Energy that defects are measured by: that of the state, the predicted kinetic energy, and the work of loads over the prediction.
+    /// Energy scale of defects: energy of the state, predicted kinetic energy, and work of loads along the prediction.
     fn energy_scale(&self, start: &StepStart, predicted: &[f64]) -> f64 {
         let (row, nodes, dt) = (&self.state.row, &self.system.nodes, start.dt());
         let floor = tolerances::FORCE_FLOOR * nodes.stiffness() * nodes.extent.powi(2);
@@ -165,8 +165,8 @@ where
         (row.kinetic + row.strain.abs()).max(work).max(floor * tolerances::FORCE_FLOOR)
     }
 
-    /// Checks that bodies have moved neither farther than a multiple of the distance within which pairs take part, nor into a facet that
-    /// took no part. The search horizon does not matter.
+    /// Checks that bodies moved no farther than a multiple of the admission distance of facet pairs, and not into a facet that was not
+    /// admitted. The search horizon has no influence.
     pub fn check_search(&self, outlook: &Outlook, multiple: f64, solution: &Solution) -> Result<(), Failure> {
         let q_1 = &solution.at.q_1;
         for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Surfaces) {

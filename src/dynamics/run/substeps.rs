@@ -1,5 +1,5 @@
-//! Sizes of substeps: halvings, which later substeps keep and of which the next step begins with one less; or, with step size control
-//! (`pace.rs`), the chosen size, reduced until it is accepted.
+//! Sizes of substeps: halvings are kept for later substeps, and the next step starts with one less; with step size control (`pace.rs`) the
+//! chosen size is reduced until it is accepted.
 
 /// Equal parts of a time interval, halved when one of them is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -7,7 +7,7 @@ pub struct Substeps {
     from: f64,
     dt: f64,
     level: usize,
-    /// In units of `dt / 2^level`: done, and all.
+    /// Completed and total time in units of `dt / 2^level`.
     done: usize,
     all: usize,
     /// True if the first accepted substep ends the step; the remainder belongs to the next step.
@@ -22,7 +22,7 @@ impl Substeps {
         Substeps { from, dt, level, done: 0, all: 1 << level, is_alone: false, is_short: false }
     }
 
-    /// A single one, of a stretch of size `dt` from a time or of less.
+    /// A single substep of the size `dt`, which may be shortened.
     pub fn one(from: f64, dt: f64) -> Self {
         Substeps { is_alone: true, ..Substeps::new(from, dt, 0) }
     }
@@ -32,12 +32,12 @@ impl Substeps {
         self.is_alone && !self.is_short
     }
 
-    /// Size of the next one `[time]`.
+    /// Size of the next substep `[time]`.
     pub fn size(&self) -> f64 {
         self.dt / self.all as f64
     }
 
-    /// Halvings that have led to it.
+    /// Number of halvings of the interval.
     pub fn level(&self) -> usize {
         self.level
     }
@@ -59,12 +59,12 @@ impl Substeps {
         self.is_short = self.is_alone;
     }
 
-    /// A single one is tried with another size `[time]`.
+    /// Shortens a single substep to another size `[time]`.
     pub fn shorten(&mut self, size: f64) {
         (self.dt, self.is_short) = (size * self.all as f64, true);
     }
 
-    /// Halvings with which another stretch begins: after a whole one larger substeps are tried again.
+    /// Initial number of halvings of the next interval: one less after a complete interval.
     pub fn next_level(&self) -> usize {
         match self.is_alone {
             true => 0,

@@ -1,6 +1,6 @@
-//! The time loop: nominal steps, halving where Newton's method fails, the ledger of every accepted substep, and `settle`.
+//! Time loop: nominal steps, halving after failures of Newton's method, the ledger of every accepted substep, and `settle`.
 //!
-//! A step is a transaction: it takes the state and puts a new one in its place, or leaves it alone.
+//! A step is a transaction: it replaces the state by a new one, or leaves the state unchanged.
 
 use std::sync::Arc;
 
@@ -36,8 +36,8 @@ use crate::math::tolerances;
 /// Largest number of kinks within a step at which the step is divided.
 const MOST_CORNERS: usize = 2;
 
-/// Stretch of time, relative to the step, that is joined to the step before it where steps choose their size: a step of 1e-13 of the ones
-/// before has no matrix that could be solved.
+/// Length of a remaining interval, relative to the step, that adaptive steps merge with the step before: a step 1e-13 times as long as its
+/// predecessors has no solvable matrix.
 const SLIVER: f64 = 1000.0 * tolerances::SAME_MOMENT;
 
 /// Relative distance of two times below which they are equal.
@@ -358,8 +358,7 @@ where
         self.stretch(target, Substeps::one(from, target - from), (target, 0), accepted)
     }
 
-    /// Advances to a time, in substeps where the step to it must be halved; `clock`: start and number of the steps that are counted
-    /// afterwards.
+    /// Advances to a time, in substeps if halving is required; `clock`: start and number of the steps counted so far.
     fn stretch(
         &mut self,
         target: f64,

@@ -14,10 +14,10 @@ use crate::dynamics::parts::body::Body;
 use crate::materials::{Kinematics, Material};
 use crate::math::tolerances;
 
-/// Name of the law that softens in compression.
+/// Name of the law whose stress decreases in strong compression.
 const SOFTENS: &str = "saint_venant_kirchhoff";
 
-/// Relative strain or moment caused by the rotation of a body of linear elasticity alone, from which a finding is reported.
+/// Relative strain or moment due to the rotation of a linear elastic body from which a finding is reported.
 pub const SPURIOUS: f64 = 0.01;
 
 /// Rotation of a body of linear elasticity below which no finding is reported `[rad]`: its moment is less than a thousandth of the forces
@@ -33,9 +33,9 @@ pub struct Excess {
     pub kind: ExcessKind,
     /// The angle of a rotation, a share, or the least stretch.
     pub value: f64,
-    /// The cell, of a body that has turned the one that has turned most.
+    /// The cell; for a rotated body the cell with the largest rotation.
     pub cell: usize,
-    /// Rotation of the cell, of the support or of the body `[rad]`; of a hardening table the last plastic strain.
+    /// Rotation of the cell, of the support or of the body `[rad]`; for a hardening table its last plastic strain.
     pub angle: f64,
 }
 
@@ -44,13 +44,13 @@ pub struct Excess {
 pub enum ExcessKind {
     /// A cell of a linear law has turned; the value is the angle.
     Turned,
-    /// The strain that the rotation of a support counts for, over the largest strain of the body.
+    /// Spurious strain caused by the rotation of a support, relative to the largest strain of the body.
     SpuriousStrain,
-    /// Moment of stresses that have not rotated with the body, relative to that of the rotating support.
+    /// Moment of the unrotated stresses about the body, relative to the moment of the rotating support.
     SpuriousMoment,
     /// A cell of Saint Venant-Kirchhoff material is crushed; the value is the least stretch.
     Crushed,
-    /// A point has flowed beyond the last point of its hardening table; the value is its plastic strain over that of the last point.
+    /// Plastic flow beyond the last point of a hardening table; the value is the ratio of plastic strain to that of the last point.
     BeyondTable,
 }
 
@@ -70,13 +70,13 @@ impl CellMotion {
         self.stretch.symmetric_eigenvalues().min()
     }
 
-    /// Strain in the directions at rest.
+    /// Strain in the initial directions.
     fn strain(&self) -> Matrix3<f64> {
         self.stretch - Matrix3::identity()
     }
 }
 
-/// Angle of a rotation `[rad]`: accurate for small ones, whose cosine is round-off.
+/// Angle of a rotation `[rad]`, accurate for small angles, where the cosine is 1 up to round-off.
 fn angle_of(rotation: &Matrix3<f64>) -> f64 {
     Rotation3::from_matrix_unchecked(*rotation).scaled_axis().norm()
 }
@@ -85,7 +85,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Worst use beyond its range of every linear law, and of that of Saint Venant and Kirchhoff.
+    /// Worst use of every linear or Saint Venant-Kirchhoff law beyond its range of validity.
     pub fn excessive_cells(&self) -> Vec<Excess> {
         let mut found = Vec::new();
         for (body, definition) in self.system.bodies.iter().zip(&self.model.bodies) {
@@ -104,7 +104,7 @@ where
         found
     }
 
-    /// The point of a body that has flowed farthest, of a material whose hardening is a table.
+    /// Point of a body with the largest plastic strain beyond the end of a tabulated hardening curve; `None` without one.
     fn beyond_table(&self, body: &Body<D>, material: &Material) -> Option<Excess> {
         let last = material.plasticity()?.hardening.last_strain()?;
         let (mut cell, mut value) = (0, 0.0);
@@ -117,7 +117,7 @@ where
         Some(Excess { body: body.name.clone(), kind: ExcessKind::BeyondTable, value, cell, angle: last })
     }
 
-    /// The worst effect of rotation on a body of linear elasticity: the rotation itself, or where a support turns, strain or moment.
+    /// Worst effect of rotation on a linear elastic body: strain or moment where a support rotates, otherwise the angle.
     fn turned(&self, body: &Body<D>) -> Option<Excess> {
         let motions: Vec<CellMotion> = body.elements.cliques().iter().filter_map(|nodes| self.motion_of(nodes)).collect();
         let angles = motions.iter().map(CellMotion::angle).enumerate();
@@ -142,7 +142,7 @@ where
         Some(excess(ExcessKind::SpuriousMoment, self.spurious_moment(body, &turn) / moment.max(f64::MIN_POSITIVE), turn.norm()))
     }
 
-    /// Moment of the stresses of a body that has rotated without them.
+    /// Moment about a body of stresses that have not rotated with it.
     fn spurious_moment(&self, body: &Body<D>, turn: &Vector3<f64>) -> f64 {
         let mut mean = Matrix3::zeros();
         body.elements.visit_stresses(self.present(body), &mut |point| {

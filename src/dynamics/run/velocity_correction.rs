@@ -32,7 +32,7 @@ pub struct VelocityCorrection {
     pub dissipated: f64,
     /// Energy lost in impacts of rigid bodies by restitution `[energy]`, never negative.
     pub impact: f64,
-    /// Constraints of rigid contacts that were active in impacts.
+    /// Constraints of rigid contacts that participated in impacts.
     pub closed: Vec<usize>,
 }
 
@@ -120,7 +120,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Change of the velocities at the end of a converged step; `None` if there is none.
+    /// Change of the velocities at the end of a converged step; `None` without a change.
     ///
     /// # Errors
     /// The impulses of an impact have no solution at these positions, or the run was interrupted.
@@ -135,14 +135,14 @@ where
         self.filter(motion, solution, struck)
     }
 
-    /// Velocities at the end of a step with those of the correction so far.
+    /// Velocities at the end of a step, including the correction so far.
     pub fn corrected_velocities(&self, motion: &Motion, solution: &Solution, jump: Option<&VelocityCorrection>) -> Vec<f64> {
         let mut v = motion.velocities(&solution.at.moved, &self.system.supports.prescribed);
         jump.iter().for_each(|jump| v.iter_mut().zip(&jump.velocity).for_each(|(v, w)| *v += w));
         v
     }
 
-    /// An impulse response with the work of supports that move, if its momenta are balanced; `beside`: a momentum that is none.
+    /// Impulse response with the work of moving supports, if its momenta are balanced to within `beside` and round-off.
     ///
     /// # Errors
     /// Constraints depend on one another, exactly or within the round-off of the momenta; or the run was interrupted.
@@ -174,7 +174,7 @@ where
         }
     }
 
-    /// Impulse response of the constraints at the end of a step, with what joints on the ground exert.
+    /// Impulse response of the constraints at the end of a step, including impulses of joints on the ground.
     ///
     /// # Errors
     /// Constraints depend on one another, or the run was interrupted.

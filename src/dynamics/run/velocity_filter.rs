@@ -16,7 +16,7 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Adds the filter of the velocities to their jump at the end of a converged step; the jump itself where the scheme has none.
+    /// Adds the velocity filter to the jump at the end of a converged step; returns `jump` unchanged for schemes without a filter.
     ///
     /// # Errors
     /// The run was interrupted.
@@ -47,8 +47,8 @@ where
         self.system.dissipated_by_strains(start, at) + jump.map_or(0.0, |jump| jump.dissipated)
     }
 
-    /// Velocity filter with the work of moving supports: with the constraints that are active at both ends of the step, or with ties and
-    /// joints alone where the former depend on one another; `None` where the latter do, too.
+    /// Velocity filter with the work of moving supports: with the constraints active at both ends of the step, or only ties and joints if
+    /// these depend on one another; `None` if the ties and joints do, too.
     fn balanced_filter(&mut self, motion: &Motion, solution: &Solution, v: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
         let slips = self.system.slips_at_rest(&solution.at.q_1, &solution.at.pairs);
         let (rows, beta) = ([&solution.at.pairs[..], &slips[..]], 0.25 * motion.dt * motion.dt);
@@ -69,7 +69,7 @@ where
         Ok(None)
     }
 
-    /// Constraints of the filter: ties and joints and, with contact, those that were active or stuck at both ends of the step.
+    /// Constraints of the filter: ties and joints and, with contact, constraints active or sticking at both ends of the step.
     fn closed_throughout(&self, solution: &Solution, with_contact: bool) -> Vec<bool> {
         let mut hold = vec![false; self.system.multipliers];
         let is_closed = |row: usize| [&self.state.active, &solution.active].iter().all(|active| active[row] == RowState::Closed);

@@ -1,4 +1,4 @@
-//! Accelerations that the forces of a state give its nodes.
+//! Nodal accelerations by the forces of a state.
 
 use std::time::Instant;
 
@@ -24,8 +24,8 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// `a` with `M a = -f + G^T lambda` and `G a = 0` for the ties, at an iterate at rest that has not moved, whose static forces are `f`;
-    /// `given` are the accelerations of prescribed nodes, 0 for all others.
+    /// `a` with `M a = -f + G^T lambda` and `G a = 0` for the ties, at an unmoved iterate at rest with the static forces `f`; `given`:
+    /// accelerations of prescribed nodes, 0 for all others.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.

@@ -8,12 +8,11 @@ use super::newton::{Attempt, Increment};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::laws::{Equation, RowState};
 
-/// Sets that are tried on one linearisation: a solution is found within some, or not at all, and then the next linearisation is worth more
-/// than a further set.
+/// Largest number of active sets per linearization; if none of them is a solution, a new linearization is more effective than further sets.
 const MAX_SETS: usize = 30;
 
-/// Proximal term of a multiplier relative to the compliance of its own node: small enough to cost few more iterations, large enough to
-/// compensate nearly dependent gradients of neighbours.
+/// Proximal term relative to the compliance of the constraint's node: small enough to cost few extra iterations, large enough to regularize
+/// nearly dependent gradients.
 const PROXIMAL: f64 = 0.1;
 
 /// Growth of the proximal term in the next iteration if the present one does not suffice, its reduction if it does, and its largest value.
@@ -50,7 +49,7 @@ where
         Ok(solution)
     }
 
-    /// Changes a set until it solves the frozen linearisation, with at most so many sets; whether it does, and the last solution.
+    /// Changes the active set until it solves the frozen linearization, at most `most` times; returns success and the last solution.
     fn find_set(
         &mut self,
         at: &mut Linearization,
@@ -85,8 +84,8 @@ where
         Ok((is_solved, self.system.thaw(frozen, self.task.start, at)?))
     }
 
-    /// Weighted gaps and multipliers after the increment that solves the frozen linearization with an active set: by the factors, or by a
-    /// new factorization.
+    /// Weighted gaps and multipliers after the increment that solves the frozen linearization with an active set, from the existing factors
+    /// or a new factorization.
     fn rows_of(
         &mut self,
         at: &mut Linearization,

@@ -1,4 +1,4 @@
-//! Sums the parts of a model and its contact pairs at an iterate.
+//! Sums of force elements and contact pairs at an iterate.
 //!
 //! The tangent of an iterate that is probably the last of its step is computed on demand, which is rare.
 
@@ -28,7 +28,7 @@ where
         self.spare.recycle(at);
     }
 
-    /// The equations of a step at `q_1`, after a displacement `moved` in the step, and `lambda`.
+    /// The equations of a step at `q_1`, after a displacement `moved` in the step, with the multipliers `lambda`.
     ///
     /// Where something sees positions, these with their round-off are what strains follow from, too; else the displacements are.
     ///
@@ -55,7 +55,7 @@ where
         Ok(at)
     }
 
-    /// Computes the tangent of an iterate if that was left out.
+    /// Computes the tangent of an iterate if it was omitted.
     pub fn complete_tangent(&mut self, start: &StepStart, at: &mut Linearization) -> Result<(), Failure> {
         if at.tangent_of != Some(self.matrix.generation) {
             self.sum_parts(start, at, true)?;
@@ -64,7 +64,7 @@ where
         Ok(())
     }
 
-    /// Forces of all parts and of inertia, and their tangent where it is wanted.
+    /// Sums the forces of all force elements and of inertia, and their tangent if requested.
     fn sum_parts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) -> Result<(), Failure> {
         let clock = Instant::now();
         let Linearization { q_1, u_1, moved, forces, tangent, tangent_of, storage_of, .. } = at;
@@ -119,7 +119,7 @@ where
         Ok(())
     }
 
-    /// Contact functions of all pairs and their forces.
+    /// Evaluates the contact functions of all pairs and sums their forces.
     fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
         let clock = Instant::now();
         let (derivative, shares) = (start.derivative(), start.shares());
@@ -169,7 +169,7 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Adds the contact forces at an iterate that act in its step alone, by their share in the equations of the step.
+    /// Adds the contact forces that enter this step only (no later one), weighted by their share in its equations.
     pub fn alone_into(&self, start: &StepStart, at: &Linearization, forces: &mut [f64]) {
         let share = start.shares().alone;
         for block in self.blocks(&at.pairs, &at.slips).filter(|block| block.pair.acts_alone()) {
@@ -180,7 +180,7 @@ where
         }
     }
 
-    /// Displacements of an iterate by its positions where something sees these, else both by its motion.
+    /// Sets the displacements of an iterate: from its positions if forces depend on these, else both from the displacement in the step.
     pub(super) fn displace(&self, start: &StepStart, at: &mut Linearization) {
         let Linearization { q_1, u_1, moved, .. } = at;
         u_1.clear();
@@ -198,7 +198,7 @@ where
         self.add_point_inertia(|_| 1.0, values);
     }
 
-    /// Adds the masses that other parts have at nodes, by a factor for each body.
+    /// Adds the nodal masses of other force elements, with a factor for each body.
     fn add_point_inertia(&self, factor: impl Fn(usize) -> f64, values: &mut [f64]) {
         for point in &self.point_masses {
             let inertia = factor(self.body_of(point.node as usize)) * point.mass;
@@ -206,7 +206,7 @@ where
         }
     }
 
-    /// Writes the velocities, positions of loads and mass factors at an iterate to `told`, as far as the parts of the model need them.
+    /// Writes velocities, positions of loads and mass factors at an iterate to `told`, as far as the force elements need them.
     pub(super) fn visit(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
         told.inertia.clear();
         told.inertia.extend((0..self.bodies.len()).map(|body| start.inertia(body)));
@@ -214,7 +214,7 @@ where
         start.visit(q_1, moved, &self.supports.prescribed, [others || !self.loads.is_empty(), others], told);
     }
 
-    /// History variables of the parts after a step that ends at the iterate `at`, and the dissipation of each part in the step `[energy]`.
+    /// History variables of the force elements after a step that ends at the iterate `at`, and the dissipation of each `[energy]`.
     ///
     /// # Errors
     /// A time function failed.
@@ -232,8 +232,8 @@ where
         Ok((Arc::new(remembered), heats))
     }
 
-    /// Memory of all parts after a step at rest, and the heat of each body in it `[energy]`. History variables of bodies change; the memory
-    /// of other parts stays as it is.
+    /// History variables of all force elements after a step at rest, and the heat of each body in it `[energy]`. Only the variables of
+    /// bodies change.
     ///
     /// # Errors
     /// The step of a body cannot be accepted; of the parts that exist none refuses.
@@ -263,8 +263,8 @@ where
         self.dampings.iter().filter(|_| chi > 0.0).map(|damping| damping.dissipated(&iterate, chi)).sum()
     }
 
-    /// Forces on nodes exerted from outside the model at an iterate `[force]`: those of potentials and dampers, against the motion that
-    /// they drive, and those of loads. Returns `None` without a part that acts from outside.
+    /// Forces on nodes exerted from outside the model at an iterate `[force]`, from potentials, dampers and loads; the sign of the former
+    /// two is that of internal forces. Returns `None` without such a force element.
     ///
     /// # Errors
     /// A time function failed.
@@ -306,7 +306,7 @@ where
         held.extend(sizes.iter().map(|[all, free]| *free <= tolerances::HELD_ROW * all));
     }
 
-    /// Finds the slips with which the slip rates of tangential constraints are zero at the end of the step: 0 at rest.
+    /// Computes the slips for which the slip rates of tangential constraints vanish at the end of the step: 0 at rest.
     fn find_rests(&self, start: &StepStart, moved: &[f64], pairs: &[Evaluation], slips: &[Evaluation], rests: &mut Vec<f64>) {
         rests.clear();
         rests.resize(self.multipliers - self.pressing, 0.0);

@@ -9,7 +9,7 @@ use crate::contact::Correction;
 pub enum Strategy {
     /// The active set is completed on the frozen linearization; increments are limited.
     InnerLoop,
-    /// One active set update per iteration, backtracking on the residual: used where [`Self::InnerLoop`] fails.
+    /// One active set update per iteration, backtracking on the residual: used if [`Self::InnerLoop`] fails.
     Backtracking,
 }
 
@@ -23,7 +23,7 @@ impl Strategy {
     }
 }
 
-/// The ways in which a step is tried until one converges: how Newton's method proceeds, and with which discrete gradient of the contacts.
+/// Solution attempts for a step, in their order: strategy of Newton's method and discrete gradient of the contacts.
 pub const ATTEMPTS: [(Strategy, Correction); 5] = [
     (Strategy::InnerLoop, Correction::PerPatch),
     (Strategy::InnerLoop, Correction::SteadyEnds),
@@ -35,8 +35,7 @@ pub const ATTEMPTS: [(Strategy, Correction); 5] = [
 /// Number of steps after which the usual attempt is the first one again.
 const PREFERRED_STEPS: u8 = 8;
 
-/// The attempt that succeeded where the usual first one failed: the steps that follow try it first, because what made the usual one fail
-/// lasts for some steps.
+/// Attempt that succeeded after the usual first one failed; the next steps try it first, because causes of failure persist for some steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Preferred {
     /// Index into `ATTEMPTS`.
@@ -46,18 +45,18 @@ pub struct Preferred {
 }
 
 impl Preferred {
-    /// True if the index is in the list of attempts; a state from a file may hold any.
+    /// True if the index is in the list of attempts; a state read from a file may contain any index.
     pub fn is_sound(self) -> bool {
         usize::from(self.attempt) < ATTEMPTS.len()
     }
 
-    /// The attempts in the order in which they are tried.
+    /// Indices of the attempts in the order of trial.
     pub fn order(self) -> impl Iterator<Item = usize> {
         let first = if self.steps < PREFERRED_STEPS { usize::from(self.attempt) } else { 0 };
         std::iter::once(first).chain((0..ATTEMPTS.len()).filter(move |&attempt| attempt != first))
     }
 
-    /// After a step that an attempt has solved.
+    /// Preference after a step solved by the attempt with this index.
     pub fn after(self, attempt: usize) -> Preferred {
         let attempt = attempt as u8;
         match attempt {

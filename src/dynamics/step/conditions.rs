@@ -1,4 +1,4 @@
-//! The conditions that contact pairs put on a step, by their update rules.
+//! Contact conditions of a step, by the update rules of the pairs.
 
 use super::equations::Equations;
 use super::start::StepStart;
@@ -9,7 +9,7 @@ use crate::dynamics::parts::laws::{Row, RowStart, RowState};
 use crate::integrators::Derivative;
 use crate::math::tolerances;
 
-/// Contact conditions of a step: `Phi_A(q_1) >= target_A` for the members, with a multiplier that is positive or zero.
+/// Contact conditions of a step: `Phi_A(q_1) >= target_A` for admitted constraints, with multipliers `>= 0`.
 pub struct Conditions {
     /// Weighted gaps at the start of the step.
     pub gap_n: Vec<f64>,
@@ -17,13 +17,13 @@ pub struct Conditions {
     pub targets: Vec<f64>,
     /// True for each constraint that takes part in this step.
     pub members: Vec<bool>,
-    /// Weighted gap per change of the multiplier within an iteration, `1/kappa_A`: 0 but for augmented Lagrange.
+    /// Weighted gap per change of the multiplier within an iteration, `1/kappa_A`; nonzero only for augmented Lagrange.
     pub compliance: Vec<f64>,
-    /// Penalty pressures belong to the end of the step (statics, trapezoidal rule) instead of to its change of energy.
+    /// True if penalty pressures are evaluated at the end of the step (statics, trapezoidal rule) instead of from the change of energy.
     pub end_point: bool,
     /// Offset added to weighted gaps in the penalty potential, so that overlap found by newly admitted facet pairs stores no energy.
     pub shift: Vec<f64>,
-    /// Stiffness of the node of every constraint in the step: pressure per weighted gap, and multiplier per slip.
+    /// Stiffness at the node of every constraint in the step: pressure per weighted gap, or multiplier per slip.
     pub stiffness: Vec<f64>,
     /// True for each tangential constraint that may come to rest within the step, because it slipped in the previous one.
     pub stops: Vec<bool>,
@@ -32,7 +32,7 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// Compliance of a constraint in an iteration; `yielding` is the requested fraction of its first compliance.
+    /// Compliance of a constraint in an iteration; `yielding` is its requested ratio to the initial compliance.
     pub fn eased(&self, row: usize, yielding: f64) -> f64 {
         let compliance = self.compliance[row];
         let is_large = compliance * self.stiffness[row] > tolerances::LARGE_COMPLIANCE;
@@ -57,7 +57,7 @@ impl Conditions {
 }
 
 impl<const D: usize> Equations<D> {
-    /// Finds the coefficients of friction of a step that begins at `q`, with that time in its middle.
+    /// Evaluates the friction coefficients of a step that starts at `q`; `time` is its middle.
     ///
     /// # Errors
     /// A function failed, or returned no coefficient.
@@ -108,8 +108,8 @@ impl<const D: usize> Equations<D> {
         compliance
     }
 
-    /// True if the rows of a contact in space belong to nodes of a rigid body: more than its motions, so that pressures are undetermined.
-    /// In the plane the compliance of single rows is kept: with one by area, `scripts/scenarios/geneva_drive.rhai` fails at t = 0.61.
+    /// True if constraints of a contact in space belong to nodes of a rigid body: more than its motions, with undetermined pressures. In
+    /// the plane each keeps its own compliance: with one by area, `scripts/scenarios/geneva_drive.rhai` fails at t = 0.61.
     ///
     /// From iteration to iteration, compliances `C_A` select those with the least `sum_A C_A lambda_A^2`. With `C_A` by area, a flat face
     /// has even pressures; by stiffness they would follow nodal masses.
@@ -149,7 +149,7 @@ impl<const D: usize> Equations<D> {
         stiffness
     }
 
-    /// Copies the values of normal constraints to the tangential constraints beside them.
+    /// Copies the values of normal constraints to their tangential constraints.
     pub(super) fn copy_to_slips<T: Copy>(&self, values: &mut [T]) {
         self.pairs.iter().flat_map(ContactPair::tangential).for_each(|(row, pressing)| values[row] = values[pressing]);
     }
@@ -163,8 +163,8 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().flat_map(of).collect()
     }
 
-    /// The contact conditions of the step that has begun, by the pairs' update rules; `penalty_gap` are the weighted gaps of which penalty
-    /// potentials were functions at the end of the step before, `active` what the rows were in it.
+    /// Contact conditions of the step that has begun, by the update rules; `penalty_gap`: weighted gaps in the penalty potentials at the
+    /// end of the previous step, `active`: constraint states in that step.
     pub fn conditions(&self, start: &StepStart, penalty_gap: &[f64], active: &[RowState]) -> Conditions {
         let mut gap_n: Vec<f64> = self.pairs.iter().flat_map(|pair| pair.kernel.start_gap()).collect();
         gap_n.resize(self.multipliers, 0.0);

@@ -7,7 +7,7 @@ use crate::dynamics::parts::laws::Equation;
 pub struct ConstraintRows(pub Vec<Equation>);
 
 impl ConstraintRows {
-    /// All of `count` open: `lambda = 0`.
+    /// Equations of `count` inactive constraints: `lambda = 0`.
     pub fn open(count: usize) -> Self {
         ConstraintRows(vec![Equation::OPEN; count])
     }
@@ -17,8 +17,8 @@ impl ConstraintRows {
         ConstraintRows(hold.iter().map(|hold| if *hold { Equation::held(0.0, 0.0) } else { Equation::OPEN }).collect())
     }
 
-    /// Adds a proximal term to the active ones of the first `pressing` constraints: a compliance of the weighted gap for the change of the
-    /// multiplier from `lambda`. Tangential constraints have the term in their equations.
+    /// Adds a proximal term to the active of the first `pressing` constraints: a compliance for the change of the multiplier from `lambda`.
+    /// Equations of tangential constraints include the term already.
     pub fn add_proximal(&mut self, pressing: usize, terms: &[f64], lambda: &[f64]) {
         for (row, (term, lambda)) in self.0[..pressing].iter_mut().zip(terms.iter().zip(lambda)) {
             if row.acts && row.gradient == 1.0 && row.normal == 0.0 {

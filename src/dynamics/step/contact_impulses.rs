@@ -1,6 +1,6 @@
-//! Multipliers of a step without equations: forward increments (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Engng 32, 1991).
+//! Contact multipliers of explicit steps: forward increments (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Engng 32, 1991).
 //!
-//! Multipliers at the start of a step are those with which gaps at its end are not negative,
+//! Multipliers at the start of a step are determined so that gaps at its end are not negative,
 //!
 //! ```text
 //! Phi(q_1) >= target,    q_1 = q* + m^-1 G_0^T p,    p the change of the multipliers times dt^2, lambda >= 0
@@ -25,7 +25,7 @@ pub struct PushedRow {
     pub row: usize,
     /// Gradient of the gap with respect to each unknown.
     gradient: Vec<(usize, f64)>,
-    /// Change of its gap by its own `p`.
+    /// Change of the constraint's gap per unit of its own `p`.
     own: f64,
 }
 
@@ -38,7 +38,7 @@ where
         if self.supports.fixed[unknown] { 0.0 } else { 1.0 / self.nodes.nodal_mass[unknown / D] }
     }
 
-    /// Lower bounds of the gaps at the end of a step: an overlap at its start is not separated.
+    /// Lower bounds of the gaps at the end of a step: an initial overlap is not separated.
     pub fn explicit_targets(&self) -> Vec<f64> {
         let held = self.closed_gaps();
         let of = |pair: &ContactPair| -> Vec<f64> {
@@ -48,8 +48,8 @@ where
         self.pairs.iter().flat_map(of).collect()
     }
 
-    /// Rows whose multipliers are looked for, by their gaps beyond what is demanded, and whether their conditions are met: before any
-    /// multiplier was changed that is so where there are none.
+    /// Constraints that need multipliers, because they overlap or have one already, and true if their conditions are met. Before the first
+    /// change of multipliers, conditions are met only if no constraint needs one.
     pub fn wanted(&self, pairs: &[Evaluation], gaps: &[f64], lambda: &[f64], was_pushed: bool) -> (Vec<bool>, bool) {
         let (mut wanted, mut is_met) = (vec![false; self.multipliers], true);
         for (pair, evaluation) in self.pairs.iter().zip(pairs).filter(|(pair, _)| pair.has_multipliers()) {
@@ -62,7 +62,7 @@ where
         (wanted, is_met)
     }
 
-    /// Makes constraints inactive that were wanted but move no unknown.
+    /// Zeroes the multipliers of wanted constraints that move no unknown.
     pub fn let_go_of(&self, wanted: &[bool], rows: &[PushedRow], lambda: &mut [f64]) {
         let mut pushed = rows.iter().map(|row| row.row).peekable();
         for (row, lambda) in lambda.iter_mut().enumerate().filter(|(row, _)| wanted[*row]) {
@@ -72,7 +72,7 @@ where
         }
     }
 
-    /// Constraints that are `wanted`, with their gradients; without those that move no unknown.
+    /// Wanted constraints with their gradients, except those that move no unknown.
     pub fn pushed_rows(&self, pairs: &[Evaluation], wanted: &[bool], mobility: &[f64]) -> Vec<PushedRow> {
         let mut entries: Vec<(usize, usize, f64)> = Vec::new();
         for (pair, evaluation) in self.pairs.iter().zip(pairs) {
@@ -94,8 +94,8 @@ where
     }
 }
 
-/// Changes `p` of the multipliers, each at least its `least`, with which none of the `gaps` is negative after the displacement by `p`; that
-/// displacement is added to `moved`.
+/// Changes `p` of the multipliers, each at least `least`, such that no gap is negative after the displacement caused by `p`, which is added
+/// to `moved`.
 pub fn push(rows: &[PushedRow], gaps: &[f64], least: &[f64], mobility: &[f64], moved: &mut [f64]) -> Vec<f64> {
     let mut p = vec![0.0; rows.len()];
     // Displacements by the rows alone have the accuracy of their own size.

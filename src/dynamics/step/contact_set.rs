@@ -15,7 +15,7 @@ use crate::dynamics::parts::slip_group::SlipGroup;
 use crate::dynamics::parts::slip_vector::SlipVector;
 use crate::math::tolerances;
 
-/// Every contact pair with its evaluation at an iterate.
+/// All contact pairs with their evaluations at an iterate.
 pub fn pairs_at<'a, const D: usize>(
     equations: &'a Equations<D>,
     at: &'a Linearization,
@@ -29,14 +29,14 @@ pub fn has_row(pair: &ContactPair, evaluation: &Evaluation, local: usize) -> boo
     !pair.has_multipliers() || evaluation.coverage[local] > tolerances::ZERO_ROW
 }
 
-/// Tangential constraints beside one normal constraint, at an iterate.
+/// Tangential constraints of one normal constraint, at an iterate.
 pub struct SlipPlace<'a> {
     /// Indices of the tangential constraints, and of the normal one, among all constraints.
     pub rows: Range<usize>,
     pub pressing: usize,
     /// Contact pair of the constraints.
     pub pair: &'a ContactPair,
-    /// True if the tangential constraints can have multipliers: the node faces the other side where the step ends and along the slip.
+    /// True if the tangential constraints can be active: the node faces the other side at the end of the step and where slip is measured.
     pub exists: bool,
     friction: &'a FrictionRows,
     slip: &'a Evaluation,
@@ -100,7 +100,7 @@ pub fn slips_at<'a, const D: usize>(equations: &'a Equations<D>, at: &'a Lineari
     })
 }
 
-/// Takes nodes with a sliver of overlap out of the step; returns whether a multiplier was lost.
+/// Excludes nodes with a sliver of overlap from the step; returns true if a nonzero multiplier was dropped.
 pub fn drop_slivers<const D: usize>(equations: &Equations<D>, at: &Linearization, dropped: &mut [bool], lambda: &mut [f64]) -> bool {
     let mut lost = false;
     for (pair, evaluation) in pairs_at(equations, at).filter(|(pair, _)| pair.has_multipliers()) {
@@ -158,7 +158,7 @@ pub fn meets<const D: usize>(equations: &Equations<D>, at: &Linearization, condi
     !drop_slivers(equations, at, &mut dropped, &mut kept) && worst_violation(equations, at, conditions, &dropped).0 <= 1.0
 }
 
-/// The set that an iteration begins with: pressed nodes and nodes that overlap.
+/// Initial active set of an iteration: constraints with positive multipliers, and overlapping ones.
 pub fn starting_set<const D: usize>(
     equations: &Equations<D>,
     at: &Linearization,
@@ -181,8 +181,8 @@ pub fn starting_set<const D: usize>(
     set
 }
 
-/// Equations of the constraints for an active set. `yielding` is the compliance of regularized constraints, and of tangential constraints
-/// of overconstrained nodes, relative to its first value; tangential constraints also have the proximal terms.
+/// Equations of the constraints for an active set. `yielding`: compliance of regularized constraints, and of tangential constraints of
+/// overconstrained nodes, relative to its initial value; tangential constraints include the proximal `terms`.
 pub fn constraint_rows<const D: usize>(
     equations: &Equations<D>,
     at: &Linearization,

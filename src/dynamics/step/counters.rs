@@ -1,4 +1,4 @@
-//! Counters and times of the work that the equations of a model have cost.
+//! Counters and wall-clock times of the work on the equations of a model.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use std::time::Duration;
 pub struct PhaseTimes {
     /// Element loop: residual and tangent.
     pub assembly: Duration,
-    /// Contact functions and their tangents.
+    /// Evaluation of contact functions and their tangents.
     pub contact: Duration,
     /// Symbolic and numeric factorisation.
     pub factorization: Duration,
@@ -24,8 +24,8 @@ pub struct Counters {
     pub times: PhaseTimes,
     /// Numeric factorisations.
     pub factorizations: usize,
-    /// Factorizations of failed attempts and of steps that were taken back.
+    /// Factorizations of failed attempts and of undone steps.
     pub discarded: usize,
-    /// Times that forces were computed.
+    /// Number of force evaluations.
     pub assemblies: usize,
 }

@@ -34,19 +34,19 @@ pub struct Equations<const D: usize> {
     pub loads: Vec<NodalLoad<D>>,
     /// Force elements other than bodies and loads.
     pub others: Vec<Box<dyn Part>>,
-    /// Number of leading entries of `others` that are the model's own parts.
+    /// Number of leading entries of `others` that the model defines itself.
     pub own_parts: usize,
     /// Algorithmic dissipation of the deformable bodies; empty if the time integrator does not dissipate.
     pub dampings: Vec<StepDamping<D>>,
-    /// Masses that these have at nodes.
+    /// Nodal masses of the force elements in `others`.
     pub(super) point_masses: Vec<PointInertia>,
-    /// Contacts, obstacles and ties, then the corners that belong to them.
+    /// Pairs of contacts, obstacles and ties, followed by their corner pairs.
     pub pairs: Vec<ContactPair>,
     /// Number of constraints of all pairs, normal ones before tangential ones.
     pub multipliers: usize,
     /// Number of normal constraints.
     pub pressing: usize,
-    /// True for each redundant constraint of ties, which depends on others and on supports and takes part in no step.
+    /// True for each redundant constraint of ties, which depends on other constraints and on supports and is excluded from every step.
     pub redundant: Vec<bool>,
     /// Threads for sums over cells.
     pub workers: Workers,
@@ -77,19 +77,19 @@ where
         others + self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxing_energy(history)).sum::<f64>()
     }
 
-    /// Memory of all parts at rest with displacements `u`, before anything has happened.
+    /// Initial history variables of all force elements, at rest with displacements `u`.
     pub fn memory_at_rest(&self, u: &[f64]) -> PartHistories {
         self.relaxed(u, &self.parts().map(|part| part.memory()).collect::<Vec<_>>())
     }
 
-    /// History variables of all parts in an equilibrium: plastic strains of bodies remain, rate-dependent stresses (viscosity) have
-    /// relaxed.
+    /// History variables of all force elements in an equilibrium: plastic strains of bodies are kept, rate-dependent stresses (viscosity)
+    /// have relaxed.
     pub fn relaxed(&self, u: &[f64], memory: &[Vec<f64>]) -> PartHistories {
         let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(Present { u, history }));
         Arc::new(bodies.chain(self.parts().skip(self.bodies.len()).map(|part| part.memory())).collect())
     }
 
-    /// The model's own parts with their history variables.
+    /// Force elements defined by the model, with their history variables.
     pub fn own_parts<'a>(&'a self, memory: &'a [Vec<f64>]) -> impl Iterator<Item = (&'a dyn Part, &'a Vec<f64>)> {
         self.parts().zip(memory).skip(self.bodies.len() + self.loads.len()).take(self.own_parts)
     }
@@ -133,12 +133,12 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().any(|pair| pair.kind == PairKind::Rigidity)
     }
 
-    /// True for rigid bodies and joints that touch nothing.
+    /// True for models of rigid bodies and joints without contact.
     pub fn is_mechanism(&self) -> bool {
         self.has_rigid_bodies() && self.smallest_facet().is_infinite()
     }
 
-    /// The smallest facet of all contacts `[length]`; infinite without one.
+    /// Smallest facet length of all contacts `[length]`; infinite without contacts.
     pub fn smallest_facet(&self) -> f64 {
         let contacts = self.pairs.iter().filter(|pair| !pair.kind.is_of_points());
         contacts.map(|pair| pair.kernel.facet_size()).fold(f64::INFINITY, f64::min)
@@ -168,12 +168,12 @@ impl<const D: usize> Equations<D> {
         self.contacts().map(of).collect()
     }
 
-    /// Index of the contact that a pair belongs to: the pair itself, or the one whose corners it constrains.
+    /// Index of the contact of a pair: the pair itself, or the contact for whose corners it has constraints.
     pub fn contact_of(&self, index: usize) -> usize {
         self.pairs[index].corners.map_or(index, |corners| corners.pair)
     }
 
-    /// Sums of a quantity of pairs over the contact that they belong to.
+    /// Sums of a quantity of pairs over each contact, corner pairs included.
     pub fn by_contact(&self, of: impl Fn(usize, &ContactPair) -> f64) -> Vec<f64> {
         let mut sums = vec![0.0; self.contacts().count()];
         let pairs = self.pairs.iter().enumerate().filter(|(_, pair)| !pair.kind.is_of_points());
@@ -181,12 +181,12 @@ impl<const D: usize> Equations<D> {
         sums
     }
 
-    /// The pairs that are contacts of the model, with their indices.
+    /// Pairs that are contacts of the model, with their indices.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &ContactPair)> {
         self.pairs.iter().enumerate().filter(|(_, pair)| pair.corners.is_none() && !pair.kind.is_of_points())
     }
 
-    /// The pairs that belong to a contact besides.
+    /// Corner pairs that belong to the contact with this index.
     pub fn corners_of(&self, index: usize) -> impl Iterator<Item = &ContactPair> {
         self.pairs.iter().filter(move |pair| pair.corners.is_some_and(|corners| corners.pair == index))
     }
@@ -198,13 +198,13 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter().find(is_own)
     }
 
-    /// Normal constraint beside a tangential constraint.
+    /// Normal constraint of a tangential constraint.
     pub fn pressing_row(&self, slip: usize) -> usize {
         self.tangential_at(slip, |pair, friction| pair.rows.start + friction.pressing(slip))
             .expect("every tangential row belongs to a pair")
     }
 
-    /// Constraints that change their state together: a normal one alone, or all tangential ones beside a normal one.
+    /// Constraints that change their state together: a single normal one, or all tangential ones of one normal constraint.
     pub fn group_of(&self, row: usize) -> Range<usize> {
         self.tangential_at(row, |_, friction| friction.group(friction.pressing(row))).unwrap_or(row..row + 1)
     }
@@ -257,7 +257,7 @@ impl<const D: usize> Equations<D> {
         self.pairs.iter_mut().for_each(|pair| pair.kernel.set_correction(correction));
     }
 
-    /// Puts the rigid obstacles where they are in a step of that size from `time`.
+    /// Moves the rigid obstacles to their positions in a step of size `dt` from `time`.
     ///
     /// # Errors
     /// A time function failed.

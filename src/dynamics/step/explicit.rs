@@ -18,9 +18,9 @@ use crate::linear::LinearError;
 /// Forces at positions, component by component `[force]`.
 #[derive(Default)]
 pub struct PartForces {
-    /// Forces of potentials and dampers, against the motion that they drive.
+    /// Forces of potentials and dampers with the sign of the residual, opposite to the motion that they drive.
     pub internal: Vec<f64>,
-    /// Loads, without gravity that is constant.
+    /// Loads, without constant gravity.
     pub load: Vec<f64>,
     /// Internal forces exerted by the ground; empty without parts that are attached to it.
     pub ground: Vec<f64>,
@@ -78,7 +78,7 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Positions and displacements after a motion, as [`Self::linearize`] has them.
+    /// Sets positions and displacements after a motion, consistent with [`Self::linearize`].
     pub fn place_after(&self, start: &StepStart, at: &mut Linearization) {
         if self.sees_positions() {
             let Linearization { q_1, moved, .. } = at;
@@ -124,7 +124,7 @@ where
         Ok(ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * size)).collect())
     }
 
-    /// Nodal forces of multipliers at evaluations, of the pairs that are chosen `[force]`.
+    /// Nodal forces of the multipliers of the chosen pairs `[force]`.
     pub fn pressed(&self, pairs: &[Evaluation], lambda: &[f64], chosen: impl Fn(&ContactPair) -> bool) -> Vec<f64> {
         let mut forces = vec![0.0; self.nodes.reference.len()];
         for (pair, evaluation) in self.pairs.iter().zip(pairs).filter(|(pair, _)| chosen(pair)) {

@@ -14,7 +14,7 @@ pub enum Failure {
     Inverted {
         /// Name of the body.
         body: String,
-        /// The cell.
+        /// The inverted cell.
         inverted: Inverted,
     },
     /// The linear system could not be solved.
@@ -23,17 +23,17 @@ pub enum Failure {
     Diverged,
     /// Bodies moved farther than the candidate pairs reach.
     BeyondSearch {
-        /// The contact.
+        /// Name of the contact.
         pair: String,
     },
-    /// Something that took no part in the step, since it was not expected to close, overlaps at its end.
+    /// A contact that was not admitted to the step, because no closing was expected, overlaps at its end.
     Overlooked {
-        /// The contact.
+        /// Name of the contact.
         pair: String,
     },
     /// The predicted motion is too large: the step was not tried.
     Foreseen(LargeMotion),
-    /// The step has converged, and its error in time is too large.
+    /// The step has converged, but its time discretization error is too large.
     Inexact {
         /// The size to try instead `[time]`.
         size: f64,
@@ -56,11 +56,11 @@ impl Failure {
         }]
     }
 
-    /// All names.
+    /// Names of all kinds of failures.
     pub const NAMES: &'static [&'static str] =
         &["iterations used up", "inverted cell", "singular system", "divergence", "motion too fast", "given up", Failure::INEXACT];
 
-    /// The name of a step that was refused because of its error.
+    /// Name of a failure by a too large time discretization error.
     pub const INEXACT: &'static str = "error too large";
 
     /// Converts an interrupted factorization, or one that ran out of memory, to a fatal failure; other failures are returned unchanged.

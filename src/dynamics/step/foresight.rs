@@ -9,9 +9,8 @@ use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
 
 impl<const D: usize> Equations<D> {
-    /// The motion within a step, as predicted, that is too large to be tried whole: sliding of surfaces in contact beyond
-    /// [`tolerances::SLIDING`], approach beyond [`tolerances::APPROACH`] under the persistency rule, of obstacles beyond
-    /// [`tolerances::PASSING`] under all.
+    /// Predicted motion that is too large for one step: sliding of surfaces in contact beyond [`tolerances::SLIDING`], approach beyond
+    /// [`tolerances::APPROACH`] under the persistency rule, of obstacles beyond [`tolerances::PASSING`] under all rules.
     pub fn foreseen(&self, q_0: &[f64], predicted: &[f64], conditions: &Conditions, active: &[RowState]) -> Option<LargeMotion> {
         for pair in self.pairs.iter().filter(|pair| !pair.kind.is_bilateral()) {
             let size = pair.kernel.facet_size();
@@ -90,7 +89,7 @@ impl<const D: usize> Equations<D> {
 }
 
 impl<const D: usize> Equations<D> {
-    /// Contacts whose sides, where they are less than a facet apart, move along each other so fast that steps of that size would be halved.
+    /// Contacts whose sides, closer than a facet, slide so fast that steps of size `dt` would be halved.
     pub fn sliding_by_velocity(&self, q: &[f64], v: &[f64], dt: f64) -> Vec<LargeMotion> {
         let contacts = self.pairs.iter().filter(|pair| D == 2 && pair.corners.is_none() && !pair.kind.is_bilateral());
         let motion = |pair: &ContactPair| {
@@ -102,7 +101,7 @@ impl<const D: usize> Equations<D> {
     }
 }
 
-/// Largest motion of a secondary facet in the plane along the primary facet nearest to it, of those that face each other within a facet.
+/// Largest sliding distance of a secondary facet in the plane along its nearest primary facet, if they face each other within a facet.
 fn travel_along(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 {
     let at = |x: &[f64], node: u32| [0, 1].map(|i| x[2 * node as usize + i]);
     let mean = |x: &[f64], [a, b]: [u32; 2]| std::array::from_fn(|i| 0.5 * (at(x, a)[i] + at(x, b)[i]));
@@ -124,7 +123,7 @@ fn travel_along(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 {
     largest
 }
 
-/// Largest motion of the nodes within a facet of an obstacle, without the component that changes their distance.
+/// Largest tangential displacement of the nodes closer than a facet to an obstacle.
 fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 {
     let moved: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + dt * v).collect();
     let (coverage, weights) = (pair.kernel.coverage(q), pair.kernel.weights());
@@ -139,23 +138,23 @@ fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 
     near.map(travel).fold(0.0, f64::max)
 }
 
-/// Motion past each other of the nodes of a pair and its rigid obstacle in a step to `q_1`, in facets, if too large: through the obstacle
-/// or, for a predicted motion, towards the obstacle.
+/// Relative motion of the nodes of a pair and its rigid obstacle in a step to `q_1`, in facets, if too large: through the obstacle or, if
+/// predicted, towards it.
 fn passing(pair: &ContactPair, q_1: &[f64], is_predicted: bool) -> Option<f64> {
     let [swing, crossing] = pair.kernel.passage(q_1);
     let is_too_far = is_predicted && swing > tolerances::PASSING || crossing > 0.0;
     is_too_far.then_some(swing.max(crossing))
 }
 
-/// Largest depth at which nodes of a pair that were open at the start of the step are behind the other side, in secondary facets.
+/// Largest depth, in secondary facets, of nodes of a pair behind the other side that were open at the start of the step.
 fn through(pair: &ContactPair, conditions: &Conditions, gaps: &[f64], coverage: &[f64]) -> f64 {
     let (size, weights) = (pair.kernel.facet_size(), pair.kernel.weights());
     let open = (0..gaps.len()).filter(|&k| !conditions.members[pair.rows.start + k] && coverage[k] > tolerances::SLIVER);
     open.map(|k| -gaps[k] / (coverage[k] * weights[k] * size)).fold(0.0, f64::max)
 }
 
-/// Depth of the deepest node of a pair at `q_1` in secondary facets, or of facets that have come through each other, if it has grown since
-/// `q_0`; else nothing.
+/// Depth in secondary facets of the deepest node of a pair at `q_1`, or of facets that crossed each other, if it exceeds the depth at
+/// `q_0`; otherwise 0.
 fn sunk(pair: &ContactPair, q_0: &[f64], q_1: &[f64]) -> f64 {
     let depth = |q: &[f64]| (pair.kernel.deepest(q) / pair.kernel.facet_size()).max(pair.kernel.crossing(q));
     let now = depth(q_1);

@@ -27,7 +27,7 @@ use crate::dynamics::parts::contact_pair::RowBlock;
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::laws::Equation;
 
-/// Rows that may change before the matrix is factorised with another set: each costs a substitution.
+/// Largest number of changed constraints before the matrix is factorized again; each change costs a substitution.
 const MOST_CHANGES: usize = 64;
 
 /// Newton's system of one iterate, factorized with one active set.
@@ -40,7 +40,7 @@ pub struct Frozen {
     solution: Vec<f64>,
     /// Gaps and multipliers of all constraints for the active set in the factors.
     base: RowValues,
-    /// Change of all gaps and multipliers per unit multiplier or slack of each changed constraint.
+    /// Change of all gaps and multipliers per unit multiplier or slack, for each changed constraint.
     answers: BTreeMap<usize, RowValues>,
     /// Multiplier or slack of each changed constraint in the present active set.
     amounts: Vec<(usize, f64)>,
@@ -66,7 +66,7 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Factorises Newton's system of an iterate with the rows of a set, and solves it.
+    /// Factorizes Newton's system of an iterate with the equations of an active set, and solves it.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
@@ -100,8 +100,7 @@ where
         outcome.map(drop).map_err(Failure::Linear)
     }
 
-    /// Gaps and multipliers with another active set, whose equations are `rows`; `None` where the system should be factorized with that set
-    /// instead.
+    /// Gaps and multipliers with another active set, whose equations are `rows`; `None` if a new factorization with that set is preferable.
     pub fn rows_with(&mut self, frozen: &mut Frozen, start: &StepStart, at: &Linearization, rows: &ConstraintRows) -> Option<RowValues> {
         let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.0[row] != frozen.rows.0[row]).collect();
         let fresh: Vec<usize> = changed.iter().copied().filter(|row| !frozen.answers.contains_key(row)).collect();

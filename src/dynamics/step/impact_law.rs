@@ -1,8 +1,8 @@
 //! Impact of rigid bodies: Poisson's restitution with Coulomb friction along the whole impact (Routh, *Dynamics of a System of Rigid
 //! Bodies*, 1905; Glocker and Pfeiffer, *Multiple impacts with friction in rigid multibody systems*, Nonlinear Dynamics 7, 1995).
 //!
-//! With the impulses `p` of all rows in contact and their rates `u = u_0 + W p`, `W = G M^-1 G^T`, positions do not change. An impact has
-//! two phases,
+//! Positions do not change. The impulses `p` of all constraints in contact change their rates, `u = u_0 + W p`, `W = G M^-1 G^T`, in two
+//! phases,
 //!
 //! ```text
 //! compression    u_n >= (1 - s) min(u_n0, 0),  dp_n >= 0, complementary,            s from 0 to 1
@@ -10,23 +10,23 @@
 //! friction       |dp_t| <= mu dp_n, against the slip u_t, in every part of a phase
 //! ```
 //!
-//! so that a slip may stop, stick and turn back within an impact. Parts are halved until no slip changes its direction in one, but for the
-//! shortest: in the plane the slip between two such changes is then exact. A part is solved by blocks of one contact each (Gauss and
-//! Seidel), which also finds a solution where contacts depend on one another.
+//! so that a slip may stop, stick and reverse within an impact. Parts are halved, down to the shortest, until no slip changes its direction
+//! within a part: in the plane, slip is then exact between these changes. A part is solved contact by contact (block Gauss-Seidel), which
+//! also finds a solution for linearly dependent contacts.
 
 use crate::math::tolerances;
 
-/// Shortest part of a phase: impulses where a slip stops are off by as much of the whole.
+/// Shortest part of a phase, relative to the phase; where a slip stops, impulses have a relative error of this size.
 const SHORTEST: f64 = 1.0 / 16384.0;
 
 /// Angle by which the direction of a slip may change within a part of a phase.
 const TURN: f64 = 0.01;
 
-/// Sweeps of a part: at most so many, and at most so many products in all of them, but for the fewest.
+/// Largest number of sweeps per part, the least number of which is always allowed, and largest number of products in all sweeps.
 const SWEEPS: [usize; 2] = [100, 20_000];
 const PRODUCTS: usize = 100_000_000;
 
-/// Change in a sweep over that of the fewest sweeps before from which on sweeps lead nowhere.
+/// Ratio of the change in a sweep to that of `SWEEPS[0]` sweeps before, above which the iteration has stalled.
 const STALLED: f64 = 0.99;
 
 /// Steps of the direction of a slip in space at most.
@@ -62,7 +62,7 @@ pub struct Course {
     pub rates: Vec<f64>,
     /// Impulses of the constraints.
     pub impulses: Vec<f64>,
-    /// Work of the impulses that press `[energy]`: negative in compression.
+    /// Work of the normal impulses `[energy]`: negative in compression.
     pub pressing: f64,
     /// Work of friction of each contact `[energy]`, never positive.
     pub friction: Vec<f64>,
@@ -70,7 +70,7 @@ pub struct Course {
 
 /// Condition of a normal constraint in a part of an impact.
 struct Part {
-    /// Rates that are reached at least.
+    /// Lower bounds of the normal rates at the end of the part.
     targets: Vec<f64>,
     /// Impulses at least.
     least: Vec<f64>,
@@ -81,7 +81,7 @@ impl ImpactLaw {
         self.contacts.iter().map(|contact| 1 + contact.tangents).sum()
     }
 
-    /// Beginning of an impact with these rates.
+    /// State of an impact before its compression, with the given rates.
     pub fn before(&self, rates: Vec<f64>) -> Course {
         Course { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
     }
@@ -94,7 +94,7 @@ impl ImpactLaw {
         }
     }
 
-    /// Ends all approach of the contacts that take part.
+    /// Compression phase: ends the approach of the participating contacts.
     pub fn compress(&self, course: &mut Course, takes_part: impl Fn(usize) -> bool) {
         let approach: Vec<f64> = self.contacts.iter().map(|contact| course.rates[contact.first].min(0.0)).collect();
         let targets =
@@ -102,7 +102,7 @@ impl ImpactLaw {
         self.follow(course, |end, _| Part { targets: targets(end), least: vec![0.0; approach.len()] });
     }
 
-    /// Gives back the impulses of a compression, `share` of the coefficient of each contact.
+    /// Applies the restitution phase: returns compression impulses, scaled by `share` times each contact's coefficient.
     pub fn restore(&self, course: &mut Course, share: f64) {
         let given: Vec<f64> =
             self.contacts.iter().map(|contact| share * contact.restitution * course.impulses[contact.first].max(0.0)).collect();
@@ -111,7 +111,7 @@ impl ImpactLaw {
         }
     }
 
-    /// Goes through a phase part by part; `part` makes the conditions of one that ends there and has that length.
+    /// Integrates a phase part by part; `part(end, length)` returns the conditions of a part.
     fn follow(&self, course: &mut Course, part: impl Fn(f64, f64) -> Part) {
         let (mut done, mut length) = (0.0, 1.0);
         let mut guess = vec![0.0; course.rates.len()];
@@ -139,7 +139,7 @@ impl ImpactLaw {
         }
     }
 
-    /// Work of friction in a part in which a slip stops and stays: it slides first, against friction, and then sticks. A jam is one part.
+    /// Work of friction in a part in which a slip stops and then sticks; `None` if it does not stop. Jamming is one part.
     fn work_to_a_stop(&self, contact: &ImpactContact, before: &[f64], after: &[f64], impulses: &[f64]) -> Option<f64> {
         let rows = contact.first + 1..contact.first + 1 + contact.tangents;
         let length = |rates: &[f64]| rates[rows.clone()].iter().map(|rate| rate * rate).sum::<f64>().sqrt();
@@ -168,7 +168,7 @@ impl ImpactLaw {
         })
     }
 
-    /// Impulses of a part of an impact, which begins with these rates and ends with others.
+    /// Impulses of a part of an impact; `rates` are updated from its start to its end.
     fn solve(&self, part: &Part, rates: &mut [f64], guess: &[f64]) -> Vec<f64> {
         let count = self.rows();
         let mut impulses = self.first_guess(part, rates, guess);
@@ -220,7 +220,7 @@ impl ImpactLaw {
         impulses
     }
 
-    /// Even pressures that end the approach as well as they can, where there is no better guess; those that the part demands at least.
+    /// Initial impulses of a part: `guess`, at least the required ones; if all are zero, the equal pressures that best end the approach.
     fn first_guess(&self, part: &Part, rates: &[f64], guess: &[f64]) -> Vec<f64> {
         let mut impulses = guess.to_vec();
         for (contact, least) in self.contacts.iter().zip(&part.least) {
@@ -246,7 +246,7 @@ impl ImpactLaw {
     }
 }
 
-/// One contact among others that keep their impulses: `u = free + response p`.
+/// One contact with fixed impulses of all others: `u = free + response p`.
 #[derive(Default)]
 struct Block {
     rows: usize,
@@ -262,7 +262,7 @@ impl Block {
         self.free[i] + (0..self.rows).map(|j| self.response[i][j] * p[j]).sum::<f64>()
     }
 
-    /// Normal impulse for tangential impulses of `along` per unit of it.
+    /// Normal impulse for tangential impulses `along` relative to it.
     fn pressing(&self, along: [f64; 2]) -> f64 {
         let slope = self.response[0][0] + (1..self.rows).map(|j| self.response[0][j] * along[j - 1]).sum::<f64>();
         if slope > 0.0 { ((self.target - self.free[0]) / slope).max(self.least) } else { self.least }

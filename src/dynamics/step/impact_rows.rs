@@ -1,4 +1,4 @@
-//! Responses of velocities to impulses of single rows at the end of a step, for impacts of rigid bodies.
+//! Velocity responses to impulses of single constraints at the end of a step, for impacts of rigid bodies.
 
 use std::time::Instant;
 
@@ -23,7 +23,7 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Factorizes the mass matrix with the rows that `hold`; `rows` are those that impulses act on.
+    /// Factorizes the mass matrix with the constraints `hold`; `rows` are the constraints that receive impulses.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
@@ -52,8 +52,8 @@ where
         Ok(Responses { matrix, scale, unknowns: at.q_1.len(), gradients })
     }
 
-    /// Rates of all rows that impulses act on, by a unit impulse of each, row by row; and the power of the rows that hold, which a unit
-    /// impulse calls for, at their rates `held`: velocities at the end of a step are rigid to the order of the step alone.
+    /// Rates of all constraints by a unit impulse of each, row by row; and the power of the holding constraints per unit impulse at their
+    /// rates `held`, which are zero only to the order of the step.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.
@@ -79,7 +79,7 @@ where
         Ok([of_rates, powers])
     }
 
-    /// Change of the velocities, followed by the multipliers of the rows that hold, by impulses of the rows.
+    /// Change of the velocities by impulses, followed by the multipliers of the holding constraints.
     fn velocity_by(&mut self, responses: &Responses, impulses: &[f64]) -> Result<Vec<f64>, Failure> {
         let mut right = vec![0.0; responses.unknowns + self.multipliers];
         for (gradient, impulse) in responses.gradients.iter().zip(impulses).filter(|(_, impulse)| **impulse != 0.0) {
@@ -92,8 +92,8 @@ where
         Ok(right)
     }
 
-    /// Change of the velocities by impulses of the `rows` at the `rates` of all rows, with what supports, obstacles and joints on the
-    /// ground exert.
+    /// Change of the velocities by impulses of the `rows` at the `rates` of all constraints, including reactions of supports, obstacles and
+    /// joints on the ground.
     ///
     /// # Errors
     /// The system is singular, or the run was interrupted.

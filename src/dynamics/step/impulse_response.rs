@@ -1,4 +1,4 @@
-//! A change of the velocities by impulses of the constraints, at the end of a step.
+//! Change of the velocities by impulses of the constraints at the end of a step.
 
 use std::time::Instant;
 
@@ -17,13 +17,13 @@ use crate::math::tolerances;
 
 /// A change of the velocities by impulses.
 pub struct ImpulseResponse {
-    /// The change.
+    /// Change of the velocities.
     pub velocity: Vec<f64>,
     /// Impulses of all normal and tangential constraints.
     pub lambda: Vec<f64>,
     /// Impulses of supports and obstacles on the nodes.
     pub impulse: Vec<f64>,
-    /// Work of obstacles that move.
+    /// Work of moving obstacles.
     pub work: f64,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct EndMatrix {
 pub struct Cause<'a> {
     /// Normal and tangential constraints at the end of the step.
     pub rows: [&'a [Evaluation]; 2],
-    /// Given impulses.
+    /// Impulses of the constraints.
     pub lambda: &'a [f64],
     /// Constraints with given rates, and the changes of these rates.
     pub hold: &'a [bool],
@@ -84,7 +84,7 @@ where
         Ok(self.response(evaluated, &matrix, right, lambda, &[]))
     }
 
-    /// The matrix of velocities that change at the end of a step, of masses and stiffness and these rows.
+    /// Matrix of velocity changes at the end of a step: masses, stiffness and the given constraints.
     pub(super) fn end_matrix(&self, evaluated: [&[Evaluation]; 2], rows: &ConstraintRows, scale: f64, mut values: Vec<f64>) -> EndMatrix {
         let free = self.supports.fixed.contains(&true).then(|| values.clone());
         values.iter_mut().for_each(|value| *value *= scale);
@@ -93,8 +93,7 @@ where
         EndMatrix { values, free }
     }
 
-    /// A change of the velocities that impulses of the rows make, and forces `given` besides if there are any, with what supports and
-    /// obstacles push.
+    /// Change of the velocities by constraint impulses, and by the forces `given` if any, including reactions of supports and obstacles.
     pub(super) fn response(
         &self,
         evaluated: [&[Evaluation]; 2],

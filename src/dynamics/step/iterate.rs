@@ -11,7 +11,7 @@ use crate::dynamics::model::part::Pose;
 pub struct Linearization {
     /// Positions.
     pub q_1: Vec<f64>,
-    /// Displacements since rest, accurate relative to their own size, from which strains are computed.
+    /// Displacements from the reference positions, accurate relative to their own size, from which strains are computed.
     pub u_1: Vec<f64>,
     /// Displacement in the step: `q_1 - q_0`, with the accuracy of its own size. Velocities follow from it, however short the step.
     pub moved: Vec<f64>,
@@ -23,15 +23,15 @@ pub struct Linearization {
     pub pairs: Vec<Evaluation>,
     /// Tangential constraints of every contact pair: slips as gaps, and the covered share of each node in mid-step.
     pub slips: Vec<Evaluation>,
-    /// True for each tangential constraint that supports keep from slipping.
+    /// True for each tangential constraint whose slip supports prevent.
     pub held: Vec<bool>,
     /// Slip of each tangential constraint with which its slip rate at the end of the step is zero.
     pub rests: Vec<f64>,
     /// Values of the matrix without the rows and columns of constraints.
     pub tangent: Vec<f64>,
-    /// Number of the pattern of `tangent`; `None` while it is not computed.
+    /// Pattern number of `tangent`; `None` while it is not computed.
     pub(super) tangent_of: Option<usize>,
-    /// Number of the pattern of the storage: entries that are not written are zero.
+    /// Pattern number of the storage: unwritten entries are zero.
     pub(super) storage_of: Option<usize>,
 }
 
@@ -55,9 +55,9 @@ pub struct Forces {
     pub load: Vec<f64>,
     /// Work of the internal forces over the step, to measure energies with.
     pub internal_work: f64,
-    /// Size of the largest internal, inertial or external force component, to measure residuals with.
+    /// Largest internal, inertial or external force component, the scale of residuals.
     pub scale: f64,
-    /// Size of the largest component of the forces of inertia, or of the damping at rest.
+    /// Largest component of the inertial forces, or of the damping forces at rest.
     pub opposing: f64,
 }
 
@@ -73,27 +73,27 @@ impl Forces {
     }
 }
 
-/// Storage of iterates that are gone, and how many a step has had.
+/// Storage of discarded iterates, for reuse, and number of iterates in a step.
 #[derive(Default)]
 pub struct Spare {
     gone: Vec<Linearization>,
     /// Internal forces.
     pub(super) internal: Vec<f64>,
-    /// The motion that the mass opposes.
+    /// Displacement on which the mass acts in the equations of a step.
     pub(super) motion: Vec<f64>,
     /// Velocities, positions of loads and mass factors passed to parts.
     pub(super) told: Told,
-    /// Iterates of this step, and of the one before.
+    /// Number of iterates in this step, and in the previous one.
     iterates: [usize; 2],
 }
 
 impl Spare {
-    /// Starts counting anew.
+    /// Resets the iterate count at the start of a step.
     pub fn begin_step(&mut self) {
         self.iterates = [0, self.iterates[0]];
     }
 
-    /// Storage for another iterate of the step, and whether that is probably the last one: the step before had as many.
+    /// Storage for another iterate of the step; true if it is probably the last one, by the count of the previous step.
     pub fn next(&mut self) -> (Linearization, bool) {
         self.iterates[0] += 1;
         (self.gone.pop().unwrap_or_default(), self.iterates[0] == self.iterates[1])

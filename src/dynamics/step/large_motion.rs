@@ -29,7 +29,7 @@ impl MotionKind {
         }]
     }
 
-    /// All names.
+    /// Names of all kinds of motion.
     pub const NAMES: &'static [&'static str] = &["sliding", "approach", "came_through", "passing"];
 }
 

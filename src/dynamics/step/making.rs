@@ -1,4 +1,4 @@
-//! Assembly of a system from bodies, loads and the nodes that rigid bodies carry.
+//! Assembly of a system from bodies, loads and followers of rigid bodies.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
@@ -22,7 +22,7 @@ pub struct PointInertia {
     pub place: Block,
 }
 
-/// The bodies that deform, with their numbers.
+/// Deformable bodies with their indices.
 pub fn deformable(model: &Model) -> impl Iterator<Item = (usize, &BodyDefinition)> {
     model.bodies.iter().enumerate().filter(|(_, body)| body.rigid.is_none())
 }
@@ -51,7 +51,7 @@ pub(super) fn part_followers<const D: usize>(
     followers
 }
 
-/// The bodies of a model, and the positions of their nodes at rest.
+/// Bodies of a model, and the reference positions of their nodes.
 pub(super) fn bodies_of<const D: usize>(model: &Model, integrator: &Scheme) -> Result<(Vec<Body<D>>, Vec<f64>), ModelError>
 where
     Space<D>: Elements<D>,
@@ -94,11 +94,10 @@ where
     Ok((bodies, reference))
 }
 
-/// The mass of so many nodes, with masses of other parts there: consistent in a pattern, or at the nodes alone. Then all of it joins the
-/// masses at nodes, for cells have none.
+/// Mass matrix of the given nodes and of other force elements: consistent in a pattern or, without cells, lumped at nodes.
 ///
 /// # Errors
-/// A node that gets none of a cell.
+/// Row sums of a body's mass that are not positive at all its nodes.
 pub(super) fn mass_of<const D: usize>(
     bodies: &[Body<D>],
     lumping: Option<Lumping>,
@@ -123,7 +122,7 @@ pub(super) fn mass_of<const D: usize>(
     Ok(NodeMatrix::diagonal(mass))
 }
 
-/// Gravity that follows a time function, a load on all nodes.
+/// Time-dependent gravity, as a load on all nodes.
 pub(super) fn varying_gravity<const D: usize>(model: &Model, masses: &[f64]) -> Option<NodalLoad<D>> {
     Some(NodalLoad {
         kind: LoadKind::Traction(model.gravity),

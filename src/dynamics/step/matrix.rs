@@ -1,7 +1,7 @@
-//! The matrix of a step: its pattern, the factors, and the rows and columns that supports and idle constraints replace.
+//! Matrix of a step: pattern, factors, and the rows and columns replaced for supports and inactive constraints.
 //!
-//! Vertices are the nodes with `D` components each, then the multipliers with one. Every constraint row is always in the pattern; that of a
-//! node that is not active reads `lambda = right`, so that the active set never changes the pattern.
+//! Vertices are the nodes with `D` components each, then the multipliers with one. All constraints are in the pattern; the equation of an
+//! inactive one is `lambda = right`, so that the active set never changes the pattern.
 
 use super::constraint_rows::ConstraintRows;
 use crate::dynamics::model::part::Part;
@@ -19,14 +19,14 @@ pub struct Matrix {
     pub generation: usize,
     /// True if pattern and factorization belong to an earlier list of candidate pairs.
     pub is_stale: bool,
-    /// Diagonals of the rows of supports, what else stands in their rows and columns, diagonals of the multipliers.
+    /// Entries set for supports and multipliers: diagonals of supports, other entries of these rows and columns, diagonals of multipliers.
     identities: Vec<u32>,
     zeros: Vec<u32>,
     diagonals: Vec<u32>,
 }
 
 impl Matrix {
-    /// The matrix with a pattern; its places are found by [`Self::place`].
+    /// Matrix with a pattern; block places are found by [`Self::place`].
     ///
     /// # Errors
     /// The pattern is too large.
@@ -79,7 +79,7 @@ impl Matrix {
     }
 }
 
-/// The couplings of all parts and pairs. The anchor of a multiplier is its secondary node, if that one is free to move and no other pair's.
+/// Couplings of all force elements and pairs. Anchor of a multiplier: its secondary node, if free and not the anchor for another pair.
 pub fn pattern_of<'a, const D: usize>(
     fixed: &[bool],
     multipliers: usize,

@@ -1,8 +1,8 @@
-//! Initial iterate of Newton's method: every unsupported connected component moved by its rigid velocity alone.
+//! Initial iterate of Newton's method: every unsupported connected component moves by its rigid velocity only.
 //!
-//! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity that
-//! belongs to the piece's angular momentum. Elastic velocities are left out (they are noise when dt is many element periods), and a
-//! rotation proper does not inflate the body as `q_0 + dt v_0` does. Pieces with supports start where they are.
+//! `q_1 = c + dt u + R(theta) (q_0 - c)` with the mass center `c`, its velocity `u`, and Cayley's rotation by the angular velocity of the
+//! component's angular momentum. Elastic velocities are omitted (noise if dt is many element periods), and a proper rotation does not
+//! inflate the body like `q_0 + dt v_0`. Components with supports start at their positions.
 
 use std::collections::BTreeMap;
 
@@ -79,7 +79,7 @@ where
     q_1
 }
 
-/// Moves the prescribed nodes to their prescribed positions, and the connected pieces that contain them by their mean motion.
+/// Moves prescribed nodes to their prescribed positions, and connected components with such nodes by their mean motion.
 pub fn follow_prescribed<const D: usize>(equations: &Equations<D>, q_0: &[f64], displacement: &[f64], predicted: &mut [f64]) {
     if equations.supports.prescribed.is_empty() {
         return;
@@ -121,8 +121,8 @@ struct RigidMotion {
     rotation: nalgebra::Matrix3<f64>,
 }
 
-/// The rigid motions of connected components that come nearest to that of their prescribed nodes (Kabsch, Acta Cryst. A 32, 1976), where
-/// these determine one.
+/// Rigid motions of connected components closest to those of their prescribed nodes (Kabsch, Acta Cryst. A 32, 1976), if the nodes
+/// determine them.
 fn turns<const D: usize>(equations: &Equations<D>, q_0: &[f64], target: &impl Fn(usize) -> f64) -> BTreeMap<u32, RigidMotion> {
     let mut targets: BTreeMap<usize, [Option<f64>; 3]> = BTreeMap::new();
     for (k, one) in equations.supports.prescribed.iter().enumerate() {
@@ -156,7 +156,7 @@ fn nearest_motion<const D: usize>(points: &[[nalgebra::Vector3<f64>; 2]]) -> Opt
     (values[1] > tolerances::TURNS * values[0]).then_some(RigidMotion { from, to, rotation })
 }
 
-/// Displacements in a step to predicted positions, those of prescribed nodes with the accuracy of their own size.
+/// Displacements in a step to predicted positions; those of prescribed nodes are accurate relative to their own size.
 pub fn displacements_to<const D: usize>(equations: &Equations<D>, from: Pose, displacement: &[f64], predicted: &[f64]) -> Vec<f64>
 where
     Space<D>: Elements<D>,

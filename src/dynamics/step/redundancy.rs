@@ -1,8 +1,8 @@
-//! Constraints that follow from others and from supports: they would make the matrix singular, and take part in no step.
+//! Redundant constraints, which depend on others and on supports: they would make the matrix singular and are excluded from all steps.
 //!
-//! Rows of ties and joints are found by elimination at rest, the supported unknowns left out: where a tie ends on a support that holds both
-//! sides, or where two ties join the same surfaces. Rows of obstacles at a node that joints fix in all directions are redundant, too: the
-//! joint then bears the force of the obstacle.
+//! Redundant constraints of ties and joints are found by elimination at rest without the supported unknowns: where a tie ends on a support
+//! of both sides, or where two ties join equal surfaces. Constraints of obstacles at a node fixed by joints in all directions are
+//! redundant, too: the joint then carries the force of the obstacle.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +16,7 @@ use crate::math::tolerances::{DEPENDENT, NEGLIGIBLE_ENTRY, ZERO_ROW};
 type Row = BTreeMap<usize, f64>;
 
 impl<const D: usize> Equations<D> {
-    /// True for each row that follows from those of ties and joints before it and from supports.
+    /// True for each constraint that depends on earlier constraints of ties and joints, and on supports.
     pub fn redundant_rows(&self) -> Vec<bool> {
         let mut redundant = vec![false; self.multipliers];
         if self.pairs.iter().all(|pair| !pair.kind.is_bilateral()) {
@@ -63,7 +63,7 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// The rows of a pair by their unknowns; none of nodes that lie opposite nothing.
+    /// Constraint gradients of a pair by unknown; none for nodes that do not face the other side.
     fn rows_of(&self, pair: &ContactPair, evaluation: &Evaluation) -> BTreeMap<usize, Row> {
         let mut rows: BTreeMap<usize, Row> = BTreeMap::new();
         for row in pair.live_rows(evaluation) {

@@ -7,7 +7,7 @@ use crate::integrators::{History, Scheme};
 /// History variables of a time integrator besides positions and velocities; a vector that the scheme does not need is empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SchemeMemory {
-    /// Description of the integrator with its parameters; empty for a scheme without history variables.
+    /// Name of the integrator with its parameters; empty for a scheme without history variables.
     pub of: String,
     /// Time step size of the step that led here, 0 without a step of this integrator `[time]`.
     pub dt: f64,
@@ -17,7 +17,7 @@ pub struct SchemeMemory {
     pub outside: [Lagging; 2],
     /// Accelerations at the end of the step.
     pub acceleration: Vec<f64>,
-    /// Energy at the start plus the energy supplied since, by which explicit steps are judged `[energy]`.
+    /// Initial energy plus the energy supplied since, the scale for judging explicit steps `[energy]`.
     pub exchanged: f64,
 }
 
@@ -38,7 +38,7 @@ impl Lagging {
         Lagging { left: force.iter().map(|force| left * force).collect(), answered }
     }
 
-    /// After a step of whose forces the share of the step itself is `own`.
+    /// Force history after a step whose own contribution is `own`.
     pub fn after(&self, scheme: &Scheme, own: &[f64]) -> Lagging {
         let lag = scheme.lag;
         let factor = lag.force / scheme.weight;
@@ -79,7 +79,7 @@ impl SchemeMemory {
         lagging.chain([&self.acceleration]).all(|vector| vector.is_empty() || vector.len() == unknowns)
     }
 
-    /// Numbers that it keeps.
+    /// Number of stored numbers.
     pub fn len(&self) -> usize {
         self.force.len() + self.outside.iter().map(Lagging::len).sum::<usize>() + self.acceleration.len()
     }

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 use crate::contact::Candidates;
 use crate::linear::SolverMemory;
 
-/// Search results and solver data that a system keeps from one step to the next. Sums depend on them in their last bits, so they belong to
-/// the state. States share unchanged data; the solver's counters alone change after every step.
+/// Search results and solver data that a system keeps from one step to the next. Sums depend on them in the last bits, so they belong to
+/// the state. States share unchanged data; only the solver's counters always change.
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SearchHistory {
-    /// Candidate pairs of each contact pair that searches.
+    /// Candidate pairs of each contact pair with a search.
     pub candidates: Arc<Vec<Option<Candidates>>>,
     /// Data of the linear solver.
     pub solver: SolverMemory,

@@ -1,4 +1,4 @@
-//! Initial values of a step, and the term that balances its forces: inertia, or a damping at rest.
+//! Initial values of a step, and the term that balances its forces: inertia, or damping at rest.
 
 use super::scheme_memory::SchemeMemory;
 use crate::dynamics::model::part::{Iterate, Pose};
@@ -56,7 +56,7 @@ pub struct Stopping {
     pub own: f64,
 }
 
-/// Quantities of an iterate passed to parts, besides positions and displacements.
+/// Quantities of an iterate passed to force elements, besides positions and displacements.
 #[derive(Default)]
 pub struct Told {
     /// Factor of each body's mass in the tangent.
@@ -126,12 +126,12 @@ impl StepStart<'_> {
         ForceShares { lagging: self.weight(), alone: if self.is_at_rest() { REST.weight } else { 1.0 } }
     }
 
-    /// Configuration along whose tangents friction acts: in a motion the middle of the step, whose tangents slips have.
+    /// Configuration whose tangents define friction directions: mid-step in a motion.
     pub fn friction_at(&self) -> Configuration {
         if self.is_at_rest() { REST.derivative.placement().test } else { Configuration::Middle }
     }
 
-    /// Weighted force history of earlier steps in this one; empty without history variables.
+    /// Weighted force history of earlier steps in this step; empty without history variables.
     pub fn remembered_force(&self) -> impl Iterator<Item = f64> {
         let motion = if let StepKind::Motion(motion) = &self.kind { Some(motion) } else { None };
         motion.into_iter().flat_map(Motion::remembered_force)
@@ -167,7 +167,7 @@ impl StepStart<'_> {
         }
     }
 
-    /// Evaluates the positions of loads and the velocities of forces at an iterate, as far as `positions` and `velocities` request them.
+    /// Evaluates the positions of loads and the velocities of forces at an iterate, if `positions` and `velocities` are given.
     pub fn visit(&self, q_1: &[f64], moved: &[f64], prescribed: &[PrescribedUnknown], [positions, velocities]: [bool; 2], told: &mut Told) {
         if positions {
             self.derivative().placement().test.positions_into(self.q_0, q_1, &mut told.q_test);
@@ -177,7 +177,7 @@ impl StepStart<'_> {
         }
     }
 
-    /// An iterate as parts see it.
+    /// Iterate as passed to force elements.
     pub fn iterate<'b>(&'b self, q_1: &'b [f64], u_1: &'b [f64], told: &'b Told) -> Iterate<'b> {
         let velocity_slope = match &self.kind {
             StepKind::Motion(Motion { scheme, dt, .. }) => scheme.velocity_of_forces().moved / dt,
@@ -200,7 +200,7 @@ impl StepStart<'_> {
         }
     }
 
-    /// Velocities where the forces of the step act; at its end those of prescribed nodes follow from the time functions.
+    /// Velocities at the time at which the forces of the step act; at its end, prescribed nodes have the rates of their time functions.
     fn velocities_of_forces_into(&self, moved: &[f64], prescribed: &[PrescribedUnknown], out: &mut Vec<f64>) {
         match &self.kind {
             StepKind::Rest { velocities, .. } => {
@@ -219,7 +219,7 @@ impl StepStart<'_> {
 }
 
 impl Motion<'_> {
-    /// Velocities after a step with that displacement.
+    /// Velocities after a step with the displacement `moved`.
     pub fn velocities(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Vec<f64> {
         let mut v_1 = Vec::with_capacity(moved.len());
         self.affine_into(self.scheme.velocity, moved, &mut v_1);
@@ -227,20 +227,20 @@ impl Motion<'_> {
         v_1
     }
 
-    /// Accelerations after a step with the displacement `moved`, for a scheme that remembers accelerations.
+    /// Accelerations after a step with the displacement `moved`, for a scheme with accelerations as history variables.
     pub fn accelerations_after(&self, moved: &[f64]) -> Vec<f64> {
         let (row, dt) = (self.scheme.acceleration, self.dt);
         let start = self.v_0.iter().zip(self.accelerations());
         moved.iter().zip(start).map(|(moved, (v_0, a_0))| row.acceleration(*moved, *v_0, *a_0, dt)).collect()
     }
 
-    /// Weighted force history of earlier steps in this one; empty if the scheme has none.
+    /// Weighted force history of earlier steps in this step; empty if the scheme has none.
     pub fn remembered_force(&self) -> impl Iterator<Item = f64> {
         let force = if self.scheme.remembers(History::Force) { &self.remembered.force.left[..] } else { &[] };
         force.iter().map(|force| self.scheme.lag.used * force)
     }
 
-    /// Accelerations at the start; empty for a scheme that does not remember them.
+    /// Accelerations at the start; empty for a scheme without accelerations as history variables.
     fn accelerations(&self) -> &[f64] {
         if self.scheme.remembers(History::Acceleration) { &self.remembered.acceleration } else { &[] }
     }

@@ -1,4 +1,4 @@
-//! The equations of one model with matrix and solver: parts in one numbering, and contact pairs that are updated at the start of a step.
+//! Equations of one model with matrix and solver: force elements in one numbering, and contact pairs, updated at the start of a step.
 //!
 //! Unknowns: the displacement components of all nodes, then one multiplier per row of every contact pair. Newton's system of a step is
 //!
@@ -50,15 +50,15 @@ pub struct System<const D: usize> {
     pub spare: Spare,
     /// Search results and solver data for the next step, as last returned.
     search: Arc<SearchHistory>,
-    /// True if an iterate is so far from a solution that tangents omit the geometric stiffness of contact forces. With multipliers that do
-    /// not belong to its positions this term is no stiffness and may make the matrix nearly singular.
+    /// True if an iterate is far from a solution, so that tangents omit the geometric stiffness of contact forces: with inaccurate
+    /// multipliers this term may make the matrix nearly singular.
     pub is_far: bool,
     /// Displacements of prescribed unknowns, among all unknowns and multipliers, that Newton's next system prescribes; empty without
     /// prescribed displacements.
     pub given: Vec<f64>,
 }
 
-/// Reading goes through to the equations.
+/// Gives read access to the equations.
 impl<const D: usize> Deref for System<D> {
     type Target = Equations<D>;
 
@@ -159,12 +159,12 @@ impl<const D: usize> System<D> {
         self.matrix.solver.bytes()
     }
 
-    /// Lets long factorisations be looked into.
+    /// Sets the interrupt flag and progress counter of long factorizations.
     pub fn watch(&mut self, watch: Watch) {
         self.matrix.solver.set_watch(watch);
     }
 
-    /// A motion and multipliers that the singular tangent of the last solve maps to zero, near enough.
+    /// Motion and multipliers in the (approximate) null space of the singular tangent of the last solve.
     pub fn near_null_vector(&self) -> &[f64] {
         self.matrix.solver.near_null_vector().unwrap_or_default()
     }
@@ -188,7 +188,7 @@ impl<const D: usize> System<D> {
         self.search.clone()
     }
 
-    /// Puts the candidates of an earlier step in place, at its positions.
+    /// Restores the candidate pairs of an earlier step at its positions.
     pub fn restore_search(&mut self, search: &Arc<SearchHistory>, q: &[f64], time: f64) {
         // A time function that fails does so again, with its error, in the next step.
         let _ = self.equations.move_obstacles(time, 0.0);
@@ -214,7 +214,7 @@ impl<const D: usize> System<D> {
         self.begin_deep_step(outlook, &[])
     }
 
-    /// Begins a step at rest in which pairs take part up to a penetration of their own, `depths`; beyond that list as in motion.
+    /// Begins a step at rest; `depths`: largest penetration at which each pair is admitted, as in motion beyond the list.
     ///
     /// # Errors
     /// The equations do not fit into memory.
@@ -236,7 +236,7 @@ impl<const D: usize> System<D> {
         Ok(())
     }
 
-    /// Finds the candidate pairs of each contact; whether they are others than before.
+    /// Finds the candidate pairs of each contact; returns true if they changed.
     pub(super) fn find_candidates(&mut self, outlook: &Outlook, depths: &[f64]) -> bool {
         self.spare.begin_step();
         let clock = Instant::now();

@@ -1,16 +1,16 @@
-//! The filter of velocities at the end of a step of a scheme that dissipates: `v - k (I - F)^2 v`, `F = (M + beta K)^-1 M`.
+//! Velocity filter of a dissipating scheme at the end of a step: `v - k (I - F)^2 v`, `F = (M + beta K)^-1 M`.
 //!
-//! `K` is the stiffness by the moduli of the bodies at rest at the positions there (`parts/step_damping.rs`). It resists no rigid velocity,
-//! so that these and both momenta stay. Rows that hold are springs without end in `K`: what moves against them is filtered, too. With
-//! `d = -(I - F) v`,
+//! `K` is the stiffness by the bodies' moduli at rest, at the positions of the end (`parts/step_damping.rs`). Rigid velocities are in its
+//! null space, so that linear and angular momentum are conserved. Active constraints act as infinite stiffness: velocities that violate
+//! them are filtered, too. With `d = -(I - F) v`,
 //!
 //! ```text
 //! [ M + beta K   -G^T ] [ d ]   [ -beta K v ]
 //! [ G              0  ] [ p ] = [ -G v      ]
 //! ```
 //!
-//! where what obstacles and supports have as velocities is no motion against them; the second time `K d` and `G d` stand there. `I - F` is
-//! symmetric in the kinetic energy and between 0 and 1, so that this never grows, but for the work of obstacles and supports that move.
+//! where velocities of obstacles and supports do not count as violations; in the second application the right side has `K d` and `G d`.
+//! `I - F` is symmetric in the kinetic energy, between 0 and 1: energy can only grow by the work of moving obstacles and supports.
 
 use std::time::Instant;
 
@@ -31,7 +31,7 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Change `-(I - F)^2 v` of the velocities, with the active constraints at the end of the step; `None` where these nearly depend on one
+    /// Change `-(I - F)^2 v` of the velocities with the constraints active at the end of the step; `None` if these nearly depend on one
     /// another.
     ///
     /// # Errors
@@ -80,13 +80,13 @@ impl<const D: usize> Equations<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Scaled forces where nodes are free, then what the rows give.
+    /// Right-hand side: scaled forces at free unknowns, then the constraint values.
     fn right_side(&self, force: &[f64], scale: f64, rows: &[f64]) -> Vec<f64> {
         let free = force.iter().zip(&self.supports.fixed).map(|(force, fixed)| if *fixed { 0.0 } else { scale * force });
         free.chain(rows.iter().copied()).collect()
     }
 
-    /// Adds what the ground exerts through joints to the impulses from outside, and the work of what drives them.
+    /// Adds the impulses of the ground through joints to the external impulses, and the work of drives.
     pub fn add_driven(&self, at: &Linearization, rates: &[f64], response: &mut ImpulseResponse) {
         for pair in self.pairs.iter().filter(|pair| matches!(pair.kind, PairKind::Joint | PairKind::Coupling(_))) {
             let (lambda, none) = (&response.lambda[pair.rows.clone()], vec![0.0; pair.rows.len()]);

@@ -26,7 +26,7 @@ use crate::linear::Operator;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
-/// Columns with the sign of their rows: the matrix is symmetric.
+/// Sign that makes the constraint columns symmetric to the rows.
 const OPPOSED: ForceShares = ForceShares { lagging: -1.0, alone: -1.0 };
 
 /// A state about which a model vibrates.
@@ -48,11 +48,11 @@ pub struct Rest<'a> {
 pub struct Vibrations<'a, const D: usize> {
     system: &'a mut System<D>,
     rest: Rest<'a>,
-    /// The factored values.
+    /// Values of the factorized matrix.
     values: Vec<f64>,
     /// Number of active constraints.
     pub held: usize,
-    /// Largest difference of an entry of the stiffness and its mirror image, over the largest entry.
+    /// Largest difference between an entry of the stiffness and its transpose, relative to the largest entry.
     asymmetry: f64,
     /// Largest stiffness over mass of an unknown `[1/time^2]`.
     pub stiffest: f64,
@@ -64,7 +64,7 @@ impl<'a, const D: usize> Vibrations<'a, D>
 where
     Space<D>: Elements<D>,
 {
-    /// The state of a system whose contacts have begun a step at rest there.
+    /// Vibrations about the state `rest`, at which the contacts of `system` have begun a step at rest.
     pub fn new(system: &'a mut System<D>, rest: Rest<'a>) -> Self {
         Vibrations { system, rest, values: Vec::new(), held: 0, asymmetry: 0.0, stiffest: 0.0, factorizations: 0 }
     }
@@ -74,7 +74,7 @@ where
         self.rest.at.q.len()
     }
 
-    /// Number of motions that supports and constraints leave.
+    /// Number of motions admitted by supports and constraints.
     pub fn motions(&self) -> usize {
         self.system.supports.fixed.iter().filter(|fixed| !**fixed).count().saturating_sub(self.held)
     }
@@ -92,7 +92,7 @@ where
         self.factorize_values()
     }
 
-    /// The stiffness at a pose with these multipliers, symmetric and shifted, without rows, into the values.
+    /// Computes the symmetric shifted stiffness at a pose with the multipliers `lambda`, without constraints.
     fn stiffness_at(&mut self, pose: Pose, lambda: &[f64], shift: f64) -> Result<Linearization, Failure> {
         let (Pose { q, u }, Rest { time, memory, .. }) = (pose, self.rest);
         let damping = vec![-shift; self.system.bodies.len()];
@@ -105,7 +105,7 @@ where
         Ok(at)
     }
 
-    /// Writes rows with their gradients at an iterate to the values.
+    /// Writes the constraints with their gradients at an iterate to the matrix values.
     fn constrain(&mut self, at: &Linearization, rows: &ConstraintRows, shift: f64) {
         self.held = rows.0.iter().filter(|row| row.acts).count();
         self.system.write_constraints([&at.pairs, &at.slips], rows, OPPOSED, |pair| &pair.gradient_end, &mut self.values);
@@ -125,8 +125,8 @@ where
         Ok(())
     }
 
-    /// Factors the stiffness of the unloaded model with the rows of the state; gives that stiffness and what the state changes of it, both
-    /// without rows.
+    /// Factorizes the stiffness of the unloaded model with the state's constraints; returns that stiffness and its change by the state,
+    /// both without constraints.
     ///
     /// # Errors
     /// A stiffness cannot be computed, or does not fit into memory.
@@ -146,8 +146,8 @@ where
         Ok([stiffness, change])
     }
 
-    /// Number of buckling load factors below `factor`, by the inertia of the stiffness at that multiple of the load; its factors are in the
-    /// solver then. Returns `None` if the inertia is not available.
+    /// Number of buckling load factors below `factor`, by the inertia of the stiffness at that multiple of the load, which remains
+    /// factorized. Returns `None` if the inertia is not available.
     ///
     /// # Errors
     /// A stiffness cannot be computed, or does not fit into memory.
@@ -166,7 +166,7 @@ where
         if self.asymmetry > tolerances::ASYMMETRY { self.asymmetry } else { 0.0 }
     }
 
-    /// A matrix of the pattern times a vector of the nodes, in the rows of these.
+    /// Product of a matrix with the pattern and a nodal vector, restricted to nodal rows.
     pub fn times(&self, values: &[f64], v: &[f64]) -> Vec<f64> {
         let mut x = v.to_vec();
         x.resize(v.len() + self.system.multipliers, 0.0);
@@ -243,9 +243,9 @@ where
 }
 
 impl<const D: usize> System<D> {
-    /// Adds `gamma G^T G` of the constraints of rigid bodies and joints to a stiffness, with its largest diagonal as `gamma`. Motions
-    /// that satisfy the constraints are not stiffened, so solutions and inertia stay, and masters without any stiffness get pivots.
-    /// Returns `gamma G^T g` with the gaps `g`, which goes to the right-hand side with it.
+    /// Adds `gamma G^T G` of the constraints of rigid bodies and joints to a stiffness, with its largest diagonal as `gamma`. Motions that
+    /// satisfy the constraints are unaffected, hence solutions and inertia, and masters without stiffness get pivots. Returns the
+    /// corresponding right-hand side `gamma G^T g` with the gaps `g`.
     pub fn stiffen_constraints(&self, pairs: &[Evaluation], values: &mut [f64]) -> Vec<f64> {
         let mut pull = vec![0.0; self.nodes.reference.len()];
         let held = |pair: &ContactPair| pair.kind.is_of_points() && pair.law.is_bilateral() && pair.drive.is_none();

@@ -5,7 +5,7 @@ use std::ops::Range;
 /// A mistake in the text of an energy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyError {
-    /// The text.
+    /// Text of the energy that contains the error.
     pub text: Box<str>,
     /// Bytes of the text at which the error was found.
     pub span: Range<usize>,

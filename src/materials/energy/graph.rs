@@ -1,13 +1,13 @@
-//! An energy as a graph in which equal parts are one node, with the value of every node at rest.
+//! Energy as a graph in which equal subexpressions share a node, with the value of every node at zero strain.
 //!
-//! Powers become `exp(p ln a)` and quotients products with `1/b`, so that the derivatives of all of them share their logarithms and
-//! reciprocals. A node stands behind all it is made of. Sums of constants, factors 0 and 1 and constant nodes are folded away.
+//! Powers are `exp(p ln a)` and quotients products with `1/b`, so that derivatives share logarithms and reciprocals. Nodes follow their
+//! operands. Sums of constants, factors 0 and 1 and constant nodes are simplified.
 
 use std::collections::HashMap;
 
 use super::variable::{Bits, Variable};
 
-/// Place of a node in its graph.
+/// Index of a node in its graph.
 pub(super) type Id = usize;
 
 /// A node: a number, a variable, or an operation on other nodes.
@@ -22,13 +22,13 @@ pub(super) enum Node {
     Logarithm(Id),
     Exponential(Id),
     Root(Id),
-    /// `max(a, 0)`.
+    /// Positive part `max(a, 0)`.
     Positive(Id),
     /// 1 where `a > 0`, 0 elsewhere.
     Step(Id),
 }
 
-/// A graph.
+/// Energy as a graph of operations.
 #[derive(Default)]
 pub(super) struct Graph {
     nodes: Vec<Node>,
@@ -41,12 +41,12 @@ impl Graph {
         self.nodes[id]
     }
 
-    /// Value at rest.
+    /// Value at zero strain.
     pub(super) fn rest(&self, id: Id) -> f64 {
         self.rest[id]
     }
 
-    /// The number that a node is, if it is one.
+    /// Value of a constant node; `None` for other nodes.
     pub(super) fn as_constant(&self, id: Id) -> Option<f64> {
         match self.nodes[id] {
             Node::Constant(bits) => Some(bits.value()),
@@ -89,7 +89,7 @@ impl Graph {
         }
     }
 
-    /// A node as a factor times another.
+    /// A node as a product of a constant factor and another node.
     fn factored(&self, a: Id) -> (f64, Id) {
         match self.nodes[a] {
             Node::Scaled(factor, inner) => (factor.value(), inner),
@@ -200,7 +200,7 @@ impl Graph {
         self.add(Node::Step(a), rest)
     }
 
-    /// `a^p` for a fixed `p`: a product where `p` is a small whole number, a root, or `exp(p ln a)`.
+    /// `a^p` for a constant `p`: repeated products for small whole `p`, a root, or `exp(p ln a)`.
     pub(super) fn power(&mut self, a: Id, p: f64) -> Id {
         const LARGEST: f64 = 32.0;
         if p < 0.0 {
@@ -228,7 +228,7 @@ impl Graph {
         result
     }
 
-    /// Returns one flag per node: true if the node is one of `roots` or needed to compute one.
+    /// Returns one flag per node: true for the `roots` and the nodes needed to compute them.
     pub(super) fn needed(&self, roots: &[Id]) -> Vec<bool> {
         let mut needed = vec![false; roots.iter().max().map_or(0, |last| last + 1)];
         for &root in roots {
@@ -268,7 +268,7 @@ impl Graph {
         (0..needed.len()).filter_map(variable).collect()
     }
 
-    /// The derivative of a node with respect to a variable, as a node.
+    /// Derivative of a node with respect to a variable, as a node.
     pub(super) fn derivative(&mut self, root: Id, variable: Variable) -> Id {
         let needed = self.needed(&[root]);
         let zero = self.constant(0.0);

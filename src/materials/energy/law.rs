@@ -1,7 +1,7 @@
-//! An energy as text behind the virtual calls of the kernels: variables, tape, and what follows from them.
+//! Energy given as text, as a law for the element loop: variables, tape, stress and tangent.
 //!
-//! Blocks of points go through three kernels in turn: strains to variables, the tape, variables back to stress and tangent. The remainder
-//! of the discrete gradient comes from the change of the energy over the step, which the tape gives with its own digits.
+//! Blocks of points pass through three kernels: strains to variables, the tape, variables to stress and tangent. The remainder of the
+//! discrete gradient follows from the energy change over the step, which the tape computes without cancellation.
 
 use std::cell::RefCell;
 use std::hint::black_box;
@@ -28,10 +28,10 @@ thread_local! {
     static SCRATCH: RefCell<Scratch> = const { RefCell::new(Scratch { registers: Vec::new(), spectra: Vec::new() }) };
 }
 
-/// Points that are computed together.
+/// Number of points that are computed together.
 const POINTS: usize = 4;
 
-/// Runs a computation with `count` registers of a block, and with places for principal stretches.
+/// Runs a computation with `count` registers of a block, and buffers for principal stretches.
 fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOnce(&mut [Block<N>], &mut [Spectrum<false>])) {
     SCRATCH.with_borrow_mut(|scratch| {
         if scratch.registers.len() < count * N {
@@ -44,7 +44,7 @@ fn with_scratch<const N: usize>(count: usize, spectra: usize, compute: impl FnOn
     });
 }
 
-/// The energy of a node of a graph as a law of strains with `S` components.
+/// Energy of a graph node as a law of strains with `S` components.
 pub(crate) struct EnergyLaw<const S: usize> {
     variables: Variables<S>,
     /// Tape with the stages [`ENERGY`], [`SLOPES`] and [`RESPONSE`], whose roots are the energy and its first and second derivatives with
@@ -52,15 +52,15 @@ pub(crate) struct EnergyLaw<const S: usize> {
     tape: Tape,
     /// Nonzero second derivatives: two variables and the root.
     seconds: Vec<(usize, usize, usize)>,
-    /// Stress at rest that no round-off explains.
+    /// Stress at zero strain beyond round-off, in Mandel components.
     residual: [f64; S],
 }
 
-/// Stage of a tape that gives the energy.
+/// Stage of the tape that computes the energy.
 const ENERGY: usize = 0;
-/// Stage that gives its first derivatives, too.
+/// Stage of the tape that computes energy and first derivatives.
 const SLOPES: usize = 1;
-/// Stage that gives its second derivatives, too.
+/// Stage of the tape that computes energy, first and second derivatives.
 const RESPONSE: usize = 2;
 
 impl<const S: usize> EnergyLaw<S> {
@@ -87,7 +87,7 @@ impl<const S: usize> EnergyLaw<S> {
     }
 }
 
-/// Runs a tape up to a stage from rest, or on from where another run has come.
+/// Runs a tape up to a stage, from its beginning or from an earlier stage.
 struct Run<'a, const N: usize> {
     tape: &'a Tape,
     stage: usize,
@@ -106,7 +106,7 @@ impl<const N: usize> Kernel for Run<'_, N> {
     }
 }
 
-/// Variables of a block of strains, into its registers.
+/// Computes the variables of a block of strains into registers.
 struct Load<'a, const S: usize, const N: usize> {
     law: &'a EnergyLaw<S>,
     strains: &'a [Components<S>; N],
@@ -114,7 +114,7 @@ struct Load<'a, const S: usize, const N: usize> {
     spectra: &'a mut [Spectrum<false>],
 }
 
-/// Changes of the variables of a block from strains whose variables are known to others, into its registers.
+/// Computes the changes of the variables of a block from strains with known variables, into registers.
 struct LoadChanges<'a, const S: usize, const N: usize> {
     law: &'a EnergyLaw<S>,
     from: &'a [Components<S>; N],
@@ -124,7 +124,7 @@ struct LoadChanges<'a, const S: usize, const N: usize> {
     registers: &'a mut [Block<N>],
 }
 
-/// A block whose tape has run, and what it is put together to.
+/// Evaluated block of the tape, and the results assembled from it.
 struct Finish<'a, const S: usize, const N: usize, T> {
     law: &'a EnergyLaw<S>,
     strains: &'a [Components<S>; N],
@@ -133,7 +133,7 @@ struct Finish<'a, const S: usize, const N: usize, T> {
     results: [&'a mut T; N],
 }
 
-/// The principal stretches of a point, where a law needs them.
+/// Principal stretches of a point, for laws that depend on them.
 #[inline(always)]
 fn spectrum_of<const FMA: bool>(spectra: &[Spectrum<false>], n: usize) -> Option<Spectrum<FMA>> {
     spectra.get(n).map(Spectrum::relabel)
@@ -271,8 +271,8 @@ macro_rules! law {
                 });
             }
 
-            /// Stress and tangent at the mean, stress at the end, and the change of the energy without what the stress at the mean
-            /// works. The change is counted from the end, where the tape has run for the stress.
+            /// Stress and tangent at the mean strain, stress at the end, and energy change minus the work of the mean-strain stress. The
+            /// change is computed from the end, where the tape has been run for the stress.
             fn increment_block<const N: usize>(
                 &self,
                 strain_n: &[Components<$size>; N],
@@ -351,7 +351,7 @@ macro_rules! law {
     };
 }
 
-/// Variables whose derivatives are kept while a tangent is put together.
+/// Number of variables whose derivatives are stored during the assembly of a tangent.
 const KEPT: usize = 4;
 
 law!(3);
@@ -386,7 +386,7 @@ impl<const S: usize> EnergyLaw<S> {
         slope
     }
 
-    /// Adds the contribution of a variable to the stress, without the stress at rest.
+    /// Adds the contribution of a variable to the stress, without the stress at zero strain.
     #[inline(always)]
     fn add_stress<const FMA: bool, const N: usize>(
         &self,
@@ -440,7 +440,7 @@ impl VolumetricEnergy {
         VolumetricEnergy(Tape::new(graph, &[Variable::J], &[&[energy], &[slope, curvature]]))
     }
 
-    /// Runs the tape up to a stage at a `J - 1`, and reads its registers.
+    /// Runs the tape up to a stage at a value of `J - 1`, and reads its registers.
     fn run_at(&self, stage: usize, change: &Lanes<false>, read: impl FnOnce(&[Root], &[Block<1>])) {
         with_scratch::<1>(self.0.registers(), 0, |registers, _| {
             registers[0] = [*change];

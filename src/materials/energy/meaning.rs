@@ -1,6 +1,6 @@
 //! Semantics of the names and functions of an energy's text: from the syntax tree to a graph of variables and numbers.
 //!
-//! Constants become numbers here. What has no value or no derivative at rest (`ln 0`, `1/0`, `sqrt 0`) is refused with its place.
+//! Constants are replaced by numbers. Terms without a value or derivative at rest (`ln 0`, `1/0`, `sqrt 0`) are refused with their place.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use super::graph::{Graph, Id};
 use super::syntax::{Expression, Form, Operator};
 use super::variable::{Bits, Variable};
 
-/// Words that an energy may use, with what they are, for messages and the reference.
+/// Quantities that an energy may contain, with descriptions for messages and the reference.
 pub(super) const QUANTITIES: &[(&str, &str)] = &[
     ("I1", "first invariant of `C = F^T F`, its trace"),
     ("I2", "second invariant of `C`"),
@@ -25,7 +25,7 @@ pub(super) const QUANTITIES: &[(&str, &str)] = &[
     ("log_strain_squared", "`(ln l1)^2 + (ln l2)^2 + (ln l3)^2` of the principal stretches"),
 ];
 
-/// Functions that an energy may call, with what they are and how many arguments they take.
+/// Functions that an energy may call, with description and number of arguments.
 pub(super) const FUNCTIONS: &[(&str, &str, usize)] = &[
     ("ln", "natural logarithm", 1),
     ("exp", "exponential function", 1),
@@ -54,16 +54,16 @@ pub(super) enum Setting {
     Plane,
     /// The third direction is stretched but not sheared.
     Axisymmetric,
-    /// All.
+    /// Space: all components.
     Space,
 }
 
-/// The name of a quantity, in whatever setting; constants must be called otherwise.
+/// True if `name` is a quantity in any setting; constants need other names.
 pub(super) fn is_quantity(name: &str) -> bool {
     QUANTITIES.iter().any(|(quantity, _)| *quantity == name) || STRAINS.iter().flatten().any(|strain| *strain == name) || name == "pi"
 }
 
-/// Names in a text that are neither quantities nor functions, each with its first place: constants.
+/// Names in a text that are neither quantities nor functions, that is constants, each with its first position.
 pub(super) fn constants_of(expression: &Expression) -> Vec<(String, Range<usize>)> {
     fn collect(expression: &Expression, found: &mut Vec<(String, Range<usize>)>) {
         match &expression.form {
@@ -192,7 +192,7 @@ impl Translation<'_> {
         error.hint(format!("give the constant its value, `{name}: 1.0`"))
     }
 
-    /// In plane strain `I2 = I1 + J^2 - 1`: one variable less.
+    /// In plane strain `I2 = I1 + J^2 - 1`, which saves a variable.
     fn second_invariant(&mut self) -> Id {
         if self.setting != Setting::Plane {
             return self.graph.variable(Variable::I2);
@@ -298,7 +298,7 @@ impl Translation<'_> {
         Err(error.hint("keep it above zero, as in `sqrt(1 + x)`: the root of zero has no slope"))
     }
 
-    /// `exp(a)/2 + sign exp(-a)`.
+    /// Hyperbolic cosine (`sign` 1/2) or sine (-1/2): `exp(a)/2 + sign exp(-a)`.
     fn hyperbolic(&mut self, a: Id, sign: f64) -> Id {
         let negative = self.graph.scaled(-1.0, a);
         let (up, down) = (self.graph.exponential(a), self.graph.exponential(negative));
@@ -306,7 +306,7 @@ impl Translation<'_> {
         self.graph.sum(up, down)
     }
 
-    /// `1 - 2/(exp(2a) + 1)`.
+    /// Hyperbolic tangent, `1 - 2/(exp(2a) + 1)`.
     fn tangent(&mut self, a: Id) -> Id {
         let (double, one) = (self.graph.scaled(2.0, a), self.graph.constant(1.0));
         let exponential = self.graph.exponential(double);

@@ -1,7 +1,7 @@
-//! Stored energies as text: `mu/2*(I1bar - 3) + ...`, evaluated as fast and as accurately as laws that are written by hand.
+//! Stored energies as text: `mu/2*(I1bar - 3) + ...`, evaluated as fast and as accurately as hand-written laws.
 //!
-//! Text → tree (`syntax.rs`) → graph (`meaning.rs`, `graph.rs`) → derivatives → tape of operations on lanes (`tape.rs`); the variables
-//! and what they have to do with the strain: `variable.rs`, `state.rs`, `spectrum.rs`; the law as kernels call it: `law.rs`.
+//! Text → tree (`syntax.rs`) → graph (`meaning.rs`, `graph.rs`) → derivatives → tape of operations on lanes (`tape.rs`); variables as
+//! functions of the strain: `variable.rs`, `state.rs`, `spectrum.rs`; the law for the element loop: `law.rs`.
 
 mod error;
 mod graph;

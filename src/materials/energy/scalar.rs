@@ -1,14 +1,14 @@
-//! A function of one variable as text, with its first two derivatives: stored energy of a spring by its elongation, force of a damper.
+//! Function of one variable as text, with two derivatives: stored energy of a spring over elongation, force of a damper over speed.
 //!
-//! The text is that of an energy (`syntax.rs`); the one quantity is the variable, every other name a constant. Derivatives are carried
-//! along with the value (forward mode).
+//! The syntax is that of energies (`syntax.rs`), with the variable as the only quantity; all other names are constants. Derivatives are
+//! computed with the value (forward mode).
 
 use std::ops::Range;
 
 use super::error::EnergyError;
 use super::syntax::{Expression, Form, Operator, parse};
 
-/// Functions that such a text may call, and how many arguments they take.
+/// Functions that the text may call, with their numbers of arguments.
 const FUNCTIONS: &[(&str, usize)] = &[
     ("ln", 1),
     ("exp", 1),
@@ -33,7 +33,7 @@ pub struct Jet {
     pub value: f64,
     /// Derivative with respect to the variable.
     pub slope: f64,
-    /// The derivative of that.
+    /// Second derivative.
     pub curvature: f64,
 }
 
@@ -42,7 +42,7 @@ impl Jet {
         Jet { value, slope: 0.0, curvature: 0.0 }
     }
 
-    /// `f(self)`, of which value and derivatives are given.
+    /// `f(self)` by the chain rule, with value and derivatives of `f`.
     fn through(self, value: f64, slope: f64, curvature: f64) -> Self {
         // What does not change has no slope, whatever the function's.
         if self.slope == 0.0 && self.curvature == 0.0 {
@@ -82,7 +82,7 @@ impl Jet {
         self.through(power(1.0, p), power(p, p - 1.0), power(p * (p - 1.0), p - 2.0))
     }
 
-    /// The function of that name of one argument.
+    /// Applies the function `name` of one argument.
     fn call(self, name: &str) -> Jet {
         let x = self.value;
         match name {
@@ -105,7 +105,7 @@ impl Jet {
     }
 }
 
-/// A function of one variable as text.
+/// Function of one variable, defined by a text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScalarText {
     text: String,
@@ -115,7 +115,7 @@ pub struct ScalarText {
 }
 
 impl ScalarText {
-    /// The function of a text with values for its constants; `what` it is, such as `the energy`, is for messages.
+    /// Function of a text with values of its constants; `what` describes it in messages, such as `the energy`.
     ///
     /// # Errors
     /// A syntax error or an unknown name, with its place in the text.
@@ -152,17 +152,17 @@ impl ScalarText {
         found
     }
 
-    /// The text.
+    /// Source text of the function.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Value and derivatives; no numbers where the text has no value.
+    /// Value and derivatives at `x`; NaN where undefined.
     pub fn at(&self, x: f64) -> Jet {
         self.evaluate(&self.expression, x)
     }
 
-    /// The first of these places at which the function has no finite value and slope.
+    /// First of these points at which value or slope is not finite; `None` if there is none.
     pub fn is_undefined_at(&self, places: &[f64]) -> Option<f64> {
         let is_finite = |x: f64| self.at(x).value.is_finite() && self.at(x).slope.is_finite();
         places.iter().copied().find(|&x| !is_finite(x))
@@ -213,7 +213,7 @@ impl ScalarText {
         }
     }
 
-    /// Names and functions must be known.
+    /// Checks that all names and functions are known.
     fn check(&self, expression: &Expression, what: &str) -> Result<(), EnergyError> {
         let error = |span: &Range<usize>, title: String, label: &str| EnergyError::new(&self.text, span.clone(), title, label);
         match &expression.form {

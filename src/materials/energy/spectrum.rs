@@ -12,14 +12,14 @@ use crate::math::tensor::{Mandel, mandel_pairs, mandel_scale};
 /// A function of a principal strain.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Principal {
-    /// `l^a - 1`.
+    /// Power of the principal stretch, `l^a - 1`.
     Power(f64),
-    /// `(ln l)^2`.
+    /// Squared logarithmic strain, `(ln l)^2`.
     LogSquared,
 }
 
 impl Principal {
-    /// Slope of the function at rest.
+    /// Slope of the function at zero strain.
     pub(super) fn slope_at_rest(self) -> f64 {
         match self {
             Principal::Power(a) => a,
@@ -28,14 +28,14 @@ impl Principal {
     }
 }
 
-/// Principal strains, and what functions of them share.
+/// Principal strains and shared data of their functions.
 #[derive(Clone, Copy)]
 pub(super) struct Spectrum<const FMA: bool> {
     strains: [Lanes<FMA>; 3],
     directions: [[Lanes<FMA>; 3]; 3],
-    /// `ln(1 + 2 e)`.
+    /// Logarithms `ln(1 + 2 e)` of the squared stretches, `e` the principal strains.
     logs: [Lanes<FMA>; 3],
-    /// `1/(1 + 2 e)`.
+    /// Inverse squared stretches `1/(1 + 2 e)`.
     inverses: [Lanes<FMA>; 3],
 }
 
@@ -68,7 +68,7 @@ impl<const FMA: bool> Spectrum<FMA> {
         }
     }
 
-    /// `sum f(e_i)`.
+    /// Sum of a function over the principal strains, `sum f(e_i)`.
     #[inline(always)]
     pub(super) fn sum(&self, function: Principal) -> Lanes<FMA> {
         let mut sum = Lanes::ZERO;
@@ -82,7 +82,7 @@ impl<const FMA: bool> Spectrum<FMA> {
         sum
     }
 
-    /// `sum (f'(e_i) - f'(0)) n_i n_i`.
+    /// Change of the derivative from that at zero strain, `sum (f'(e_i) - f'(0)) n_i n_i`.
     #[inline(always)]
     pub(super) fn slope_variation<const S: usize>(&self, function: Principal) -> Mandel<Lanes<FMA>, S> {
         let mut sum = Mandel([Lanes::ZERO; S]);

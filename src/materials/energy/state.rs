@@ -1,9 +1,8 @@
-//! The variables of an energy at a strain, and their derivatives with respect to it, put together to stress and tangent.
+//! Variables of an energy at a strain and their derivatives, and the assembly of stress and tangent from these.
 //!
-//! With `W_k` the derivative of the energy with respect to variable `z_k`: `S = sum W_k z_k'` and
-//! `dS/dE = sum W_kl z_k' z_l' + sum W_k z_k''`. Derivatives of variables are split, too, into their value at rest and a variation from it:
-//! what the `W_k` at rest make of the former is the stress at rest, which is known to be zero and left out, so that small stresses keep
-//! their digits.
+//! With the derivative `W_k` of the energy by the variable `z_k`: `S = sum W_k z_k'`, `dS/dE = sum W_kl z_k' z_l' + sum W_k z_k''`.
+//! Derivatives of variables are split into their value at rest and a variation: the contribution of values at rest with `W_k` at rest is
+//! the stress at rest, known to be zero and omitted, so that small stresses are accurate.
 
 use super::spectrum::{Principal, Spectrum};
 use super::tape::Block;
@@ -14,7 +13,7 @@ use crate::math::lanes::{Lanes, Real, relabel};
 use crate::math::tensor::{Mandel, Tensor, mandel_pairs, mandel_scale};
 use crate::math::tolerances::STRAIN_QUOTIENT;
 
-/// A tensor of `S` Mandel components on lanes, as [`Tensor`] knows it for some `S`.
+/// Tensor of `S` Mandel components on lanes, a [`Tensor`] for each supported `S`.
 pub(super) trait Strain<const FMA: bool, const S: usize>: Tensor<Scalar = Lanes<FMA>, Tangent = [[Lanes<FMA>; S]; S]> {}
 
 impl<const FMA: bool> Strain<FMA, 3> for Mandel<Lanes<FMA>, 3> {}
@@ -25,9 +24,9 @@ impl<const FMA: bool> Strain<FMA, 6> for Mandel<Lanes<FMA>, 6> {}
 #[derive(Debug)]
 pub(super) struct Variables<const S: usize> {
     pub(super) all: Vec<Variable>,
-    /// Derivative of each variable with respect to the strain, at rest.
+    /// Derivative of each variable with respect to the strain, at zero strain.
     pub(super) slopes_at_rest: Vec<[f64; S]>,
-    /// For each variable, its function of the principal stretches, if it is one.
+    /// Function of the principal stretches for each such variable; `None` for other variables.
     principal: Vec<Option<Principal>>,
     /// Index of the variable `J`, if present.
     volume: Option<usize>,
@@ -35,17 +34,17 @@ pub(super) struct Variables<const S: usize> {
     pub(super) has_principal: bool,
 }
 
-/// A strain with its volume ratio.
+/// Strain with its volume ratio.
 #[derive(Clone, Copy)]
 pub(super) struct State<const FMA: bool, const S: usize> {
     pub(super) strain: Mandel<Lanes<FMA>, S>,
-    /// `J - 1`.
+    /// Change `J - 1` of the volume ratio.
     change: Lanes<FMA>,
-    /// `1/J`.
+    /// Inverse `1/J` of the volume ratio.
     inverse: Lanes<FMA>,
 }
 
-/// The principal function that a variable is.
+/// Function of the principal stretches of a variable; `None` for other variables.
 fn principal(variable: Variable) -> Option<Principal> {
     match variable {
         Variable::StretchPower(exponent) => Some(Principal::Power(exponent.value())),
@@ -110,7 +109,7 @@ impl<const S: usize> Variables<S> {
         State { strain: Mandel(relabel(strain)), change, inverse }
     }
 
-    /// Writes the deviations of all variables from rest, and that of `1/J` behind them.
+    /// Writes the differences of all variables from their values at zero strain, followed by that of `1/J`.
     #[inline(always)]
     pub(super) fn deviations_into<const FMA: bool, const N: usize>(
         &self,
@@ -129,7 +128,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// Writes the changes of all variables over a step, and that of `1/J` behind them.
+    /// Writes the changes of all variables over a step, followed by that of `1/J`.
     #[inline(always)]
     pub(super) fn changes_into<const FMA: bool, const N: usize>(
         &self,
@@ -149,7 +148,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// Deviation of a variable from rest.
+    /// Difference of a variable from its value at zero strain.
     #[inline(always)]
     fn deviation<const FMA: bool>(&self, k: usize, state: &State<FMA, S>, spectrum: Option<&Spectrum<FMA>>) -> Lanes<FMA>
     where
@@ -194,7 +193,7 @@ impl<const S: usize> Variables<S> {
         }
     }
 
-    /// Variation of the derivative of a variable from its value at rest; `None` if the derivative is constant.
+    /// Variation of the derivative of a variable from its value at zero strain; `None` if the derivative is constant.
     #[inline(always)]
     pub(super) fn slope_variation<const FMA: bool>(
         &self,

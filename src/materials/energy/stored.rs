@@ -1,4 +1,4 @@
-//! A stored energy as a user gives it: one or two texts, values of constants, directions of fibers.
+//! Stored energy defined by a user: one or two texts, values of constants, fiber directions.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use super::variable::Variable;
 use crate::materials::laws::{Kinematics, Laws};
 use crate::materials::split::Split;
 
-/// An energy per undeformed volume as text.
+/// Energy per undeformed volume, as text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyText {
     text: String,
@@ -33,20 +33,20 @@ impl EnergyText {
         &self.text
     }
 
-    /// Names of its constants, each with the bytes where it stands first: all names that are neither quantities nor functions.
+    /// Names of the constants, each with the byte range of its first occurrence: all names except quantities and functions.
     pub fn constants(&self) -> Vec<(String, Range<usize>)> {
         constants_of(&self.expression)
     }
 }
 
-/// A stored energy `W = energy + volumetric`, with the values of its constants.
+/// Stored energy `W = energy + volumetric`, with the values of its constants.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredEnergy {
-    /// The energy, or its part that is not the following.
+    /// Energy, or its part besides `volumetric`.
     pub energy: EnergyText,
-    /// A part that depends on `J` alone, which elements with mean dilatation take by itself.
+    /// Part that depends on `J` only, treated separately in elements with mean dilatation.
     pub volumetric: Option<EnergyText>,
-    /// Directions of fibers in the undeformed state, of whatever length; two at most.
+    /// Fiber directions in the undeformed state, of any nonzero length; at most two.
     pub fibers: Vec<[f64; 3]>,
     /// Constants with their values.
     pub constants: Vec<(String, f64)>,
@@ -54,17 +54,17 @@ pub struct StoredEnergy {
     pub factor: f64,
 }
 
-/// Quantities that an energy may name, each with what it is.
+/// Quantities that an energy may contain, with descriptions.
 pub fn quantities_of_energies() -> impl Iterator<Item = (&'static str, &'static str)> {
     QUANTITIES.iter().copied()
 }
 
-/// Functions that an energy may call, each with what it is.
+/// Functions that an energy may call, with descriptions.
 pub fn functions_of_energies() -> impl Iterator<Item = (&'static str, &'static str)> {
     FUNCTIONS.iter().map(|(name, summary, _)| (*name, *summary))
 }
 
-/// The nodes of an energy in one setting.
+/// Graph nodes of an energy in one setting.
 struct Built {
     graph: Graph,
     rest: Id,
@@ -130,7 +130,7 @@ impl StoredEnergy {
         self.fibers.iter().map(|fiber| fiber.map(|x| x / fiber.iter().map(|x| x * x).sum::<f64>().sqrt())).collect()
     }
 
-    /// The law of the whole in one setting, and that without the volumetric part.
+    /// Law of the whole energy in one setting, and law without the volumetric part.
     fn laws_in<const S: usize>(&self, setting: Setting) -> Result<(EnergyLaw<S>, Option<EnergyLaw<S>>), EnergyError> {
         let (fibers, mut built) = (self.directions(), self.build(setting)?);
         let Some(volumetric) = built.volumetric else { return Ok((EnergyLaw::new(&mut built.graph, built.rest, &fibers), None)) };
@@ -138,7 +138,7 @@ impl StoredEnergy {
         Ok((EnergyLaw::new(&mut built.graph, whole, &fibers), Some(EnergyLaw::new(&mut built.graph, built.rest, &fibers))))
     }
 
-    /// The law that kernels call.
+    /// Laws of this energy, as called by the element loop.
     pub(crate) fn laws(&self) -> Result<Laws, EnergyError> {
         let (space, space_rest) = self.laws_in::<6>(Setting::Space)?;
         let (axisymmetric, axisymmetric_rest) = self.laws_in::<4>(Setting::Axisymmetric)?;
@@ -165,13 +165,13 @@ impl StoredEnergy {
         })
     }
 
-    /// The law in space, without its volumetric part.
+    /// Law in space, without the volumetric part.
     pub(crate) fn in_space(&self) -> Result<EnergyLaw<6>, EnergyError> {
         let Built { mut graph, rest, .. } = self.build(Setting::Space)?;
         Ok(EnergyLaw::new(&mut graph, rest, &self.directions()))
     }
 
-    /// Value of the energy at rest `[energy/volume]`; laws count from there.
+    /// Value of the energy at zero strain `[energy/volume]`, which laws subtract.
     ///
     /// # Errors
     /// A mistake in the text, with its place.

@@ -1,7 +1,7 @@
-//! The text of an energy as a tree: sums, products, powers, names and calls, each with the bytes it stands on.
+//! Text of an energy as a tree: sums, products, powers, names and calls, each with its byte range.
 //!
-//! Precedence climbing (Richards 1979): `+ -` below `* /` below the sign below `^`, which binds to the right: `-x^2` is `-(x^2)`,
-//! `a^b^c` is `a^(b^c)`. `**` is read as `^`. What names and functions mean is not known here.
+//! Precedence climbing (Richards 1979): `+ -` below `* /` below the sign below `^`, which is right-associative: `-x^2` is `-(x^2)`, `a^b^c`
+//! is `a^(b^c)`. `**` equals `^`. Names and functions are interpreted in `meaning.rs`.
 
 use std::ops::Range;
 
@@ -43,7 +43,7 @@ enum Token {
     Comma,
 }
 
-/// Brackets and powers within each other, and tokens of a text, at most: no law comes near, and nothing below runs out of stack.
+/// Largest depth of nested brackets and powers, and number of tokens: above any real law, below stack exhaustion.
 const DEEPEST: usize = 50;
 const LONGEST: usize = 1000;
 
@@ -126,7 +126,7 @@ fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, EnergyError> {
     Ok(found)
 }
 
-/// Bytes of the number at the beginning of a text: digits, a point, an exponent.
+/// Length in bytes of the number at the beginning of a text: digits, a point, an exponent.
 fn number_length(text: &str) -> usize {
     let digits = |from: usize| from + text[from..].bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
     let mantissa = digits(0);
@@ -161,7 +161,7 @@ impl<'a> Parser<'a> {
         found
     }
 
-    /// Reads something that stands within something else.
+    /// Reads a nested expression, up to the largest depth.
     fn within<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, EnergyError>) -> Result<T, EnergyError> {
         if self.depth == DEEPEST {
             let span = self.peek().map_or(self.text.len()..self.text.len(), |(_, span)| span.clone());
@@ -243,7 +243,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Arguments behind an opened bracket, and the bracket that closes.
+    /// Reads arguments after an opened bracket, up to the closing one.
     fn arguments(&mut self, name: &Range<usize>) -> Result<Vec<Expression>, EnergyError> {
         let mut arguments = Vec::new();
         if self.takes(&Token::Close) {

@@ -1,9 +1,9 @@
-//! Nodes of a graph as a straight list of operations on lanes, in a form that keeps the digits of small changes.
+//! Graph nodes as a linear list of operations on lanes, in a form that is accurate for small changes.
 //!
-//! Every node is a known value `c` and a deviation `d` from it, and only deviations are computed: products as
-//! `(c1 + d1) d2 + c2 d1`, reciprocals as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as
-//! `d/(sqrt(c + d) + sqrt c)`. With `c` the value at rest that keeps small strains, with `c` the value at the start of a step it keeps
-//! small steps: the same operations, another [`Base`]. Operations work on `N` times eight lanes, so that choosing one costs little.
+//! Every node is a known value `c` plus a deviation `d`, and only deviations are computed: products as `(c1 + d1) d2 + c2 d1`, reciprocals
+//! as `-d/(c (c + d))`, logarithms as `ln_1p(d/c)`, exponentials as `e^c exp_m1(d)`, roots as `d/(sqrt(c + d) + sqrt c)`. With the value at
+//! rest as `c`, small strains are accurate; with the value at the start of a step, small steps: both use the same operations with another
+//! [`Base`]. Operations process `N` times eight lanes, which amortizes their selection.
 
 use std::hint::black_box;
 
@@ -11,7 +11,7 @@ use super::graph::{Graph, Id, Node};
 use super::variable::Variable;
 use crate::math::lanes::{Lanes, Real, WIDTH};
 
-/// Writes a value for each of the points.
+/// Computes a value at each point.
 macro_rules! each {
     ($points:ident, $result:ident, $n:ident, $value:expr) => {
         for $n in 0..$points {
@@ -21,18 +21,18 @@ macro_rules! each {
     };
 }
 
-/// A place for a result.
+/// Index of a result among all results.
 type Register = usize;
 
 /// Eight lanes of `N` points.
 pub(super) type Block<const N: usize> = [Lanes<false>; N];
 
-/// A register whose value counts from `rest`.
+/// A register, and its value `rest` at zero strain.
 #[derive(Clone, Copy, Debug)]
 struct Operand {
     register: Register,
     rest: f64,
-    /// Register of the reciprocal, if that is computed anyway; saves a division.
+    /// Register of the reciprocal, if computed anyway; saves a division.
     reciprocal: Option<Register>,
 }
 
@@ -41,23 +41,23 @@ enum Operation {
     Sum(Register, Register),
     Difference(Register, Register),
     Scaled(f64, Register),
-    /// `factor * a + b`.
+    /// Sum `factor * a + b`.
     ScaledSum(f64, Register, Register),
     Product(Operand, Operand),
     Reciprocal(Operand),
     Logarithm(Operand),
-    /// The value at rest is the result's.
+    /// The operand's value at zero strain is replaced by that of the result.
     Exponential(Operand),
     Root(Operand),
     Positive(Operand),
     Step(Operand),
 }
 
-/// Root of a stage: register and factor of its deviation (`None` for a constant), and its value at rest.
+/// Root of a stage: register and factor of its deviation (`None` for a constant), and its value at zero strain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     place: Option<Place>,
-    /// Value at rest.
+    /// Value at zero strain.
     pub(super) rest: f64,
 }
 
@@ -74,7 +74,7 @@ impl Root {
         self.place.is_none() && self.rest == 0.0
     }
 
-    /// Deviation of the root from its value at rest; `None` for a constant.
+    /// Deviation of the root from its value at zero strain; `None` for a constant.
     #[inline(always)]
     pub(super) fn deviation<const FMA: bool, const N: usize>(&self, registers: &[Block<N>], point: usize) -> Option<Lanes<FMA>> {
         self.place.map(|place| Lanes(registers[place.register][point].0) * place.factor)
@@ -90,14 +90,14 @@ impl Root {
     }
 }
 
-/// A list of operations. The first registers are the variables, in the order in which they were given, and behind them `1/J` where `J` is
-/// one of them; operation `k` writes the register behind those and those of the operations before it. The list has stages, each with roots
-/// of its own, so that the energy can be computed without its derivatives.
+/// List of operations. The first registers hold the variables in the given order, followed by `1/J` if `J` is a variable; operation `k`
+/// writes the register after these and those of the previous operations. Stages with their own roots allow the energy to be computed
+/// without its derivatives.
 #[derive(Debug)]
 pub(super) struct Tape {
     inputs: usize,
     operations: Vec<Operation>,
-    /// Value at rest of each operation's result.
+    /// Value of each operation's result at zero strain.
     rest: Vec<f64>,
     /// Number of operations needed for the roots of each stage.
     stages: Vec<usize>,
@@ -112,7 +112,7 @@ impl Tape {
     }
 }
 
-/// Values that deviations are counted from.
+/// Base values from which deviations are counted.
 trait Base {
     /// Value of a register.
     fn value<const FMA: bool>(&self, operand: Operand, point: usize) -> Lanes<FMA>;
@@ -120,7 +120,7 @@ trait Base {
     fn below<const FMA: bool>(&self, x: Lanes<FMA>, operand: Operand, point: usize) -> Lanes<FMA>;
 }
 
-/// Values at rest.
+/// Values at zero strain.
 struct AtRest;
 
 impl Base for AtRest {
@@ -134,7 +134,7 @@ impl Base for AtRest {
     }
 }
 
-/// Values at the start of a step: their deviations from those at rest.
+/// Values at the start of a step, as deviations from the values at zero strain.
 struct AtStart<'a, const N: usize>(&'a [Block<N>]);
 
 impl<const N: usize> Base for AtStart<'_, N> {
@@ -151,7 +151,7 @@ impl<const N: usize> Base for AtStart<'_, N> {
     }
 }
 
-/// Lowers a graph: places of the nodes that have one so far.
+/// Conversion of a graph to a tape, with the registers of the nodes converted so far.
 struct Lowering<'a> {
     graph: &'a Graph,
     variables: &'a [Variable],
@@ -170,7 +170,7 @@ impl Lowering<'_> {
         self.places[id].expect("parts stand before what is made of them, and constants are folded")
     }
 
-    /// A register with the node itself, not a multiple.
+    /// Register of the node without a factor.
     fn operand(&mut self, id: Id) -> Operand {
         let mut place = self.place(id);
         if place.factor != 1.0 {
@@ -231,7 +231,7 @@ impl Lowering<'_> {
 }
 
 impl Tape {
-    /// The operations that give the roots of `stages`, one after the other.
+    /// Operations for the roots of `stages`, stage after stage.
     pub(super) fn new(graph: &Graph, variables: &[Variable], stages: &[&[Id]]) -> Self {
         let inputs = variables.len() + usize::from(variables.contains(&Variable::J));
         let tape = Tape { inputs, operations: Vec::new(), rest: Vec::new(), stages: Vec::new(), roots: Vec::new() };
@@ -252,18 +252,18 @@ impl Tape {
         lowering.tape
     }
 
-    /// Number of registers that a run needs.
+    /// Number of registers of the tape.
     pub(super) fn registers(&self) -> usize {
         self.inputs + self.operations.len()
     }
 
-    /// Deviations from rest of all registers up to those of a stage; those of the variables stand in the first already.
+    /// Computes the differences of all registers up to a stage from their values at zero strain; those of the variables are given.
     #[inline(always)]
     pub(super) fn deviations<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>]) {
         self.run::<FMA, N>(stage, registers, &AtRest);
     }
 
-    /// Changes of all registers up to those of a stage from `start` (deviations there); those of the variables stand in the first already.
+    /// Computes the changes of all registers up to a stage from `start` (deviations); the first registers already contain the variables.
     #[inline(always)]
     pub(super) fn changes<const FMA: bool, const N: usize>(&self, stage: usize, start: &[Block<N>], registers: &mut [Block<N>]) {
         self.run::<FMA, N>(stage, registers, &AtStart(start));

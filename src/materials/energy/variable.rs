@@ -1,6 +1,6 @@
 //! Variables of an energy: invariants of `C = F^T F`, components of the strain, functions of the principal stretches.
 
-/// A number as the key of a table.
+/// Bit pattern of a number, as a key of tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Bits(u64);
 
@@ -15,27 +15,27 @@ impl Bits {
     }
 }
 
-/// A quantity that vanishes, but for a constant, at rest, and whose derivatives with respect to the strain are written by hand.
+/// Variable of an energy: zero at zero strain up to a constant, with hand-written derivatives with respect to the strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Variable {
-    /// `tr C`.
+    /// First invariant `tr C`.
     I1,
-    /// `((tr C)^2 - tr C^2)/2`.
+    /// Second invariant `((tr C)^2 - tr C^2)/2`.
     I2,
-    /// `det F`.
+    /// Volume ratio `det F`.
     J,
     /// `a.C.a` along the unit vector `a` of a fiber in the undeformed state.
     Fiber(usize),
-    /// A component of the Green-Lagrange strain, by its place among the Mandel components in space.
+    /// Component of the Green-Lagrange strain, as an index among the Mandel components in space.
     Strain(usize),
     /// `l1^a + l2^a + l3^a` of the principal stretches.
     StretchPower(Bits),
-    /// `(ln l1)^2 + (ln l2)^2 + (ln l3)^2`.
+    /// Squared norm of the logarithmic strain, `(ln l1)^2 + (ln l2)^2 + (ln l3)^2`.
     LogStrainSquared,
 }
 
 impl Variable {
-    /// Value at rest.
+    /// Value at zero strain.
     pub(super) fn rest(self) -> f64 {
         match self {
             Variable::I1 | Variable::I2 | Variable::StretchPower(_) => 3.0,

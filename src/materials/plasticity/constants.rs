@@ -1,4 +1,4 @@
-//! The constants of an elastic-plastic material, and what is checked of them.
+//! Constants of an elastic-plastic material, and their checks.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::math::catalogue::{Interval, OutOfRange};
 /// Back stresses at most.
 pub const MOST_BACK_STRESSES: usize = 4;
 
-/// Constants that make no elastic-plastic material.
+/// Invalid constants of an elastic-plastic material.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PlasticityError {
@@ -19,7 +19,7 @@ pub enum PlasticityError {
         /// The range and the value.
         fault: OutOfRange,
     },
-    /// A table that is no hardening curve.
+    /// Invalid table of a hardening curve.
     #[error("point {number} of the hardening table, [{strain}, {stress}], {fault}")]
     Table {
         /// Number of the point, from 1.
@@ -28,7 +28,7 @@ pub enum PlasticityError {
         strain: f64,
         /// Yield stress of the point `[stress]`.
         stress: f64,
-        /// The fault, as the end of the sentence.
+        /// Description of the fault, as the end of a sentence.
         fault: &'static str,
     },
     /// A table with too few points.
@@ -37,10 +37,10 @@ pub enum PlasticityError {
         /// Number of points.
         count: usize,
     },
-    /// More back stresses than there is room for.
+    /// More back stresses than the maximum.
     #[error("{count} back stresses are given; there may be {MOST_BACK_STRESSES} at most")]
     BackStresses {
-        /// Number of back stresses that were given.
+        /// Number of given back stresses.
         count: usize,
     },
 }
@@ -60,18 +60,18 @@ impl PlasticityError {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hardening {
     /// `k = yield_stress + modulus alpha + saturation (1 - exp(-exponent alpha))` (linear; Voce, Journal of the Institute of Metals 74,
-    /// 1948); perfect plasticity without both.
+    /// 1948); perfect plasticity if both are zero.
     Saturating {
         /// `[stress]`.
         modulus: f64,
         /// Gain of the yield stress in the limit of large plastic strain `[stress]`.
         saturation: f64,
-        /// One over the plastic strain at which 63 % of the saturation are reached.
+        /// Inverse of the plastic strain at which 63 % of the saturation are reached.
         exponent: f64,
     },
     /// `k = yield_stress (1 + alpha/strain)^exponent` (Swift, Journal of the Mechanics and Physics of Solids 1, 1952).
     Swift {
-        /// Plastic strain `strain` of the formula, over which the slope falls.
+        /// Plastic strain `strain` in the formula; the slope decreases over it.
         strain: f64,
         /// Exponent, from 0 to 1.
         exponent: f64,
@@ -108,7 +108,7 @@ pub struct BackStress {
 }
 
 impl BackStress {
-    /// `X = factor a`.
+    /// Factor of the back stress over the back strain, `X = factor a`.
     pub(super) fn factor(&self) -> f64 {
         2.0 / 3.0 * self.modulus
     }
@@ -127,14 +127,14 @@ pub enum RateDependence {
     },
     /// `k (1 + factor ln(d alpha/dt / reference_rate))` above the reference rate (Johnson and Cook 1983, without heat).
     JohnsonCook {
-        /// `C`.
+        /// Rate sensitivity `C`.
         factor: f64,
         /// `[1/time]`.
         reference_rate: f64,
     },
 }
 
-/// An elastic-plastic material: Hencky's law, von Mises' yield condition, hardening.
+/// Elastic-plastic material: Hencky's law, von Mises yield condition, hardening.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticPlastic {
     /// `[stress]`.
@@ -147,7 +147,7 @@ pub struct ElasticPlastic {
     pub yield_stress: f64,
     /// Isotropic hardening.
     pub hardening: Hardening,
-    /// Kinematic hardening: the back stresses add up.
+    /// Back stresses of kinematic hardening, which are summed.
     pub back_stresses: Vec<BackStress>,
     /// Rate dependence.
     pub rate: RateDependence,
@@ -207,7 +207,7 @@ impl ElasticPlastic {
         Ok(())
     }
 
-    /// The constants in other units, by the factors of stress, density and time.
+    /// Constants converted to other units by the factors of stress, density and time.
     pub fn rescaled(&self, stress: f64, density: f64, time: f64) -> Self {
         let hardening = match &self.hardening {
             Hardening::Saturating { modulus, saturation, exponent } => {

@@ -1,7 +1,7 @@
-//! Plastic flow of a quadrature point in a step: elastic share, flow direction, plastic multiplier, and their derivatives.
+//! Plastic flow of a quadrature point in a step: elastic fraction, flow direction, plastic multiplier, and their derivatives.
 //!
-//! The way is straight in the logarithmic strain. Up to a share `s` it is elastic, `s` being the larger root of
-//! `|xi_0 + s d| = sqrt(2/3) k(alpha_0)` with `d = 2 mu dev(eps_1 - eps_0)`. On the rest the point flows by `dep = g N` with
+//! The path is straight in the logarithmic strain. The fraction `s` of the step is elastic, the larger root of
+//! `|xi_0 + s d| = sqrt(2/3) k(alpha_0)` with `d = 2 mu dev(eps_1 - eps_0)`. In the rest the point flows by `dep = g N` with
 //!
 //! ```text
 //! N    along (1 - theta) xi_s + theta xi_1,   theta = 1/(1 - exp(-x)) - 1/x,   x = |2 mu dev(eps_1 - eps_s)|/(sqrt(2/3) k(alpha_0))
@@ -9,8 +9,8 @@
 //! a_1  = ((1 - (1 - t) b' g) a_0 + g N)/(1 + t b' g),   b' = sqrt(2/3) b      of each back strain, t = 1/2
 //! ```
 //!
-//! `theta` is that of the exact solution for a yield stress that stays: 1/2 for small steps, which makes these of second order, and 1 for
-//! large ones, in which the direction then does not swing. The radial return is `s = 0`, `theta = t = 1`.
+//! `theta` is that of the exact solution for a constant yield stress: 1/2 for small steps, which are then second order accurate, and 1 for
+//! large ones, which avoids oscillations of the direction. Radial return is `s = 0`, `theta = t = 1`.
 
 use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
 use super::logarithm::{applied, applied_back, dot, plus, times};
@@ -20,15 +20,15 @@ use crate::math::tolerances::{LEAST_FLOW_SHARE, ON_THE_YIELD_SURFACE, OUTSIDE_TH
 /// `sqrt(2/3)`.
 pub(super) const ROOT: f64 = 0.816_496_580_927_726;
 
-/// Most iterations for the multiplier: Newton's method needs three to six, and each bisection halves what is left.
+/// Largest number of iterations for the multiplier: Newton's method needs three to six, each bisection halves the interval.
 const ITERATIONS: usize = 80;
 
 /// Rule of flow of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// Elastic share first, then flow in the fitted direction: second order.
+    /// Elastic fraction first, then flow in the fitted direction: second order.
     Fitted,
-    /// Radial return over the whole step: first order, depends on the end alone.
+    /// Radial return over the whole step: first order, depends on the end state only.
     RadialReturn,
 }
 
@@ -51,29 +51,29 @@ pub(super) struct FlowStep<'a, const FMA: bool, const S: usize> {
 pub(super) struct Flow<const FMA: bool, const S: usize> {
     /// Elastic share `s` of the step.
     pub(super) share: Lanes<FMA>,
-    /// `g`, 0 where nothing yields.
+    /// Plastic multiplier `g`, 0 in elastic lanes.
     pub(super) multiplier: Lanes<FMA>,
-    /// `dep`.
+    /// Plastic strain increment `dep`.
     pub(super) strain: [Lanes<FMA>; S],
     /// Back strains at the end.
     pub(super) back: [[Lanes<FMA>; S]; MOST_BACK_STRESSES],
-    /// Derivatives, where they are wanted.
+    /// Derivatives; `None` if not requested.
     pub(super) slopes: Option<Slopes<FMA, S>>,
 }
 
-/// Derivatives of the elastic share, and of the plastic strain times `2 mu` `[stress]`.
+/// Derivatives of the elastic fraction of the step, and of `2 mu` times the plastic strain increment `[stress]`.
 pub(super) struct Slopes<const FMA: bool, const S: usize> {
-    /// Derivative of the elastic share with respect to the strain at the end.
+    /// Derivative of the elastic fraction with respect to the strain at the end.
     pub(super) share: [Lanes<FMA>; S],
     /// Derivative of the plastic strain with respect to the strain at the end, for a fixed start of the flow.
     pub(super) by_end: [[Lanes<FMA>; S]; S],
     /// Derivative of the plastic strain with respect to the strain at which the flow starts.
     pub(super) by_start: [[Lanes<FMA>; S]; S],
-    /// Derivative of minus the plastic strain with respect to the elastic share, through the time that is left for the flow.
+    /// Derivative of minus the plastic strain with respect to the elastic fraction, by the remaining time of the flow.
     pub(super) by_time: [Lanes<FMA>; S],
 }
 
-/// Weights of a back strain for a multiplier: `(A a_0 + g N)/B`, and the stress `q a_0 + g c/B N`.
+/// Coefficients of a back strain for a multiplier: `(A a_0 + g N)/B`, and of the stress `q a_0 + g c/B N`.
 struct Recovery<const FMA: bool> {
     a: Lanes<FMA>,
     b: Lanes<FMA>,
@@ -95,12 +95,12 @@ struct Iterate<const FMA: bool, const S: usize> {
     stiffness: Lanes<FMA>,
     residual: Lanes<FMA>,
     slope: Lanes<FMA>,
-    /// Derivative of the yield condition's right side with respect to the time that is left for the flow.
+    /// Derivative of the right side of the yield condition with respect to the remaining time of the flow.
     by_time: Lanes<FMA>,
 }
 
 impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
-    /// The flow of the step, with its derivatives where they are wanted.
+    /// Plastic flow of the step, with its derivatives if `with_slopes`.
     #[inline(always)]
     pub(super) fn flow(&self, with_slopes: bool) -> Flow<FMA, S> {
         let two_mu = Lanes::splat(2.0 * self.shear);
@@ -139,7 +139,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         flow
     }
 
-    /// The elastic share of the step and its derivative with respect to the strain at the end.
+    /// Elastic fraction of the step, and its derivative with respect to the strain at the end.
     #[inline(always)]
     fn elastic_share(&self, radius: Lanes<FMA>, change: &[Lanes<FMA>; S]) -> (Lanes<FMA>, [Lanes<FMA>; S]) {
         if self.rule == Rule::RadialReturn {
@@ -296,7 +296,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         Iterate { normal, turning, size, outward, stiffness, residual, slope, by_time }
     }
 
-    /// The derivatives, `mask` 1 where the point yields.
+    /// Derivatives of the flow; `mask` is 1 in yielding lanes.
     #[inline(always)]
     fn slopes(
         &self,
@@ -332,7 +332,7 @@ struct Turned<'a, const FMA: bool, const S: usize> {
     normal: &'a [Lanes<FMA>; S],
     /// Derivative of `v` with respect to `theta`, without its component along `N`, over `|v|`.
     weighed: [Lanes<FMA>; S],
-    /// `2 mu/|v|`.
+    /// Twice the shear modulus over `|v|`: `2 mu/|v|`.
     inverse: Lanes<FMA>,
 }
 
@@ -371,8 +371,8 @@ struct Multiplied<'a, const FMA: bool, const S: usize> {
 }
 
 impl<const FMA: bool, const S: usize> Multiplied<'_, FMA, S> {
-    /// `2 mu` times the derivative of the plastic strain, from that of the flow direction; `direct` is the derivative of the stress at the
-    /// end with respect to the same strain.
+    /// `2 mu` times the derivative of the plastic strain, from the derivative of the flow direction; `direct` is the derivative of the
+    /// stress at the end with respect to the same strain.
     #[inline(always)]
     fn derivative(&self, turned: &[[Lanes<FMA>; S]; S], direct: Lanes<FMA>) -> [[Lanes<FMA>; S]; S] {
         let back = times(&applied_back(turned, self.outward), -self.push);
@@ -388,14 +388,14 @@ impl<const FMA: bool, const S: usize> Multiplied<'_, FMA, S> {
 }
 
 impl<const FMA: bool, const S: usize> Slopes<FMA, S> {
-    /// Derivative of minus twice `mu` times the plastic strain with respect to the elastic share, beside what it takes from the start.
+    /// Derivative of minus `2 mu` times the plastic strain with respect to the elastic fraction, without its effect through the start.
     #[inline(always)]
     pub(super) fn along_share(&self, change: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
         plus(&applied(&self.by_start, change), Lanes::splat(-1.0), &self.by_time)
     }
 }
 
-/// A divisor where a point yields, 1 elsewhere.
+/// `divisor` in yielding lanes, 1 in others.
 #[inline(always)]
 fn or_one<const FMA: bool>(divisor: Lanes<FMA>, mask: Lanes<FMA>) -> Lanes<FMA> {
     mask.unless_zero(divisor, Lanes::splat(1.0))

@@ -6,7 +6,7 @@ use crate::math::lanes::{Lanes, Real, relabel};
 use crate::math::principal::{PrincipalAxes, matrix, principal};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 
-/// Number of entries of `P` where tensors have `S` components.
+/// Number of entries of `P` for tensors of `S` components.
 const fn frame_entries<const S: usize>() -> usize {
     if S == 6 { 9 } else { 5 }
 }
@@ -140,7 +140,7 @@ impl<const FMA: bool, const S: usize> Kept<FMA, S> {
         turned
     }
 
-    /// `W` with the columns `P n_i`, which takes tensors in principal directions to the reference: `W T W^T`.
+    /// `W` with the columns `P n_i`, which maps tensors in principal directions to the reference: `W T W^T`.
     #[inline(always)]
     pub(super) fn reference_map(&self, directions: &Matrix<FMA>) -> Matrix<FMA> {
         let mut w = [[Lanes::ZERO; 3]; 3];

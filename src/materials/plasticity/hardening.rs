@@ -1,4 +1,4 @@
-//! The stress at which a point yields, by its plastic strain and the rate of that.
+//! Yield stress as a function of plastic strain and its rate.
 
 use super::constants::{ElasticPlastic, Hardening, RateDependence};
 use crate::math::lanes::{Lanes, Real, WIDTH};
@@ -16,7 +16,7 @@ pub(super) struct Resistance<const FMA: bool> {
 }
 
 impl ElasticPlastic {
-    /// Yield stress at rest and its derivative.
+    /// Yield stress at zero rate, and its derivative.
     #[inline(always)]
     pub(super) fn at_rest<const FMA: bool>(&self, alpha: Lanes<FMA>) -> [Lanes<FMA>; 2] {
         match &self.hardening {
@@ -69,7 +69,7 @@ fn by_lane<const FMA: bool>(x: Lanes<FMA>, of: impl Fn(f64) -> [f64; 2]) -> [Lan
     both
 }
 
-/// Value and slope of straight lines between points, the first of which is at 0; constant beyond the last.
+/// Value and slope of the polyline through points, the first of which is at 0; constant beyond the last.
 fn on_lines(points: &[[f64; 2]], alpha: f64) -> [f64; 2] {
     let next = points.partition_point(|[strain, _]| *strain <= alpha).max(1);
     let [x, y] = points[next - 1];

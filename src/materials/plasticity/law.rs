@@ -14,7 +14,7 @@ use crate::math::principal::matrix;
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
 
-/// An elastic-plastic law with a bulk modulus of its own: 0 where cells have the energy of their dilatation.
+/// Elastic-plastic law; its bulk modulus is 0 if the cells have a volumetric energy of their own.
 #[derive(Clone)]
 pub(crate) struct PlasticLaw {
     constants: ElasticPlastic,
@@ -24,12 +24,12 @@ pub(crate) struct PlasticLaw {
     shear: f64,
 }
 
-/// A step in the principal directions of its end.
+/// Step in the principal directions of its end configuration.
 struct Step<const FMA: bool, const S: usize> {
     kept: Kept<FMA, S>,
     /// Stretches at start and end.
     ends: [Stretches<FMA>; 2],
-    /// `R_ij = n_1i . n_0j`.
+    /// Rotation between principal directions, `R_ij = n_1i . n_0j`, `n_1` at the end, `n_0` at the start.
     turn: Matrix<FMA>,
     /// Logarithmic strains.
     strains: [[Lanes<FMA>; S]; 2],
@@ -38,7 +38,7 @@ struct Step<const FMA: bool, const S: usize> {
 }
 
 impl PlasticLaw {
-    /// The law of checked constants; with a bulk modulus of 0 where cells have the energy of the volume (`has_volume` is false).
+    /// Law of checked constants; its bulk modulus is 0 if `has_volume` is false, for cells with a volumetric energy of their own.
     pub(crate) fn new(constants: &ElasticPlastic, has_volume: bool) -> Self {
         let bulk = if has_volume { constants.bulk_modulus() } else { 0.0 };
         PlasticLaw { constants: constants.clone(), bulk, shear: constants.shear_modulus() }
@@ -119,7 +119,7 @@ impl PlasticLaw {
         Response { stress: relabel(&stress), tangent: relabel_rows(&tangent) }
     }
 
-    /// The mean stress of the step on `C`, and its derivative with respect to `C_1`, in principal directions of the end.
+    /// Mean stress of the step, and its derivative with respect to `C_1`, in principal directions of the end.
     #[inline(always)]
     fn of_step<const FMA: bool, const S: usize>(
         &self,
@@ -158,7 +158,7 @@ impl PlasticLaw {
         slopes
     }
 
-    /// Derivative of the stress at the end with respect to the elastic share.
+    /// Derivative of the stress at the end with respect to the elastic fraction of the step.
     #[inline(always)]
     fn along_share<const FMA: bool, const S: usize>(&self, step: &Step<FMA, S>) -> [Lanes<FMA>; S] {
         let change = plus(&step.strains[0], Lanes::splat(-1.0), &step.strains[1]);

@@ -1,9 +1,9 @@
-//! The discrete derivative of the tensor logarithm.
+//! Discrete derivative of the tensor logarithm.
 //!
 //! For `C_1 = sum c_1i n_1i n_1i` and `C_0` likewise, `ln C_1 - ln C_0 = sum_ij ln[c_1i, c_0j] P_1i (C_1 - C_0) P_0j` with the divided
 //! difference `ln[a, b] = (ln a - ln b)/(a - b)` (Daletskii and Krein, Voronezh. Gos. Univ. Trudy Sem. Funkcional. Anal. 1, 1956). Its
-//! adjoint `A : T = sym sum_ij ln[c_1i, c_0j] P_1i T P_0j` makes of a stress `T` on the logarithmic strain one on `C`. All here is in
-//! components along the principal directions of `C_1`; `R_ij = n_1i . n_0j` is what these and those of `C_0` have to do with each other.
+//! adjoint `A : T = sym sum_ij ln[c_1i, c_0j] P_1i T P_0j` maps a stress `T` on the logarithmic strain to one on `C`. Components refer to
+//! the principal directions of `C_1`; `R_ij = n_1i . n_0j` relates these to the principal directions of `C_0`.
 
 use crate::math::lanes::{Lanes, Real, WIDTH};
 use crate::math::tensor::{mandel_pairs, mandel_scale};
@@ -12,11 +12,11 @@ use crate::math::tolerances::{CLOSE_STRETCHES, NEAR_STRETCHES, WIDE_STRETCHES};
 /// A matrix of three rows.
 pub(super) type Matrix<const FMA: bool> = [[Lanes<FMA>; 3]; 3];
 
-/// Terms of the series of `ln[a, b, c]` for a spread of [`CLOSE_STRETCHES`], of [`NEAR_STRETCHES`] and of [`WIDE_STRETCHES`]: the first one
-/// left out is below 1e-17.
+/// Number of series terms of `ln[a, b, c]` for a spread of [`CLOSE_STRETCHES`], [`NEAR_STRETCHES`], [`WIDE_STRETCHES`]: truncation error
+/// below 1e-17.
 const TERMS: [i32; 3] = [7, 10, 18];
 
-/// True of directions `i` and `j` that a tensor of `S` Mandel components can shear with each other.
+/// True if tensors of `S` Mandel components can have the shear component of the directions `i` and `j`.
 #[inline(always)]
 pub(super) const fn linked<const S: usize>(i: usize, j: usize) -> bool {
     S == 6 || i == j || (i < 2 && j < 2)
@@ -37,7 +37,7 @@ pub(super) fn first_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>) ->
     (excess + 1.0) * 2.0 / sum
 }
 
-/// `ln[a, b, c]`: a series about their mean, where the spread is wide the recursion over the outermost pair.
+/// `ln[a, b, c]`: a series about the mean, or for a wide spread the recursion over the outermost pair.
 #[inline(always)]
 pub(super) fn second_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>, c: Lanes<FMA>) -> Lanes<FMA> {
     let mean = (a + b + c) * (1.0 / 3.0);
@@ -69,7 +69,7 @@ pub(super) fn second_difference<const FMA: bool>(a: Lanes<FMA>, b: Lanes<FMA>, c
     if spread <= WIDE_STRETCHES { near } else { of_wide_spread(near, [a, b, c]) }
 }
 
-/// `ln[a, b, c]` lane by lane, by the recursion where the spread is wide, else `near`.
+/// `ln[a, b, c]` in each lane: by recursion for a wide spread, otherwise `near`.
 #[cold]
 #[inline(never)]
 fn of_wide_spread<const FMA: bool>(near: Lanes<FMA>, all: [Lanes<FMA>; 3]) -> Lanes<FMA> {
@@ -216,7 +216,7 @@ pub(super) fn applied_back<const FMA: bool, const S: usize>(map: &[[Lanes<FMA>; 
     result
 }
 
-/// `A B`.
+/// Matrix product `A B`.
 #[inline(always)]
 pub(super) fn product<const FMA: bool, const S: usize>(a: &[[Lanes<FMA>; S]; S], b: &[[Lanes<FMA>; S]; S]) -> [[Lanes<FMA>; S]; S] {
     let mut result = [[Lanes::ZERO; S]; S];
@@ -230,7 +230,7 @@ pub(super) fn product<const FMA: bool, const S: usize>(a: &[[Lanes<FMA>; S]; S],
     result
 }
 
-/// `A B^T`.
+/// Matrix product `A B^T`.
 #[inline(always)]
 pub(super) fn product_with_transpose<const FMA: bool, const S: usize>(
     a: &[[Lanes<FMA>; S]; S],
@@ -253,7 +253,7 @@ pub(super) fn dot<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], b: &[Lan
     sum
 }
 
-/// The tensor without its mean.
+/// Deviatoric part of the tensor.
 #[inline(always)]
 pub(super) fn deviator<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
     let mean = trace(tensor) * (1.0 / 3.0);
@@ -270,7 +270,7 @@ pub(super) fn trace<const FMA: bool, const S: usize>(tensor: &[Lanes<FMA>; S]) -
     tensor[0] + tensor[1] + tensor[2]
 }
 
-/// `s A + B`.
+/// Sum `s A + B`.
 #[inline(always)]
 pub(super) fn plus<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], s: Lanes<FMA>, b: &[Lanes<FMA>; S]) -> [Lanes<FMA>; S] {
     let mut result = *b;
@@ -280,7 +280,7 @@ pub(super) fn plus<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], s: Lane
     result
 }
 
-/// `s A`.
+/// Multiple `s A`.
 #[inline(always)]
 pub(super) fn times<const FMA: bool, const S: usize>(a: &[Lanes<FMA>; S], s: Lanes<FMA>) -> [Lanes<FMA>; S] {
     let mut result = *a;

@@ -1,11 +1,11 @@
 //! Tolerances of friction and of impacts.
 
 /// Augmentation of tangential constraints (multiplier per slip) relative to that of normal constraints (multiplier per gap), which decides
-/// between stick and slip in an iteration. With 1 steps are halved near rest, with 0.01 none is.
+/// between stick and slip in an iteration. With 1 steps near rest are halved, with 0.01 none is.
 pub const TANGENTIAL: f64 = 0.01;
 
-/// Multiplier per slip of the trial of an iteration in space over the stiffness of the node in the step, at least: of 60 random rigid
-/// bodies with friction 22 fail with 0.01, 16 with 0.1, 17 with 1.
+/// Least multiplier per slip of the trial multiplier in space, relative to the node's stiffness in the step: of 60 random rigid bodies with
+/// friction 22 fail with 0.01, 16 with 0.1, 17 with 1.
 pub const TRIAL_STIFFNESS: f64 = 0.1;
 
 /// Tangential trial multiplier in space, relative to the friction limit, below which its direction is round-off.
@@ -14,8 +14,8 @@ pub const UNDIRECTED: f64 = 1e-12;
 /// Round-off of a tangential multiplier in space, relative to its size and its limit, at overconstrained nodes.
 pub const SLIP_NOISE: f64 = 1e-10;
 
-/// Slip in space that is round-off of the positions, over the one that counts as zero. Times the stiffness of the node in the step it is
-/// round-off of the multiplier: without this, rigid bodies at rest with steps of 1e-4, piles and arches of rigid bodies fail.
+/// Slip in space that is round-off of the positions, relative to the slip that counts as zero; times the node's stiffness it is round-off
+/// of the multiplier. Without it, rigid bodies at rest with steps of 1e-4, piles and arches of rigid bodies fail.
 pub const SLIP_ROUND_OFF: f64 = 1e-2;
 
 /// Largest augmentation of contact constraints of a rigid body. Of 60 random bodies with friction 8 fail with 1e2, 5 with 1e3, 4 with 1e4;
@@ -48,8 +48,8 @@ pub const IMPULSE: f64 = 1e-15;
 /// Slip rate of an impact that counts as zero, relative to the largest rate; also the relative tolerance of the friction cone.
 pub const IMPACT_SLIP: f64 = 1e-12;
 
-/// Kinetic energy of a motion of all bodies over the energy of the model, up to which closed rigid sides that approach do not collide.
-/// Without it a box of 81 nodes at rest on a plane takes minutes with steps that choose their size.
+/// Kinetic energy of a common motion of all bodies, relative to the model's energy, below which closed rigid sides that approach do not
+/// collide. Without it a box of 81 nodes at rest on a plane takes minutes with adaptive steps.
 pub const IMPACT_FLOOR: f64 = 1e-17;
 
 /// Apparent energy gain of an impact, relative to the energy of its compression, that is round-off.

@@ -4,25 +4,25 @@
 /// ten thousand times the round-off of the product, and far below any graded mesh (an aspect ratio of 1e4 gives 1e-5).
 pub const DEGENERATE_CELL: f64 = 1e-12;
 
-/// Distance of two nodes of meshes to be joined, relative to the largest coordinate, up to which they are at the same place.
+/// Distance between nodes of joined meshes, relative to the largest coordinate, up to which they are merged.
 pub const SAME_PLACE: f64 = 1e-9;
 
-/// Distance from a plane, cylinder or sphere, relative to the largest coordinate, up to which nodes are on it: files of meshes are written
-/// with six digits or more.
+/// Distance from a plane, cylinder or sphere, relative to the largest coordinate, up to which nodes lie on it: mesh files have at least six
+/// digits.
 pub const ON_SHAPE: f64 = 1e-6;
 
-/// Distance of two points of a surface of triangles, relative to its size, up to which they are one point: STL files have seven digits.
+/// Distance between points of a triangulated surface, relative to its size, up to which they are merged: STL files have seven digits.
 pub const SAME_POINT: f64 = 1e-6;
 
 /// Two faces count as coplanar if `1 - cos(a/2)` is at most this, with the angle `a` between their normals: round-off of triangle normals.
 pub const COPLANAR: f64 = 1e-12;
 
-/// Share of each corner, in a point of a facet that an edge goes through, above which the point is inside and not on the facet's rim: edges
-/// that only touch meet the rim to round-off, 1e-15.
+/// Smallest barycentric coordinate above which an edge intersects the interior of a facet and not its border: edges that only touch have
+/// round-off, 1e-15.
 pub const PIERCED: f64 = 1e-6;
 
-/// Third coordinate of a plane mesh file, relative to the largest coordinate, that counts as zero: what rotations in a mesh
-/// generator leave.
+/// Third coordinate in a plane mesh file, relative to the largest coordinate, that counts as zero: round-off of rotations in a mesh
+/// generator.
 pub const PLANE: f64 = 1e-12;
 
 /// Offset of a mid-side node from the chord, relative to the chord, below which the edge counts as straight: round-off of mesh files with

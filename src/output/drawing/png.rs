@@ -10,7 +10,7 @@ use super::shapes::{Anchor, Color, Drawing, Ink, Item, Line, Point, Stroke};
 
 /// Pixels of the file per pixel of the drawing: text stays sharp on fine screens and in print.
 const FINENESS: f64 = 2.0;
-/// Pixels of a file at most; a larger drawing gets fewer per pixel of its own.
+/// Largest number of pixels of a file; a larger drawing gets fewer file pixels per pixel of the drawing.
 const LARGEST: f64 = 4e7;
 /// Coordinates beyond this are clipped: invisible, and inexact in the painter's numbers. `[pixel]`
 const FAR: f64 = 1e5;

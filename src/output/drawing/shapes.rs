@@ -97,7 +97,7 @@ impl Drawing {
         self.size[1] = height;
     }
 
-    /// Paints lines; there may be none.
+    /// Paints lines as one shape; nothing for an empty list.
     pub(in crate::output) fn paint(&mut self, lines: Vec<Line>, ink: Ink) {
         if !lines.is_empty() {
             self.items.push(Item::Shape { lines, ink });

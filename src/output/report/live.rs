@@ -72,9 +72,9 @@ pub struct FollowedSimulation {
     pub model: Arc<LiveModel>,
     /// Names of the history's columns.
     pub columns: Arc<Vec<String>>,
-    /// Number of the change that set the model or its columns.
+    /// Revision number of the last change to the model or its columns.
     pub shaped: u64,
-    /// Problem, and the number of the change that set it.
+    /// Problem, and the revision number of its last change.
     pub problem: (u64, Arc<LiveProblem>),
     /// Rows that are kept.
     pub rows: Followed<Arc<LiveRow>>,

@@ -36,13 +36,13 @@ fn numbers(values: &Array) -> impl Iterator<Item = f64> + '_ {
     values.iter().filter_map(as_number)
 }
 
-/// The mean of the entries that are numbers; NaN where none is.
+/// Mean of the numeric entries; NaN without any.
 fn mean(values: &Array) -> f64 {
     let known: Vec<f64> = numbers(values).filter(|entry| !entry.is_nan()).collect();
     known.iter().sum::<f64>() / known.len() as f64
 }
 
-/// The entry beyond all others; NaN only where no entry is a number.
+/// Largest or smallest entry, by `is_beyond`; NaN only without any number.
 fn furthest(values: &Array, is_beyond: fn(f64, f64) -> bool) -> Option<Dynamic> {
     let beyond = |best: (usize, f64), entry: (usize, f64)| {
         let is_next = !entry.1.is_nan() && (best.1.is_nan() || is_beyond(entry.1, best.1));
@@ -51,7 +51,7 @@ fn furthest(values: &Array, is_beyond: fn(f64, f64) -> bool) -> Option<Dynamic> 
     numbers(values).enumerate().reduce(beyond).map(|(place, _)| values[place].clone())
 }
 
-/// A whole number where all are whole and the sum fits; NaN only where no entry is a number.
+/// Sum of the entries: a whole number if all entries are whole and the sum fits; NaN only without any number.
 fn sum(values: &Array) -> Dynamic {
     let whole = values.iter().try_fold(0_i64, |sum, value| sum.checked_add(value.as_int().ok()?));
     let known = || numbers(values).filter(|entry| !entry.is_nan());

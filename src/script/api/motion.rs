@@ -1,6 +1,6 @@
 //! Motion of a finished model: translation, rotation, other units.
 //!
-//! While a [`Motion`] is active on the host, `simulate` moves the whole model before it builds the kernels: meshes, loads, gravity,
+//! While a [`Motion`] is active on the host, `simulate` moves the whole model before it builds the simulation: meshes, loads, gravity,
 //! velocities, material constants, step size and time functions. The script builds its model as always (`boundary_where` sees the
 //! coordinates it was written for) and keeps its own clock: `run_to`, `.time`, the history's times and time functions are those of the
 //! script. Everything else that it reads is that of the moved model.
@@ -88,7 +88,7 @@ impl Motion {
         Motion { cosine: angle.cos(), sine: angle.sin(), quarters: None, ..Motion::translation([0.0; 3]) }
     }
 
-    /// Written in other units.
+    /// Change of the units of a model only.
     pub fn in_units(units: Units) -> Self {
         Motion { units, ..Motion::translation([0.0; 3]) }
     }

@@ -114,7 +114,7 @@ impl Overrides {
     }
 }
 
-/// Refuses values of `--set` that the script has not read: all at its end, before that only those without any `param`.
+/// Refuses values of `--set` that the script has not read: at the end of the script all, before only those without any `param`.
 ///
 /// # Errors
 /// The first name that is refused.

@@ -90,7 +90,7 @@ struct Closure {
     host: Rc<Host>,
 }
 
-/// Error of a closure that is passed through the kernels, which may send it to other threads.
+/// Error of a closure that is passed through the solver, which may send it to other threads.
 #[derive(Debug)]
 pub struct ClosureError {
     text: String,

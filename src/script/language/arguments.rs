@@ -17,7 +17,7 @@ use crate::math::catalogue::Interval;
 
 /// Access to arguments by name: those of a call, or the keys of an options map.
 pub trait Arguments {
-    /// Returns the argument with a name, given or not.
+    /// Returns the argument with a name, which may be missing.
     fn argument(&self, name: &str) -> Argument<'_>;
 
     /// Returns a number (or its default).
@@ -150,12 +150,12 @@ impl Arguments for Options<'_> {
     }
 }
 
-/// Code of a value of a kind that a function does not take.
+/// Code of an argument of the wrong type.
 pub(super) const WRONG_TYPE: &str = "C1021";
 /// Code of a missing argument or option.
 pub(super) const MISSING: &str = "C1023";
 
-/// An argument, given or not.
+/// Argument of a call, given or missing.
 pub struct Argument<'a> {
     pub(super) call: &'a Call<'a>,
     pub(super) parameter: &'a Parameter,
@@ -184,7 +184,7 @@ impl Argument<'_> {
         self.parameter.absent
     }
 
-    /// A failure that points at this argument.
+    /// Failure that points at this argument.
     pub fn fail(&self, title: impl Into<String>) -> Failure {
         self.call.fail(title).at(self.target.clone())
     }
@@ -223,7 +223,7 @@ impl Argument<'_> {
         }
     }
 
-    /// The failure of a number that the parameter does not allow.
+    /// Failure of a number outside the range of the parameter.
     pub fn out_of_range(&self, range: Interval, value: &str) -> Failure {
         self.fail(format!("{} must be {}", self.title(), range))
             .code("C1022")
@@ -232,7 +232,7 @@ impl Argument<'_> {
             .hint(format!("give {}", self.parameter.requirement()))
     }
 
-    /// The failure of an argument that was left out and has no default.
+    /// Failure of a missing argument without a default.
     pub fn missing(&self) -> Failure {
         self.call.fail(format!("{} is missing", self.title())).code(MISSING).hint(format!("give {}", self.parameter.requirement()))
     }

@@ -8,7 +8,7 @@ use super::failure::Failure;
 use super::values::{as_number, as_whole, describe};
 
 impl Argument<'_> {
-    /// An array of `dimension` numbers, the rest of the three filled with zeros.
+    /// Array of `dimension` numbers, padded with zeros to three.
     ///
     /// # Errors
     /// Not an array, not of that length, or not of finite numbers.
@@ -53,7 +53,7 @@ impl Argument<'_> {
         }
     }
 
-    /// An array of points `[x, y]`, in space `[x, y, z]`.
+    /// Array of points `[x, y]`, in space `[x, y, z]`.
     ///
     /// # Errors
     /// Not an array, or not of as many finite numbers.

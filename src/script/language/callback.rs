@@ -93,12 +93,12 @@ impl Callback {
         }
     }
 
-    /// Wraps an error of the closure to be passed through the kernels.
+    /// Wraps an error of the closure to be passed through the solver.
     pub(crate) fn wrap(&self, error: EvalAltResult) -> ScriptError {
         ScriptError { error: Rc::new(error), source: self.context.global.source.as_ref().map(ToString::to_string).unwrap_or_default() }
     }
 
-    /// The error of a closure that gave a wrong value.
+    /// Error of a closure that returned an invalid value.
     pub fn refuse(&self, failure: Failure) -> ScriptError {
         self.wrap(*failure.raise(self.context.pos))
     }

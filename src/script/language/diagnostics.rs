@@ -14,7 +14,7 @@ use super::sources::Place;
 pub enum Severity {
     /// The run ends.
     Error,
-    /// The run goes on.
+    /// Warning; the run continues.
     Warning,
 }
 
@@ -59,7 +59,7 @@ pub enum Ink {
     Colored,
 }
 
-/// Frames shown at most; a deep recursion repeats itself.
+/// Largest number of frames shown; a deep recursion repeats itself.
 const FRAMES: usize = 6;
 
 impl Diagnostic {

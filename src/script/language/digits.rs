@@ -25,7 +25,7 @@ pub fn brief(value: f64) -> String {
     exponent.map_or(digits.to_string(), |exponent| format!("{digits}e{exponent}"))
 }
 
-/// `[1, 0.5]`.
+/// Returns a vector as text, such as `[1, 0.5]`.
 pub fn vector_text(vector: &[f64]) -> String {
     let numbers: Vec<String> = vector.iter().map(|value| number_text(*value)).collect();
     format!("[{}]", numbers.join(", "))

@@ -30,7 +30,7 @@ pub enum Class {
     Interrupted,
     /// `conserva check` came to the first use of a result.
     ResultUsed,
-    /// A defect of the program itself.
+    /// Internal error of the program.
     Internal,
 }
 
@@ -47,7 +47,7 @@ impl Class {
     }
 }
 
-/// Error of script code called by the solver, to be passed through the kernels.
+/// Error of script code called by the solver, to be passed through its layers.
 #[derive(Clone, Debug)]
 pub struct ScriptError {
     /// Error of the engine.
@@ -77,7 +77,7 @@ pub struct Details {
     pub target: Target,
     /// True if the called function is a method.
     pub method: bool,
-    /// A few words at the place itself.
+    /// Short label at the place of the failure.
     pub label: String,
     /// Numbers and causes that explain the fault.
     pub causes: Vec<String>,

@@ -69,7 +69,7 @@ struct Known {
 struct Memory(RefCell<Vec<Known>>);
 
 impl Memory {
-    /// Puts a value at the end of an array, unless that grows too large.
+    /// Appends a value to an array, unless the array would exceed its limit.
     fn push(&self, engine: &Engine, target: &mut Dynamic, item: Dynamic) -> Outcome {
         let mut known = self.0.borrow_mut();
         let (before, after) = {
@@ -103,7 +103,7 @@ impl Memory {
     }
 }
 
-/// Sorts numbers by their values, texts by their letters.
+/// Sorts numbers by value, texts alphabetically.
 fn sort(engine: &Engine, array: &mut Array) -> Result<(), Failure> {
     let text = |value: &Dynamic| value.read_lock::<ImmutableString>().map(|text| text.clone());
     if array.iter().all(|value| as_number(value).is_some()) {

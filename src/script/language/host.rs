@@ -28,7 +28,7 @@ pub struct Host {
     pub settings: Settings,
     /// Texts of the script and its modules.
     pub sources: Sources,
-    /// Files.
+    /// Files that the script may read.
     pub sandbox: Sandbox,
     /// Observer of the session.
     pub observer: Rc<dyn Observer>,
@@ -50,7 +50,7 @@ pub struct Host {
     effects: Cell<u64>,
     /// Changes after which the script is stopped.
     limit: Cell<Option<u64>>,
-    /// Simulations that take steps now.
+    /// Number of simulations that are taking steps.
     stepping: Cell<usize>,
 }
 
@@ -227,17 +227,17 @@ impl Host {
         self.module_paths.borrow().get(&(Shared::as_ptr(module) as usize)).cloned()
     }
 
-    /// The context of the imported module that made a closure.
+    /// Context of the imported module in which a closure was made.
     pub(crate) fn module_context(&self, closure: &str) -> Option<Rc<NativeCallContextStore>> {
         self.module_contexts.borrow().get(closure).cloned().flatten()
     }
 
-    /// A module with these closures begins to load.
+    /// Records that a module with these closures begins to load.
     pub(crate) fn begin_module(&self, closures: Vec<String>) {
         self.loading.borrow_mut().push(closures);
     }
 
-    /// The module that began last has loaded.
+    /// Records that the module that began last has been loaded.
     pub(crate) fn end_module(&self) {
         self.loading.borrow_mut().pop();
     }
@@ -253,7 +253,7 @@ impl Host {
         }
     }
 
-    /// Lets go of everything that holds the host itself.
+    /// Drops everything that refers to the host itself, which would keep it alive.
     pub fn release(&self) {
         self.slots.clear();
         self.module_contexts.borrow_mut().clear();

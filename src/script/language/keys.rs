@@ -13,7 +13,7 @@ use super::scan::Target;
 use super::values::describe;
 use super::wording::{did_you_mean, listed};
 
-/// Code of a key that an options map does not have.
+/// Code of an unknown key of an options map.
 const UNKNOWN_KEY: &str = "C1024";
 
 impl Call<'_> {

@@ -9,7 +9,7 @@ pub const MAX_ARRAY: usize = 10_000_000;
 /// Entries of a map.
 pub const MAX_MAP: usize = 1_000_000;
 
-/// Operations of a script at most by default: about a minute of pure script.
+/// Default of the largest number of operations of a script: about a minute of pure script.
 pub const MAX_OPERATIONS: u64 = 500_000_000;
 /// Stack of a thread that runs scripts: deep recursion must end with a message, not with a crash.
 pub const STACK: usize = 256 << 20;

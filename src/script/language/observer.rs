@@ -14,7 +14,7 @@ pub struct Progress<'a> {
     pub from: f64,
     /// Time at which stepping ends, if known.
     pub until: Option<f64>,
-    /// The step.
+    /// Row of the accepted step.
     pub row: &'a LedgerRow,
     /// Largest `kinetic + strain + |potential|` so far, to relate the defect to.
     pub scale: f64,
@@ -55,7 +55,7 @@ pub enum Event<'a> {
         simulation: &'a str,
         /// Name of the contact.
         contact: &'a str,
-        /// Which.
+        /// Closing or opening.
         change: ContactChange,
         /// Number of active nodes.
         active: usize,
@@ -79,7 +79,7 @@ pub enum Event<'a> {
 
 /// Observer of a session: printed lines, checks, progress.
 pub trait Observer {
-    /// A line that the script prints.
+    /// Shows a line printed by the script.
     fn print(&self, line: &str);
     /// Reports a check that holds, with its measured value.
     fn passed(&self, line: &str);
@@ -91,7 +91,7 @@ pub trait Observer {
     fn noticed(&self, _event: &Event) {}
     /// Reports the start of a long computation without steps, such as `settle`.
     fn began(&self, what: &str);
-    /// A computation that reported progress has ended.
+    /// Reports the end of a computation that reported progress.
     fn ended(&self);
     /// Returns the rendering of printed lines; plain by default.
     fn ink(&self) -> Ink {

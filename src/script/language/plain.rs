@@ -27,7 +27,7 @@ pub enum Plain {
     Text(String),
     /// An array.
     Array(Vec<Plain>),
-    /// A map, sorted by its keys.
+    /// Map, sorted by its keys.
     Map(Vec<(String, Plain)>),
 }
 

@@ -114,7 +114,7 @@ pub fn name_after_dot(lexemes: &[Lexeme], start: usize) -> usize {
     dot.map_or(start, |pair| pair[1].range.start)
 }
 
-/// The token behind a bracket that opens at `start`.
+/// Index of the token after a bracket that opens at `start`.
 pub fn behind_bracket(lexemes: &[Lexeme], start: usize) -> Option<Range<usize>> {
     let opens = |lexeme: &Lexeme| matches!(lexeme.token, Token::LeftBracket | Token::QuestionBracket);
     lexemes.windows(2).find(|pair| pair[0].range.start == start && opens(&pair[0])).map(|pair| pair[1].range.clone())

@@ -51,7 +51,7 @@ impl Sources {
         Place { source: segment.name.clone(), text: segment.text.clone(), range }
     }
 
-    /// The text that was appended under that name last.
+    /// Last text appended under this name.
     pub fn appended(&self, name: &str) -> Option<Arc<str>> {
         self.segments.borrow().iter().rev().find(|segment| segment.name == name).map(|segment| segment.text.clone())
     }
@@ -67,7 +67,7 @@ impl Sources {
         self.texts.borrow().iter().map(|(name, text)| (name.clone(), text.clone())).collect()
     }
 
-    /// The text of that source.
+    /// Text of the source with this name.
     pub fn text(&self, name: &str) -> Option<Arc<str>> {
         self.texts.borrow().get(name).cloned()
     }

@@ -42,7 +42,7 @@ pub fn listed<S: AsRef<str>>(names: &[S], joint: &str) -> String {
     joined(&quoted, joint)
 }
 
-/// `a, b and c`.
+/// Joins words as in `a, b and c`.
 pub fn joined<S: AsRef<str>>(words: &[S], joint: &str) -> String {
     match words {
         [] => String::new(),

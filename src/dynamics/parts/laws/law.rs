@@ -91,7 +91,7 @@ pub struct RowStart {
     pub closed: f64,
     /// True if the update rule keeps the gaps of active constraints.
     pub keeps: bool,
-    /// True if forces are those of the end of the step.
+    /// True if the forces of the step are evaluated at its end.
     pub end_point: bool,
 }
 
@@ -119,7 +119,7 @@ pub struct Row {
     pub target: f64,
     /// Offset that the law adds to `gap`.
     pub shift: f64,
-    /// True if forces are those of the end of the step.
+    /// True if the forces of the step are evaluated at its end.
     pub end_point: bool,
     /// `Phi` per change of the multiplier within an iteration.
     pub compliance: f64,
@@ -127,7 +127,7 @@ pub struct Row {
     pub c: f64,
     /// Stiffness of the penalty potential; 0 without one.
     pub stiffness: f64,
-    /// `Phi` that counts as zero.
+    /// Magnitude of `Phi` that counts as zero.
     pub tolerance: f64,
 }
 

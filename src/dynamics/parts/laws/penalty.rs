@@ -11,7 +11,7 @@ impl RowLaw for Penalty {
         false
     }
 
-    /// Overlap found by newly admitted facet pairs, not caused by motion, has no potential.
+    /// Conditions of the step; overlap found by newly admitted facet pairs, not caused by motion, stores no energy.
     fn demand(&self, start: &RowStart) -> Demand {
         let shift = if start.end_point { 0.0 } else { (start.penalty_gap.min(0.0) - start.gap.min(0.0)).max(0.0) };
         Demand { gap: if start.end_point { start.gap } else { start.gap + shift }, target: 0.0, is_member: true, shift }

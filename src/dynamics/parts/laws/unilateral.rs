@@ -4,7 +4,7 @@ use super::bilateral::held;
 use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
 use crate::math::tolerances;
 
-/// Law `Phi >= target`, active or open.
+/// Unilateral law `Phi >= target`, `lambda >= 0`.
 ///
 /// The target never exceeds an overlap at the start: contact drives nothing apart, and its work `lambda (target - Phi_n)` is never
 /// positive.

@@ -18,7 +18,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 /// Quantities that can be conserved, by name.
 const QUANTITIES: &[&str] = &["energy", "momentum", "angular_momentum", "ledger"];
 
-/// `expect_conserved`: a quantity that must not drift.
+/// `expect_conserved`: requires that a quantity does not drift.
 pub fn expect_conserved() -> Function {
     Function {
         name: "expect_conserved",

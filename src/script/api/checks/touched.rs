@@ -11,7 +11,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// `expect_contact`: a pair that must have closed.
+/// `expect_contact`: requires that a pair was or is closed.
 pub fn expect_contact() -> Function {
     Function {
         name: "expect_contact",

@@ -128,7 +128,7 @@ fn numbers(call: &Call, name: &str) -> Result<Vec<f64>, Failure> {
     })
 }
 
-/// `expect_error`: a closure that must fail.
+/// `expect_error`: requires that a closure fails.
 pub fn expect_error() -> Function {
     Function {
         name: "expect_error",

@@ -245,7 +245,7 @@ fn plain(coefficient: Coefficient) -> Friction {
     Friction { law: Arc::new(Coulomb::default()), coefficient }
 }
 
-/// Warns of a coefficient that no surfaces have.
+/// Warns of an implausibly large coefficient, which may be a percentage.
 fn warn_of_percent(argument: &Argument, coefficient: f64) {
     if coefficient > LARGEST {
         let title = format!("{} is a coefficient of friction that no surfaces have", number_text(coefficient));

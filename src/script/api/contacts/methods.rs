@@ -26,7 +26,7 @@ impl Handle for ContactMethodHandle {
     }
 }
 
-/// One function for each method.
+/// Script functions that select the contact methods, one for each method.
 pub fn functions() -> Vec<Function> {
     METHODS.iter().copied().map(method_function).collect()
 }
@@ -68,7 +68,7 @@ pub fn facets_parameter() -> Parameter {
     .or(Absent::Means("`\"curved\"`, with `node_to_segment()` in the plane `\"straight\"`"))
 }
 
-/// The facet geometry that options name.
+/// Facet geometry named in the options.
 pub fn facets_of(options: &Options) -> Result<Option<FacetShape>, Failure> {
     let shape = |word: String| if word == "straight" { FacetShape::Straight } else { FacetShape::Curved };
     if options.argument("facets").is_given() { options.text("facets").map(shape).map(Some) } else { Ok(None) }
@@ -98,13 +98,13 @@ pub fn rule_parameters() -> [Parameter; 3] {
     ]
 }
 
-/// The method that options name.
+/// Contact method named in the options.
 pub fn method_of(options: &Options) -> Result<&'static ContactMethod, Failure> {
     let method = options.argument("method");
     Ok(if method.is_given() { method.handle::<ContactMethodHandle>()?.0 } else { &MORTAR })
 }
 
-/// The rules that options name.
+/// Enforcement and update rule named in the options.
 pub fn rules_of(options: &Options) -> Result<(Option<&'static UpdateRule>, Enforcement), Failure> {
     let given = options.argument("update");
     let name = if given.is_given() { options.text("update")? } else { String::new() };

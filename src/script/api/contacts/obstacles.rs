@@ -121,17 +121,17 @@ pub fn shape(
     }
 }
 
-/// A parameter that is a point.
+/// Parameter of a point.
 pub fn point(name: &'static str, summary: &'static str) -> Parameter {
     Parameter::new(name, Kind::Vector, summary).of("length")
 }
 
-/// The parameter that is a radius.
+/// Parameter of a radius.
 pub fn radius(summary: &'static str) -> Parameter {
     Parameter::number("radius", "length", Interval::Positive, summary)
 }
 
-/// A vector in space that is not zero.
+/// Vector in space in an argument; refused if zero.
 pub fn direction(argument: &Argument) -> Result<[f64; 3], Failure> {
     let vector = argument.vector(3)?;
     if vector == [0.0; 3] {

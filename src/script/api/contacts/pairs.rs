@@ -199,7 +199,7 @@ fn add(call: &Call, model: &ModelHandle, interaction: Interaction) -> Result<(),
     })
 }
 
-/// The other side of a contact.
+/// Contact partner of a contact in an argument.
 fn partner_of(call: &Call, argument: &Argument, model: &ModelHandle) -> Result<Partner, Failure> {
     let value = argument.value();
     if let Some(obstacle) = value.clone().try_cast::<ObstacleHandle>() {

@@ -3,7 +3,7 @@
 use crate::output::OutputError;
 use crate::script::language::failure::{Class, Failure};
 
-/// The failure of a file that could not be written.
+/// Failure of a file that could not be written.
 pub fn output_failure(error: &OutputError) -> Failure {
     Failure::new(output_class(error), error.to_string()).code(error.code()).hint(error.hint())
 }

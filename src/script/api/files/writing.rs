@@ -14,7 +14,7 @@ use crate::script::language::function::Call;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::wording::joined;
 
-/// Object whose files go to a folder of its own.
+/// Object whose files are written to its own folder.
 pub trait Destination {
     /// Writes a file to the folder; `None` if the session writes no files.
     fn put(&self, path: &str, bytes: &[u8]) -> Option<Result<(), OutputError>>;
@@ -33,13 +33,13 @@ impl Wanted {
         self.is_asked.set(true);
     }
 
-    /// The bytes of the file, if one was made. Files are written again.
+    /// Takes the bytes of the file, if one was made.
     pub fn take(&self) -> Option<Vec<u8>> {
         self.is_asked.set(false);
         self.bytes.take()
     }
 
-    /// Place for the bytes of the file of a call, where they are asked for.
+    /// Buffer for the bytes of the file of a call, if requested.
     pub fn of(call: &Call) -> Option<Rc<Wanted>> {
         let wanted: Rc<Wanted> = call.host.slots.get();
         wanted.is_asked.get().then_some(wanted)

@@ -90,7 +90,7 @@ pub fn refused(argument: &Argument, error: &EnergyError) -> Failure {
     if error.hint.is_empty() { failure } else { failure.hint(error.hint.clone()) }
 }
 
-/// The place of a mistake in a string of the script that holds the text letter by letter.
+/// Place of an error inside a string literal of the script; `None` unless the literal contains the text verbatim.
 fn inside(place: Place, error: &EnergyError) -> Option<Place> {
     let literal = place.text.get(place.range.clone())?;
     let held = literal.get(1..literal.len().checked_sub(1)?)?;
@@ -104,7 +104,7 @@ fn inside(place: Place, error: &EnergyError) -> Option<Place> {
 }
 
 /// Returns the values of the constants: every key that is no option must be named in a text. Constants without a value are reported by the
-/// kernels.
+/// solver.
 fn constants_of(
     call: &Call,
     options: &Options,
@@ -132,7 +132,7 @@ fn constants_of(
     Ok(constants)
 }
 
-/// The failure of a key that no text names.
+/// Failure of a key that occurs in no text of the energy.
 fn unused(call: &Call, options: &Options, key: &str, named: &[String]) -> Failure {
     let failure = call.fail(format!("`hyperelastic` has no option `{key}`, and the energy names no constant `{key}`"));
     let failure = failure.at(options.target_of(key, false)).label("names nothing");

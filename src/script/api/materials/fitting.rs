@@ -15,7 +15,7 @@ use crate::script::language::sandbox::reason;
 use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
-/// Options of tests, with their names in plots.
+/// Options of the tests, with names for plots.
 const TESTS: [(&str, &str, Piece); 3] = [
     ("uniaxial", "uniaxial", Piece::Uniaxial),
     ("equibiaxial", "equibiaxial", Piece::Equibiaxial),
@@ -25,7 +25,7 @@ const TESTS: [(&str, &str, Piece); 3] = [
 /// Points of a curve.
 const POINTS: usize = 100;
 
-/// `fit`.
+/// Function `fit` of scripts.
 pub fn function() -> Function {
     let test = |name, summary| {
         Parameter::new(name, Kind::Either("a file's path or an array of pairs `[stretch, stress]`"), summary).or(Absent::Means("none"))
@@ -92,7 +92,7 @@ fn described(free: &[&String], fixed: &[(String, f64)], found: &Fit) -> Map {
     ])
 }
 
-/// The law to be fitted, and the names of its constants.
+/// Law to be fitted, and the names of its constants.
 struct Law {
     title: String,
     names: Vec<String>,
@@ -175,7 +175,7 @@ fn known(options: &Options, key: &str, law: &Law) -> Result<Vec<(String, f64)>, 
     map.iter().map(entry).collect()
 }
 
-/// All tests that the script gave.
+/// Measurements of all tests in the options.
 fn measured(call: &Call, options: &Options) -> Result<Vec<Measured>, Failure> {
     let mut all = Vec::new();
     for (name, _, piece) in TESTS {
@@ -201,7 +201,7 @@ fn sound(argument: &Argument, points: Vec<[f64; 2]>) -> Result<Vec<[f64; 2]>, Fa
     }
 }
 
-/// Points that the script wrote.
+/// Points given in the script.
 fn pairs(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     let value = argument.value();
     let pair = |entry: &Dynamic| {
@@ -219,7 +219,7 @@ fn pairs(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     }
 }
 
-/// Points of a file: two numbers in a line, parted by a comma, a semicolon or blanks; `#` begins a remark.
+/// Reads points from a file: two numbers per line, separated by a comma, a semicolon or blanks; `#` begins a comment.
 fn read(call: &Call, argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     let path = argument.text()?;
     let again = |failure: Failure| {

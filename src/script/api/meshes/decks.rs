@@ -18,7 +18,7 @@ use crate::script::language::scan::Target;
 /// Ratio of bulk to shear modulus that replaces the incompressibility of a material.
 const HARDLY_COMPRESSIBLE: f64 = 1000.0;
 
-/// `read_deck`.
+/// Function `read_deck` of scripts.
 pub fn read_deck() -> Function {
     let density = Parameter::number("density", "mass/volume", Interval::Positive, "density of materials for which the file has none");
     let mut options = reading_parameters();

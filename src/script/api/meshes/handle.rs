@@ -92,7 +92,7 @@ pub fn mesh_failure(call: &Call, error: &MeshError) -> Failure {
     call.fail(error.to_string()).code(error.code()).hint(error.remedy())
 }
 
-/// A mesh that was made, as a value of a script.
+/// Converts a generated mesh to a value of a script.
 pub fn mesh_value(call: &Call, made: Result<Mesh, MeshError>) -> Result<Dynamic, Box<EvalAltResult>> {
     made.map(|mesh| Dynamic::from(MeshHandle::new(mesh))).map_err(|error| mesh_failure(call, &error).into())
 }

@@ -19,7 +19,7 @@ pub fn element(kinds: &'static [&'static str]) -> Parameter {
     Parameter::new("element", Kind::Choice(kinds), "the kind of its cells").or(Absent::Text(kinds[0]))
 }
 
-/// The kind of that name.
+/// Cell kind with the given name.
 fn kind_named(name: &str) -> CellKind {
     CellKind::ALL.iter().copied().find(|kind| kind.name() == name).unwrap_or(CellKind::Quad4)
 }

@@ -228,7 +228,7 @@ fn closed_loop(argument: &Argument, value: &Dynamic) -> Result<Vec<Side>, Failur
     Ok(sides)
 }
 
-/// The parameter that names the boundary of a curve.
+/// Parameter for the name of a curve's boundary.
 fn name_parameter() -> Parameter {
     Parameter::new("name", Kind::Text, "the boundary that it becomes").or(Absent::Means("none of its own"))
 }

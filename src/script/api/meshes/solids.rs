@@ -16,7 +16,7 @@ pub fn functions() -> Vec<Function> {
     vec![tube(), cylinder(), sphere(), hollow_sphere(), torus(), rounded_block()]
 }
 
-/// A generator with these options besides the kind of cells.
+/// Generator function with these options and the option `element`.
 fn generator(name: &'static str, summary: &'static str, mut options: Vec<Parameter>) -> Function {
     options.push(element(SOLID));
     Function {

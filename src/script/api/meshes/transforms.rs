@@ -17,7 +17,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 use crate::script::language::values::{as_number, describe};
 
-/// Angle in radians above which degrees were meant: a little more than once around.
+/// Angle in radians above which degrees are assumed to be meant: slightly more than a full turn.
 const MOST_TURNED: f64 = 1.001 * std::f64::consts::TAU;
 
 /// The functions of this file.

@@ -15,7 +15,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// `body_force`.
+/// Function `body_force` of scripts.
 pub fn body_force() -> Function {
     Function {
         name: "body_force",

@@ -140,7 +140,7 @@ fn formulation_keys() -> Vec<Parameter> {
     ]
 }
 
-/// Mass and inertia of a body that is to be rigid.
+/// Mass and inertia of a rigid body in the options.
 fn rigid_of(options: &Options, mesh: &Mesh, material: &Material, formulation: Formulation) -> Result<Option<Inertia>, Failure> {
     if !options.flag("rigid")? {
         return Ok(None);
@@ -237,7 +237,7 @@ pub fn initial_velocity() -> Function {
     }
 }
 
-/// `initial_displacement`: where a body starts.
+/// `initial_displacement`: displaces a body at the start.
 pub fn initial_displacement() -> Function {
     Function {
         name: "initial_displacement",

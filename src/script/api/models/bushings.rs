@@ -15,7 +15,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// `add_bushing`.
+/// Function `add_bushing` of scripts.
 pub fn add_bushing() -> Function {
     let keys = vec![
         Parameter::new("from", Kind::Handle(BodyHandle::NAME), "a rigid body"),

@@ -16,7 +16,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// `add_chamber`.
+/// Function `add_chamber` of scripts.
 pub fn add_chamber() -> Function {
     let keys = vec![
         Parameter::new("boundaries", Kind::Either("a boundary of a Body, or an array of them"), "the boundaries that face the gas"),

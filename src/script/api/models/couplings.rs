@@ -19,7 +19,7 @@ fn name_parameter() -> Parameter {
     Parameter::new("name", Kind::Text, "its name, unique among symmetries and periodic pairs")
 }
 
-/// `add_symmetry`.
+/// Function `add_symmetry` of scripts.
 pub fn add_symmetry() -> Function {
     let normal = Parameter::new("normal", Kind::Vector, "the direction in which nodes are held; any length").of("1");
     Function {
@@ -54,7 +54,7 @@ pub fn add_symmetry() -> Function {
     }
 }
 
-/// `add_periodic`.
+/// Function `add_periodic` of scripts.
 pub fn add_periodic() -> Function {
     let side = |name, summary| Parameter::new(name, Kind::Handle(BoundaryHandle::NAME), summary);
     let along = ["x", "y", "z"].map(|name| {
@@ -108,7 +108,7 @@ pub fn add_periodic() -> Function {
     }
 }
 
-/// A vector that has a length.
+/// Nonzero vector in an argument.
 fn direction(argument: &Argument, dimension: usize) -> Result<[f64; 3], Failure> {
     let vector = argument.vector(dimension)?;
     if length(vector) == 0.0 {

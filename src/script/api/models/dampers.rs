@@ -33,7 +33,7 @@ fn law_parameters(of_coefficient: &'static str) -> [Parameter; 5] {
     ]
 }
 
-/// The force that options describe.
+/// Damping force described by the options.
 fn law_of(options: &Options) -> Result<Viscous, Failure> {
     let law = if one_of(options, &["coefficient", "force"])? == 0 {
         let (coefficient, exponent) = (options.number("coefficient")?, options.number("exponent")?);
@@ -63,7 +63,7 @@ fn law_of(options: &Options) -> Result<Viscous, Failure> {
     }
 }
 
-/// `add_damper`.
+/// Function `add_damper` of scripts.
 pub fn add_damper() -> Function {
     let mut keys = end_parameters();
     keys.extend(law_parameters("force at speed 1, `[force (time/length)^exponent]` (plane: per thickness)"));
@@ -94,7 +94,7 @@ pub fn add_damper() -> Function {
     }
 }
 
-/// `add_drag`.
+/// Function `add_drag` of scripts.
 pub fn add_drag() -> Function {
     let mut keys = vec![Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "the boundary that feels it")];
     keys.extend(law_parameters("force per area at speed 1, `[stress (time/length)^exponent]`"));
@@ -131,7 +131,7 @@ pub fn add_drag() -> Function {
     }
 }
 
-/// `add_damping`.
+/// Function `add_damping` of scripts.
 pub fn add_damping() -> Function {
     let rate = |name, dimension, what| Parameter::number(name, dimension, Interval::NonNegative, what).or(Absent::Number(0.0));
     let keys = vec![

@@ -16,7 +16,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::as_number;
 
-/// `rotating_frame`.
+/// Function `rotating_frame` of scripts.
 pub fn rotating_frame() -> Function {
     let keys = vec![
         Parameter::new("velocity", Kind::Amplitude, "the angular velocity, a number or a function of time").of("1/time"),

@@ -12,7 +12,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// `add_gear`.
+/// Function `add_gear` of scripts.
 pub fn add_gear() -> Function {
     let keys = vec![
         Parameter::new(

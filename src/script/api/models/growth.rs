@@ -19,7 +19,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::values::{as_number, describe};
 
-/// `grow`.
+/// Function `grow` of scripts.
 pub fn grow() -> Function {
     Function {
         name: "grow",

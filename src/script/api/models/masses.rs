@@ -15,7 +15,7 @@ use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// `add_mass`.
+/// Function `add_mass` of scripts.
 pub fn add_mass() -> Function {
     Function {
         name: "add_mass",

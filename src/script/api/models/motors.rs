@@ -20,7 +20,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 const NAME: &str = "its name, unique among springs, dampers, chambers and masses";
 
-/// `add_actuator`.
+/// Function `add_actuator` of scripts.
 pub fn add_actuator() -> Function {
     let mut keys = end_parameters();
     let force = Parameter::new("force", Kind::Amplitude, "the force that pushes the ends apart over time (plane: per thickness)");
@@ -50,7 +50,7 @@ pub fn add_actuator() -> Function {
     }
 }
 
-/// `add_motor`.
+/// Function `add_motor` of scripts.
 pub fn add_motor() -> Function {
     let keys = vec![
         Parameter::new("from", Kind::Handle(BodyHandle::NAME), "the rigid body that it turns"),

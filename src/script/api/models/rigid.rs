@@ -27,7 +27,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 /// Poisson's ratio of the material of a rigid body, of which only the density is used.
 const ANY_RATIO: f64 = 0.3;
 
-/// `add_rigid_body`.
+/// Function `add_rigid_body` of scripts.
 pub fn add_rigid_body() -> Function {
     Function {
         name: "add_rigid_body",
@@ -83,7 +83,7 @@ pub fn add_rigid_body() -> Function {
     }
 }
 
-/// A material of that density.
+/// Material of a rigid body with the given density.
 fn material_of(argument: &Argument, density: f64) -> Result<Material, Failure> {
     let made = NeoHookean { youngs_modulus: density, poisson_ratio: ANY_RATIO, density }.material();
     made.map_err(|error| argument.fail(error.to_string()).code(error.code()))
@@ -193,7 +193,7 @@ fn joint_options() -> Vec<Parameter> {
     ]
 }
 
-/// `add_joint`.
+/// Function `add_joint` of scripts.
 pub fn add_joint() -> Function {
     Function {
         name: "add_joint",

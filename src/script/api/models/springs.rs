@@ -21,7 +21,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 /// Signs of the elongation for which a spring acts.
 const SIDES: &[&str] = &["both", "tension", "compression"];
 
-/// `add_spring`.
+/// Function `add_spring` of scripts.
 pub fn add_spring() -> Function {
     let mut keys = end_parameters();
     keys.extend(law_parameters("force / length", "force per elongation (plane: per thickness)"));
@@ -74,7 +74,7 @@ fn law_parameters(of_stiffness: &'static str, stiffness: &'static str) -> [Param
     ]
 }
 
-/// `add_torsion_spring`.
+/// Function `add_torsion_spring` of scripts.
 pub fn add_torsion_spring() -> Function {
     let points =
         |name| Parameter::new(name, Kind::Array, "two points of it while it is undeformed, the nearest nodes: from one to the other");

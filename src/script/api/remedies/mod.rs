@@ -1,4 +1,4 @@
-//! Hints of the kernels' refusals and findings in terms of scripts. Kernels give hints in plain words, since they are independent of
+//! Hints of the solver's refusals and findings in terms of scripts. The solver gives hints in plain words, since it is independent of
 //! scripts; this folder has the hints that need terms of scripts.
 
 mod meshes;

@@ -1,6 +1,6 @@
-//! Hints of the kernels' refusals and findings in terms of the language.
+//! Hints of the solver's refusals and findings in terms of the language.
 
-/// A refusal or a finding of the kernels.
+/// A refusal or a finding of the solver.
 pub trait ScriptWords {
     /// Returns a hint for scripts, one sentence.
     fn remedy(&self) -> String;

@@ -20,7 +20,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// Factors at most.
+/// Largest number of factors.
 const MOST: f64 = 200.0;
 
 /// Linear buckling of a simulation under the load of a state.

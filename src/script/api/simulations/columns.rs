@@ -43,7 +43,7 @@ pub fn probe_columns(model: &Model, probes: &[Probe]) -> Vec<String> {
     probes.iter().flat_map(|probe| columns.iter().map(move |column| format!("{}.{column}", probe.name))).collect()
 }
 
-/// Returns the values of a row's columns behind those of the ledger.
+/// Returns the values of the columns of a row that follow the ledger's own columns.
 pub fn further_values(model: &Model, row: &LedgerRow) -> Vec<f64> {
     let dimension = model.dimension();
     let mut values: Vec<f64> = row.contacts.iter().flat_map(|totals| totals.values(dimension)).collect();

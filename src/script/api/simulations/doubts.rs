@@ -11,10 +11,10 @@ use crate::script::language::scan::Target;
 /// Densities of solids in kg/m^3, from wood to gold.
 const KILOGRAMS: std::ops::Range<f64> = 300.0..20_000.0;
 
-/// Speed of sound in metres per second below which a body of [`LARGE`] metres or more does not exist: steel in N/mm^2 and kg/m^3 has 5.
+/// Speed of sound in metres per second below which a body of [`LARGE`] metres or more is implausible: steel in N/mm^2 and kg/m^3 has 5.
 const SLOW: f64 = 12.0;
 
-/// Extent from which on a length is rather in millimetres than in metres, if sound is that slow.
+/// Extent from which a length is probably in millimetres instead of metres, if sound is that slow.
 const LARGE: f64 = 4.0;
 
 /// Angles in degrees that are hardly meant in radians if a prescribed rotation ends at exactly this value.
@@ -43,7 +43,7 @@ pub(super) fn warn_of_mixed_units(call: &Call, model: &Model) {
 }
 
 impl SimulationHandle {
-    /// Warns of prescribed turns that stand at a number of degrees at the end.
+    /// Warns of prescribed rotations that end at a typical number of degrees.
     pub(super) fn warn_of_degrees(&self, host: &Host) {
         let (model, Ok(simulation)) = (&self.0.model.model, self.0.simulation.try_borrow()) else { return };
         let time = simulation.time();

@@ -24,11 +24,11 @@ enum Value {
     Vector(fn(&BodyFields, usize) -> [f64; 3]),
     /// The position of each node, or place inside of a cell.
     Position,
-    /// A number of the stress, at nodes or inside of cells.
+    /// Scalar function of the stress, at nodes or inside of cells.
     Stress(fn(&[f64; 6]) -> f64),
-    /// A number of the strain.
+    /// Scalar function of the strain.
     Strain(fn(&[f64; 6]) -> f64),
-    /// A number that points keep: at nodes and inside of cells.
+    /// Scalar function of history variables, at nodes and inside of cells.
     Kept(fn(&BodyFields, usize) -> f64, fn(&CellStress) -> f64),
 }
 
@@ -213,7 +213,7 @@ fn parameters() -> Vec<Parameter> {
     ]
 }
 
-/// Values of the field of the body that a call names.
+/// Values of the field and of the body named in a call.
 fn chosen(call: &Call) -> Result<Chosen, Failure> {
     let (handle, name, options) = (call.receiver::<SimulationHandle>(), call.text("name")?, call.options("options")?);
     let (index, at) = (handle.body_index(call)?, options.text("at")?);

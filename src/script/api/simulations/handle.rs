@@ -1,6 +1,6 @@
-//! Simulations as objects of the language: the kernels and the data of the script layer.
+//! Simulations as objects of the language: the simulation of the solver and the data of the script layer.
 //!
-//! The kernels are borrowed during a step; access within a step (by a closure of time) is refused by [`busy`].
+//! The solver's simulation is borrowed during a step; access within a step (by a closure of time) is refused by [`busy`].
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -42,7 +42,7 @@ pub struct SimulationData {
     pub overlaps: RefCell<Vec<Overlap>>,
     /// True if the script has accepted the overlaps at the start.
     pub accepts_overlap: Cell<bool>,
-    /// The kernels.
+    /// The simulation of the solver.
     pub simulation: RefCell<Simulation>,
     /// Rows of the start and of each accepted step.
     pub history: RefCell<History>,
@@ -54,7 +54,7 @@ pub struct SimulationData {
     pub closed_since: RefCell<Vec<Option<f64>>>,
     /// Motion applied to the model when the simulation was made; only used by checks that compare moved runs.
     pub motion: Option<Motion>,
-    /// Time spent in the kernels.
+    /// Computing time of the solver.
     pub spent: Cell<Duration>,
     /// Frames and stills that are kept of the run.
     pub keeping: Keeping,
@@ -62,19 +62,19 @@ pub struct SimulationData {
     pub hint: RefCell<String>,
     /// States before the last steps, to go back to.
     pub past: RefCell<VecDeque<Past>>,
-    /// Points that are followed.
+    /// Probes, with the points that they follow.
     pub probes: RefCell<Vec<Probe>>,
     /// Closures that run after every step.
     pub callbacks: RefCell<Vec<Callback>>,
     /// Number of causes of halvings at the last check.
     pub causes_seen: Cell<usize>,
-    /// Largest energy so far that defects are related to.
+    /// Largest energy so far, the scale of energy defects.
     pub scale: Cell<f64>,
     /// Number of requests for equilibrium since the last change.
     pub standing: Cell<u32>,
     /// True while steps are taken.
     pub advancing: Cell<bool>,
-    /// True if the kernels have only the row of the last step, because an earlier process has computed the step.
+    /// True if the solver has only the row of the last step, because an earlier process has computed the step.
     pub is_behind: Cell<bool>,
     /// Journal of the run and index of the simulation in it; `None` for simulations of checks and studies.
     pub journal: Option<(Rc<Journal>, usize)>,
@@ -82,7 +82,7 @@ pub struct SimulationData {
     pub is_known: Cell<bool>,
 }
 
-/// A state before a step, with the rows that the history had.
+/// State before a step, with the number of history rows.
 #[derive(Clone)]
 pub struct Past {
     /// State; `None` if an earlier process has computed it.
@@ -148,18 +148,18 @@ impl Handle for SimulationHandle {
     }
 }
 
-/// The angular momentum of a row: a number in the plane, in space a vector.
+/// Text of the angular momentum of a row: a number in the plane, a vector in space.
 pub fn angular_text(row: &LedgerRow, dimension: usize) -> String {
     if dimension == 2 { brief(row.angular_momentum[2]) } else { brief_vector(&row.angular_momentum[..3]) }
 }
 
 impl SimulationData {
-    /// Converts a time of the kernels to the clock of the script; the two differ only in units ([`Motion`]).
+    /// Converts a time of the solver to the clock of the script; the two differ only in units ([`Motion`]).
     pub fn script_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time / motion.units.time)
     }
 
-    /// A time of the script on the clock of the kernels.
+    /// A time of the script on the clock of the solver.
     pub fn kernel_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time * motion.units.time)
     }
@@ -173,7 +173,7 @@ impl SimulationData {
         energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
     }
 
-    /// A row of the kernels with the times of the script.
+    /// A row of the solver with the times of the script.
     pub fn script_row(&self, row: LedgerRow) -> LedgerRow {
         match self.motion {
             Some(motion) => motion.on_script_clock(row),
@@ -193,7 +193,7 @@ impl SimulationHandle {
         self.0.simulation.try_borrow().map_or((0, f64::NAN), |simulation| (simulation.row().step, simulation.time()))
     }
 
-    /// Index of the body that the argument `body` means.
+    /// Index of the body in the argument `body`.
     ///
     /// # Errors
     /// The simulation has no body of that name.
@@ -229,7 +229,7 @@ impl SimulationHandle {
         found
     }
 
-    /// Reads from the kernels.
+    /// Reads from the solver's simulation.
     ///
     /// # Errors
     /// A step is running; or this is `conserva check`, which has no results.
@@ -239,7 +239,7 @@ impl SimulationHandle {
         self.with_row(call, read)
     }
 
-    /// Reads from the kernels data that depend only on the row of the last step, which a resumed run always has.
+    /// Reads from the solver's simulation data that depend only on the row of the last step, which a resumed run always has.
     ///
     /// # Errors
     /// A step is running; or this is `conserva check`, which has no results.
@@ -257,7 +257,7 @@ impl SimulationHandle {
         self.note_closed(self.0.script_time(simulation.time()), simulation.closed_nodes());
     }
 
-    /// Notes which contact pairs are closed at a time, from the number of closed nodes of each.
+    /// Records which contact pairs are closed at a time, from the number of closed nodes of each pair.
     pub fn note_closed(&self, time: f64, nodes: impl IntoIterator<Item = usize>) {
         for (since, nodes) in self.0.closed_since.borrow_mut().iter_mut().zip(nodes) {
             if nodes > 0 && since.is_none() {
@@ -280,7 +280,7 @@ impl SimulationHandle {
             .hint("look at the state in the closure; take further steps after that call"))
     }
 
-    /// Puts another history in place, in memory and on disk.
+    /// Replaces the history, in memory and on disk.
     ///
     /// # Errors
     /// A file that cannot be written.

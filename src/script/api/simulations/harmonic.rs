@@ -27,7 +27,7 @@ use crate::script::language::values::as_number;
 pub struct ResponseHandle {
     response: Rc<HarmonicResponse>,
     simulation: SimulationHandle,
-    /// Ratio of the script's unit of time to that of the kernels.
+    /// Ratio of the script's unit of time to that of the solver.
     unit: f64,
 }
 
@@ -119,7 +119,7 @@ fn harmonic_response() -> Function {
     }
 }
 
-/// The options of a call in the units of the kernels.
+/// The options of a call in the units of the solver.
 fn asked_for(handle: &SimulationHandle, call: &Call, options: &Options, unit: f64) -> Result<HarmonicOptions, Failure> {
     let dimension = handle.0.model.model.dimension();
     let argument = options.argument("frequencies");

@@ -96,7 +96,7 @@ fn coordinate(name: &'static str, summary: &'static str) -> Function {
     }
 }
 
-/// `work`.
+/// Function `work` of scripts.
 fn work() -> Function {
     Function {
         name: "work",

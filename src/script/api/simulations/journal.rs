@@ -3,7 +3,7 @@
 //! A script cannot be suspended and continued: its variables and closures live in the engine. But the script's behavior follows from its
 //! text and from the results of its simulations. A resumed run therefore executes the script again, and takes every step and equilibrium
 //! computed before from the [journal](crate::output::journal). The journal has the rows of all steps, and those states from which the
-//! script read more than the row of the step; in between, the kernels have only that row (`is_behind`). Returns to kept states are
+//! script read more than the row of the step; in between, the solver has only that row (`is_behind`). Returns to kept states are
 //! recorded, too, so that the state at the end of the journal is unambiguous. A checkpoint has the simulations at that moment. Frames of
 //! the fields are already on disk ([`Artifacts`](super::artifacts::Artifacts)).
 
@@ -64,7 +64,7 @@ pub(super) struct Pages {
     pub(super) files: BTreeMap<PathBuf, (u64, u32)>,
     /// True if an earlier process has begun this run.
     pub(super) is_resumed: bool,
-    /// True if the user was warned that checkpoints cannot be written.
+    /// True if the user has been warned that checkpoints cannot be written.
     pub(super) is_told: bool,
 }
 
@@ -207,7 +207,7 @@ impl Journal {
         }
     }
 
-    /// Adds a computation or a way back.
+    /// Adds a computation, or a return to a kept state.
     pub(super) fn add(&self, event: &Entry) {
         let mut pages = self.0.borrow_mut();
         if !std::mem::take(&mut pages.repeats) {
@@ -216,7 +216,7 @@ impl Journal {
         }
     }
 
-    /// Adds the state of a simulation, from which the script learns something.
+    /// Adds the state of a simulation that the script has read.
     pub(super) fn keep(&self, simulation: usize, state: Arc<State>) {
         let mut pages = self.0.borrow_mut();
         pages.bytes += pages.add(&Entry::State { simulation, state });

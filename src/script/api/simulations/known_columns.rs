@@ -12,7 +12,7 @@ use rhai::{Dynamic, Engine, EvalAltResult, Position};
 
 use crate::script::language::function::Call;
 
-/// Number of columns that are kept.
+/// Number of cached columns.
 const KEPT: usize = 4;
 
 /// Columns of a history that the script has read last.

@@ -23,7 +23,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
-/// Modes at most: each takes a vector of the model, several times.
+/// Largest number of modes: each needs several vectors of the model's size.
 const MOST: f64 = 1000.0;
 
 /// Default of the largest deflection in a picture relative to the extent of the bodies.
@@ -37,10 +37,10 @@ pub struct ModesData {
     modes: Modes,
     /// Simulation, in whose folder files are written.
     simulation: SimulationHandle,
-    /// Bodies at that state, with zero displacement, and the obstacles.
+    /// Bodies in the state of the search, with zero displacement, and the obstacles.
     bodies: Vec<BodyFields>,
     obstacles: Vec<PlacedObstacle>,
-    /// Ratio of the script's unit of time to that of the kernels.
+    /// Ratio of the script's unit of time to that of the solver.
     unit: f64,
 }
 
@@ -90,7 +90,7 @@ impl Handle for ModesHandle {
 }
 
 impl ModesHandle {
-    /// The mode that the argument or option `mode` means.
+    /// Mode selected by the argument or option `mode`.
     fn chosen(&self, call: &Call, options: Option<&Options>) -> Result<(usize, &Mode), Failure> {
         let argument = options.map_or_else(|| call.argument("mode"), |options| options.argument("mode"));
         let number = argument.integer()?;
@@ -104,7 +104,7 @@ impl ModesHandle {
         }
     }
 
-    /// The bodies with a mode of some size as their displacement.
+    /// Bodies displaced by a mode times a factor.
     fn moved(&self, mode: &Mode, factor: f64) -> Vec<BodyFields> {
         let with_shape = |(body, shape): (&BodyFields, &Vec<[f64; 3]>)| {
             let displacement = shape.iter().map(|x| x.map(|x| factor * x)).collect();
@@ -198,7 +198,7 @@ fn sliding(row: &LedgerRow) -> usize {
     row.contacts.iter().map(|contact| contact.sliding).sum()
 }
 
-/// Takes the present position of a body as its undeformed one.
+/// Makes the present configuration of a body its undeformed one.
 fn at_place(body: &mut BodyFields) {
     let mut mesh = (*body.mesh).clone();
     mesh.points = (0..mesh.points.len()).map(|node| body.position(node)).collect();
@@ -206,7 +206,7 @@ fn at_place(body: &mut BodyFields) {
     body.mesh = Arc::new(mesh);
 }
 
-/// Returns the failure of `modes`, or of other searches in its matrix.
+/// Returns the failure of a search for modes, or of another analysis that uses the same matrix.
 pub(super) fn refused(call: &Call, handle: &SimulationHandle, error: ModesError) -> Failure {
     let (title, code) = (error.to_string(), error.code());
     let failure = match error {

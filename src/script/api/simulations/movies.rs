@@ -14,7 +14,7 @@ use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
-/// `sim.movie`.
+/// Function `sim.movie` of scripts.
 pub(super) fn movie_function() -> Function {
     let mut options = keys();
     let seconds = "how long it lasts; all pictures are shown equally long, and it repeats";

@@ -143,7 +143,7 @@ fn follow_load() -> Function {
     }
 }
 
-/// The options of a call on the clock of the kernels.
+/// The options of a call on the clock of the solver.
 fn path_options(handle: &SimulationHandle, options: &Options) -> Result<PathOptions, Failure> {
     let (until, given) = (options.number("load")?, options.argument("increment"));
     let now = handle.0.simulation.try_borrow().map(|simulation| handle.0.script_time(simulation.time())).unwrap_or_default();

@@ -95,7 +95,7 @@ pub(super) fn keys() -> Vec<Parameter> {
     ]
 }
 
-/// `sim.picture`.
+/// Function `sim.picture` of scripts.
 pub(super) fn picture_function() -> Function {
     Function {
         name: "picture",
@@ -202,7 +202,7 @@ fn panels(options: &Options) -> Result<Vec<Panel>, Failure> {
     Ok(fields.iter().zip(ranges).enumerate().map(|(index, (&field, range))| Panel { field, range, unit: unit(index) }).collect())
 }
 
-/// The ranges of that many fields.
+/// Ranges of `count` fields.
 fn ranges(argument: &Argument, count: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
     if !argument.is_given() || count == 1 {
         return Ok(vec![ascending(argument)?; count]);
@@ -223,7 +223,7 @@ fn ranges(argument: &Argument, count: usize) -> Result<Vec<Option<[f64; 2]>>, Fa
     }
 }
 
-/// The plane that opens bodies in space.
+/// Section plane of bodies in space.
 fn section(options: &Options, view: &View, dimension: usize) -> Result<Option<CutPlane>, Failure> {
     let argument = options.argument("section");
     if !argument.is_given() {

@@ -47,7 +47,7 @@ fn plot_options() -> Vec<Parameter> {
     ]
 }
 
-/// `sim.plot`.
+/// Function `sim.plot` of scripts.
 pub(super) fn plot() -> Function {
     let mut keys = vec![
         optional("x", Kind::Text, "the column to the right", "\"time\""),
@@ -110,7 +110,7 @@ pub(super) fn plot() -> Function {
     }
 }
 
-/// `plot_curves`.
+/// Function `plot_curves` of scripts.
 pub(super) fn plot_curves() -> Function {
     Function {
         name: "plot_curves",
@@ -283,7 +283,7 @@ fn curve(call: &Call, argument: &Argument, index: usize, entry: &Dynamic) -> Res
     Ok(Curve { label, x, y, style, is_sum: false })
 }
 
-/// A column's name in words: `kinetic energy`, `foot, force x`, `tip, displacement y`.
+/// Name of a column in words: `kinetic energy`, `foot, force x`, `tip, displacement y`.
 fn words(column: &str) -> String {
     if let Some((owner, quantity)) = column.rsplit_once('.') {
         let letters: Vec<char> = quantity.chars().collect();

@@ -22,7 +22,7 @@ use crate::script::language::host::Host;
 const GOES_BACK: &str = "back";
 
 impl Journal {
-    /// Before something long that is kept elsewhere ([`PointLog`](crate::output::PointLog)): a checkpoint to resume from.
+    /// Writes a checkpoint before a long computation whose results are kept elsewhere ([`PointLog`](crate::output::PointLog)).
     ///
     /// # Errors
     /// An interrupt, or a result that cannot be written.
@@ -133,7 +133,7 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// Returns the outcome of a computation made by an earlier process, whose row the kernels then have. `None` if the computation has to
+    /// Returns the outcome of a computation made by an earlier process, whose row the solver then has. `None` if the computation has to
     /// be made.
     ///
     /// # Errors
@@ -163,7 +163,7 @@ impl SimulationHandle {
         Ok(Some(outcome))
     }
 
-    /// Records a computation; a failed one begins at a state that is kept.
+    /// Records a computation; for a failed one also the state at its start.
     pub fn take_down(&self, computation: Computation, outcome: Outcome, before: &Arc<State>, tally: Tally) {
         let Some((journal, simulation)) = self.0.journal.as_ref().map(|(journal, number)| (journal, *number)) else { return };
         let has_failed = outcome == Outcome::Failed;
@@ -174,7 +174,7 @@ impl SimulationHandle {
         self.0.is_known.set(has_failed);
     }
 
-    /// Records that the simulation has returned to a kept state, or takes the return from an earlier process.
+    /// Records that the simulation has returned to a kept state, unless a resumed run finds this event in its journal.
     ///
     /// # Errors
     /// The script requests another computation than in the run that is resumed; a file that cannot be written.

@@ -65,7 +65,7 @@ pub struct Ending {
     pub is_well: bool,
 }
 
-/// The page of a simulation; `ending` where the run is over.
+/// Page of a simulation; `ending` if the run is complete.
 pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending: Option<Ending>) -> Vec<u8> {
     let model = &data.model.model;
     let history = data.history.borrow();
@@ -126,7 +126,7 @@ pub fn scripts(host: &Host) -> Vec<(String, String)> {
     all.into_iter().map(|(name, text)| (file(&name), text.to_string())).collect()
 }
 
-/// The history's columns in the rows that are shown.
+/// Columns of the history in the reported rows.
 fn columns(data: &SimulationData, history: &History, rows: &[usize]) -> Vec<(String, Vec<f64>)> {
     let model = &data.model.model;
     let names = LedgerRow::columns(model.dimension());

@@ -1,4 +1,4 @@
-//! Results at paths given by a script, below the run's output folder, and drawings with letters.
+//! Results at paths given by a script, below the run's output folder, and plots drawn with characters in the terminal.
 
 use rhai::Dynamic;
 

@@ -281,23 +281,23 @@ fn warn_of_held(call: &Call, model: &Model) {
     }
 }
 
-/// Returns the kernels of a model, which is moved if a motion is given.
+/// Makes the simulation of a model, which is moved first if a motion is given.
 ///
 /// # Errors
-/// A model that cannot be moved in this way, or that the kernels refuse.
+/// A model that cannot be moved in this way, or that the solver refuses.
 pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Options) -> Result<Simulation, Failure> {
     let moved = motion.map(|motion| motion.model(model)).transpose().map_err(|cause| call.fail(cause))?;
     let simulation = Simulation::new(moved.as_ref().unwrap_or(model), options);
     simulation.map_err(|error| call.fail(error.to_string()).code(error.code()).hint(error.remedy()))
 }
 
-/// Data of a simulation at its creation: its past.
+/// History of a simulation at its creation.
 pub struct SoFar {
-    /// Rows so far; at least that of the beginning.
+    /// Rows of the history so far, at least the initial one.
     pub history: History,
-    /// Points that are followed.
+    /// Probes, with the points that they follow.
     pub probes: Vec<Probe>,
-    /// Time spent in the kernels.
+    /// Computing time of the solver.
     pub spent: Duration,
 }
 

@@ -92,7 +92,7 @@ pub fn step_size(options: &Options) -> String {
     options.control.map_or_else(|| number_text(options.dt), chosen)
 }
 
-/// `auto`.
+/// Function `auto` of scripts.
 pub fn auto() -> Function {
     Function {
         name: "auto",

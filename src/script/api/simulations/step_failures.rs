@@ -9,7 +9,7 @@ use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::{Class, Failure, interrupted};
 use crate::script::language::function::Call;
 
-/// `by 0.02, 0.21 facets, at [1.0, 2.0]`.
+/// Describes an overlap, such as `by 0.02, 0.21 facets, at [1.0, 2.0]`.
 pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
     format!("by {}, {facets:.2} facets, at {}", brief(depth), vector_text(at))
 }
@@ -18,7 +18,7 @@ pub(super) fn overlap_text(depth: f64, facets: f64, at: &[f64]) -> String {
 const CRUSHES: f64 = 0.5;
 
 impl SimulationHandle {
-    /// The failure of a call that took the step.
+    /// Failure of the call that requested the step.
     pub(super) fn step_failure(&self, call: &Call, error: StepError) -> Failure {
         let (title, hint, code) = (error.to_string(), error.remedy(), error.code());
         let failure = match error {
@@ -84,7 +84,7 @@ impl SimulationHandle {
         }
     }
 
-    /// Units to check where the weight of a body, or a load per area, is of the order of Young's modulus: no shape of the body bears that.
+    /// Units to check, if the weight of a body or a load per area is of the order of Young's modulus, which no body can carry.
     fn crushed(&self) -> Option<String> {
         let model = &self.0.model.model;
         let time = self.0.simulation.try_borrow().ok()?.time();

@@ -262,7 +262,7 @@ impl SimulationHandle {
         Ok(())
     }
 
-    /// Keeps the row of an accepted piece of a step.
+    /// Stores the row of an accepted substep.
     fn accept(&self, call: &Call, row: LedgerRow, from: f64, until: Option<f64>) -> Result<(), Failure> {
         let data = &self.0;
         let row = data.script_row(row);

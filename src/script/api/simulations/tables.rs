@@ -42,7 +42,7 @@ pub fn table() -> Function {
     }
 }
 
-/// The columns that the call names, each once.
+/// Columns named in the call, each once.
 fn columns(call: &Call, handle: &SimulationHandle) -> Result<Table, Failure> {
     let argument = call.argument("columns");
     let chosen = if argument.is_given() { chosen_columns(call, handle)? } else { handle.all_columns() };

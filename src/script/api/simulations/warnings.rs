@@ -11,7 +11,7 @@ use crate::script::language::host::Host;
 use crate::script::language::scan::Target;
 use crate::script::language::wording::joined;
 
-/// Contacts that a warning names at most.
+/// Largest number of contacts named in a warning.
 const NAMED: usize = 6;
 
 impl SimulationHandle {
@@ -73,7 +73,7 @@ impl SimulationHandle {
         self.0.simulation.try_borrow().is_ok_and(|simulation| simulation.is_conserving(&*self.0.history.borrow()))
     }
 
-    /// `simulation "drop", ` where a script has several.
+    /// Prefix `simulation "drop", ` for scripts with several simulations; otherwise empty.
     fn prefix(&self, host: &Host) -> String {
         if Simulations::of(host).0.borrow().len() > 1 { format!("simulation \"{}\", ", self.0.name) } else { String::new() }
     }

@@ -42,7 +42,7 @@ pub fn write_course(
     Ok(Dynamic::UNIT)
 }
 
-/// The columns of the history that the argument `columns` names.
+/// Columns of the history named in the argument `columns`.
 pub fn chosen_columns(call: &Call, handle: &SimulationHandle) -> Result<Vec<(String, Vec<f64>)>, Failure> {
     let argument = call.argument("columns");
     let value = if argument.is_given() { argument.value() } else { Dynamic::from("total") };

@@ -23,7 +23,7 @@ const CURVE: &str = "an array of pairs `[x, y]`, a map of arrays `#{ x, y }`, or
 /// Keys of a curve.
 const KEYS: [&str; 3] = ["of", "x", "y"];
 
-/// `compare`.
+/// Function `compare` of scripts.
 pub fn compare() -> Function {
     let end = |name, summary| Parameter::number(name, "any", Interval::Finite, summary).or(Absent::Means("where both are known"));
     Function {
@@ -106,7 +106,7 @@ fn described(found: Distance) -> Map {
     entries.into_iter().map(|(name, value)| (name.into(), value.into())).collect()
 }
 
-/// The distance over the range that both curves and the options leave.
+/// Distance of two curves in their common range, limited by the options.
 fn between(options: &Options, a: &[[f64; 2]], b: &[[f64; 2]]) -> Result<Distance, Failure> {
     let range = |curve: &[[f64; 2]]| format!("from {} to {}", brief(curve[0][0]), brief(curve[curve.len() - 1][0]));
     let call = options.argument("from").call().fail("the curves have no range in common");
@@ -126,7 +126,7 @@ fn between(options: &Options, a: &[[f64; 2]], b: &[[f64; 2]]) -> Result<Distance
     Ok(distance(a, b, [first, last]))
 }
 
-/// The columns that two simulations are compared by.
+/// Columns by which two simulations are compared.
 fn columns(call: &Call, chosen: &Argument, a: &SimulationHandle, b: &SimulationHandle) -> Result<Vec<String>, Failure> {
     if !chosen.is_given() {
         let both = a.columns().into_iter().filter(|name| name != "time" && !is_count(name) && b.columns().contains(name));
@@ -150,7 +150,7 @@ fn column(argument: &Argument, handle: &SimulationHandle, x: &str, y: &str) -> R
     rising(argument, values(x)?.into_iter().zip(values(y)?).map(|(x, y)| [x, y]).collect())
 }
 
-/// The curve that an argument is.
+/// Curve in an argument.
 fn curve(argument: &Argument) -> Result<Vec<[f64; 2]>, Failure> {
     let value = argument.value();
     if let Some(map) = value.read_lock::<Map>() {

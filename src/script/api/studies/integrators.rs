@@ -33,7 +33,7 @@ const FINER: f64 = 8.0;
 /// Colors of the curves in a plot.
 const COLORS: usize = 7;
 
-/// `compare_integrators`.
+/// Function `compare_integrators` of scripts.
 pub fn compare_integrators() -> Function {
     Function {
         name: "compare_integrators",
@@ -224,7 +224,7 @@ impl Task<'_> {
     }
 }
 
-/// Errors of the runs that came to their end, and the orders between the step sizes of an integrator.
+/// Computes errors of the completed runs, and orders between the step sizes of each integrator.
 fn measure(courses: &mut [Course], reference: &Course) {
     for course in courses.iter_mut().filter(|course| course.failure.is_empty() && reference.failure.is_empty()) {
         let distance = course.positions.iter().zip(&reference.positions).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

@@ -105,7 +105,7 @@ fn run_invariance(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     passed(call, &format!("ok  the same {} (largest relative difference {})", changes.join(" and "), worst.join(", ")))
 }
 
-/// The motions that options name, each to be applied by itself.
+/// Motions named by the options, each to be applied separately.
 fn motions_of(options: &Options) -> Result<Vec<Motion>, Failure> {
     let mut motions = Vec::new();
     if let Some(angle) = options.optional_number("rotate")? {

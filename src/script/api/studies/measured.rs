@@ -8,7 +8,7 @@ use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Kind, Parameter};
 
-/// `read_csv`.
+/// Function `read_csv` of scripts.
 pub fn read_csv() -> Function {
     Function {
         name: "read_csv",

@@ -27,7 +27,7 @@ use crate::script::language::worker_pool::{Computed, Outcome};
 /// Default of the largest number of evaluations per variable.
 const EVALUATIONS: usize = 100;
 
-/// `minimize`.
+/// Function `minimize` of scripts.
 pub fn minimize() -> Function {
     Function {
         name: "minimize",
@@ -111,7 +111,7 @@ fn run_minimize(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
     Ok(evaluations.found(end, &search).into())
 }
 
-/// The names that are searched for, and the search.
+/// Names of the variables, and the search.
 fn search(options: &Options) -> Result<(Vec<String>, Search), Failure> {
     let argument = options.argument("bounds");
     let wrong = || {
@@ -192,7 +192,7 @@ fn read(engine: &Engine, value: &Dynamic) -> Result<Plain, Failure> {
     })
 }
 
-/// An evaluation.
+/// One evaluation of the closure.
 struct Row {
     point: Vec<f64>,
     /// Value of the closure; NaN if it failed.
@@ -208,7 +208,7 @@ struct Evaluations<'a> {
     record: Record,
     is_apart: bool,
     rows: Vec<Row>,
-    /// Points that are computed now.
+    /// Points being computed.
     pending: Vec<Vec<f64>>,
 }
 

@@ -23,7 +23,7 @@ use crate::script::language::worker_pool::{Computed, Outcome};
 /// Threads of a study at most.
 const MOST_THREADS: f64 = 1024.0;
 
-/// `sweep`.
+/// Function `sweep` of scripts.
 pub fn sweep() -> Function {
     Function {
         name: "sweep",
@@ -95,7 +95,7 @@ pub fn closure_of(call: &Call, options: &Options, name: &str, parameters: &str) 
     Ok(Callback::new(call, function))
 }
 
-/// Lists the computation in `conserva check`, and ends there.
+/// Lists the computation instead of running it in `conserva check`, which ends the script there.
 pub fn not_in_check(call: &Call, line: String) -> Result<(), Failure> {
     if !call.host.is_check() {
         return Ok(());

@@ -15,7 +15,7 @@ use crate::script::language::tables::table;
 use crate::script::language::values::describe;
 use crate::script::language::wording::{did_you_mean, listed};
 
-/// Letters of a text that a printed table shows.
+/// Largest number of letters of a text in a printed table.
 const SHOWN: usize = 60;
 
 /// The functions of this file.

@@ -41,7 +41,7 @@ fn call_of_variable(name: &str, place: &Place) -> Option<String> {
 const LONG: usize = 40;
 
 impl Explainer<'_> {
-    /// A call of a name and values that no function takes.
+    /// Message on a call whose name and argument types match no function.
     pub(super) fn unknown_function(&self, signature: &str, source: &str, place: Option<&Place>) -> Diagnostic {
         let (name, given) = split_signature(signature);
         if !name.chars().next().is_some_and(|first| first.is_alphabetic() || first == '_') {
@@ -227,7 +227,7 @@ fn wrong_closure(count: usize) -> Diagnostic {
         .hint(format!("write `|{parameters}| …`"))
 }
 
-/// A call of a function that the script defines otherwise.
+/// Message on a call of a script function with other parameters.
 fn wrong_own_call(name: &str, count: usize, own: &[&Signature]) -> Diagnostic {
     let ways: Vec<String> = own.iter().map(|(function, parameters)| format!("`{function}({})`", parameters.join(", "))).collect();
     Diagnostic::error(Class::Script, format!("`{name}` does not take {}", count_of(count, "argument", "arguments")))

@@ -10,14 +10,14 @@ use crate::script::language::sources::Place;
 /// Name of a function with its parameters, or with their types.
 pub(super) type Signature = (String, Vec<String>);
 
-/// The host and the engine that an error came from.
+/// Host and engine in which an error occurred.
 pub(super) struct Explainer<'a> {
     pub(super) host: &'a Host,
     pub(super) engine: &'a Engine,
 }
 
 impl Explainer<'_> {
-    /// Returns the place of a call at a position.
+    /// Returns the source place of the call at a position.
     pub(super) fn place(&self, source: &str, position: Position) -> Option<Place> {
         self.host.place(self.engine, source, position, &Target::Call, false)
     }

@@ -43,7 +43,7 @@ impl Explainer<'_> {
         diagnostic
     }
 
-    /// A property that a type does not have, or that cannot be assigned to.
+    /// Message on a property that a type does not have, or that cannot be assigned to.
     pub(super) fn unknown_property(&self, text: &str) -> Diagnostic {
         let mut words = text.split('\'').skip(1).step_by(2);
         let (Some(name), Some(type_name)) = (words.next(), words.next()) else {

@@ -10,7 +10,7 @@ use crate::script::language::limits::MAX_CALL_LEVELS;
 use crate::script::language::sources::Place;
 
 impl Explainer<'_> {
-    /// The message of an error that is not a failure of our own.
+    /// Message on a run-time error of the engine.
     pub(super) fn reword(&self, error: &EvalAltResult, source: &str, place: Option<&Place>) -> Diagnostic {
         use EvalAltResult::*;
         let script = |title: String| Diagnostic::error(Class::Script, title);

@@ -10,7 +10,7 @@ use crate::script::language::habits;
 use crate::script::language::sources::Place;
 
 impl Explainer<'_> {
-    /// The message of a text that does not parse.
+    /// Message on a syntax error.
     pub(super) fn reword_syntax(&self, kind: &ParseErrorType, source: &str, place: Option<&Place>) -> Diagnostic {
         let word = place.map_or("", |place| &place.text[place.range.clone()]);
         let script = |title: String| Diagnostic::error(Class::Script, title);
@@ -103,7 +103,7 @@ fn open_bracket(purpose: &str) -> Diagnostic {
     error.hint(format!("close the bracket with `{bracket}`"))
 }
 
-/// The message of a sign that stands where none can.
+/// Message on a symbol at an invalid position.
 fn unexpected(text: &str) -> Diagnostic {
     let (title, hint) = match text {
         "fn" => ("`fn` means nothing here".into(), "write a closure as `|x| …`; `fn name(x) { … }` stands by itself"),
