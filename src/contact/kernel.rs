@@ -27,6 +27,9 @@ pub enum Correction {
     PerNode,
 }
 
+/// Receiver of tangent blocks: the patch, and its block row by row; empty without pressure.
+pub type TangentSink<'a> = dyn FnMut(usize, &[f64]) + 'a;
+
 /// Constraint functions of one pair of surfaces, as sums over patches of nodes.
 ///
 /// Constraint `A` belongs to the secondary node `secondary().nodes()[A]` (with several rows for each node: those of node `A` follow each
@@ -99,6 +102,11 @@ pub trait PatchFunctions {
         &self.sides().patches
     }
 
+    /// Bytes of the blocks of one evaluation, at most.
+    fn bytes(&self) -> u64 {
+        self.patches().bytes()
+    }
+
     /// The same patches with the tangential rows beside those: as many in the plane, in space two, which follow each other, for each.
     fn slip_patches(&self) -> &Patches {
         self.sides().slip_patches()
@@ -124,6 +132,15 @@ pub trait PatchFunctions {
 
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` one multiplier per constraint row.
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
+
+    /// As [`Self::evaluate`], but the tangent blocks go to `tangent`, patch by patch in ascending order, and need not stay in `out`. `None`
+    /// where no tangent is needed.
+    fn linearize(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation, tangent: Option<&mut TangentSink>) {
+        self.evaluate(derivative, q_1, lambda, out);
+        if let Some(tangent) = tangent {
+            out.hand_tangents_over(self.patches(), tangent);
+        }
+    }
 
     /// Slips of a step with their gradients and tangent, row by row as [`Self::evaluate`] gives gaps: what friction works on. `lambda` are
     /// the tangential multipliers; coverage is that in mid-step. A kernel without slips clears everything.
