@@ -6,7 +6,7 @@ use crate::integrators::Derivative;
 pub fn evaluated(kernel: &dyn ContactKernel, derivative: Derivative, q_1: &[f64], lambda: &[f64]) -> Evaluation {
     let mut out = Evaluation::default();
     kernel.evaluate(derivative, q_1, lambda, &mut out);
-    out
+    out.with_room(kernel.patches())
 }
 
 pub fn difference(b: &[f64], a: &[f64]) -> Vec<f64> {

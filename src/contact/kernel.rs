@@ -27,6 +27,9 @@ pub enum Correction {
     PerNode,
 }
 
+/// Receiver of tangent blocks: the patch, and its block row by row; empty without pressure.
+pub type TangentSink<'a> = dyn FnMut(usize, &[f64]) + 'a;
+
 /// Constraint functions of a pair of surfaces, as sums over contact elements.
 ///
 /// Constraint `A` belongs to the secondary node `secondary().nodes()[A]` (with several constraints per node: those of a node are
@@ -98,6 +101,11 @@ pub trait PatchFunctions {
         &self.sides().patches
     }
 
+    /// Bytes of the blocks of one evaluation, at most.
+    fn bytes(&self) -> u64 {
+        self.patches().bytes()
+    }
+
     /// Contact elements with tangential constraints in place of the normal ones: one per normal constraint in the plane, two in space.
     fn slip_patches(&self) -> &Patches {
         self.sides().slip_patches()
@@ -123,6 +131,15 @@ pub trait PatchFunctions {
 
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` has one multiplier per constraint.
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
+
+    /// As [`Self::evaluate`], but the tangent blocks go to `tangent`, patch by patch in ascending order, and need not stay in `out`. `None`
+    /// where no tangent is needed.
+    fn linearize(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation, tangent: Option<&mut TangentSink>) {
+        self.evaluate(derivative, q_1, lambda, out);
+        if let Some(tangent) = tangent {
+            out.hand_tangents_over(self.patches(), tangent);
+        }
+    }
 
     /// Slips of a step with gradients and tangent, in the layout of [`Self::evaluate`]. `lambda` are the tangential multipliers, coverage
     /// is that of mid-step. Kernels without slip return zeros.

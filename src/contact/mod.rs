@@ -69,7 +69,7 @@ pub use clearance::{Clearance, Nearest};
 pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
 pub use geared::Geared;
-pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
+pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
 pub use method::{ContactMethod, MakeKernel};
 pub use methods::METHODS;
 pub use mortar::{DUAL_MORTAR, MORTAR, Mortar};

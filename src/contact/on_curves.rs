@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 
 use super::combinations::Combinations;
-use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
+use super::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
 use super::patches::{Evaluation, Patches};
 use super::search::{Candidates, PairSearch};
 use super::slip::SlipStep;
@@ -154,7 +154,6 @@ impl OnCurves {
     fn gradients_into(&self, [patches, own]: [&Patches; 2], p: usize, Member { patch, node, row }: Member, from: &[f64], to: &mut [f64]) {
         let (few, many, d) = (patches.unknowns(patch), own.unknowns(p), patches.dimension());
         let each = patches.rows(patch).len() / self.inner.patches().rows(patch).len();
-        let (from, to) = (&from[patches.gradient_range(patch)], &mut to[own.gradient_range(p)]);
         for (entry, from) in from.chunks_exact(few).enumerate() {
             for &(row, by) in self.patch_rows.parts(row + entry / each) {
                 let row = each * row as usize + entry % each;
@@ -174,14 +173,13 @@ impl OnCurves {
         let (few, many, d) = (patches.unknowns(patch), self.sides.patches.unknowns(p), patches.dimension());
         half.clear();
         half.resize(few * many, 0.0);
-        for (half, from) in half.chunks_exact_mut(many).zip(from[patches.tangent_range(patch)].chunks_exact(few)) {
+        for (half, from) in half.chunks_exact_mut(many).zip(from.chunks_exact(few)) {
             for (entry, k) in from.chunks_exact(d).enumerate() {
                 for &(place, share) in self.patch_nodes.parts(node + entry) {
                     (0..d).for_each(|i| half[d * place as usize + i] += share * k[i]);
                 }
             }
         }
-        let to = &mut to[self.sides.patches.tangent_range(p)];
         for (entry, rows) in half.chunks_exact(d * many).enumerate() {
             for &(place, share) in self.patch_nodes.parts(node + entry) {
                 let to = &mut to[d * place as usize * many..d * (place as usize + 1) * many];
@@ -197,26 +195,47 @@ impl OnCurves {
         [of, own]: [&Patches; 2],
         each: usize,
         inner: &Evaluation,
-        pressing: &[f64],
+        pressing: Option<&[f64]>,
         half: &mut Vec<f64>,
         out: &mut Evaluation,
     ) {
-        out.prepare(own, each * self.sides.weights.len());
+        out.begin_live(own, each * self.sides.weights.len());
         for (entry, gap) in inner.gap.iter().enumerate() {
             self.rows.parts(entry / each).iter().for_each(|&(row, part)| out.gap[each * row as usize + entry % each] += part * gap);
         }
         self.cover(each, &inner.coverage, &mut out.coverage);
+        let is_pressed =
+            |member: &Member| pressing.is_some_and(|pressing| of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0));
         for (p, members) in self.members.iter().enumerate() {
-            out.clear_patch(own, p);
-            for &member in members.iter().filter(|member| inner.live[member.patch]) {
-                out.live[p] = true;
-                self.gradients_into([of, own], p, member, &inner.gradient_end, &mut out.gradient_end);
-                self.gradients_into([of, own], p, member, &inner.gradient_bar, &mut out.gradient_bar);
-                if of.rows(member.patch).iter().any(|&row| pressing[row as usize] != 0.0) {
-                    self.tangent_into(p, member, &inner.tangent, half, &mut out.tangent);
+            let live = || members.iter().filter(|member| inner.live[member.patch]);
+            if live().next().is_none() {
+                continue;
+            }
+            let place = out.open(own, p, live().any(is_pressed));
+            for &member in live() {
+                let range = inner.gradient_range(of, member.patch);
+                self.gradients_into([of, own], p, member, &inner.gradient_end[range.clone()], place.gradient_end);
+                self.gradients_into([of, own], p, member, &inner.gradient_bar[range], place.gradient_bar);
+                if is_pressed(&member) {
+                    self.tangent_into(p, member, &inner.tangent[inner.tangent_range(of, member.patch)], half, place.tangent);
                 }
             }
         }
+    }
+
+    /// Values and gradients of a step, with or without the tangent.
+    fn evaluate_inner(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], wants_tangent: bool, out: &mut Evaluation) {
+        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+        let Scratch { inner, seen, lambda: pressing, half } = &mut *scratch;
+        self.points.points_into(self.sides.patches.dimension(), q_1, seen);
+        self.rows.values_into(lambda, pressing);
+        if wants_tangent {
+            self.inner.evaluate(derivative, seen, pressing, inner);
+        } else {
+            self.inner.linearize(derivative, seen, pressing, inner, None);
+        }
+        self.on_nodes([self.inner.patches(), &self.sides.patches], 1, inner, wants_tangent.then_some(pressing), half, out);
+        inner.drop_tangent();
     }
 }
 
@@ -289,13 +308,19 @@ impl PatchFunctions for OnCurves {
         self.inner.share_among(workers);
     }
 
+    fn bytes(&self) -> u64 {
+        self.sides.patches.gradient_bytes().saturating_add(self.inner.bytes())
+    }
+
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        let mut scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
-        let Scratch { inner, seen, lambda: pressing, half } = &mut *scratch;
-        self.points.points_into(self.sides.patches.dimension(), q_1, seen);
-        self.rows.values_into(lambda, pressing);
-        self.inner.evaluate(derivative, seen, pressing, inner);
-        self.on_nodes([self.inner.patches(), &self.sides.patches], 1, inner, pressing, half, out);
+        self.evaluate_inner(derivative, q_1, lambda, true, out);
+    }
+
+    fn linearize(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation, tangent: Option<&mut TangentSink>) {
+        self.evaluate_inner(derivative, q_1, lambda, tangent.is_some(), out);
+        if let Some(tangent) = tangent {
+            out.hand_tangents_over(&self.sides.patches, tangent);
+        }
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
@@ -312,7 +337,8 @@ impl PatchFunctions for OnCurves {
         pressing.clear();
         pressing.extend((0..each * self.inner.rows()).map(of));
         self.inner.evaluate_slips(SlipStep { q_0: &q_0, q_1: &q_1, moved: &moved, live: &live, ..step }, pressing, inner);
-        self.on_nodes([self.inner.slip_patches(), self.sides.slip_patches()], each, inner, pressing, half, out);
+        self.on_nodes([self.inner.slip_patches(), self.sides.slip_patches()], each, inner, Some(pressing), half, out);
+        inner.drop_tangent();
     }
 
     fn gap(&self, q: &[f64]) -> Vec<f64> {

@@ -2,6 +2,9 @@
 //!
 //! Contact element `p` with `k` nodes and `m` constraints has `n = k * dimension` unknowns, node by node as in [`Patches::nodes`]. Its
 //! gradient blocks are `m x n`, its tangent block `n x n`, row-major, at [`Patches::gradient_range`] and [`Patches::tangent_range`].
+//!
+//! An evaluation has room for all elements, at [`Patches::gradient_range`] and [`Patches::tangent_range`], or, after
+//! [`Evaluation::begin_live`], for the live ones alone: in space most candidates are not, and a pair of quadrilaterals has 6.1 kB.
 
 use std::ops::Range;
 
@@ -59,6 +62,11 @@ impl Patches {
     pub fn bytes(&self) -> u64 {
         let last = self.starts[self.starts.len() - 1];
         (size_of::<f64>() as u64).saturating_mul((2 * last.gradient + last.tangent) as u64)
+    }
+
+    /// Bytes of the gradient blocks of one evaluation.
+    pub fn gradient_bytes(&self) -> u64 {
+        (size_of::<f64>() as u64).saturating_mul(2 * self.starts[self.starts.len() - 1].gradient as u64)
     }
 
     /// True without contact elements.
@@ -119,14 +127,21 @@ pub struct Evaluation {
     pub gap: Vec<f64>,
     /// Covered share at `q_1` per constraint, 0 to 1.
     pub coverage: Vec<f64>,
+    /// Starts of the gradient and tangent blocks of each patch; empty with room for all patches.
+    places: Vec<[usize; 2]>,
 }
+
+/// Start of a block that has no room.
+const NO_ROOM: usize = usize::MAX;
 
 impl Evaluation {
     /// Sizes the storage for `patches` and `constraints`; sets gaps and coverage to zero. Blocks of unchanged size keep their numbers, so
     /// that a kernel clears only those that were nonzero.
     pub fn prepare(&mut self, patches: &Patches, constraints: usize) {
         let last = patches.starts[patches.len()];
-        if self.live.len() != patches.len() || self.gradient_end.len() != last.gradient || self.tangent.len() != last.tangent {
+        let had_room = std::mem::take(&mut self.places).is_empty();
+        let lengths = [self.live.len(), self.gradient_end.len(), self.gradient_bar.len(), self.tangent.len()];
+        if !had_room || lengths != [patches.len(), last.gradient, last.gradient, last.tangent] {
             self.live.clear();
             self.live.resize(patches.len(), false);
             for (blocks, length) in
@@ -137,54 +152,114 @@ impl Evaluation {
                 *blocks = vec![0.0; length];
             }
         }
+        self.clear_sums(constraints);
+    }
+
+    /// Begins an evaluation with room for live patches alone, which follow in ascending order by [`Self::open`]; sets gaps and coverage to
+    /// zero.
+    pub(crate) fn begin_live(&mut self, patches: &Patches, constraints: usize) {
+        self.live.clear();
+        self.live.resize(patches.len(), false);
+        self.places.clear();
+        self.places.resize(patches.len(), [NO_ROOM; 2]);
+        [&mut self.gradient_end, &mut self.gradient_bar, &mut self.tangent].into_iter().for_each(Vec::clear);
+        self.clear_sums(constraints);
+    }
+
+    fn clear_sums(&mut self, constraints: usize) {
         for sums in [&mut self.gap, &mut self.coverage] {
             sums.clear();
             sums.resize(constraints, 0.0);
         }
     }
 
-    /// Sets the blocks of contact element `p` to zero.
-    pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
+    /// Marks patch `p` as live and makes room for its blocks, which are zero, with or without a tangent.
+    pub(crate) fn open(&mut self, patches: &Patches, p: usize, has_tangent: bool) -> Place<'_> {
+        let (gradient, square) = (patches.gradient_range(p).len(), if has_tangent { patches.tangent_range(p).len() } else { 0 });
+        let (first, first_of_tangent) = (self.gradient_end.len(), self.tangent.len());
+        self.live[p] = true;
+        self.places[p] = [first, if has_tangent { first_of_tangent } else { NO_ROOM }];
+        self.gradient_end.resize(first + gradient, 0.0);
+        self.gradient_bar.resize(first + gradient, 0.0);
+        self.tangent.resize(first_of_tangent + square, 0.0);
         Place {
-            live: &mut self.live[p],
-            gradient_end: &mut self.gradient_end[patches.gradient_range(p)],
-            gradient_bar: &mut self.gradient_bar[patches.gradient_range(p)],
-            tangent: &mut self.tangent[patches.tangent_range(p)],
+            gradient_end: &mut self.gradient_end[first..],
+            gradient_bar: &mut self.gradient_bar[first..],
+            tangent: &mut self.tangent[first_of_tangent..],
         }
-        .clear();
     }
 
-    /// Blocks of all contact elements, in order.
-    pub(crate) fn places<'a>(&'a mut self, patches: &'a Patches) -> impl Iterator<Item = Place<'a>> {
-        let Evaluation { live, gradient_end, gradient_bar, tangent, .. } = self;
-        let (mut ends, mut bars, mut tangents) = (&mut gradient_end[..], &mut gradient_bar[..], &mut tangent[..]);
-        live.iter_mut().enumerate().map(move |(p, live)| {
-            let (gradient, square) = (patches.gradient_range(p).len(), patches.tangent_range(p).len());
-            Place {
-                live,
-                gradient_end: ends.split_off_mut(..gradient).unwrap_or_default(),
-                gradient_bar: bars.split_off_mut(..gradient).unwrap_or_default(),
-                tangent: tangents.split_off_mut(..square).unwrap_or_default(),
+    /// Place of the `rows x unknowns` blocks of patch `p` in [`Self::gradient_end`] and [`Self::gradient_bar`]; empty without room.
+    pub fn gradient_range(&self, patches: &Patches, p: usize) -> Range<usize> {
+        placed(patches.gradient_range(p), self.places.get(p).map(|[first, _]| *first))
+    }
+
+    /// Place of the `unknowns x unknowns` block of patch `p` in [`Self::tangent`]; empty without room.
+    pub fn tangent_range(&self, patches: &Patches, p: usize) -> Range<usize> {
+        placed(patches.tangent_range(p), self.places.get(p).map(|[_, first]| *first))
+    }
+
+    /// Hands the tangent blocks of live patches to a receiver, in ascending order, and frees them as [`Self::drop_tangent`] does.
+    pub fn hand_tangents_over(&mut self, patches: &Patches, receiver: &mut dyn FnMut(usize, &[f64])) {
+        let ranges = (0..patches.len()).filter(|&p| self.live[p]).map(|p| (p, self.tangent_range(patches, p)));
+        ranges.filter(|(_, range)| !range.is_empty()).for_each(|(p, range)| receiver(p, &self.tangent[range]));
+        self.drop_tangent();
+    }
+
+    /// Frees the tangent blocks, unless there is room for all patches, which is used again.
+    pub fn drop_tangent(&mut self) {
+        if !self.places.is_empty() {
+            self.tangent = Vec::new();
+            self.places.iter_mut().for_each(|[_, first]| *first = NO_ROOM);
+        }
+    }
+
+    /// Sets the blocks of patch `p` to zero if they are not, where there is room for all patches.
+    pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
+        if std::mem::replace(&mut self.live[p], false) {
+            let gradient = patches.gradient_range(p);
+            self.gradient_end[gradient.clone()].fill(0.0);
+            self.gradient_bar[gradient].fill(0.0);
+            self.tangent[patches.tangent_range(p)].fill(0.0);
+        }
+    }
+
+    /// The same evaluation with room for all patches.
+    #[cfg(test)]
+    pub(crate) fn with_room(self, patches: &Patches) -> Evaluation {
+        let mut all = Evaluation::default();
+        all.prepare(patches, self.gap.len());
+        (all.gap, all.coverage, all.live) = (self.gap.clone(), self.coverage.clone(), self.live.clone());
+        for p in 0..patches.len() {
+            let (gradient, tangent) = (self.gradient_range(patches, p), self.tangent_range(patches, p));
+            let from = [(&self.gradient_end, gradient.clone()), (&self.gradient_bar, gradient), (&self.tangent, tangent)];
+            let to = [
+                &mut all.gradient_end[patches.gradient_range(p)],
+                &mut all.gradient_bar[patches.gradient_range(p)],
+                &mut all.tangent[patches.tangent_range(p)],
+            ];
+            for ((blocks, range), to) in from.into_iter().zip(to) {
+                to.iter_mut().zip(&blocks[range]).for_each(|(to, from)| *to = *from);
             }
-        })
+        }
+        all
     }
 }
 
-/// Blocks of one contact element in an [`Evaluation`].
+/// A block that is at `everywhere` with room for all patches, where it is with a start of its own.
+fn placed(everywhere: Range<usize>, first: Option<usize>) -> Range<usize> {
+    match first {
+        None => everywhere,
+        Some(NO_ROOM) => 0..0,
+        Some(first) => first..first + everywhere.len(),
+    }
+}
+
+/// The blocks of one live patch in an [`Evaluation`].
 pub(crate) struct Place<'a> {
-    pub(crate) live: &'a mut bool,
     pub(crate) gradient_end: &'a mut [f64],
     pub(crate) gradient_bar: &'a mut [f64],
     pub(crate) tangent: &'a mut [f64],
-}
-
-impl Place<'_> {
-    /// Sets the blocks to zero.
-    pub(crate) fn clear(&mut self) {
-        if std::mem::replace(self.live, false) {
-            [&mut *self.gradient_end, &mut *self.gradient_bar, &mut *self.tangent].into_iter().for_each(|block| block.fill(0.0));
-        }
-    }
 }
 
 #[cfg(test)]
@@ -215,5 +290,30 @@ mod tests {
         out.prepare(&patches, 2);
         out.clear_patch(&patches, 0);
         assert_eq!((out.tangent[0], out.tangent[16], out.live[1]), (0.0, 1.0, true));
+    }
+
+    #[test]
+    fn live_patches_alone_have_room() {
+        let mut patches = Patches::new(2);
+        patches.push(&[0, 1], &[0]);
+        patches.push(&[1, 2, 3], &[1]);
+        patches.push(&[2, 3], &[2]);
+        let mut out = Evaluation::default();
+        out.prepare(&patches, 3);
+        out.begin_live(&patches, 3);
+        out.open(&patches, 1, false).gradient_end[5] = 1.0;
+        out.open(&patches, 2, true).tangent[15] = 2.0;
+        assert_eq!((out.gradient_end.len(), out.gradient_bar.len(), out.tangent.len()), (10, 10, 16));
+        assert_eq!(
+            (out.gradient_range(&patches, 0), out.gradient_range(&patches, 1), out.gradient_range(&patches, 2)),
+            (0..0, 0..6, 6..10)
+        );
+        assert_eq!((out.tangent_range(&patches, 1), out.tangent_range(&patches, 2)), (0..0, 0..16));
+        out.drop_tangent();
+        assert_eq!((out.tangent.capacity(), out.tangent_range(&patches, 2)), (0, 0..0));
+        // Room for all again.
+        out.prepare(&patches, 3);
+        assert_eq!((out.live.contains(&true), out.gradient_range(&patches, 1), out.tangent.len()), (false, 4..10, 68));
+        assert!(out.gradient_end.iter().all(|entry| *entry == 0.0));
     }
 }

@@ -155,12 +155,16 @@ impl RigidCorners {
             let kept: Vec<usize> = (0..width).filter(|k| self.is_of_model(inner.nodes(p)[k / d])).collect();
             let pick = |from: &[f64], to: &mut [f64]| to.iter_mut().zip(&kept).for_each(|(to, &k)| *to = from[k]);
             for (from, to) in [(&all.gradient_end, &mut out.gradient_end), (&all.gradient_bar, &mut out.gradient_bar)] {
-                let rows = to[outer.gradient_range(p)].chunks_exact_mut(left).zip(from[inner.gradient_range(p)].chunks_exact(width));
+                let rows = to[outer.gradient_range(p)].chunks_exact_mut(left).zip(from[all.gradient_range(inner, p)].chunks_exact(width));
                 rows.for_each(|(to, from)| pick(from, to));
             }
             let rows = out.tangent[outer.tangent_range(p)].chunks_exact_mut(left);
-            let from = &all.tangent[inner.tangent_range(p)];
-            rows.zip(&kept).for_each(|(to, &k)| pick(&from[k * width..(k + 1) * width], to));
+            let from = &all.tangent[all.tangent_range(inner, p)];
+            if from.is_empty() {
+                rows.for_each(|row| row.fill(0.0));
+            } else {
+                rows.zip(&kept).for_each(|(to, &k)| pick(&from[k * width..(k + 1) * width], to));
+            }
         }
     }
 }
@@ -269,7 +273,7 @@ impl RigidObstacle for RigidCorners {
             self.inner.evaluate(derivative, q, lambda, &mut all);
             let patches = self.inner.patches();
             for p in (0..patches.len()).filter(|&p| all.live[p]) {
-                let gradients = all.gradient_bar[patches.gradient_range(p)].chunks_exact(patches.unknowns(p));
+                let gradients = all.gradient_bar[all.gradient_range(patches, p)].chunks_exact(patches.unknowns(p));
                 for (&row, gradient) in patches.rows(p).iter().zip(gradients) {
                     for (u, &node) in patches.nodes(p).iter().enumerate() {
                         let (at, first) = (self.dimension * node as usize, self.dimension * u);

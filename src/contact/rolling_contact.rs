@@ -183,7 +183,7 @@ mod tests {
                     let shears = &LAMBDA[..(d - 1) * lambda.len()];
                     let step = SlipStep { q_0: &q_0, q_1: q, moved: &moved, test: Configuration::Middle, live: &out.live };
                     kernel.evaluate_slips(step, shears, &mut slips);
-                    slips
+                    slips.with_room(kernel.slip_patches())
                 };
                 let (at, count, of_slips) = (slips(&q_1), (d - 1) * lambda.len(), kernel.slip_patches());
                 let exact = rows(&at.gradient_end, of_slips, count).iter().map(|row| product(row, direction)).collect();

@@ -61,6 +61,13 @@ impl Candidates {
             && self.pairs.iter().chain(&self.excluded).all(exist)
     }
 
+    /// Size in bytes.
+    pub fn size(&self) -> usize {
+        let ranks = self.ranks.iter().flatten().map(|ranks| size_of_val(&ranks[..])).sum::<usize>();
+        let positions = size_of_val(&self.secondary_at_search[..]) + size_of_val(&self.primary_at_search[..]);
+        size_of::<Self>() + size_of_val(&self.pairs[..]) + size_of_val(&self.excluded[..]) + positions + ranks
+    }
+
     /// Empty list that will be searched with `spare` `[length]` beyond the required margin.
     pub fn new(spare: f64) -> Self {
         Candidates {

@@ -13,7 +13,7 @@ fn slips(kernel: &dyn ContactKernel, q_0: &[f64], q_1: &[f64], test: Configurati
     let pressing = evaluated(kernel, Derivative::DiscreteGradient, q_1, &SHEARS);
     let (moved, mut out) = (difference(q_1, q_0), Evaluation::default());
     kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &pressing.live }, &SHEARS, &mut out);
-    out
+    out.with_room(kernel.slip_patches())
 }
 
 /// Positions rotated about a point.

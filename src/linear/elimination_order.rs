@@ -33,6 +33,13 @@ pub struct Account {
 }
 
 impl EliminationOrder {
+    /// Size of the data in bytes that is not shared with `before`.
+    pub(super) fn size(&self, before: Option<&Self>) -> usize {
+        let order = if before.is_some_and(|before| Arc::ptr_eq(&self.found, &before.found)) { 0 } else { self.found.size() };
+        let kept = if before.is_some_and(|before| Arc::ptr_eq(&self.kept, &before.kept)) { 0 } else { self.kept.size() };
+        order + kept
+    }
+
     /// True if the order and its structure have as many vertices as the pattern.
     pub(super) fn fits(&self, pattern: &Pattern) -> bool {
         self.found.vertices.len() == pattern.vertices() && self.kept.vertices() == pattern.vertices()

@@ -311,6 +311,8 @@ impl Factorization {
         self.account.uses += 1;
         self.account.wasted += (self.symbolic.operations - self.order.best).max(0.0);
         self.equilibrate(values);
+        // Its factors take several times the memory of the others, and the next matrix rarely needs them.
+        self.fallback = None;
         self.fallen_back = false;
         self.null_vector = None;
         let Factorization { multifrontal, symbolic, vertex_scale, workers, watch, .. } = self;

@@ -122,6 +122,11 @@ pub(super) struct Order {
 }
 
 impl Order {
+    /// Size in bytes.
+    pub(super) fn size(&self) -> usize {
+        size_of_val(&self.vertices[..]) + size_of_val(&self.parents[..]) + size_of_val(&self.families[..])
+    }
+
     /// Order with the parents in its elimination tree.
     pub(super) fn new(vertices: Vec<u32>, parents: Vec<u32>) -> Self {
         let count = parents.len();

@@ -419,6 +419,11 @@ pub(super) struct Couplings {
 }
 
 impl Couplings {
+    /// Size in bytes.
+    pub(super) fn size(&self) -> usize {
+        size_of_val(&self.starts[..]) + size_of_val(&self.neighbors[..])
+    }
+
     /// Number of vertices; 0 for empty couplings.
     pub(super) fn vertices(&self) -> usize {
         self.starts.len().saturating_sub(1)

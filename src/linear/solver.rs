@@ -19,6 +19,11 @@ pub struct SolverMemory {
 }
 
 impl SolverMemory {
+    /// Size of the data in bytes that is not shared with `before`.
+    pub fn size(&self, before: Option<&Self>) -> usize {
+        self.order.as_ref().map_or(0, |order| order.size(before.and_then(|before| before.order.as_ref())))
+    }
+
     /// True if all indices are consistent, as those of a value read from a file may not be.
     pub fn is_sound(&self) -> bool {
         self.order.as_ref().is_none_or(EliminationOrder::is_sound)

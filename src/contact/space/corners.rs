@@ -17,7 +17,7 @@ use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::{CandidateSearch, ContactKernel, PatchFunctions, RigidObstacle};
 use crate::contact::numbers::Number;
-use crate::contact::patches::Evaluation;
+use crate::contact::patches::{Evaluation, Place};
 use crate::contact::search::Candidates;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
@@ -369,40 +369,36 @@ impl PatchFunctions for CornersInSpace {
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
         assert_eq!(self.start.len(), self.sides.patches.len(), "begin_step follows a change of the candidates");
-        out.prepare(&self.sides.patches, self.sides.weights.len());
+        out.begin_live(&self.sides.patches, self.sides.weights.len());
         let (mut end, mut projection) = (Vec::with_capacity(UNKNOWNS), Projection::<3>::default());
         for (patch, start) in self.start.iter().enumerate() {
-            out.clear_patch(&self.sides.patches, patch);
             let Some((row, measure)) = self.row(patch) else { continue };
             self.sides.patches.gather_into(patch, q_1, &mut end);
             let weight = self.sides.weights[row];
             let end_gap = self.gap_of(patch, measure, &end);
-            out.live[patch] = true;
             (out.gap[row], out.coverage[row]) = (weight * end_gap, 1.0);
-            let (width, slot) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot));
-            let first = self.sides.patches.gradient_range(patch).start + slot * width;
-            let place = first..first + width;
-            measure.gradient_into(&end, weight, &mut out.gradient_end[place.clone()]);
+            let (width, slot, pressure) = (end.len(), self.rows[patch].map_or(0, |(slot, _)| slot), lambda[row]);
+            let Place { gradient_end, gradient_bar, tangent } = out.open(&self.sides.patches, patch, pressure != 0.0);
+            let place = slot * width..(slot + 1) * width;
+            measure.gradient_into(&end, weight, &mut gradient_end[place.clone()]);
             let middle: Vec<f64> = start.iter().zip(&end).map(|(a, b)| 0.5 * (a + b)).collect();
-            let tangent = &mut out.tangent[self.sides.patches.tangent_range(patch)];
-            let pressure = lambda[row];
             if derivative == Derivative::DiscreteGradient {
                 projection.set(start, &end);
                 let mut of_middle = vec![0.0; width];
                 measure.gradient_into(&middle, weight, &mut of_middle);
                 let change = weight * (end_gap - self.gap_of(patch, measure, start));
-                projection.gradient_into(&of_middle, change, &mut out.gradient_bar[place.clone()]);
+                projection.gradient_into(&of_middle, change, &mut gradient_bar[place.clone()]);
                 if pressure != 0.0 {
                     let mut hessian = vec![0.0; width * width];
                     measure.hessian_into(&middle, weight, &mut hessian);
-                    let gradient_end = &out.gradient_end[place];
-                    let function = PatchFunction { gradient_mid: &of_middle, gradient_end, hessian_mid: &hessian, change };
+                    let function =
+                        PatchFunction { gradient_mid: &of_middle, gradient_end: &gradient_end[place], hessian_mid: &hessian, change };
                     projection.tangent_into(pressure, &function, tangent);
                 }
             } else {
                 let placement = derivative.placement();
                 let z = if placement.test == Configuration::End { &end } else { &middle };
-                measure.gradient_into(z, weight, &mut out.gradient_bar[place]);
+                measure.gradient_into(z, weight, &mut gradient_bar[place]);
                 if pressure != 0.0 {
                     measure.hessian_into(z, placement.share * weight * pressure, tangent);
                 }

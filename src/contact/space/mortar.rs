@@ -12,9 +12,9 @@ use super::second_order::SeenInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
-use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle};
+use crate::contact::kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
 use crate::contact::numbers::Number;
-use crate::contact::patches::{Evaluation, Place};
+use crate::contact::patches::{Evaluation, Patches};
 use crate::contact::search::PairSearch;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::Sides;
@@ -27,6 +27,7 @@ const SPARE: f64 = 0.5;
 
 /// Number of pairs per task of a thread.
 const SHARED: usize = 32;
+const TURNS: usize = 16;
 
 /// Largest number of unknowns of a pair.
 const UNKNOWNS: usize = 3 * NODES;
@@ -36,6 +37,8 @@ const UNKNOWNS: usize = 3 * NODES;
 pub struct MortarInSpace {
     sides: Sides,
     search: PairSearch,
+    /// Positions of all nodes at the start of the step, and each pair there.
+    q_0: Vec<f64>,
     start: Vec<Start>,
     /// Height profiles of the facets of both sides, and heights of the curves above nodes.
     profiles: [Vec<Profile>; 2],
@@ -53,7 +56,6 @@ pub struct MortarInSpace {
 /// State of a facet pair at the start of the step.
 #[derive(Clone, Debug)]
 struct Start {
-    positions: Vec<f64>,
     values: [f64; CORNERS],
     overlaps: bool,
 }
@@ -61,6 +63,13 @@ struct Start {
 /// Buffers of one evaluation, reused for all pairs.
 #[derive(Default)]
 struct Scratch {
+    live: Vec<Live>,
+    /// Blocks of the live pairs, one after the other.
+    gradient_end: Vec<f64>,
+    gradient_bar: Vec<f64>,
+    tangent: Vec<f64>,
+    /// Positions of the nodes of a pair.
+    start: Vec<f64>,
     end: Vec<f64>,
     middle: Vec<f64>,
     /// Gradient of one function; Hessian, and gradients at mid-step and at the end, weighted by the multipliers.
@@ -70,15 +79,36 @@ struct Scratch {
     projection: Projection<3>,
 }
 
-/// Contributions of a pair to sums over the pairs of its constraints.
-#[derive(Clone, Default)]
-struct Sums {
+/// A live pair, and what it adds to sums over the pairs of its rows.
+#[derive(Default)]
+struct Live {
+    pair: usize,
+    has_tangent: bool,
     /// Values and areas at the end of the step; `None` without overlap there.
     end: Option<[[f64; CORNERS]; 2]>,
     /// For corrections shared by the pairs of a constraint: remainders, projected increment of the pair's nodes, squared size of the pair.
     remainders: [f64; CORNERS],
     increment: Vec<f64>,
     size: f64,
+}
+
+/// Configurations and multipliers of an evaluation.
+#[derive(Clone, Copy)]
+struct Asked<'a> {
+    derivative: Derivative,
+    q_1: &'a [f64],
+    lambda: &'a [f64],
+    wants_tangent: bool,
+}
+
+/// Use of the tangent blocks of an evaluation.
+enum Tangents<'a, 'b> {
+    /// They stay in the evaluation.
+    Stay,
+    /// They go to the receiver.
+    To(&'a mut TangentSink<'b>),
+    /// None are computed.
+    LeftOut,
 }
 
 impl MortarInSpace {
@@ -100,6 +130,7 @@ impl MortarInSpace {
         MortarInSpace {
             sides,
             search,
+            q_0: Vec::new(),
             start: Vec::new(),
             profiles: profiles.clone(),
             heights: [0, 1].map(|side| seen.heights(side)),
@@ -138,26 +169,45 @@ impl MortarInSpace {
     }
 
     /// Adds corrections shared by the pairs of a constraint, `e_A = sum R / sum p.p` times each pair's projected increment `p`.
-    fn correct(&self, sums: &[Sums], out: &mut Evaluation) {
+    fn correct(&self, shared: &[Live], out: &mut Evaluation) {
         let patches = &self.sides.patches;
         let mut of_rows = vec![[0.0; 3]; self.sides.weights.len()];
-        let shared = || sums.iter().enumerate().filter(|(_, sums)| !sums.increment.is_empty());
-        for (p, sums) in shared() {
-            let square = sums.increment.iter().map(|p| p * p).sum::<f64>();
-            for (&row, remainder) in patches.rows(p).iter().zip(sums.remainders) {
+        for live in shared {
+            let square = live.increment.iter().map(|p| p * p).sum::<f64>();
+            for (&row, remainder) in patches.rows(live.pair).iter().zip(live.remainders) {
                 let of_row = &mut of_rows[row as usize];
-                [remainder, square, sums.size].iter().zip(of_row).for_each(|(part, sum)| *sum += part);
+                [remainder, square, live.size].iter().zip(of_row).for_each(|(part, sum)| *sum += part);
             }
         }
         let threshold = PROJECTED_INCREMENT * PROJECTED_INCREMENT;
-        for (p, sums) in shared() {
-            let blocks = out.gradient_bar[patches.gradient_range(p)].chunks_exact_mut(sums.increment.len());
-            for (block, &row) in blocks.zip(patches.rows(p)) {
+        for live in shared {
+            let range = out.gradient_range(patches, live.pair);
+            let blocks = out.gradient_bar[range].chunks_exact_mut(live.increment.len());
+            for (block, &row) in blocks.zip(patches.rows(live.pair)) {
                 let [remainder, square, size] = of_rows[row as usize];
                 let e = if square > threshold * size { remainder / square } else { 0.0 };
-                block.iter_mut().zip(&sums.increment).for_each(|(g, p)| *g += e * p);
+                block.iter_mut().zip(&live.increment).for_each(|(g, p)| *g += e * p);
             }
         }
+    }
+
+    /// Values, gradients and tangent of a step, pair by pair in ascending order whatever the number of threads.
+    fn evaluate_pairs(&self, asked: Asked, out: &mut Evaluation, mut tangents: Tangents) {
+        let patches = &self.sides.patches;
+        assert_eq!(self.start.len(), patches.len(), "begin_step follows a change of the candidates");
+        out.begin_live(patches, self.sides.weights.len());
+        let mut shared = Vec::new();
+        let mut scratches: Vec<Scratch> = (0..TURNS * self.workers.count()).map(|_| Scratch::default()).collect();
+        let together = SHARED * scratches.len();
+        for first in (0..patches.len()).step_by(together) {
+            self.workers.for_each(&mut scratches, 1, |k, scratch| {
+                let [begin, end] = [k, k + 1].map(|k| (first + SHARED * k).min(patches.len()));
+                scratch.evaluate_all(self, begin..end, asked);
+            });
+            scratches.iter_mut().for_each(|scratch| scratch.hand_over(patches, out, &mut tangents, &mut shared));
+        }
+        self.correct(&shared, out);
+        self.sides.cover(&mut out.coverage, asked.q_1);
     }
 
     /// Sum over all participating pairs that overlap at `q` of `contribution`, per secondary node.
@@ -205,14 +255,19 @@ impl PatchFunctions for MortarInSpace {
             });
             self.duals = Some(duals);
         }
+        let mut z = Vec::with_capacity(UNKNOWNS);
         let start = |p: usize| {
-            let mut positions = Vec::new();
-            self.sides.patches.gather_into(p, q_0, &mut positions);
-            let pair = if self.search.near[p] { self.pair(p, &positions) } else { None };
+            if !self.search.near[p] {
+                return Start { values: [0.0; CORNERS], overlaps: false };
+            }
+            self.sides.patches.gather_into(p, q_0, &mut z);
+            let pair = self.pair(p, &z);
             let values = pair.as_ref().map_or([0.0; CORNERS], |pair| self.shape(p).of(pair.values()));
-            Start { positions, values, overlaps: pair.is_some() }
+            Start { values, overlaps: pair.is_some() }
         };
         self.start = (0..self.sides.patches.len()).map(start).collect();
+        self.q_0.clear();
+        self.q_0.extend_from_slice(q_0);
     }
 
     fn set_correction(&mut self, correction: Correction) {
@@ -223,28 +278,17 @@ impl PatchFunctions for MortarInSpace {
         self.workers = workers.clone();
     }
 
+    fn bytes(&self) -> u64 {
+        self.sides.patches.gradient_bytes()
+    }
+
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
-        let patches = &self.sides.patches;
-        assert_eq!(self.start.len(), patches.len(), "begin_step follows a change of the candidates");
-        out.prepare(patches, self.sides.weights.len());
-        let mut sums = vec![Sums::default(); patches.len()];
-        let mut places: Vec<_> = out.places(patches).zip(&mut sums).enumerate().collect();
-        let mut parts: Vec<_> = places.chunks_mut(SHARED).map(|places| (Scratch::default(), places)).collect();
-        self.workers.for_each(&mut parts, 1, |_, (scratch, places)| {
-            for (p, (place, sums)) in places.iter_mut() {
-                if !self.search.near[*p] || !scratch.evaluate(self, *p, derivative, (q_1, lambda), place, sums) {
-                    place.clear();
-                }
-            }
-        });
-        for (p, [values, areas]) in sums.iter().enumerate().filter_map(|(p, sums)| Some((p, sums.end?))) {
-            for ((&row, value), area) in patches.rows(p).iter().zip(values).zip(areas) {
-                out.gap[row as usize] += value;
-                out.coverage[row as usize] += area;
-            }
-        }
-        self.correct(&sums, out);
-        self.sides.cover(&mut out.coverage, q_1);
+        self.evaluate_pairs(Asked { derivative, q_1, lambda, wants_tangent: true }, out, Tangents::Stay);
+    }
+
+    fn linearize(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation, tangent: Option<&mut TangentSink>) {
+        let asked = Asked { derivative, q_1, lambda, wants_tangent: tangent.is_some() };
+        self.evaluate_pairs(asked, out, tangent.map_or(Tangents::LeftOut, Tangents::To));
     }
 
     fn evaluate_slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
@@ -264,87 +308,144 @@ impl PatchFunctions for MortarInSpace {
 }
 
 impl Scratch {
-    /// Evaluates pair `p` for a step that ends at `q_1` with multipliers `lambda`; `false` if its functions vanish throughout the step.
-    fn evaluate(
-        &mut self,
-        kernel: &MortarInSpace,
-        p: usize,
-        derivative: Derivative,
-        (q_1, lambda): (&[f64], &[f64]),
-        out: &mut Place,
-        sums: &mut Sums,
-    ) -> bool {
+    /// Evaluates these pairs.
+    fn evaluate_all(&mut self, kernel: &MortarInSpace, pairs: std::ops::Range<usize>, asked: Asked) {
+        self.live.clear();
+        [&mut self.gradient_end, &mut self.gradient_bar, &mut self.tangent].into_iter().for_each(Vec::clear);
+        pairs.filter(|&p| kernel.search.near[p]).for_each(|p| self.evaluate(kernel, p, asked));
+    }
+
+    /// Adds the live pairs to an evaluation; those that share a correction are appended to `shared`.
+    fn hand_over(&mut self, patches: &Patches, out: &mut Evaluation, tangents: &mut Tangents, shared: &mut Vec<Live>) {
+        let (mut ends, mut bars, mut tangent) = (&self.gradient_end[..], &self.gradient_bar[..], &self.tangent[..]);
+        for live in self.live.drain(..) {
+            let p = live.pair;
+            if let Some([values, areas]) = live.end {
+                for ((&row, value), area) in patches.rows(p).iter().zip(values).zip(areas) {
+                    out.gap[row as usize] += value;
+                    out.coverage[row as usize] += area;
+                }
+            }
+            let square = if live.has_tangent { patches.tangent_range(p).len() } else { 0 };
+            let (block, rest) = tangent.split_at(square);
+            tangent = rest;
+            let place = out.open(patches, p, live.has_tangent && matches!(tangents, Tangents::Stay));
+            for (to, from) in [(place.gradient_end, &mut ends), (place.gradient_bar, &mut bars)] {
+                let (own, rest) = from.split_at(to.len());
+                to.copy_from_slice(own);
+                *from = rest;
+            }
+            match tangents {
+                Tangents::Stay if live.has_tangent => place.tangent.copy_from_slice(block),
+                Tangents::To(receiver) if live.has_tangent => receiver(p, block),
+                _ => {}
+            }
+            if !live.increment.is_empty() {
+                shared.push(live);
+            }
+        }
+    }
+
+    /// Evaluates pair `p`, unless its functions vanish throughout.
+    fn evaluate(&mut self, kernel: &MortarInSpace, p: usize, asked: Asked) {
+        let Asked { derivative, q_1, lambda, wants_tangent } = asked;
         let (start, shape) = (&kernel.start[p], kernel.shape(p));
-        let Scratch { end: end_z, middle: middle_z, row, hessian, weighted, projection } = self;
-        kernel.sides.patches.gather_into(p, q_1, end_z);
+        let Scratch { gradient_end, gradient_bar, tangent, start: start_z, end: end_z, middle: middle_z, .. } = self;
+        let patches = &kernel.sides.patches;
+        patches.gather_into(p, &kernel.q_0, start_z);
+        patches.gather_into(p, q_1, end_z);
         middle_z.clear();
-        middle_z.extend(start.positions.iter().zip(&*end_z).map(|(a, b)| 0.5 * (a + b)));
+        middle_z.extend(start_z.iter().zip(&*end_z).map(|(a, b)| 0.5 * (a + b)));
         let (end, middle) = (kernel.pair(p, end_z), kernel.pair(p, middle_z));
         if !start.overlaps && middle.is_none() && end.is_none() {
-            return false;
+            return;
         }
-        *out.live = true;
-        sums.end = end.as_ref().map(|end| [shape.of(end.values()), shape.of(end.covered())]);
-        let values = sums.end.map_or([0.0; CORNERS], |[values, _]| values);
-        let (rows, unknowns) = (kernel.sides.patches.rows(p), end_z.len());
-        let at_end = end.as_ref().map(|end| shape.of_gradients(end.gradients(0.0)));
-        lists_into(at_end.as_ref(), unknowns, out.gradient_end);
-        out.tangent.fill(0.0);
+        let (rows, unknowns) = (patches.rows(p), end_z.len());
         let weights: [f64; CORNERS] = std::array::from_fn(|k| rows.get(k).map_or(0.0, |&row| lambda[row as usize]));
-        let is_pressed = weights != [0.0; CORNERS];
-        let band = kernel.band();
-        let pressed = shape.back(weights);
+        let has_tangent = wants_tangent && weights != [0.0; CORNERS];
+        let mut found = Live { pair: p, has_tangent, ..Live::default() };
+        found.end = end.as_ref().map(|end| [shape.of(end.values()), shape.of(end.covered())]);
+        let firsts = [gradient_end.len(), gradient_bar.len(), tangent.len()];
+        gradient_end.resize(firsts[0] + rows.len() * unknowns, 0.0);
+        gradient_bar.resize(firsts[1] + rows.len() * unknowns, 0.0);
+        tangent.resize(firsts[2] + if has_tangent { unknowns * unknowns } else { 0 }, 0.0);
+        let at_end = end.as_ref().map(|end| shape.of_gradients(end.gradients(0.0)));
+        lists_into(at_end.as_ref(), unknowns, &mut gradient_end[firsts[0]..]);
+        let functions = Functions { kernel, start, shape, weights, middle, end };
         if derivative == Derivative::DiscreteGradient {
-            projection.set(&start.positions, end_z);
-            let [of_middle, of_end] = weighted;
-            for vector in [&mut *of_middle, &mut *of_end, &mut *row] {
-                vector.clear();
-                vector.resize(unknowns, 0.0);
+            self.by_discrete_gradient(&functions, &mut found, firsts);
+        } else {
+            let placement = derivative.placement();
+            let pair = match placement.test {
+                Configuration::Middle => &functions.middle,
+                Configuration::End => &functions.end,
+            };
+            let band = kernel.band();
+            let acting = pair.as_ref().map(|pair| shape.of_gradients(pair.gradients(band)));
+            lists_into(acting.as_ref(), unknowns, &mut gradient_bar[firsts[1]..]);
+            if let Some(pair) = pair.as_ref().filter(|_| has_tangent) {
+                pair.hessian_into(&shape.back(weights), band, placement.share, &mut tangent[firsts[2]..]);
             }
-            let in_middle = middle.as_ref().map(|middle| shape.of_gradients(middle.gradients(band)));
-            if kernel.correction == Correction::PerNode {
-                lists_into(in_middle.as_ref(), unknowns, out.gradient_bar);
-                for (k, bar) in out.gradient_bar.chunks_exact(unknowns).enumerate() {
-                    sums.remainders[k] = projection.remainder(bar, values[k] - start.values[k]);
-                }
-                sums.increment.extend(projection.increment());
-                sums.size = projection.size();
-                if let Some(middle) = middle.as_ref().filter(|_| is_pressed) {
-                    middle.hessian_into(&pressed, band, 0.5, out.tangent);
-                }
-                return true;
-            }
-            let blocks = out.gradient_bar.chunks_exact_mut(unknowns).zip(out.gradient_end.chunks_exact(unknowns));
-            for (k, (bar, at_end)) in blocks.enumerate() {
-                list_into(in_middle.as_ref(), k, row);
-                projection.gradient_into(row, values[k] - start.values[k], bar);
-                of_middle.iter_mut().zip(&*row).for_each(|(sum, g)| *sum += weights[k] * g);
-                of_end.iter_mut().zip(at_end).for_each(|(sum, g)| *sum += weights[k] * g);
-            }
-            if is_pressed {
-                hessian.clear();
-                hessian.resize(unknowns * unknowns, 0.0);
-                if let Some(middle) = &middle {
-                    middle.hessian_into(&pressed, band, 1.0, hessian);
-                }
-                let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
-                let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };
-                projection.tangent_into(1.0, &function, out.tangent);
-            }
-            return true;
         }
-        let placement = derivative.placement();
-        let pair = match placement.test {
-            Configuration::Middle => &middle,
-            Configuration::End => &end,
-        };
-        let acting = pair.as_ref().map(|pair| shape.of_gradients(pair.gradients(band)));
-        lists_into(acting.as_ref(), unknowns, out.gradient_bar);
-        if let Some(pair) = pair.as_ref().filter(|_| is_pressed) {
-            pair.hessian_into(&pressed, band, placement.share, out.tangent);
-        }
-        true
+        self.live.push(found);
     }
+
+    /// The discrete gradient of a pair and its derivative, into the blocks that begin at these places.
+    fn by_discrete_gradient(&mut self, functions: &Functions, found: &mut Live, [first_end, first_bar, first_of_tangent]: [usize; 3]) {
+        let &Functions { kernel, start, shape, weights, ref middle, .. } = functions;
+        let Scratch { gradient_end, gradient_bar, tangent, start: start_z, end: end_z, row, hessian, weighted, projection, .. } = self;
+        let (gradient_end, gradient_bar, tangent) =
+            (&gradient_end[first_end..], &mut gradient_bar[first_bar..], &mut tangent[first_of_tangent..]);
+        let (unknowns, band, pressed) = (end_z.len(), kernel.band(), shape.back(weights));
+        let values = found.end.map_or([0.0; CORNERS], |[values, _]| values);
+        projection.set(start_z, end_z);
+        let [of_middle, of_end] = weighted;
+        for vector in [&mut *of_middle, &mut *of_end, &mut *row] {
+            vector.clear();
+            vector.resize(unknowns, 0.0);
+        }
+        let in_middle = middle.as_ref().map(|middle| shape.of_gradients(middle.gradients(band)));
+        if kernel.correction == Correction::PerNode {
+            lists_into(in_middle.as_ref(), unknowns, gradient_bar);
+            for (k, bar) in gradient_bar.chunks_exact(unknowns).enumerate() {
+                found.remainders[k] = projection.remainder(bar, values[k] - start.values[k]);
+            }
+            found.increment.extend(projection.increment());
+            found.size = projection.size();
+            if let Some(middle) = middle.as_ref().filter(|_| found.has_tangent) {
+                middle.hessian_into(&pressed, band, 0.5, tangent);
+            }
+            return;
+        }
+        let blocks = gradient_bar.chunks_exact_mut(unknowns).zip(gradient_end.chunks_exact(unknowns));
+        for (k, (bar, at_end)) in blocks.enumerate() {
+            list_into(in_middle.as_ref(), k, row);
+            projection.gradient_into(row, values[k] - start.values[k], bar);
+            of_middle.iter_mut().zip(&*row).for_each(|(sum, g)| *sum += weights[k] * g);
+            of_end.iter_mut().zip(at_end).for_each(|(sum, g)| *sum += weights[k] * g);
+        }
+        if found.has_tangent {
+            hessian.clear();
+            hessian.resize(unknowns * unknowns, 0.0);
+            if let Some(middle) = middle {
+                middle.hessian_into(&pressed, band, 1.0, hessian);
+            }
+            let change = (0..CORNERS).map(|k| weights[k] * (values[k] - start.values[k])).sum();
+            let function = PatchFunction { gradient_mid: of_middle, gradient_end: of_end, hessian_mid: hessian, change };
+            projection.tangent_into(1.0, &function, tangent);
+        }
+    }
+}
+
+/// The functions of a pair in a step.
+struct Functions<'a> {
+    kernel: &'a MortarInSpace,
+    start: &'a Start,
+    shape: &'a Shape,
+    /// Multipliers.
+    weights: [f64; CORNERS],
+    middle: Option<Pair<f64>>,
+    end: Option<Pair<f64>>,
 }
 
 /// Slip with the weights of the gap: multiplier shape functions times shape functions of the opposite facet, over the overlap.

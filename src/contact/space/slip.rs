@@ -112,19 +112,19 @@ impl<T: Number> Group<T> {
 /// multipliers `lambda`; coverage is the covered measure in mid-step.
 pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambda: &[f64], out: &mut Evaluation) {
     let patches = sides.slip_patches();
-    out.prepare(patches, lambda.len());
+    out.begin_live(patches, lambda.len());
     let mut patch = Patch::default();
-    for p in 0..patches.len() {
-        out.clear_patch(patches, p);
-        if !step.live[p] {
-            continue;
-        }
+    for p in (0..patches.len()).filter(|&p| step.live[p]) {
         patches.gather_into(p, step.q_0, &mut patch.middle);
         patches.gather_into(p, step.q_1, &mut patch.end);
         patches.gather_into(p, step.moved, &mut patch.moved);
         patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
-        let mut passes = (0..patch.end.len()).step_by(LANES);
-        out.live[p] = passes.all(|first| patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out));
+        // Whether there are slips does not depend on the unknowns of a pass.
+        for first in (0..patch.end.len()).step_by(LANES) {
+            if !patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out) {
+                break;
+            }
+        }
     }
 }
 
@@ -156,8 +156,12 @@ impl Patch {
         let moved = self.moved.as_chunks().0.iter().zip(&middle).map(|(moved, x)| carrier.against(*moved, x));
         let motion = relative(is_relative, &middle, moved.collect());
         let (width, rows) = (self.middle.len(), patches.rows(p));
+        if first == 0 {
+            out.open(patches, p, rows.iter().any(|&row| lambda[row as usize] != 0.0));
+        }
+        let begin = out.gradient_range(patches, p).start;
         let block = |group: &Group<Jet>, k: usize| {
-            let begin = patches.gradient_range(p).start + (2 * group.place + k) * width;
+            let begin = begin + (2 * group.place + k) * width;
             begin..begin + width
         };
         for (group, k) in groups.iter().flat_map(|group| [(group, 0), (group, 1)]) {
@@ -191,7 +195,8 @@ impl Patch {
         }
         if is_loaded {
             let forces = relative(is_relative, &at, forces);
-            columns_into(&forces, first, test.share(), &mut out.tangent[patches.tangent_range(p)]);
+            let range = out.tangent_range(patches, p);
+            columns_into(&forces, first, test.share(), &mut out.tangent[range]);
         }
         true
     }
@@ -348,6 +353,7 @@ mod tests {
         let pressing = evaluated(kernel, Derivative::DiscreteGradient, q_1, &vec![1.0; kernel.rows()]);
         let (moved, mut out) = (difference(q_1, q_0), Evaluation::default());
         kernel.evaluate_slips(SlipStep { q_0, q_1, moved: &moved, test, live: &pressing.live }, &shears(2 * kernel.rows()), &mut out);
+        out = out.with_room(kernel.slip_patches());
         out
     }
 

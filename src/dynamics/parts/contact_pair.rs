@@ -118,11 +118,9 @@ pub struct ContactPair {
 #[derive(Default)]
 struct Places {
     tangent: Vec<Block>,
-    rows: Vec<Block>,
-    columns: Vec<Block>,
-    /// Blocks of tangential constraints: those in the rows and in the columns of their multipliers.
-    slip_rows: Vec<Block>,
-    slip_columns: Vec<Block>,
+    rows: Vec<[Block; 2]>,
+    /// Blocks of tangential constraints in the rows and in the columns of their multipliers.
+    slip_rows: Vec<[Block; 2]>,
 }
 
 /// Normal or tangential constraints of a pair at an iterate.
@@ -135,8 +133,8 @@ pub struct RowBlock<'a> {
     pub patches: &'a Patches,
     /// Evaluation of the constraints.
     pub evaluation: &'a Evaluation,
-    /// Blocks of rows and columns in the matrix.
-    places: [&'a [Block]; 2],
+    /// Blocks of rows and columns in the matrix, if they are kept.
+    places: &'a [[Block; 2]],
 }
 
 /// Constraint of a contact element with its nodes.
@@ -309,19 +307,14 @@ impl ContactPair {
     /// Normal constraints and tangential constraints of the pair at an iterate, as two blocks.
     pub fn blocks<'a>(&'a self, [pressing, slip]: [&'a Evaluation; 2]) -> impl Iterator<Item = RowBlock<'a>> {
         let places = &self.places;
-        let own = RowBlock {
-            pair: self,
-            rows: self.rows.clone(),
-            patches: self.kernel.patches(),
-            evaluation: pressing,
-            places: [&places.rows, &places.columns],
-        };
+        let own =
+            RowBlock { pair: self, rows: self.rows.clone(), patches: self.kernel.patches(), evaluation: pressing, places: &places.rows };
         let tangential = self.friction.iter().map(move |friction| RowBlock {
             pair: self,
             rows: friction.rows.clone(),
             patches: self.kernel.slip_patches(),
             evaluation: slip,
-            places: [&places.slip_rows, &places.slip_columns],
+            places: &places.slip_rows,
         });
         std::iter::once(own).chain(tangential)
     }
@@ -351,18 +344,14 @@ impl ContactPair {
     pub fn place(&mut self, pattern: &Pattern, nodes: usize) {
         let mut places = Places::default();
         let patches = self.kernel.patches();
-        for p in 0..patches.len() {
+        for p in (0..patches.len()).filter(|_| patches.dimension() == 2) {
             for &u in patches.nodes(p) {
                 places.tangent.extend(patches.nodes(p).iter().map(|&v| pattern.block(u, v)));
             }
-            let of_rows = [(&mut places.rows, &mut places.columns), (&mut places.slip_rows, &mut places.slip_columns)];
-            for ((first, patches), (rows, columns)) in self.row_kinds().zip(of_rows) {
+            for ((first, patches), of_rows) in self.row_kinds().zip([&mut places.rows, &mut places.slip_rows]) {
                 for &row in patches.rows(p) {
                     let multiplier = (nodes + first + row as usize) as u32;
-                    for &node in patches.nodes(p) {
-                        rows.push(pattern.block(multiplier, node));
-                        columns.push(pattern.block(node, multiplier));
-                    }
+                    of_rows.extend(patches.nodes(p).iter().map(|&node| [pattern.block(multiplier, node), pattern.block(node, multiplier)]));
                 }
             }
         }
@@ -372,6 +361,23 @@ impl ContactPair {
             friction.couplings = friction.rows.clone().map(|slip| block(slip, self.rows.start + friction.pressing(slip))).collect();
             let groups = (0..self.rows.len()).map(|local| friction.group(local)).filter(|group| group.len() == 2);
             friction.partners = groups.flat_map(|group| [block(group.start, group.end - 1), block(group.end - 1, group.start)]).collect();
+        }
+    }
+
+    /// Subtracts `weight` times the derivative of the forces of a contact element at fixed multipliers.
+    pub fn tangent_into<const D: usize>(&self, (pattern, p): (&Pattern, usize), weight: f64, tangent: &[f64], values: &mut [f64]) {
+        let patches = self.kernel.patches();
+        let (nodes, count, first) = (patches.nodes(p), patches.unknowns(p), patches.tangent_range(p).start / (D * D));
+        for (u, &row) in nodes.iter().enumerate() {
+            for (v, &column) in nodes.iter().enumerate() {
+                let kept = self.places.tangent.get(first + u * nodes.len() + v);
+                let place = kept.copied().unwrap_or_else(|| pattern.block(row, column));
+                for i in 0..D {
+                    for k in 0..D {
+                        values[place.at(i, k)] -= weight * tangent[(u * D + i) * count + v * D + k];
+                    }
+                }
+            }
         }
     }
 
@@ -396,7 +402,7 @@ impl ContactPair {
 /// Constraints of the contact elements that contribute, numbered from `first_row`.
 fn live_rows<'a>(first_row: usize, patches: &'a Patches, evaluation: &'a Evaluation) -> impl Iterator<Item = PatchRow<'a>> {
     (0..patches.len()).filter(|&p| evaluation.live[p]).flat_map(move |p| {
-        let (first, count) = (patches.gradient_range(p).start, patches.unknowns(p));
+        let (first, count) = (evaluation.gradient_range(patches, p).start, patches.unknowns(p));
         patches.rows(p).iter().enumerate().map(move |(m, &row)| {
             let start = first + m * count;
             PatchRow { patch: p, row: first_row + row as usize, nodes: patches.nodes(p), gradient: start..start + count }
@@ -425,66 +431,52 @@ impl<'a> RowBlock<'a> {
         live_rows(self.rows.start, self.patches, self.evaluation)
     }
 
-    /// Subtracts the derivative of the contact forces at fixed multipliers.
-    pub fn tangent_into<const D: usize>(&self, shares: ForceShares, values: &mut [f64]) {
-        let (RowBlock { patches, evaluation, .. }, weight) = (self, self.share(shares));
-        let mut block = 0;
-        for p in 0..patches.len() {
-            let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
-            if evaluation.live[p] {
-                let tangent = &evaluation.tangent[patches.tangent_range(p)];
-                for u in 0..nodes {
-                    for v in 0..nodes {
-                        let place = self.pair.places.tangent[block + u * nodes + v];
-                        for i in 0..D {
-                            for k in 0..D {
-                                values[place.at(i, k)] -= weight * tangent[(u * D + i) * count + v * D + k];
-                            }
-                        }
-                    }
+    /// Clears the rows and columns of its constraints; vertices of multipliers follow `nodes` nodes.
+    pub fn clear_constraints<const D: usize>(&self, (pattern, nodes): (&Pattern, usize), values: &mut [f64]) {
+        for multiplier in self.rows.clone().map(|row| (nodes + row) as u32) {
+            for &node in pattern.neighbors(multiplier as usize).iter().take_while(|&&node| (node as usize) < nodes) {
+                let (row, column) = (pattern.block(multiplier, node), pattern.block(node, multiplier));
+                for i in 0..D {
+                    values[row.at(0, i)] = 0.0;
+                    values[column.at(i, 0)] = 0.0;
                 }
-            }
-            block += nodes * nodes;
-        }
-    }
-
-    /// Clears the matrix rows and columns of the block's constraints.
-    pub fn clear_constraints<const D: usize>(&self, values: &mut [f64]) {
-        let [rows, columns] = self.places;
-        for (row, column) in rows.iter().zip(columns) {
-            for i in 0..D {
-                values[row.at(0, i)] = 0.0;
-                values[column.at(i, 0)] = 0.0;
             }
         }
     }
 
     /// Adds rows `factor G_1` and columns `-share columns^T` of the constraints whose multipliers may be nonzero.
-    pub fn constraints_into<const D: usize>(&self, equations: &[Equation], columns: &[f64], shares: ForceShares, values: &mut [f64]) {
-        let (RowBlock { patches, evaluation, .. }, weight) = (self, self.share(shares));
-        let [row_places, column_places] = self.places;
-        let mut place = 0;
-        for p in 0..patches.len() {
-            let (nodes, count) = (patches.nodes(p).len(), patches.unknowns(p));
-            let first = patches.gradient_range(p).start;
+    pub fn constraints_into<const D: usize>(
+        &self,
+        (pattern, nodes): (&Pattern, usize),
+        equations: &[Equation],
+        columns: &[f64],
+        shares: ForceShares,
+        values: &mut [f64],
+    ) {
+        let (RowBlock { patches, evaluation, places, .. }, weight) = (self, self.share(shares));
+        for p in (0..patches.len()).filter(|&p| evaluation.live[p]) {
+            let (coupled, count) = (patches.nodes(p), patches.unknowns(p));
+            let (first, kept) = (evaluation.gradient_range(patches, p).start, patches.gradient_range(p).start / D);
             for (m, &row) in patches.rows(p).iter().enumerate() {
                 let Equation { acts, gradient: factor, beside, .. } = equations[self.rows.start + row as usize];
-                if acts && evaluation.live[p] {
-                    for u in 0..nodes {
-                        let (row_place, column_place) = (row_places[place + u], column_places[place + u]);
-                        for i in 0..D {
-                            let entry = first + m * count + u * D + i;
-                            values[row_place.at(0, i)] += factor * evaluation.gradient_end[entry];
-                            values[column_place.at(i, 0)] -= weight * columns[entry];
-                        }
-                        if beside[0] != 0.0 {
-                            // Constraints of a group are consecutive.
-                            let other = first + (m ^ 1) * count + u * D;
-                            (0..D).for_each(|i| values[row_place.at(0, i)] += beside[0] * evaluation.gradient_end[other + i]);
-                        }
+                if !acts {
+                    continue;
+                }
+                let multiplier = (nodes + self.rows.start + row as usize) as u32;
+                for (u, &node) in coupled.iter().enumerate() {
+                    let searched = || [pattern.block(multiplier, node), pattern.block(node, multiplier)];
+                    let [row_place, column_place] = places.get(kept + m * coupled.len() + u).copied().unwrap_or_else(searched);
+                    for i in 0..D {
+                        let entry = first + m * count + u * D + i;
+                        values[row_place.at(0, i)] += factor * evaluation.gradient_end[entry];
+                        values[column_place.at(i, 0)] -= weight * columns[entry];
+                    }
+                    if beside[0] != 0.0 {
+                        // The rows of a group follow each other.
+                        let other = first + (m ^ 1) * count + u * D;
+                        (0..D).for_each(|i| values[row_place.at(0, i)] += beside[0] * evaluation.gradient_end[other + i]);
                     }
                 }
-                place += nodes;
             }
         }
     }

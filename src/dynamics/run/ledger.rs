@@ -229,6 +229,13 @@ pub(super) fn heat(dissipated: &[f64], own: &[PartTotals], numerical: f64) -> [f
 }
 
 impl LedgerRow {
+    /// Size of the lists of a row in bytes.
+    pub(super) fn heap_size(&self) -> usize {
+        let readings = self.parts.iter().map(|part| size_of_val(&part.readings[..])).sum::<usize>();
+        let lists = size_of_val(&self.contacts[..]) + size_of_val(&self.reactions[..]) + size_of_val(&self.joints[..]);
+        lists + size_of_val(&self.plastic_work[..]) + size_of_val(&self.parts[..]) + readings + size_of_val(&self.probes[..])
+    }
+
     /// Books the heat of plastic flow in a step after the row `before`, with that of each part, bodies first.
     pub(super) fn book_plastic<const D: usize>(&mut self, bodies: &[Body<D>], before: &LedgerRow, plastic: &[f64]) {
         let flowing = bodies.iter().enumerate().filter(|(_, body)| body.elements.flows());

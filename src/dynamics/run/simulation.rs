@@ -94,11 +94,6 @@ impl Simulation {
         &self.steps.state().row
     }
 
-    /// Size of a state in bytes.
-    pub fn state_size(&self) -> usize {
-        self.steps.state().size()
-    }
-
     /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in substeps where it must be halved.
     /// `accepted` is called with the ledger's row of every accepted substep.
     ///

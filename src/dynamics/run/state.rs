@@ -81,10 +81,20 @@ impl State {
             && self.search.is_sound_beside(&own.search)
     }
 
-    /// Size in bytes, without data that is shared with other states.
-    pub fn size(&self) -> usize {
-        let (rows, memory) = (3 * (self.lambda.len() + self.slipped.len()), self.memory.iter().map(Vec::len).sum::<usize>());
-        8 * (2 * self.positions.len() + self.velocities.len() + self.remembered.len() + rows + memory) + self.active.len()
+    /// Size in bytes, without the data that is shared with the state `before`.
+    pub fn size(&self, before: Option<&State>) -> usize {
+        let rows = size_of_val(&self.lambda[..]) + size_of_val(&self.penalty_gap[..]) + size_of_val(&self.reserve[..]);
+        let slips = size_of_val(&self.active[..]) + size_of_val(&self.slipped[..]);
+        let nodal = 8 * (self.positions.len() + self.displacements.len() + self.velocities.len());
+        let is_shared = |same: fn(&State, &State) -> bool| before.is_some_and(|before| same(self, before));
+        let mut size = size_of::<State>() + self.row.heap_size() + rows + slips + nodal;
+        if !is_shared(|own, before| Arc::ptr_eq(&own.remembered, &before.remembered)) {
+            size += 8 * self.remembered.len();
+        }
+        if !is_shared(|own, before| Arc::ptr_eq(&own.memory, &before.memory)) {
+            size += self.memory.iter().map(|block| size_of_val(block) + size_of_val(&block[..])).sum::<usize>();
+        }
+        size + self.search.size(before.map(|before| &before.search))
     }
 }
 

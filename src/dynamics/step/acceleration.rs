@@ -51,7 +51,14 @@ where
         self.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| needed[row] -= gradient * given[k]);
         right.extend(hold.iter().zip(needed).map(|(hold, needed)| if *hold { needed } else { 0.0 }));
         let rows = ConstraintRows::held(&hold);
-        self.write_constraints([&at.pairs, &at.slips], &rows, ForceShares::WHOLE, |pair| &pair.gradient_end, &mut values);
+        self.write_constraints(
+            &self.matrix.pattern,
+            [&at.pairs, &at.slips],
+            &rows,
+            ForceShares::WHOLE,
+            |pair| &pair.gradient_end,
+            &mut values,
+        );
         self.matrix.finish(&rows, scale * self.nodes.largest_nodal_mass, &mut values);
         self.counters.times.assembly += clock.elapsed();
         self.solve_with(&values, &mut right, Instant::now())?;

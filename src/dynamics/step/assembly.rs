@@ -11,7 +11,7 @@ use super::iterate::Linearization;
 use super::start::{StepStart, Stopping, Told};
 use super::system::System;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Evaluation, SlipStep};
+use crate::contact::{Evaluation, SlipStep, TangentSink};
 use crate::dynamics::model::part::{Heats, Iterate, Part, PartHistories, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
@@ -48,10 +48,7 @@ where
         at.tangent_of = None;
         self.counters.assemblies += 1;
         self.sum_parts(start, &mut at, !is_probably_last)?;
-        self.sum_contacts(start, &mut at);
-        if !is_probably_last {
-            self.add_contact_tangent(start, &mut at);
-        }
+        self.sum_contacts(start, &mut at, !is_probably_last);
         Ok(at)
     }
 
@@ -59,7 +56,9 @@ where
     pub fn complete_tangent(&mut self, start: &StepStart, at: &mut Linearization) -> Result<(), Failure> {
         if at.tangent_of != Some(self.matrix.generation) {
             self.sum_parts(start, at, true)?;
-            self.add_contact_tangent(start, at);
+            let clock = Instant::now();
+            self.evaluate_contacts(start, at, true);
+            self.counters.times.contact += clock.elapsed();
         }
         Ok(())
     }
@@ -119,22 +118,38 @@ where
         Ok(())
     }
 
-    /// Evaluates the contact functions of all pairs and sums their forces.
-    fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization) {
-        let clock = Instant::now();
-        let (derivative, shares) = (start.derivative(), start.shares());
-        let Linearization { q_1, moved, lambda, forces, pairs, slips, held, rests, .. } = at;
+    /// Contact functions of all pairs, with their tangents added to that of the iterate where they are wanted.
+    fn evaluate_contacts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) {
+        let (derivative, shares, wants_tangent) = (start.derivative(), start.shares(), wants_tangent && !self.is_far);
+        let Linearization { q_1, moved, lambda, pairs, slips, tangent: values, .. } = at;
         pairs.resize_with(self.pairs.len(), Evaluation::default);
         slips.resize_with(self.pairs.len(), Evaluation::default);
-        forces.contact.clear();
-        forces.contact.resize(q_1.len(), 0.0);
-        for ((pair, evaluation), slip) in self.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
-            pair.kernel.evaluate(derivative, q_1, &lambda[pair.rows.clone()], evaluation);
+        let pattern = &self.matrix.pattern;
+        for ((pair, evaluation), slip) in self.equations.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
+            let weight = if pair.acts_alone() { shares.alone } else { shares.lagging };
+            let mut add = |p: usize, tangent: &[f64]| pair.tangent_into::<D>((pattern, p), weight, tangent, values);
+            let receiver: Option<&mut TangentSink> = if wants_tangent { Some(&mut add) } else { None };
+            pair.kernel.linearize(derivative, q_1, &lambda[pair.rows.clone()], evaluation, receiver);
             if let Some(friction) = &pair.friction {
                 let step = SlipStep { q_0: start.q_0, q_1, moved, test: start.friction_at(), live: &evaluation.live };
                 pair.kernel.evaluate_slips(step, &lambda[friction.rows.clone()], slip);
+                if wants_tangent {
+                    slip.hand_tangents_over(pair.kernel.slip_patches(), &mut add);
+                } else {
+                    slip.drop_tangent();
+                }
             }
         }
+    }
+
+    /// Contact functions of all pairs and their forces, and their tangents where they are wanted.
+    fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) {
+        let clock = Instant::now();
+        self.evaluate_contacts(start, at, wants_tangent);
+        let shares = start.shares();
+        let Linearization { q_1, moved, lambda, forces, pairs, slips, held, rests, .. } = at;
+        forces.contact.clear();
+        forces.contact.resize(q_1.len(), 0.0);
         for block in self.blocks(pairs, slips) {
             let share = block.share(shares);
             for row in block.live_rows() {
@@ -150,17 +165,6 @@ where
         self.find_held(pairs, slips, held);
         self.find_rests(start, moved, pairs, slips, rests);
         forces.scale = forces.scale.max(largest_size(&forces.contact));
-        self.counters.times.contact += clock.elapsed();
-    }
-
-    fn add_contact_tangent(&mut self, start: &StepStart, at: &mut Linearization) {
-        if self.is_far {
-            return;
-        }
-        let clock = Instant::now();
-        for block in self.blocks(&at.pairs, &at.slips) {
-            block.tangent_into::<D>(start.shares(), &mut at.tangent);
-        }
         self.counters.times.contact += clock.elapsed();
     }
 }
@@ -330,7 +334,7 @@ where
         let none = vec![0.0; self.multipliers];
         let evaluated = |pair: &ContactPair| {
             let mut evaluation = Evaluation::default();
-            pair.kernel.evaluate(Derivative::AT_END, q, &none[pair.rows.clone()], &mut evaluation);
+            pair.kernel.linearize(Derivative::AT_END, q, &none[pair.rows.clone()], &mut evaluation, None);
             evaluation
         };
         self.pairs.iter().map(evaluated).collect()

@@ -12,6 +12,7 @@ use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::dynamics::parts::force_shares::ForceShares;
+use crate::linear::Pattern;
 
 impl<const D: usize> System<D>
 where
@@ -36,7 +37,8 @@ where
         self.complete_tangent(start, at)?;
         let clock = Instant::now();
         let Linearization { forces, pairs, slips, tangent, .. } = at;
-        self.write_constraints([pairs, slips], rows, start.shares(), |pair| &pair.gradient_bar, tangent);
+        let pattern = &self.matrix.pattern;
+        self.equations.write_constraints(pattern, [pairs, slips], rows, start.shares(), |pair| &pair.gradient_bar, tangent);
         let mut right: Vec<f64> = forces.without_contact.iter().map(|r| -r).collect();
         right.extend(rows.0.iter().map(|row| row.right));
         if !self.given.is_empty() {
@@ -71,6 +73,7 @@ impl<const D: usize> Equations<D> {
     /// normal ones.
     pub fn write_constraints(
         &self,
+        pattern: &Pattern,
         [pairs, slips]: [&[Evaluation]; 2],
         rows: &ConstraintRows,
         shares: ForceShares,
@@ -78,8 +81,9 @@ impl<const D: usize> Equations<D> {
         values: &mut [f64],
     ) {
         for block in self.blocks(pairs, slips) {
-            block.clear_constraints::<D>(values);
-            block.constraints_into::<D>(&rows.0, columns(block.evaluation), shares, values);
+            let places = (pattern, self.nodes.count());
+            block.clear_constraints::<D>(places, values);
+            block.constraints_into::<D>(places, &rows.0, columns(block.evaluation), shares, values);
         }
         for friction in self.pairs.iter().filter_map(|pair| pair.friction.as_ref()) {
             friction.couple(&rows.0, values);

@@ -249,7 +249,7 @@ impl<const D: usize> Equations<D> {
 
     /// Checks that the contact elements fit into memory: the element of a coarse facet against `n` fine facets grows with `n^2`.
     pub(super) fn ensure_patches(&self) -> Result<(), Shortage> {
-        memory::ensure(self.pairs.iter().map(|pair| pair.kernel.patches().bytes()).fold(0, u64::saturating_add))
+        memory::ensure(self.pairs.iter().map(|pair| pair.kernel.bytes()).fold(0, u64::saturating_add))
     }
 
     /// Chooses the contact kernels' discrete gradient.

@@ -88,7 +88,7 @@ where
     pub(super) fn end_matrix(&self, evaluated: [&[Evaluation]; 2], rows: &ConstraintRows, scale: f64, mut values: Vec<f64>) -> EndMatrix {
         let free = self.supports.fixed.contains(&true).then(|| values.clone());
         values.iter_mut().for_each(|value| *value *= scale);
-        self.write_constraints(evaluated, rows, ForceShares::WHOLE, |pair| &pair.gradient_end, &mut values);
+        self.write_constraints(&self.matrix.pattern, evaluated, rows, ForceShares::WHOLE, |pair| &pair.gradient_end, &mut values);
         self.matrix.finish(rows, self.nodes.modulus, &mut values);
         EndMatrix { values, free }
     }

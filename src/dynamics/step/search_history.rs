@@ -18,6 +18,16 @@ pub struct SearchHistory {
 }
 
 impl SearchHistory {
+    /// Size in bytes, without the data that is shared with `before`.
+    pub fn size(self: &Arc<Self>, before: Option<&Arc<Self>>) -> usize {
+        if before.is_some_and(|before| Arc::ptr_eq(self, before)) {
+            return 0;
+        }
+        let are_shared = before.is_some_and(|before| Arc::ptr_eq(&self.candidates, &before.candidates));
+        let candidates = if are_shared { 0 } else { self.candidates.iter().flatten().map(Candidates::size).sum() };
+        size_of::<Self>() + candidates + self.solver.size(before.map(|before| &before.solver))
+    }
+
     /// True if the search history refers only to entities of the model that `own` belongs to.
     pub fn is_sound_beside(&self, own: &Self) -> bool {
         let are_pairs_sound = |(found, own): (&Option<Candidates>, &Option<Candidates>)| match (found, own) {

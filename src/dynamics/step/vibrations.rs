@@ -108,7 +108,14 @@ where
     /// Writes the constraints with their gradients at an iterate to the matrix values.
     fn constrain(&mut self, at: &Linearization, rows: &ConstraintRows, shift: f64) {
         self.held = rows.0.iter().filter(|row| row.acts).count();
-        self.system.write_constraints([&at.pairs, &at.slips], rows, OPPOSED, |pair| &pair.gradient_end, &mut self.values);
+        self.system.write_constraints(
+            &self.system.matrix.pattern,
+            [&at.pairs, &at.slips],
+            rows,
+            OPPOSED,
+            |pair| &pair.gradient_end,
+            &mut self.values,
+        );
         self.stiffest = self.stiffness_over_mass(shift);
         if shift == 0.0 {
             self.system.stiffen_constraints(&at.pairs, &mut self.values);

@@ -67,6 +67,11 @@ impl Sources {
         self.texts.borrow().iter().map(|(name, text)| (name.clone(), text.clone())).collect()
     }
 
+    /// Number of texts.
+    pub fn count(&self) -> usize {
+        self.texts.borrow().len()
+    }
+
     /// Text of the source with this name.
     pub fn text(&self, name: &str) -> Option<Arc<str>> {
         self.texts.borrow().get(name).cloned()

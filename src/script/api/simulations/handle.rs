@@ -60,7 +60,7 @@ pub struct SimulationData {
     pub keeping: Keeping,
     /// Hint for the last step that failed.
     pub hint: RefCell<String>,
-    /// States before the last steps, to go back to.
+    /// States before the last steps, to go back to; empty where the session cannot go back.
     pub past: RefCell<VecDeque<Past>>,
     /// Probes, with the points that they follow.
     pub probes: RefCell<Vec<Probe>>,
@@ -91,6 +91,8 @@ pub struct Past {
     pub rows: usize,
     /// True if a resumed run has the state.
     pub is_known: bool,
+    /// Size in bytes, without the data that is shared with the state before.
+    pub size: usize,
 }
 
 /// Simulations of a script in the order of their creation, except those of checks and studies.

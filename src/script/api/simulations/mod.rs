@@ -23,6 +23,7 @@ pub mod known_columns;
 pub mod modes;
 pub mod movies;
 pub mod overview;
+pub mod past;
 pub mod paths;
 pub mod pictures;
 pub mod plots;

@@ -18,9 +18,6 @@ use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
 use crate::script::language::host::Host;
 
-/// The function for which states before the last steps are kept in checkpoints.
-const GOES_BACK: &str = "back";
-
 impl Journal {
     /// Writes a checkpoint before a long computation whose results are kept elsewhere ([`PointLog`](crate::output::PointLog)).
     ///
@@ -92,7 +89,6 @@ impl Journal {
 
 /// Returns the present data of the simulations; `None` during a step.
 fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
-    let goes_back = host.sources.all().iter().any(|(_, text)| text.contains(GOES_BACK));
     let mut simulations = Vec::new();
     for handle in Simulations::of(host).0.borrow().iter() {
         let Ok(simulation) = handle.0.simulation.try_borrow() else { return Ok(None) };
@@ -106,7 +102,7 @@ fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
             reached: (row.step, row.time),
             tally: simulation.tally(),
             state: Some(simulation.shared_state()),
-            past: if goes_back { known_states(&past) } else { Vec::new() },
+            past: known_states(&past),
             recording: handle.0.artifacts.borrow().as_ref().map(|artifacts| artifacts.recording().clone()),
             rows,
         });

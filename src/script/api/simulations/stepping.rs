@@ -94,17 +94,6 @@ pub fn on_step() -> Function {
 }
 
 impl SimulationHandle {
-    /// Keeps the state before a step; drops the oldest states if they exceed the memory limit.
-    fn keep_past(&self, before: Past) {
-        let mut past = self.0.past.borrow_mut();
-        let size = self.0.simulation.try_borrow().map_or(0, |simulation| simulation.state_size());
-        let most = (PAST_BYTES / size.max(1)).clamp(1, PAST_STATES);
-        while past.len() >= most {
-            past.pop_front();
-        }
-        past.push_back(before);
-    }
-
     /// Refuses bodies that overlap at the start: this is rarely intended, and contact would keep them as they are.
     fn refuse_overlaps(&self, call: &Call) -> Result<(), Failure> {
         self.refuse(call, |_| true)
@@ -215,7 +204,7 @@ impl SimulationHandle {
         let data = &self.0;
         let state = || data.simulation.try_borrow().map(|simulation| simulation.shared_state()).map_err(|_| busy(call));
         let known = if data.is_behind.get() { None } else { Some(state()?) };
-        let mut before = Past { state: known, rows: data.history.borrow().len(), is_known: data.is_known.get() };
+        let mut before = Past { state: known, rows: data.history.borrow().len(), is_known: data.is_known.get(), size: 0 };
         let (computation, mut rows, mut stepped) = (Computation::Step(end), Vec::new(), Ok(()));
         if let Some(Outcome::Stepped(recalled)) = self.recalled(call, computation)? {
             rows = recalled;
@@ -242,7 +231,7 @@ impl SimulationHandle {
         }
         if !rows.is_empty() {
             call.host.count_effect();
-            self.keep_past(before);
+            self.keep_past(call.host, before);
         }
         Ok((rows, stepped))
     }
@@ -283,11 +272,6 @@ impl SimulationHandle {
 
 /// Rows of the substeps of a nominal step, and its outcome.
 type Step = (Vec<LedgerRow>, Result<(), StepError>);
-
-/// Bytes of memory that the states before the last steps of a simulation may take.
-const PAST_BYTES: usize = 64 << 20;
-/// States before the last steps of a simulation at most.
-const PAST_STATES: usize = 1000;
 
 /// Converts an error of a closure that a step called, with the closure's place first.
 fn passed_on(callback: &Callback, error: Box<EvalAltResult>) -> Box<EvalAltResult> {
