@@ -4,22 +4,24 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::grid::{at_least, graded, limited, positive};
 use super::path::{Frame, frames};
-use super::sweep::Sweep;
+use super::sweep::{Prisms, Sweep};
 use super::{Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
 
-/// Change of a section along an extrusion.
+/// Change of a section along an extrusion, and the cells over its triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
     /// Rotation of the section at the end, counter-clockwise about the origin of the plane `[rad]`.
     pub twist: f64,
     /// Ratios of the sizes along x and y at the end to those at the start, about the origin of the plane.
     pub scale: [f64; 2],
+    /// Cells over triangles; beside quadrilaterals they are always wedges.
+    pub prisms: Prisms,
 }
 
 impl Change {
     /// A section that stays as it is.
-    pub const NONE: Change = Change { twist: 0.0, scale: [1.0; 2] };
+    pub const NONE: Change = Change { twist: 0.0, scale: [1.0; 2], prisms: Prisms::Cut };
 
     /// Returns the change if it is valid for a number of layers: a layer that turns by more than a right angle would be pinched in its
     /// middle.
@@ -45,7 +47,7 @@ impl Change {
 impl Mesh {
     /// The plane mesh drawn out along z from 0 to `height` `[length]` in `layers` of hexahedra, or of prisms cut into three tetrahedra
     /// each, of which the last is `grading` times the first: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as tet10.
-    /// Boundaries of the plane mesh become sides; `bottom` and `top` are added (with an underscore appended if the plane mesh has those
+    /// Triangles become wedges where `change` says so and beside quadrilaterals. Boundaries of the plane mesh become sides; `bottom` and `top` are added (with an underscore appended if the plane mesh has those
     /// names).
     ///
     /// # Errors
@@ -55,7 +57,7 @@ impl Mesh {
         let change = change.checked("along the height", layers)?;
         limited(&[self.cell_count(), layers])?;
         let places = graded(layers, grading)?;
-        self.swept(&straight(layers), |row, node| {
+        self.swept(&Sweep { prisms: change.prisms, ..straight(layers) }, |row, node| {
             let [x, y] = change.at(places[row], self.points[node]);
             [x, y, height * places[row]]
         })
@@ -74,10 +76,10 @@ impl Mesh {
     pub fn extruded_along(&self, path: &[[f64; 3]], change: Change) -> Result<Mesh, MeshError> {
         let (frames, is_closed) = frames(path)?;
         let change = change.checked("along the path", path.len() - 1)?;
-        if is_closed && change != Change::NONE {
+        if is_closed && (change.twist, change.scale) != (Change::NONE.twist, Change::NONE.scale) {
             return Err(MeshError::ClosedChange);
         }
-        let sweep = Sweep { is_closed, ..straight(path.len() - 1) };
+        let sweep = Sweep { is_closed, prisms: change.prisms, ..straight(path.len() - 1) };
         self.swept(&sweep, |row, node| {
             let Frame { at, share, along: [x, y] } = &frames[row];
             let [a, b] = change.at(*share, self.points[node]);
@@ -94,9 +96,8 @@ impl Mesh {
     pub fn lofted(&self, other: &Mesh, height: f64, layers: usize, grading: f64) -> Result<Mesh, MeshError> {
         positive("the height of a loft", height)?;
         at_least("along the height", layers, 1)?;
-        let counts = |mesh: &Mesh| (mesh.kind, mesh.points.len(), mesh.cell_count());
-        if counts(self) != counts(other) || self.connectivity != other.connectivity {
-            let told = |mesh: &Mesh| format!("{} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+        if self.points.len() != other.points.len() || self.blocks != other.blocks {
+            let told = |mesh: &Mesh| format!("{} and {} nodes", mesh.counted_cells(), mesh.points.len());
             return Err(MeshError::Lofted { first: told(self), second: told(other) });
         }
         limited(&[self.cell_count(), layers])?;
@@ -111,7 +112,7 @@ impl Mesh {
 
 /// A way with two ends.
 fn straight(layers: usize) -> Sweep<'static> {
-    Sweep { layers, is_closed: false, is_backward: false, ends: ["bottom", "top"] }
+    Sweep { layers, is_closed: false, is_backward: false, ends: ["bottom", "top"], prisms: Prisms::Cut }
 }
 
 #[cfg(test)]
