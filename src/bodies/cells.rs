@@ -64,8 +64,8 @@ impl<const D: usize> PlacedRun<D> {
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    /// The cells of a block of a mesh, whose nodes begin at `first_node` of the model. Sums go on in the spans of nodes of the blocks before,
-    /// which are `touched`.
+    /// The cells of a block of a mesh, whose nodes begin at `first_node` of the model. Sums go on in the spans of nodes of the blocks
+    /// before, which are `touched`.
     ///
     /// # Errors
     /// The first cell that is inside out.

@@ -1,7 +1,7 @@
 //! Quadratic pyramid: corners as in `pyr5`, then the middles of the edges in the order of [`CellShape::edges`]; 3 x 3 x 3 Gauss points.
 //!
-//! In the coordinates of `pyr5`, with `t = (1 - zeta)/2`, the rational functions of G. Bedrosian (International Journal for Numerical Methods
-//! in Engineering 35, 1992) span the polynomials of degree two of the pyramid with `xi eta t`, `xi^2 eta t^2` and `xi eta^2 t^2`:
+//! In the coordinates of `pyr5`, with `t = (1 - zeta)/2`, the rational functions of G. Bedrosian (International Journal for Numerical
+//! Methods in Engineering 35, 1992) span the polynomials of degree two of the pyramid with `xi eta t`, `xi^2 eta t^2` and `xi eta^2 t^2`:
 //!
 //! ```text
 //! corners of the base   (1 + x)(1 + y) t (t (x + y) - 1)/4 with x = xi xi_a, y = eta eta_a      apex   (1 - t)(1 - 2 t)

@@ -1,8 +1,8 @@
 //! Quadratic wedge: corners as in `wedge6`, then the middles of the edges in the order of [`CellShape::edges`]; 3 x 3 points.
 //!
 //! `N = L ((2 L - 1)(1 + zeta zeta_a) - (1 - zeta^2))/2` at the corners, `2 L_a L_b (1 + zeta zeta_a)` at the middles of the triangles'
-//! edges, `L (1 - zeta^2)` at those along the axis (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, volume 1, 2000, section 8.12).
-//! The points are exact for the stiffness of straight cells, as those of `tri6` are; the mass is that of the exact integrals.
+//! edges, `L (1 - zeta^2)` at those along the axis (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method, volume 1, 2000, section
+//! 8.12). The points are exact for the stiffness of straight cells, as those of `tri6` are; the mass is that of the exact integrals.
 
 use super::edge::edge_points;
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, gradients, quadrature, shape};

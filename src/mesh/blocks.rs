@@ -1,7 +1,7 @@
 //! Cells of a mesh: blocks of one kind each, whose cells are numbered through, block after block.
 
 use super::{Facet, Mesh, MeshError};
-use crate::elements::CellKind;
+use crate::elements::{CellKind, CellShape};
 
 /// Cells of one kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,7 +134,8 @@ impl Mesh {
     /// Facets at which cells do not match: faces of a cell of second order with a node in their centre against faces without, and
     /// quadrilaterals against two triangles. The first cell of such a pair with the kinds on both sides.
     pub(super) fn unmatched(&self) -> Option<MeshError> {
-        if self.blocks.len() < 2 || self.dimension() == 2 {
+        let is_mixed = self.blocks.len() > 1 || self.kinds().any(|kind| matches!(kind.shape(), CellShape::Wedge | CellShape::Pyramid));
+        if !is_mixed || self.dimension() == 2 {
             return None;
         }
         let sorted = self.sorted_facets();

@@ -27,7 +27,7 @@ struct Template {
     pieces: Vec<Vec<(u32, u8)>>,
 }
 
-/// How cells of a block are divided.
+/// Division of the cells of a block.
 struct Division<'a> {
     /// Kind of the children.
     child: CellKind,
@@ -178,7 +178,8 @@ fn cone_of(cell: &[u32]) -> usize {
 
 impl Mesh {
     /// The mesh with every cell cut at the middles of its edges: quadrilaterals and triangles into 4, hexahedra, tetrahedra and wedges
-    /// into 8; boundaries and parts kept. It covers the same set of points: curved boundaries that the coarse mesh cut off are not recovered.
+    /// into 8; boundaries and parts kept. It covers the same set of points: curved boundaries that the coarse mesh cut off are not
+    /// recovered.
     ///
     /// Old nodes keep their numbers. The children of a cell follow each other, first those at its corners in their order.
     ///

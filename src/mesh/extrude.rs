@@ -47,8 +47,8 @@ impl Change {
 impl Mesh {
     /// The plane mesh drawn out along z from 0 to `height` `[length]` in `layers` of hexahedra, or of prisms cut into three tetrahedra
     /// each, of which the last is `grading` times the first: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as tet10.
-    /// Triangles become wedges where `change` says so and beside quadrilaterals. Boundaries of the plane mesh become sides; `bottom` and `top` are added (with an underscore appended if the plane mesh has those
-    /// names).
+    /// Triangles become wedges where `change` says so and beside quadrilaterals. Boundaries of the plane mesh become sides; `bottom`
+    /// and `top` are added (with an underscore appended if the plane mesh has those names).
     ///
     /// # Errors
     /// Cells in space, a height, ratio or scale that is not positive, no layers, too many cells, a twist of too few layers.

@@ -23,15 +23,16 @@ impl FileProblem {
                 "mesh with cells of first or second order (`Mesh.ElementOrder = 2;` in Gmsh)"
             }
             UnsupportedCell { .. } => {
-                "mesh with cells of first order, or of second order with nodes at the middles of edges alone (`Mesh.ElementOrder = 2;` with \
-                 `Mesh.SecondOrderIncomplete = 1;` in Gmsh)"
+                "mesh with cells of first order, or of second order with nodes in the middle of edges alone (`Mesh.ElementOrder = 2;` \
+                 with `Mesh.SecondOrderIncomplete = 1;` in Gmsh)"
             }
             UnsupportedType { .. } => {
                 "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4, C3D5, C3D6, C3D8, C3D10, C3D15, C3D20 or C3D27, \
                  and T3D2 or T3D3 for lines of boundaries"
             }
             MixedCells { .. } => {
-                "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or save the parts of each order in a file of their own"
+                "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or save the parts of each order in a file of their \
+                 own"
             }
             MixedDimensions { .. } => "save plane and solid bodies in files of their own",
             NoCells { .. } => {

@@ -24,8 +24,8 @@ impl MeshError {
             TooManyCells { .. } => "use a coarser mesh".into(),
             Memory { .. } => "use a coarser mesh, or allow the program more memory".into(),
             NoConversion { .. } => {
-                "cells of first order become those of second order of their shape, quad4 cells tri3 or tri6 as well, hex8 cells tets, wedges \
-                 or pyramids of either order; make the mesh of those"
+                "cells of first order become those of second order of their shape, quad4 cells tri3 or tri6 as well, hex8 cells tetrahedra, \
+                 wedges or pyramids of either order; make the mesh of those"
                     .into()
             }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
@@ -47,7 +47,8 @@ impl MeshError {
             }
             NotRefined { .. } => "make the mesh finer where it was made, or fill the place of the pyramids with tetrahedra".into(),
             Unmatched { .. } => {
-                "quadrilaterals meet triangles through a layer of pyramids, and second-order faces of 8 nodes those of 8 (hex20, wedge15, pyr13)"
+                "put a layer of pyramids between quadrilaterals and triangles; of second order, faces of 8 nodes meet those of 8 (hex20, \
+                 wedge15, pyr13)"
                     .into()
             }
             NotLocally { kind: "tet4" | "hex8" | "tet10" | "hex20" | "hex27" | "wedge6" | "wedge15" | "pyr5" | "pyr13" } => {

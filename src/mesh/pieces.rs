@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::{Block, Boundary, Facet, Mesh};
 
 impl Mesh {
-    /// Some cells as a mesh of their own: the cells in the given order, those of a kind together, the nodes they use renumbered in ascending order, and what of the
-    /// boundaries and of the parts lies in it.
+    /// Some cells as a mesh of their own: the cells in the given order, those of a kind together, the nodes they use
+    /// renumbered in ascending order, and what of the boundaries and of the parts lies in it.
     pub fn of_cells(&self, cells: &[u32]) -> Mesh {
         let mut new_node = vec![None; self.points.len()];
         for &cell in cells {
