@@ -31,8 +31,8 @@ impl FileProblem {
                  and T3D2 or T3D3 for lines of boundaries"
             }
             MixedCells { .. } => {
-                "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or save the parts of each order in a file of their \
-                 own"
+                "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or save the parts of each order in files of \
+                 their own"
             }
             MixedDimensions { .. } => "save plane and solid bodies in files of their own",
             NoCells { .. } => {

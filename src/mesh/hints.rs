@@ -24,8 +24,8 @@ impl MeshError {
             TooManyCells { .. } => "use a coarser mesh".into(),
             Memory { .. } => "use a coarser mesh, or allow the program more memory".into(),
             NoConversion { .. } => {
-                "cells of first order become those of second order of their shape, quad4 cells tri3 or tri6 as well, hex8 cells tetrahedra, \
-                 wedges or pyramids of either order; make the mesh of those"
+                "cells of first order become those of second order of their shape, quad4 cells tri3 or tri6 as well, hex8 cells \
+                 tetrahedra, wedges or pyramids of either order; make the mesh of those"
                     .into()
             }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),

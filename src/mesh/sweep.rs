@@ -51,7 +51,8 @@ impl Mesh {
     ///
     /// Cells are hexahedra, or prisms cut into three tetrahedra each: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as
     /// tet10. Triangles become wedges, wedge6 or wedge15, where `prisms` says so and beside quadrilaterals. Nodes
-    /// between two layers lie in the middle. `place(k, node)` is the position of a node of the plane mesh after `k` layers. Names of the ends get an underscore appended if the plane mesh has those names.
+    /// between two layers lie in the middle. `place(k, node)` is the position of a node of the plane mesh after `k` layers. Names of
+    /// the ends get an underscore appended if the plane mesh has those names.
     ///
     /// # Errors
     /// Cells in space, too many cells, coordinates that are not finite, a section that sweeps over itself.

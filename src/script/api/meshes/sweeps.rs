@@ -36,8 +36,8 @@ fn extrude() -> Function {
         topic: Topic::Meshes,
         summary: "the plane mesh drawn out as a solid one, along z or along a path: hexahedra from quadrilaterals, tetrahedra from \
                   triangles (wedges beside quadrilaterals), of second order from such cells; its boundaries become sides, with `bottom` \
-                  at the start and `top` at the end (`bottom_`, `top_` where the plane mesh has these names). Along a path the section stands \
-                  across it, its origin on the path, and does not turn about it",
+                  at the start and `top` at the end (`bottom_`, `top_` where the plane mesh has these names). Along a path the section \
+                  stands across it, its origin on the path, and does not turn about it",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
