@@ -243,7 +243,7 @@ fn files_that_cannot_be_used_are_refused_with_place_and_cure() {
     };
     let orders = "the file mixes cells of first and of second order: 2 quad4 and 1 tri6; the first tri6 is element 3";
     refusal("two_orders.msh", 21, orders, "`Mesh.ElementOrder = 1;`");
-    let prism = "element 1 is a 18-node prism (second order, nodes in its faces), but cells read are tri3, quad4, tri6, quad8, quad9, \
+    let prism = "element 1 is a prism of 18 nodes (second order, nodes in its faces), but cells read are tri3, quad4, tri6, quad8, quad9, \
                  tet4, hex8, tet10, hex20, hex27, wedge6, wedge15, pyr5 and pyr13";
     refusal("prism18.msh", 27, prism, "`Mesh.SecondOrderIncomplete = 1;`");
     let unmatched = "cell 1 at (0.5, 0.5, 0.5) does not match its neighbor: a facet of hex8 and one of tet4 have different nodes";

@@ -149,7 +149,7 @@ mod tests {
     fn triangles_become_tetrahedra_that_fit() {
         let plane = rectangle([2.0, 1.0], [3, 2], [0.0; 2]).unwrap().with_cells(CellKind::Tri3).unwrap();
         let solid = plane.extruded(1.5, 2, 1.0, Change::NONE).unwrap();
-        assert_eq!((solid.kind, solid.cell_count()), (CellKind::Tet4, 2 * 3 * 12));
+        assert_eq!((solid.only_kind(), solid.cell_count()), (Some(CellKind::Tet4), 2 * 3 * 12));
         assert_eq!(solid.defects(), []);
         assert!((solid.measure() - 3.0).abs() < 1e-13);
         for (name, area) in [("left", 1.5), ("right", 1.5), ("bottom", 3.0), ("top", 3.0), ("bottom_", 2.0), ("top_", 2.0)] {
@@ -166,7 +166,7 @@ mod tests {
             let mut plane = ring(0.5, 1.0, [1, 8], [0.0; 2], 0.1).unwrap().with_round_cells(flat, Round::About([0.0; 2])).unwrap();
             plane.boundaries.push(Boundary { name: "points".into(), facets: Vec::new(), nodes: vec![0, plane.cell(0)[4]] });
             let tube = plane.extruded(3.0, 2, 2.0, Change::NONE).unwrap();
-            assert_eq!((tube.kind, tube.defects()), (solid, Vec::new()));
+            assert_eq!((tube.only_kind(), tube.defects()), (Some(solid), Vec::new()));
             // three points for a triangle's curved area, four for the volume of a tetrahedron
             let allowed = if solid == CellKind::Tet10 { 2e-3 } else { 1e-13 };
             assert!((tube.measure() / (3.0 * plane.measure()) - 1.0).abs() < allowed, "{solid:?}: {}", tube.measure());
@@ -198,7 +198,7 @@ mod tests {
         let plane = rectangle([1.0, 2.0], [2, 3], [0.0; 2]).unwrap();
         let solid = plane.extruded(4.0, 2, 1.0, Change::NONE).unwrap();
         let direct = block([1.0, 2.0, 4.0], [2, 3, 2], [0.0; 3]).unwrap();
-        assert_eq!((solid.points, solid.connectivity), (direct.points, direct.connectivity.clone()));
+        assert_eq!((solid.points, solid.blocks), (direct.points, direct.blocks.clone()));
         let names: Vec<&str> = solid.boundaries.iter().map(|b| b.name.as_str()).collect();
         assert_eq!(names, ["left", "right", "bottom", "top", "bottom_", "top_"]);
         assert!(matches!(direct_again(), Err(MeshError::Extruded { kind: "hex8" })));

@@ -397,10 +397,13 @@ fn clockwise_cells_are_reversed_and_crossed_ones_are_an_error_with_place_and_cur
 
 #[test]
 fn other_cells_are_refused_with_the_cure() {
-    let prism = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 6 2 2 2 2 3 16 15 1 99");
-    assert!(prism.to_string().starts_with("element 7 is a 6-node prism, but cells read are "), "{prism}");
+    let prism = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 13 2 2 2 2 3 16 15 1 99");
+    assert!(
+        prism.to_string().starts_with("element 7 is a prism of 18 nodes (second order, nodes in its faces), but cells read are "),
+        "{prism}"
+    );
     assert_eq!(prism.line(), Some(28));
-    assert!(prism.hint().contains("prisms"), "{}", prism.hint());
+    assert!(prism.hint().contains("SecondOrderIncomplete"), "{}", prism.hint());
     let third_order = refusal(SQUARES_4, "2 2 3 1", "2 2 29 1");
     assert!(third_order.to_string().contains("20-node tetrahedron (third order)"), "{third_order}");
     assert!(third_order.hint().contains("Mesh.ElementOrder = 2;"), "{}", third_order.hint());
