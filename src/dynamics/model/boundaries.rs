@@ -35,7 +35,7 @@ pub fn inner_nodes(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<u
 
 /// Mid-side nodes of second-order edges on the hulls of plane bodies; `first` maps a body to its first node number.
 pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> ProxyNodes {
-    let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.kind.is_quadratic());
+    let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.is_quadratic());
     let edges = curved.flat_map(|(index, body)| {
         let first = first(index) as u32;
         let edge = move |facet| {
