@@ -21,6 +21,7 @@ mod grid;
 mod hints;
 mod join;
 mod layers;
+mod locate;
 mod local_refinement;
 mod path;
 mod pieces;
@@ -58,6 +59,7 @@ pub use files::{
 };
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub use layers::Layers;
+pub use locate::CellFinder;
 pub use plane::{cross, is_inside};
 pub use point_index::PointIndex;
 pub use polygon::{layered_polygon, polygon, polygon_of};

@@ -22,7 +22,7 @@ use flate2::write::ZlibEncoder;
 use super::markup::comment;
 use super::obstacle_surfaces::ObstacleSurface;
 use super::obstacles::{Surroundings, Wall};
-use crate::dynamics::{BodyFields, ContactFields, ContactSurface, PlacedObstacle};
+use crate::dynamics::{BodyFields, ContactFields, ContactSurface, PlacedObstacle, principal};
 use crate::elements::CellKind;
 
 /// VTK's number of a line with two nodes.
@@ -40,12 +40,20 @@ const REACH_IN_SPACE: f64 = 1.5;
 /// Compression level: level 6 makes files 8 % smaller in two to four times the time (bearing and a block of 144 000 cells).
 const LEVEL: Compression = Compression::fast();
 
+/// Components of symmetric tensors, in the order of VTK.
+const TENSOR: &[&str] = &["xx", "yy", "zz", "xy", "yz", "xz"];
+
+/// Principal values in descending order.
+const PRINCIPAL: &[&str] = &["1", "2", "3"];
+
 /// A named array of the file.
 #[derive(Debug)]
 struct Array {
     name: &'static str,
     scalar: &'static str,
     components: usize,
+    /// Names of the components; empty for numbers and vectors.
+    labels: &'static [&'static str],
     bytes: Vec<u8>,
     /// Compressed blocks, created on first use.
     packed: OnceLock<Vec<u8>>,
@@ -53,13 +61,17 @@ struct Array {
 
 impl Array {
     fn new(name: &'static str, scalar: &'static str, components: usize, bytes: Vec<u8>) -> Self {
-        Array { name, scalar, components, bytes, packed: OnceLock::new() }
+        Array { name, scalar, components, labels: &[], bytes, packed: OnceLock::new() }
     }
 
     fn doubles<const N: usize>(name: &'static str, count: usize, values: impl Iterator<Item = [f64; N]>) -> Self {
         let mut bytes = Vec::with_capacity(8 * N * count);
         values.for_each(|value| value.iter().for_each(|number| bytes.extend_from_slice(&number.to_le_bytes())));
         Array::new(name, "Float64", N, bytes)
+    }
+
+    fn labeled(self, labels: &'static [&'static str]) -> Self {
+        Array { labels, ..self }
     }
 
     fn integers(name: &'static str, values: impl Iterator<Item = i64>) -> Self {
@@ -228,17 +240,23 @@ impl Frame {
             Array::doubles(name, count, bodies.iter().flat_map(move |body| of(body).iter().copied()))
         };
         let von_mises = bodies.iter().flat_map(|body| (0..body.stress.len()).map(|node| [body.von_mises(node)]));
+        let principal_stresses = bodies.iter().flat_map(|body| body.stress.iter().map(|stress| principal(stress).values));
         let flow = [scalars("plastic_strain", |body| &body.plastic_strain), scalars("back_stress", |body| &body.back_stress)];
         let mut nodal = vec![
             vectors("displacement", |body| &body.displacement),
             vectors("velocity", |body| &body.velocity),
-            Array::doubles("stress", count, bodies.iter().flat_map(|body| body.stress.iter().copied())),
+            vectors("acceleration", |body| &body.acceleration),
+            Array::doubles("stress", count, bodies.iter().flat_map(|body| body.stress.iter().copied())).labeled(TENSOR),
+            Array::doubles("strain", count, bodies.iter().flat_map(|body| body.strain.iter().copied())).labeled(TENSOR),
+            Array::doubles("principal_stress", count, principal_stresses).labeled(PRINCIPAL),
+            scalars("energy_density", |body| &body.energy_density),
             Array::doubles("von_mises", count, von_mises),
             scalars("stress_error", |body| &body.stress_error),
             scalars("contact_pressure", |body| &body.contact_pressure),
             scalars("contact_gap", |body| &body.contact_gap),
             vectors("contact_force", |body| &body.contact_force),
             scalars("contact_active", |body| &body.contact_active),
+            scalars("contact_state", |body| &body.contact_state),
         ];
         nodal.extend(flow.into_iter().filter(|_| bodies.iter().any(|body| body.flows)));
         Frame { time, grid, shown: " Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", nodal }
@@ -259,9 +277,10 @@ impl Frame {
         let mut section = |text: &mut String, tag: &str, arrays: &[Array]| {
             let tag_name = tag.split(' ').next().unwrap_or(tag);
             let _ = writeln!(text, "      <{tag}>");
-            for array @ Array { name, scalar, components, .. } in arrays {
+            for array @ Array { name, scalar, components, labels, .. } in arrays {
                 // meshio makes a column matrix of an array with `NumberOfComponents="1"`.
-                let count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
+                let mut count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
+                labels.iter().enumerate().for_each(|(k, label)| count.push_str(&format!(" ComponentName{k}=\"{label}\"")));
                 let offset = blob.len();
                 let _ =
                     writeln!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count} format=\"appended\" offset=\"{offset}\"/>");

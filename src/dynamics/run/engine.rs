@@ -132,6 +132,7 @@ where
             loads_ended: 0.0,
             positions,
             displacements,
+            accelerations: vec![0.0; velocities.len()],
             velocities,
         };
         Ok(Engine {

@@ -155,7 +155,8 @@ where
         reactions.extend(self.coupling_reactions(|k| q[k], &at, lambda, self.state.row.time)?);
         let joints = self.joint_totals(q, (q, &at.pairs), lambda, &[]);
         self.system.recycle(at);
-        let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
+        Arc::make_mut(&mut self.state).accelerations.fill(0.0);
+        let probes = self.probe_values(&self.state.displacements, &self.state.velocities, &self.state.accelerations);
         let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
             Arc::make_mut(&mut self.state);
         *memory = self.system.relaxed(u, memory);

@@ -102,6 +102,9 @@ pub fn functions() -> Vec<Function> {
     all.extend([
         property("displacement", "the displacement of the probe's point now", |values, _| values.displacement),
         property("velocity", "the velocity of the probe's point now", |values, _| values.velocity),
+        property("acceleration", "the acceleration of the probe's point: change of its velocity in the last step over its size", |values, _| {
+            values.acceleration
+        }),
         property("position", "the position of the probe's point now", |values, rest| [0, 1, 2].map(|i| rest[i] + values.displacement[i])),
     ]);
     all
@@ -113,7 +116,7 @@ fn probe() -> Function {
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
         summary: "follows the node of a body nearest to a point at rest; the history gets the columns `name.ux`, `name.uy`, `name.vx`, \
-                  `name.vy`",
+                  `name.vy`, `name.ax`, `name.ay`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique in the simulation"),
             Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
