@@ -46,14 +46,22 @@ const TENSOR: &[&str] = &["xx", "yy", "zz", "xy", "yz", "xz"];
 /// Principal values in descending order.
 const PRINCIPAL: &[&str] = &["1", "2", "3"];
 
+/// Attributes of the names of an array's components; empty for numbers and vectors.
+pub(super) fn component_names(array: &str) -> String {
+    let names = match array {
+        "stress" | "strain" => TENSOR,
+        "principal_stress" => PRINCIPAL,
+        _ => &[],
+    };
+    names.iter().enumerate().map(|(k, name)| format!(" ComponentName{k}=\"{name}\"")).collect()
+}
+
 /// A named array of the file.
 #[derive(Debug)]
 struct Array {
     name: &'static str,
     scalar: &'static str,
     components: usize,
-    /// Names of the components; empty for numbers and vectors.
-    labels: &'static [&'static str],
     bytes: Vec<u8>,
     /// Compressed blocks, created on first use.
     packed: OnceLock<Vec<u8>>,
@@ -61,17 +69,13 @@ struct Array {
 
 impl Array {
     fn new(name: &'static str, scalar: &'static str, components: usize, bytes: Vec<u8>) -> Self {
-        Array { name, scalar, components, labels: &[], bytes, packed: OnceLock::new() }
+        Array { name, scalar, components, bytes, packed: OnceLock::new() }
     }
 
     fn doubles<const N: usize>(name: &'static str, count: usize, values: impl Iterator<Item = [f64; N]>) -> Self {
         let mut bytes = Vec::with_capacity(8 * N * count);
         values.for_each(|value| value.iter().for_each(|number| bytes.extend_from_slice(&number.to_le_bytes())));
         Array::new(name, "Float64", N, bytes)
-    }
-
-    fn labeled(self, labels: &'static [&'static str]) -> Self {
-        Array { labels, ..self }
     }
 
     fn integers(name: &'static str, values: impl Iterator<Item = i64>) -> Self {
@@ -246,9 +250,9 @@ impl Frame {
             vectors("displacement", |body| &body.displacement),
             vectors("velocity", |body| &body.velocity),
             vectors("acceleration", |body| &body.acceleration),
-            Array::doubles("stress", count, bodies.iter().flat_map(|body| body.stress.iter().copied())).labeled(TENSOR),
-            Array::doubles("strain", count, bodies.iter().flat_map(|body| body.strain.iter().copied())).labeled(TENSOR),
-            Array::doubles("principal_stress", count, principal_stresses).labeled(PRINCIPAL),
+            Array::doubles("stress", count, bodies.iter().flat_map(|body| body.stress.iter().copied())),
+            Array::doubles("strain", count, bodies.iter().flat_map(|body| body.strain.iter().copied())),
+            Array::doubles("principal_stress", count, principal_stresses),
             scalars("energy_density", |body| &body.energy_density),
             Array::doubles("von_mises", count, von_mises),
             scalars("stress_error", |body| &body.stress_error),
@@ -277,10 +281,10 @@ impl Frame {
         let mut section = |text: &mut String, tag: &str, arrays: &[Array]| {
             let tag_name = tag.split(' ').next().unwrap_or(tag);
             let _ = writeln!(text, "      <{tag}>");
-            for array @ Array { name, scalar, components, labels, .. } in arrays {
+            for array @ Array { name, scalar, components, .. } in arrays {
                 // meshio makes a column matrix of an array with `NumberOfComponents="1"`.
                 let mut count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
-                labels.iter().enumerate().for_each(|(k, label)| count.push_str(&format!(" ComponentName{k}=\"{label}\"")));
+                count.push_str(&component_names(name));
                 let offset = blob.len();
                 let _ =
                     writeln!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count} format=\"appended\" offset=\"{offset}\"/>");
