@@ -475,7 +475,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         self.visit_points(at, visit);
     }
 
-    fn visit_forces(&self, at: Present, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
-        self.visit_cell_forces(at, visit);
+    fn visit_forces(&self, at: Present, field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+        self.visit_cell_forces(at, field, visit);
     }
 }

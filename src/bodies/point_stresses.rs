@@ -86,8 +86,14 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     /// [`ElementLoop::visit_forces`](super::ElementLoop::visit_forces): with the first Piola-Kirchhoff stress `P = J sigma F^-T` at the
-    /// points, `f_a = sum V P G_a`, and around an axis in addition `V P_33 N_a / R` along the radius.
-    pub(super) fn visit_cell_forces(&self, at: Present, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+    /// points, `f_a = sum V P G_a - m N_a b` with the mass `m` of the point and the force per mass `b`, and around an axis in addition
+    /// `V P_33 N_a / R` along the radius.
+    pub(super) fn visit_cell_forces(
+        &self,
+        at: Present,
+        field: &dyn Fn(&[u32], &[f64]) -> [f64; 3],
+        visit: &mut dyn FnMut(usize, &[[f64; 3]]),
+    ) {
         let mut work = Box::new(Workspace::<false, D, S, A, Q>::new(self.physics.strain));
         for (index, batch) in self.batches.iter().enumerate() {
             let shown = self.shown(index, batch, at);
@@ -107,6 +113,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                         (0..3).for_each(|i| force[i] += pull[i]);
                     }
                     (0..3).for_each(|i| forces[lane][A - 1][i] += last[i]);
+                    let mass = self.physics.density * shown.deformation.weighed[point].0[lane];
+                    let on_mass = field(self.nodes(index, lane), shapes).map(|b| mass * b);
+                    for (force, shape) in forces[lane].iter_mut().zip(shapes) {
+                        (0..3).for_each(|i| force[i] -= shape * on_mass[i]);
+                    }
                     if self.physics.is_axisymmetric() {
                         let around = piola.m33 * place.curvature.0[lane];
                         forces[lane].iter_mut().zip(shapes).for_each(|(force, shape)| force[0] += around * shape);

@@ -39,8 +39,7 @@ impl<'a> CellFinder<'a> {
     /// small part of a cell counts as the nearest point of the cell.
     pub fn shares(&self, point: [f64; 3]) -> Option<Vec<(u32, f64)>> {
         let mut best: Option<(f64, Vec<(u32, f64)>)> = None;
-        let mut found: Vec<usize> =
-            self.tree.locate_in_envelope_intersecting(AABB::from_point(point)).map(|found| found.data).collect();
+        let mut found: Vec<usize> = self.tree.locate_in_envelope_intersecting(AABB::from_point(point)).map(|found| found.data).collect();
         found.sort_unstable();
         for cell in found {
             let (distance, shares) = self.in_cell(cell, point)?;

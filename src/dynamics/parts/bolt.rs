@@ -131,6 +131,13 @@ impl Part for Bolt {
         vec![self.at_rest, 0.0, 0.0, 0.0]
     }
 
+    fn settled(&self, time: f64, at: Pose, memory: &[f64]) -> Vec<f64> {
+        match self.law.is_tightened(time) {
+            true => vec![self.line.vector(at.q).1, self.law.tension(time), 0.0, 0.0],
+            false => vec![memory[0], memory[1], 1.0, 0.0],
+        }
+    }
+
     fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
         let memory = if self.law.is_tightened(at.time) {
             let tension = self.law.tension(at.time);

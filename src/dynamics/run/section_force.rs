@@ -1,8 +1,9 @@
 //! Force and moment that two parts of a body exert on each other across a section.
 //!
 //! A plane parts the undeformed cells by their centroids. The section consists of the facets between both parts, and its force is the sum of
-//! the internal forces with which the cells in front of the plane act on the nodes of the section. These are the forces of the equations of
-//! motion, so that they balance loads, reactions and inertia of either part exactly; an integral of smoothed stresses does not.
+//! the forces with which the cells in front of the plane act on the nodes of the section: those of their stresses, their weight and their
+//! inertia. These are the forces of the equations of motion, so that they balance loads, reactions and inertia of either part; an integral of
+//! smoothed stresses does not.
 
 use std::collections::BTreeMap;
 
@@ -71,7 +72,14 @@ where
             q(node as usize).iter().zip(&mut section.center).for_each(|(x, center)| *center += share / section.area * x);
         }
         let mut forces = vec![[0.0; D]; mesh.points.len()];
-        body.elements.visit_forces(self.present(body), &mut |cell, of_cell| {
+        let per_mass = |nodes: &[u32], shapes: &[f64]| -> [f64; 3] {
+            let mut field = self.model.gravity;
+            for (&node, shape) in nodes.iter().zip(shapes) {
+                (0..D).for_each(|i| field[i] -= shape * self.state.accelerations[node as usize * D + i]);
+            }
+            field
+        };
+        body.elements.visit_forces(self.present(body), &per_mass, &mut |cell, of_cell| {
             if is_front[cell] {
                 for (&node, force) in mesh.cell(cell).iter().zip(of_cell) {
                     // Against the internal force, which stands on the left side of the equations of motion.

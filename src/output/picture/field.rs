@@ -74,9 +74,8 @@ impl Field {
 
     /// Names of all fields in scripts.
     pub fn names() -> Vec<&'static str> {
-        let is_further = |field: &&PointField| {
-            matches!(field.value, PointValue::Number(_)) && Field::ALL.iter().all(|row| row.0 != field.name)
-        };
+        let is_further =
+            |field: &&PointField| matches!(field.value, PointValue::Number(_)) && Field::ALL.iter().all(|row| row.0 != field.name);
         let further = POINT_FIELDS.iter().filter(is_further).map(|field| field.name);
         Field::ALL.iter().map(|row| row.0).chain([ACCELERATION]).chain(further).collect()
     }

@@ -41,7 +41,11 @@ fn each(argument: &Argument, value: &Dynamic, of: &dyn Fn(&Dynamic) -> Option<Dy
         let failure = failure.label(format!("this contains {}", describe(argument.call().engine(), value)));
         return Err(failure.hint("`values.map(|v| …)` makes numbers of the entries"));
     };
-    entries.iter().map(|entry| of(entry).map_or_else(|| each(argument, entry, of, depth + 1), Ok)).collect::<Result<Array, _>>().map(Into::into)
+    entries
+        .iter()
+        .map(|entry| of(entry).map_or_else(|| each(argument, entry, of, depth + 1), Ok))
+        .collect::<Result<Array, _>>()
+        .map(Into::into)
 }
 
 /// The size of a number; whole numbers stay whole.
@@ -89,7 +93,10 @@ fn of_two(name: &'static str, summary: &'static str, names: [&'static str; 2], c
                 [None, None] => Ok(Dynamic::from(compute(a.number()?, b.number()?))),
                 [Some(x), Some(y)] if x.len() != y.len() => {
                     let failure = b.fail(format!("{} works entry by entry", call.function.title()));
-                    Err(failure.cause(format!("the arrays have {} and {} entries", x.len(), y.len())).hint("give arrays of one length").into())
+                    Err(failure
+                        .cause(format!("the arrays have {} and {} entries", x.len(), y.len()))
+                        .hint("give arrays of one length")
+                        .into())
                 }
                 [Some(x), Some(y)] => {
                     let all = x.iter().zip(&y).map(|(x, y)| entry_of(&a, x).and_then(|x| Ok(compute(x, entry_of(&b, y)?).into())));

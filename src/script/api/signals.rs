@@ -220,7 +220,10 @@ fn cfc_filter() -> Function {
             let (values, dt, class): (Vec<f64>, f64, f64) = (numbers(&values).collect(), call.number("dt")?, call.number("class")?);
             let failure = if class * dt > HIGHEST {
                 let failure = call.argument("class").fail("the values are too far apart for this class");
-                Some(failure.cause(format!("SAE J211 asks for ten values in a period of the class: a `dt` of at most {} s", number_text(0.1 / class))))
+                Some(failure.cause(format!(
+                    "SAE J211 asks for ten values in a period of the class: a `dt` of at most {} s",
+                    number_text(0.1 / class)
+                )))
             } else {
                 values.iter().any(|x| !x.is_finite()).then(|| call.argument("values").fail("a filter needs finite numbers"))
             };

@@ -20,7 +20,12 @@ pub fn add_bolt() -> Function {
     let mut keys = end_parameters();
     keys.extend([
         Parameter::number("preload", "force", Interval::Positive, "the tension to which it is tightened (plane: per thickness)"),
-        Parameter::number("stiffness", "force / length", Interval::Positive, "its stiffness `E A / l` when it is locked (plane: per thickness)"),
+        Parameter::number(
+            "stiffness",
+            "force / length",
+            Interval::Positive,
+            "its stiffness `E A / l` when it is locked (plane: per thickness)",
+        ),
         Parameter::number(
             "locked_at",
             "time",

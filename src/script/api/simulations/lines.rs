@@ -138,9 +138,7 @@ fn field() -> Function {
                 .or(Absent::Means("the axes of the model")),
         ],
         returns: "Array",
-        example: flight_example(&format!(
-            "{EXAMPLE}plot_curves(\"cut.svg\", [#{{ x: line.distance, y: line.field(\"stress_xx\") }}]);"
-        )),
+        example: flight_example(&format!("{EXAMPLE}plot_curves(\"cut.svg\", [#{{ x: line.distance, y: line.field(\"stress_xx\") }}]);")),
         see_also: &["along", "linearized"],
         body: body(|call| {
             let (line, options) = (call.receiver::<LineHandle>().0, call.options("options")?);
@@ -168,7 +166,9 @@ fn linearized() -> Function {
             let line = call.receiver::<LineHandle>().0;
             let Some(stresses) = line.stresses() else {
                 let failure = call.fail("the line is partly outside of the body, and the stress there is not known");
-                return Err(failure.hint("give both ends on the surface of the wall or inside: `line.field(\"von_mises\")` is NaN outside").into());
+                return Err(failure
+                    .hint("give both ends on the surface of the wall or inside: `line.field(\"von_mises\")` is NaN outside")
+                    .into());
             };
             Ok(Linearized::new(&stresses).map().into())
         }),
@@ -242,7 +242,8 @@ mod tests {
 
     #[test]
     fn a_linear_stress_is_membrane_and_bending_and_a_cubic_leaves_a_peak() {
-        let along = |of: &dyn Fn(f64) -> f64| -> Vec<[f64; 6]> { (0..=40).map(|k| [of(k as f64 / 40.0), 0.0, 0.0, 0.0, 0.0, 0.0]).collect() };
+        let along =
+            |of: &dyn Fn(f64) -> f64| -> Vec<[f64; 6]> { (0..=40).map(|k| [of(k as f64 / 40.0), 0.0, 0.0, 0.0, 0.0, 0.0]).collect() };
         let linear = Linearized::new(&along(&|s| 5.0 - 8.0 * s));
         assert!((linear.membrane[0] - 1.0).abs() < 1e-14 && (linear.bending[0] - 4.0).abs() < 1e-14);
         assert!(linear.peak.iter().all(|peak| peak[0].abs() < 1e-14));

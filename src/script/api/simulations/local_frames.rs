@@ -11,7 +11,8 @@ pub(super) fn frame_parameters() -> [Parameter; 3] {
     [
         optional("center", "a point of the axis of radial, tangential and axial components", "the origin").of("length"),
         optional("axis", "the direction of that axis, in space", "[0, 0, 1]").of("1"),
-        optional("direction", "the direction of `stress_along` and `strain_along`, the normal of the plane of `traction`", "along x").of("1"),
+        optional("direction", "the direction of `stress_along` and `strain_along`, the normal of the plane of `traction`", "along x")
+            .of("1"),
     ]
 }
 

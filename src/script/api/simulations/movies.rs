@@ -43,7 +43,8 @@ pub(super) fn movie_function() -> Function {
                 return Err(failure.hint("write `stills_inside: true` into the options of `simulate`").into());
             }
             if let Some(panel) = shown.panels.iter().find(|panel| !panel.field.is_recorded()) {
-                let failure = options.argument("field").fail(format!("the stills of a run do not keep the field \"{}\"", panel.field.words()));
+                let failure =
+                    options.argument("field").fail(format!("the stills of a run do not keep the field \"{}\"", panel.field.words()));
                 let failure = failure.cause("displacements, velocities, stresses and contact pressures are recorded");
                 return Err(failure.hint("draw it with `sim.picture` while the run goes on, such as in `sim.on_step`").into());
             }

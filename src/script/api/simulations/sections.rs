@@ -50,15 +50,21 @@ impl Handle for SectionHandle {
 pub fn functions() -> Vec<Function> {
     vec![
         section_force(),
-        property("force", "Array", "what the material in front of the plane exerts on that behind it, positive along the normal in tension", |section| {
-            vector(&section.section.force, section.dimension)
-        }),
+        property(
+            "force",
+            "Array",
+            "what the material in front of the plane exerts on that behind it, positive along the normal in tension",
+            |section| vector(&section.section.force, section.dimension),
+        ),
         property("moment", "", "its moment about the origin: a number in the plane, an array in space", |section| {
             section.moment(&section.section.moment)
         }),
-        property("moment_at_center", "", "its moment about the center of the section: a number in the plane, an array in space", |section| {
-            section.moment(&section.section.moment_at_center)
-        }),
+        property(
+            "moment_at_center",
+            "",
+            "its moment about the center of the section: a number in the plane, an array in space",
+            |section| section.moment(&section.section.moment_at_center),
+        ),
         property("center", "Array", "the centroid of the section now", |section| vector(&section.section.center, section.dimension)),
         property("area", "float", "the area of the section in the undeformed body, its length in the plane", |section| {
             section.section.area.into()
@@ -73,8 +79,8 @@ fn section_force() -> Function {
         topic: Topic::Results,
         summary: "the cut force of a body across a plane of the undeformed body: what the cells in front of it, towards which the normal \
                   points, exert on the others. A cell is in front if its centroid is, so that the section follows the sides of cells; its \
-                  force is the sum of their nodal forces, and balances loads, reactions and inertia of each part exactly. Loads on nodes of \
-                  the section act on the part behind it. A plane that cuts a body at several places gives their sum",
+                  force is the sum of their nodal forces of stress, weight and inertia, and balances loads and reactions of each part \
+                  exactly. Loads on nodes of the section act on the part behind it. A plane that cuts a body at several places gives their sum",
         parameters: vec![
             Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
             Parameter::new("point", Kind::Vector, "a point of the plane in the undeformed body").of("length"),
@@ -91,7 +97,9 @@ fn section_force() -> Function {
             let (place, direction) = (point.vector(dimension)?, normal.vector(dimension)?);
             if definition.rigid.is_some() {
                 let failure = call.argument("body").fail(format!("body \"{}\" is rigid: it has no stresses", definition.name));
-                return Err(failure.hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` tell what acts on it").into());
+                return Err(failure
+                    .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` tell what acts on it")
+                    .into());
             }
             if direction == [0.0; 3] {
                 return Err(normal.fail("the normal has no direction").hint("write one such as `[1.0, 0.0]`").into());
@@ -114,9 +122,7 @@ fn property(name: &'static str, returns: &'static str, summary: &'static str, re
         summary,
         parameters: Vec::new(),
         returns,
-        example: flight_example(&format!(
-            "sim.run_to(0.05);\nprint(sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]).{name});"
-        )),
+        example: flight_example(&format!("sim.run_to(0.05);\nprint(sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]).{name});")),
         see_also: &["section_force"],
         body: body(move |call| Ok(read(&call.receiver::<SectionHandle>()))),
     }
