@@ -77,8 +77,8 @@ fn transform(x: &mut [[f64; 2]]) {
     }
 }
 
-/// Values at equal distances `dt` of time in seconds, filtered with the channel frequency class `class` in hertz of SAE J211-1 and ISO 6487:
-/// a Butterworth filter of second order, forward and backward, so that phases stay. Both ends are continued by point reflection.
+/// Values at equal distances `dt` of time in seconds, filtered with the channel frequency class `class` in hertz of SAE J211-1 and
+/// ISO 6487: a Butterworth filter of second order, forward and backward, so that phases stay. Both ends are continued by point reflection.
 pub fn channel_filter(values: &[f64], dt: f64, class: f64) -> Vec<f64> {
     let n = values.len();
     if n < 2 {

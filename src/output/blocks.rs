@@ -56,7 +56,8 @@ fn chosen(array: &ArrayRead, places: &[usize]) -> Numbers {
 /// Text of the multiblock file of named blocks with their files.
 pub fn vtm(blocks: &[(String, String)]) -> String {
     let mut text = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <vtkMultiBlockDataSet>\n",
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\">\n  \
+         <vtkMultiBlockDataSet>\n",
     );
     for (index, (name, file)) in blocks.iter().enumerate() {
         let _ = writeln!(text, "    <DataSet index=\"{index}\" name=\"{}\" file=\"{}\"/>", escaped(name), escaped(file));

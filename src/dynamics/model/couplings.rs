@@ -45,9 +45,9 @@ pub enum CouplingKind {
         on: BodyBoundary,
         /// Index of the rigid body.
         to: usize,
-        /// True if each node moves as a point of the rigid body, so that the boundary stays as it is; false if only its mean motion is that of
-        /// the rigid body, `sum w_a (x_a - X_a(R, t)) = 0` and `sum w_a R r_a x x_a = 0` with the shares `w_a` of the area and the arms `r_a`
-        /// from the centroid at rest: the boundary deforms freely, and the force on the rigid body is distributed.
+        /// True if each node moves as a point of the rigid body, so that the boundary stays as it is; false if only its mean motion is that
+        /// of the rigid body, `sum w_a (x_a - X_a(R, t)) = 0` and `sum w_a R r_a x x_a = 0` with the shares `w_a` of the area and the arms
+        /// `r_a` from the centroid at rest: the boundary deforms freely, and the force on the rigid body is distributed.
         is_rigid: bool,
     },
 }

@@ -24,8 +24,8 @@ pub struct BoltElement {
     pub preload: f64,
     /// Stiffness of the locked bolt `[force/length]` (per thickness in the plane).
     pub stiffness: f64,
-    /// Time until which the tension rises linearly, and at which the length is locked; 0: the preload acts from the start, and an equilibrium
-    /// at the start finds the length `[time]`.
+    /// Time until which the tension rises linearly, and at which the length is locked; 0: the preload acts from the start, and an
+    /// equilibrium at the start finds the length `[time]`.
     pub locked_at: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Fields that follow from stress, strain and history variables at a point: invariants, principal values, components in a local frame.
 //!
-//! One catalogue for scripts, pictures, probes and paths. Components `r`, `t`, `a` belong to the cylinder about the axis of a [`LocalFrame`]:
-//! radial, tangential (counter-clockwise about the axis) and axial.
+//! One catalogue for scripts, pictures, probes and paths. Components `r`, `t`, `a` belong to the cylinder about the axis of a
+//! [`LocalFrame`]: radial, tangential (counter-clockwise about the axis) and axial.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 

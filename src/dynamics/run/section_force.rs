@@ -1,9 +1,9 @@
 //! Force and moment that two parts of a body exert on each other across a section.
 //!
-//! A plane parts the undeformed cells by their centroids. The section consists of the facets between both parts, and its force is the sum of
-//! the forces with which the cells in front of the plane act on the nodes of the section: those of their stresses, their weight and their
-//! inertia. These are the forces of the equations of motion, so that they balance loads, reactions and inertia of either part; an integral of
-//! smoothed stresses does not.
+//! A plane parts the undeformed cells by their centroids. The section consists of the facets between both parts, and its force is the sum
+//! of the forces with which the cells in front of the plane act on the nodes of the section: those of their stresses, their weight and
+//! their inertia. These are the forces of the equations of motion, so that they balance loads, reactions and inertia of either part; an
+//! integral of smoothed stresses does not.
 
 use std::collections::BTreeMap;
 

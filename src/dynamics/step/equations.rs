@@ -84,8 +84,8 @@ where
         Arc::new(self.bodies.iter().map(of_body).chain(others).collect())
     }
 
-    /// History variables of all parts in an equilibrium at a time: plastic strains of bodies remain, rate-dependent stresses (viscosity) have
-    /// relaxed.
+    /// History variables of all parts in an equilibrium at a time: plastic strains of bodies remain, rate-dependent stresses (viscosity)
+    /// have relaxed.
     pub fn relaxed(&self, time: f64, at: Pose, memory: &[Vec<f64>]) -> PartHistories {
         let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(Present { u: at.u, history }));
         let others = self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.settled(time, at, memory));

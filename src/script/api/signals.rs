@@ -123,7 +123,8 @@ fn interpolate() -> Function {
         name: "interpolate",
         form: Form::Function,
         topic: Topic::Arrays,
-        summary: "the value of a curve at a place or at an array of places, linear between its points; beyond its ends it stays as it is there",
+        summary: "the value of a curve at a place or at an array of places, linear between its points; beyond its ends it stays as it is \
+                  there",
         parameters: vec![
             Parameter::new("at", Kind::Either("a number or an array of numbers"), "where"),
             Parameter::new("x", Kind::Array, "the places of the points, ascending"),

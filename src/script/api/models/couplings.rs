@@ -65,8 +65,8 @@ pub fn add_coupling() -> Function {
         Parameter::new(
             "kind",
             Kind::Choice(KINDS),
-            "`distributing`: the mean motion of the boundary, translation and rotation, is that of the rigid body, which adds no stiffness; \
-             `rigid`: each node moves as a point of the rigid body",
+            "`distributing`: the mean motion of the boundary, translation and rotation, is that of the rigid body, which adds no \
+             stiffness; `rigid`: each node moves as a point of the rigid body",
         )
         .or(Absent::Text("distributing")),
     ];
@@ -74,14 +74,14 @@ pub fn add_coupling() -> Function {
         name: "add_coupling",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "couples a boundary to a reference point, a rigid body on which forces, torques, joints, springs and motions act: its mean \
-                  motion alone (distributing), or all of its nodes (rigid). `sim.reaction(name)` tells what it exerts on the boundary, the \
-                  history has it as `name.reaction.force_x` and so on",
+        summary: "couples a boundary to a reference point, a rigid body on which forces, torques, joints, springs and motions act: its \
+                  mean motion alone (distributing), or all of its nodes (rigid). `sim.reaction(name)` tells what it exerts on the boundary, \
+                  the history has it as `name.reaction.force_x` and so on",
         parameters: vec![name_parameter(), Parameter::new("options", Kind::Options(keys), "boundary, reference body, kind")],
         returns: "",
         example: plate_example(
-            "let grip = press.add_rigid_body(\"grip\", rectangle(#{ size: [0.2, 0.2], cells: [1, 1], origin: [3.0, 0.4] }), #{ density: 1.0 \
-             });\n\
+            "let grip = press.add_rigid_body(\"grip\", rectangle(#{ size: [0.2, 0.2], cells: [1, 1], origin: [3.0, 0.4] }), #{ density: \
+             1.0 });\n\
              press.add_coupling(\"pull\", #{ boundary: plate.boundary(\"right\"), to: grip });\nprint(press);",
         ),
         see_also: &["add_rigid_body", "tie", "add_bolt", "add_joint", "reaction"],

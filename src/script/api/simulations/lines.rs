@@ -154,8 +154,8 @@ fn linearized() -> Function {
         form: Form::Method(LineHandle::receiver()),
         topic: Topic::Results,
         summary: "the stresses of a line through a wall, linearized as by ASME's code (section VIII, division 2, 5-A): of each component \
-                  the mean, `membrane`, and the part that is linear over the thickness, `bending`, as it is at the first point (at the last \
-                  it is opposite); `peak` is what both leave at the first and the last point. Components are xx, yy, zz, xy, yz, xz; \
+                  the mean, `membrane`, and the part that is linear over the thickness, `bending`, as it is at the first point (at the \
+                  last it is opposite); `peak` is what both leave at the first and the last point. Components are xx, yy, zz, xy, yz, xz; \
                   `membrane_von_mises` and `membrane_tresca` are numbers, `total_von_mises` and `total_tresca` those of membrane and \
                   bending at both ends",
         parameters: Vec::new(),
@@ -197,8 +197,8 @@ struct Linearized {
 }
 
 impl Linearized {
-    /// With the distance `s` along the wall of thickness `t`: `membrane = 1/t int sigma ds`, `bending = 6/t^2 int sigma (t/2 - s) ds`, exact
-    /// for stresses linear between the points.
+    /// With the distance `s` along the wall of thickness `t`: `membrane = 1/t int sigma ds`, `bending = 6/t^2 int sigma (t/2 - s) ds`,
+    /// exact for stresses linear between the points.
     fn new(stresses: &[[f64; 6]]) -> Self {
         let (mut membrane, mut bending) = ([0.0; 6], [0.0; 6]);
         let step = 1.0 / (stresses.len() - 1) as f64;

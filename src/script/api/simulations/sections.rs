@@ -80,7 +80,8 @@ fn section_force() -> Function {
         summary: "the cut force of a body across a plane of the undeformed body: what the cells in front of it, towards which the normal \
                   points, exert on the others. A cell is in front if its centroid is, so that the section follows the sides of cells; its \
                   force is the sum of their nodal forces of stress, weight and inertia, and balances loads and reactions of each part \
-                  exactly. Loads on nodes of the section act on the part behind it. A plane that cuts a body at several places gives their sum",
+                  exactly. Loads on nodes of the section act on the part behind it. A plane that cuts a body at several places gives \
+                  their sum",
         parameters: vec![
             Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
             Parameter::new("point", Kind::Vector, "a point of the plane in the undeformed body").of("length"),
