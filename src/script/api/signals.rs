@@ -6,7 +6,7 @@ use super::arrays::{numbers, numbers_of};
 use crate::math::catalogue::Interval;
 use crate::math::signals::{channel_filter, fourier, interpolated, percentile};
 use crate::script::language::arguments::Arguments;
-use crate::script::language::digits::number_text;
+use crate::script::language::digits::{brief, number_text};
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::values::as_number;
@@ -219,15 +219,16 @@ fn cfc_filter() -> Function {
         "let t = linspace(0.0, 0.1, 1001);\nlet noisy = sin(40.0 * t) + 0.1 * sin(6000.0 * t);\nprint(cfc_filter(noisy, 1e-4, 60).max());",
         |call, values| {
             let (values, dt, class): (Vec<f64>, f64, f64) = (numbers(&values).collect(), call.number("dt")?, call.number("class")?);
-            let failure = if class * dt > HIGHEST {
-                let failure = call.argument("class").fail("the values are too far apart for this class");
-                Some(failure.cause(format!(
-                    "SAE J211 asks for ten values in a period of the class: a `dt` of at most {} s",
-                    number_text(0.1 / class)
-                )))
-            } else {
-                values.iter().any(|x| !x.is_finite()).then(|| call.argument("values").fail("a filter needs finite numbers"))
-            };
+            let failure =
+                if class * dt > HIGHEST {
+                    let failure = call.argument("class").fail("the values are too far apart for this class");
+                    Some(failure.cause(format!(
+                        "SAE J211 asks for ten values in a period of the class: a `dt` of at most {} s",
+                        brief(0.1 / class)
+                    )))
+                } else {
+                    values.iter().any(|x| !x.is_finite()).then(|| call.argument("values").fail("a filter needs finite numbers"))
+                };
             match failure {
                 Some(failure) => Err(failure.hint("give `dt` in seconds, and values at each step").into()),
                 None => Ok(array_of(channel_filter(&values, dt, class)).into()),
