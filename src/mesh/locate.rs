@@ -95,18 +95,20 @@ fn clamped(xi: [f64; 3], dimension: usize, is_simplex: bool) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{arc, block, rectangle};
+    use crate::mesh::{block, rectangle};
 
     #[test]
     fn shape_functions_give_the_point_back() {
-        let mesh = rectangle([2.0, 1.0], [0.0, 0.0], [4, 3], crate::elements::CellKind::Quad8).unwrap();
-        let _ = (arc as usize, block as usize);
-        let finder = CellFinder::new(&mesh);
-        for point in [[0.3, 0.7, 0.0], [2.0, 1.0, 0.0], [1.0, 0.0, 0.0]] {
-            let shares = finder.shares(point).unwrap();
-            let back: [f64; 3] = [0, 1, 2].map(|i| shares.iter().map(|&(node, share)| share * mesh.points[node as usize][i]).sum());
-            assert!((0..3).all(|i| (back[i] - point[i]).abs() < 1e-13), "{back:?}");
+        let plane = rectangle([2.0, 1.0], [4, 3], [0.0, 0.0]).unwrap();
+        let solid = block([2.0, 1.0, 1.5], [3, 2, 2], [0.0, 0.0, -0.5]).unwrap();
+        for (mesh, depth) in [(&plane, 0.0), (&solid, 0.3)] {
+            let finder = CellFinder::new(mesh);
+            for point in [[0.3, 0.7, depth], [2.0, 1.0, depth], [1.0, 0.0, depth]] {
+                let shares = finder.shares(point).unwrap();
+                let back: [f64; 3] = [0, 1, 2].map(|i| shares.iter().map(|&(node, share)| share * mesh.points[node as usize][i]).sum());
+                assert!((0..3).all(|i| (back[i] - point[i]).abs() < 1e-13), "{back:?}");
+            }
+            assert!(finder.shares([2.1, 0.5, depth]).is_none() && finder.shares([0.5, 3.0, depth]).is_none());
         }
-        assert!(finder.shares([2.1, 0.5, 0.0]).is_none() && finder.shares([0.5, 3.0, 0.0]).is_none());
     }
 }
