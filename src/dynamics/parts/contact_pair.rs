@@ -32,7 +32,7 @@ pub enum PairKind {
     Rigidity,
     /// Constraints of a joint.
     Joint,
-    /// Linear equations between nodes, one per node.
+    /// Equations between nodes.
     Coupling(Arc<CoupledNodes>),
 }
 
@@ -57,6 +57,8 @@ pub struct CoupledNodes {
     pub along: [f64; 3],
     /// Nodes, in the order of the constraints.
     pub nodes: Vec<u32>,
+    /// Nodes of the boundary of a coupling to a reference body in ascending order, whose forces follow from gradients.
+    pub pushed: Vec<u32>,
 }
 
 /// Reference from corner constraints to the contact pair whose weighted gaps do not resolve the corners.
