@@ -18,6 +18,9 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sources::Place;
 use crate::script::language::wording::did_you_mean;
 
+/// Mistakes of a kind that are reported at most: a suggestion takes a millisecond.
+const MOST: usize = 50;
+
 /// Functions that the parser of the engine knows by itself.
 const OF_THE_PARSER: [&str; 9] = ["print", "debug", "type_of", "is_def_fn", "is_def_var", "is_shared", "Fn", "call", "curry"];
 
@@ -38,6 +41,9 @@ pub fn unknown_calls(registry: &Registry, of_engine: &BTreeSet<String>, declared
     for range in &declared.unknown_calls {
         let (name, before) = (&text[range.clone()], text[..range.start].trim_end());
         let is_member = before.ends_with('.');
+        if found.len() == MOST {
+            break;
+        }
         if is_known(name) || before.ends_with("::") || is_member && is_key(name) || name.is_empty() {
             continue;
         }
