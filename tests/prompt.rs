@@ -94,6 +94,30 @@ fn entries_completion_help_and_history() {
     enter(&mut session, ":vars", "plate  Mesh");
     enter(&mut session, ":time 1 + 1", " s\r\n");
     enter(&mut session, ":nonsense", "there is no command");
+    // what is meant comes first
+    enter(&mut session, "help(\"friction\")", "it is part of\r\n\r\nmodel.add_contact(");
+    // digits
+    enter(&mut session, "[1.0 / 3, 2e10 / 3, 2.0]", "[0.333333, 6.66667e9, 2.0]");
+    enter(&mut session, "%digits 10", "10 digits");
+    enter(&mut session, "1.0 / 3", "0.3333333333\r\n");
+    enter(&mut session, ":digits all", "all digits");
+    enter(&mut session, "1.0 / 3", "0.3333333333333333\r\n");
+    enter(&mut session, ":digits 99", "1 to 17");
+    // the shell, and what is no command of it
+    enter(&mut session, "!echo $((5 * 8 + 2)) there", "42 there\r\n");
+    enter(&mut session, "!exit 3", "exit status: 3");
+    enter(&mut session, "!true", "false\r\n");
+    enter(&mut session, "let done = false; !done", "true\r\n");
+    enter(&mut session, "!done", "true\r\n");
+    // `else` on a line of its own; an empty line ends an `if` without one
+    for line in ["if done {", "1", "}"] {
+        session.send_line(line).unwrap();
+    }
+    enter(&mut session, "else { 3 * 26 }", "78\r\n");
+    for line in ["if !done {", "7 * 12", "}"] {
+        session.send_line(line).unwrap();
+    }
+    enter(&mut session, "", "84\r\n");
     // Ctrl-C clears the line
     press(&mut session, "unfinished(");
     session.send_control('c').unwrap();

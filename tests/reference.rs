@@ -125,6 +125,7 @@ fn the_files_of_the_reference_are_current() {
     let session = session();
     let files = [
         ("reference.md", "markdown", Reference::new(&session.registry()).markdown()),
+        ("../editors/vscode/syntaxes/conserva.tmLanguage.json", "grammar", Reference::new(&session.registry()).grammar()),
         ("definitions/conserva.d.rhai", "definitions", format!("{}\n", session.definitions().trim_end())),
     ];
     for (file, format, text) in files {

@@ -1,11 +1,13 @@
 //! How fast Conserva is, as ratios in one run: `cargo bench --bench performance [-- SIZE ...] [--threads N] [--repetitions N]
-//! [--materials | --in-space | --solids [--write FOLDER]]`; with the last three only what laws cost, the bearing drawn out along its axis,
-//! or the linear solver on cubes and plates (sizes: cells along the first edge), whose matrices can be written for other solvers.
+//! [--materials | --in-space | --editor | --solids [--write FOLDER]]`; with the last four only what laws cost, the bearing drawn out along
+//! its axis, answers of the language server, or the linear solver on cubes and plates (sizes: cells along the first edge), whose matrices
+//! can be written for other solvers.
 //!
 //! Sizes multiply all cell counts of the bearing (1 2 4 8 without arguments; a few minutes). `docs/performance.md` says what the numbers
 //! were and on which machine. Not measured here: counts of work, which `tests/cost.rs` holds against a record.
 
 mod bearing;
+mod editor;
 #[path = "../../src/linear/fixtures.rs"]
 mod fixtures;
 mod linear;
@@ -21,7 +23,7 @@ use conserva::linear::{Pattern, Vertex};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (mut sizes, mut threads, mut repetitions, mut only_materials, mut only_in_space) = (Vec::new(), 1, 3, false, false);
-    let (mut only_solids, mut folder) = (false, None);
+    let (mut only_solids, mut only_editor, mut folder) = (false, false, None);
     // Cargo adds `--bench`.
     let mut arguments = std::env::args().skip(1).filter(|text| text != "--bench");
     while let Some(argument) = arguments.next() {
@@ -32,15 +34,19 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--materials" => only_materials = true,
             "--in-space" => only_in_space = true,
             "--solids" => only_solids = true,
+            "--editor" => only_editor = true,
             "--write" => folder = Some(PathBuf::from(arguments.next().ok_or("`--write` needs a folder")?)),
             size => sizes.push(size.parse().map_err(|_| {
-                let known = "sizes, --threads n, --repetitions n, --materials, --in-space, --solids, --write folder";
+                let known = "sizes, --threads n, --repetitions n, --materials, --in-space, --editor, --solids, --write folder";
                 format!("unknown argument `{size}`; known are {known}")
             })?),
         }
     }
     if only_materials {
         return materials::costs(repetitions);
+    }
+    if only_editor {
+        return editor::times(repetitions);
     }
     if only_solids {
         return solids::compare(&sizes, repetitions, folder.as_deref());

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent, meant};
+use crate::script::{Class, Diagnostic, Reference, Session, Settings, Silent, meant, ranked};
 
 /// Arguments of `conserva doc`.
 #[derive(Args)]
@@ -33,6 +33,8 @@ enum Format {
     Json,
     /// Definition file for the language server of Rhai (always everything)
     Definitions,
+    /// TextMate grammar that colors scripts in an editor (always everything)
+    Grammar,
 }
 
 /// Shows the reference; returns the exit code.
@@ -61,6 +63,7 @@ pub fn doc(arguments: Arguments) -> u8 {
     };
     let text = match (arguments.format, entries) {
         (Format::Definitions, _) => session.definitions(),
+        (Format::Grammar, _) => reference.grammar(),
         (Format::Text, None) => reference.overview(),
         (Format::Text, Some(entries)) => entries.iter().map(|entry| entry.text()).collect::<Vec<_>>().join("\n\n"),
         (Format::Markdown, None) => reference.markdown(),
@@ -74,7 +77,7 @@ pub fn doc(arguments: Arguments) -> u8 {
 
 /// Lists entries that mention a text; returns the exit code.
 fn search(reference: &Reference, text: &str) -> u8 {
-    let (found, meant) = (reference.search(text), meant(text));
+    let (found, meant) = (ranked(reference, text), meant(text));
     let console = Console::new(true);
     for (word, names) in &meant {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();

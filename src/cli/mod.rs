@@ -14,6 +14,7 @@ mod junit;
 mod list;
 mod live;
 mod log;
+mod lsp;
 mod memory;
 mod mesh_files;
 mod new;
@@ -73,6 +74,8 @@ enum Command {
     Export(export::Arguments),
     /// Try things out at a prompt, after running a script or not
     Repl(repl::Arguments),
+    /// Serve an editor: messages while typing, completion, help, renaming (see docs/editor.md)
+    Lsp(lsp::Arguments),
     /// Write what a shell needs to complete commands and options
     Completions {
         /// The shell
@@ -153,6 +156,7 @@ fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         Command::Diff(arguments) => diff::diff(arguments),
         Command::Export(arguments) => export::export_run(arguments),
         Command::Repl(arguments) => repl::repl(arguments),
+        Command::Lsp(arguments) => lsp::serve(arguments),
         Command::Completions { shell } => {
             let mut text = Vec::new();
             clap_complete::generate(shell, &mut CommandLine::command(), "conserva", &mut text);

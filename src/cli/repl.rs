@@ -64,8 +64,11 @@ const HELP: &str = "\
   :time ENTRY      evaluates and tells how long it took
   :vars            lists the variables
   :load FILE       evaluates a file
+  :digits N        shows numbers with N digits (6 at first), with `all` as they are; also %digits N
+  !COMMAND         runs a command of the shell
   :save FILE       writes the session as a script that runs from scratch to the same results; :save! FILE overwrites
-  :help, :quit, exit, quit";
+  :help, :quit, exit, quit
+  An `if` over several lines ends with an empty line, so that `else` may follow.";
 
 /// Interface of the session to rustyline.
 struct Prompt {
@@ -106,7 +109,8 @@ impl Completer for Prompt {
                 let (start, found) = self.session.borrow().complete(entry);
                 return Ok((start + before.len() - entry.len(), found.into_iter().map(pair).collect()));
             }
-            let names = ["help", "load ", "quit", "save ", "time ", "undo", "vars"].into_iter().filter(|name| name.starts_with(command));
+            let names =
+                ["digits ", "help", "load ", "quit", "save ", "time ", "undo", "vars"].into_iter().filter(|name| name.starts_with(command));
             return Ok((1, names.map(|name| Pair { display: format!(":{name}"), replacement: name.into() }).collect()));
         }
         let (start, found) = self.session.borrow().complete(before);
@@ -137,7 +141,7 @@ impl Hinter for Prompt {
 impl Validator for Prompt {
     fn validate(&self, context: &mut ValidationContext) -> rustyline::Result<ValidationResult> {
         let input = context.input();
-        let is_command = input.starts_with([':', '?']);
+        let is_command = input.starts_with([':', '?', '%']) || shell_command(&self.session.borrow(), input).is_some();
         let is_incomplete = !is_command && self.session.borrow().is_incomplete(input);
         Ok(if is_incomplete { ValidationResult::Incomplete } else { ValidationResult::Valid(None) })
     }
@@ -145,7 +149,7 @@ impl Validator for Prompt {
 
 impl Highlighter for Prompt {
     fn highlight<'l>(&self, line: &'l str, _: usize) -> Cow<'l, str> {
-        if !self.is_colored || line.starts_with(':') {
+        if !self.is_colored || line.starts_with([':', '%', '!']) {
             return line.into();
         }
         let mut text = String::with_capacity(2 * line.len());
@@ -179,13 +183,22 @@ impl Highlighter for Prompt {
     }
 }
 
+/// Returns the command of the shell in a line `!command`; `None` for the negation of a value, such as `!flag` or `!(a > b)`.
+fn shell_command<'l>(session: &Interactive, line: &'l str) -> Option<&'l str> {
+    let command = line.strip_prefix('!')?.trim();
+    let word = command.split(|letter: char| !letter.is_alphanumeric() && letter != '_').next().unwrap_or("");
+    let is_value = || matches!(word, "true" | "false") || session.variables().iter().any(|variable| variable.name == word);
+    let is_call = || !word.is_empty() && command[word.len()..].starts_with(['(', '.']) || command.starts_with('(');
+    (!command.is_empty() && !is_value() && !is_call()).then_some(command)
+}
+
 /// Handler of the Enter key: a new line of an incomplete entry is indented by the open brackets.
 struct Indent;
 
 impl ConditionalEventHandler for Indent {
     fn handle(&self, _: &Event, _: RepeatCount, _: bool, context: &EventContext) -> Option<Cmd> {
         let line = context.line();
-        if context.pos() < line.len() || line.starts_with([':', '?']) {
+        if context.pos() < line.len() || line.starts_with([':', '?', '%']) {
             return None;
         }
         let indentation = indentation(line);
@@ -321,7 +334,12 @@ impl Terminal {
             self.console.say(&self.session.borrow().help(name));
             return true;
         }
-        let Some(command) = line.strip_prefix(':') else {
+        let command = shell_command(&self.session.borrow(), line).map(ToString::to_string);
+        if let Some(command) = command {
+            self.shell(&command);
+            return true;
+        }
+        let Some(command) = line.strip_prefix([':', '%']) else {
             let plain = line.trim_end_matches([';', ' ']).trim_end_matches("()");
             let is_variable = || self.session.borrow().variables().iter().any(|variable| variable.name == plain);
             if matches!(plain, "exit" | "quit") && !is_variable() {
@@ -336,6 +354,7 @@ impl Terminal {
             "quit" | "q" => return false,
             "help" => self.console.say(HELP),
             "vars" => self.variables(),
+            "digits" => self.digits(rest),
             "undo" => {
                 let undone = self.session.borrow_mut().undo();
                 match undone {
@@ -355,6 +374,29 @@ impl Terminal {
             other => complain(&format!("error: there is no command `:{other}`\n= hint: `:help` lists the commands\n")),
         }
         true
+    }
+
+    /// Sets or tells the number of digits.
+    fn digits(&self, text: &str) {
+        let mut session = self.session.borrow_mut();
+        match (text, text.parse::<usize>()) {
+            ("", _) => {}
+            ("all", _) => session.digits = None,
+            (_, Ok(digits @ 1..=17)) => session.digits = Some(digits),
+            _ => return complain("error: the number of digits must be 1 to 17, or `all`\n= hint: write `:digits 6`\n"),
+        }
+        let told = session.digits.map_or("all digits".into(), |digits| format!("{digits} digits"));
+        self.console.say(&format!("numbers are shown with {told}"));
+    }
+
+    /// Runs a command of the shell, which has the terminal meanwhile.
+    fn shell(&self, command: &str) {
+        let shell = if cfg!(windows) { ("cmd", "/C") } else { ("sh", "-c") };
+        match std::process::Command::new(shell.0).arg(shell.1).arg(command).status() {
+            Ok(status) if status.success() => {}
+            Ok(status) => complain(&format!("error: the command ended with {status}\n")),
+            Err(error) => complain(&format!("error: the shell `{}` cannot be started\n= cause: {error}\n", shell.0)),
+        }
     }
 
     fn evaluate(&self, text: &str, is_timed: bool) {

@@ -9,7 +9,7 @@ use super::source::{repository, sources};
 const DOCUMENTS: [&str; 3] = ["ARCHITECTURE.md", "src/README.md", "CONTRIBUTING.md"];
 
 /// Folders in which paths are looked for.
-const FOLDERS: [&str; 8] = ["src", "tests", "examples", "benches", "docs", "scripts", "packages", "python"];
+const FOLDERS: [&str; 9] = ["src", "tests", "examples", "benches", "docs", "scripts", "packages", "python", "editors"];
 
 /// Words that a cell of a table has at most; what needs more is a section.
 const CELL: usize = 40;

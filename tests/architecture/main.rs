@@ -56,6 +56,8 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("clap_mangen", &["cli"]),
     ("hdf5-pure", &["output"]),
     ("indicatif", &["cli"]),
+    ("lsp-server", &["cli"]),
+    ("lsp-types", &["cli"]),
     // its matrices are the vocabulary of the kernels' interfaces
     ("nalgebra", &["math", "elements", "linear", "materials", "mesh", "integrators", "bodies", "contact", "dynamics", "output"]),
     ("num-dual", &["contact"]),

@@ -100,8 +100,7 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
     let names = history.remove(0);
     let row = page.evaluate("conserva.row").as_u64().unwrap() as usize;
     assert_eq!(row, 30, "a still for every step");
-    let shown =
-        page.evaluate("Object.fromEntries([...document.querySelectorAll('#readout dd')].map((e) => [e.dataset.column, e.textContent]))");
+    let shown = page.evaluate("Object.fromEntries([...document.querySelectorAll('#readout dd')].map((e) => [e.dataset.column, e.title]))");
     let shown = shown.as_object().unwrap();
     assert!(shown.len() > 10);
     for (name, text) in shown {
@@ -157,6 +156,51 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
     page.open(&out.join("halfway.html"));
     assert_eq!(page.evaluate("document.getElementById('outcome').textContent"), json!("so far, t = 0.3"));
     assert_eq!(page.complaints, Vec::<Value>::new());
+}
+
+/// A crank that a motor turns and a geared wheel: rigid bodies only.
+const MACHINE: &str = r#"
+let mill = model("mill");
+let wheel = |name, x| mill.add_rigid_body(name, disk(#{ radius: 0.5, cells: [2, 16], center: [x, 0.0] }), #{ mass: 1.0 });
+let driver = wheel.call("driver", 0.0);
+let driven = wheel.call("driven", 1.5);
+mill.add_joint("axle", #{ kind: "point", from: driver, point: [0.0, 0.0], drive: |t| t * t });
+mill.add_joint("shaft", #{ kind: "point", from: driven, point: [1.5, 0.0] });
+mill.add_gear("mesh", #{ joints: ["axle", "shaft"], ratio: 2.0 });
+let sim = simulate(mill, #{ integrator: energy_momentum(), dt: 0.01 });
+sim.run_to(0.5);
+result("angle", sim.joint("shaft").angle);
+expect_conserved(sim, "ledger", #{ tolerance: 1e-10 });
+"#;
+
+/// Texts of the elements that a selector finds.
+fn texts(page: &mut Browser, selector: &str) -> Vec<String> {
+    let found = page.evaluate(&format!("[...document.querySelectorAll('{selector}')].map((e) => e.textContent)"));
+    found.as_array().unwrap().iter().map(|text| text.as_str().unwrap().to_string()).collect()
+}
+
+#[test]
+fn a_machine_is_summed_up_and_colored_by_its_bodies() {
+    let folder = folder("machine");
+    let out = run(&folder, MACHINE, "out");
+    let Some(mut page) = browser(&folder) else { return };
+    for width in [390, 1280] {
+        page.call("Emulation.setDeviceMetricsOverride", json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false }));
+        page.open(&out.join("report.html"));
+        let lines = texts(&mut page, "#summary dd");
+        assert!((7..=10).contains(&lines.len()), "{lines:?}");
+        assert!(lines[0].starts_with("2 bodies, ") && lines[0].ends_with("3 joints"), "{lines:?}");
+        let cells = texts(&mut page, "#tables td");
+        let is_shown = |text: &str| cells.iter().any(|cell| cell.starts_with(text));
+        assert!(is_shown("gear of \"axle\" and \"shaft\", ratio 2") && is_shown("driven: ") && is_shown("-0.125"), "{cells:?}");
+        assert_eq!(page.evaluate("document.getElementById('field').value"), json!("body"));
+        // On a narrow screen plots come before the numbers of the moment.
+        let top = |id: &str| format!("document.getElementById('{id}').getBoundingClientRect().top");
+        let comes_first = page.evaluate(&format!("{} < {}", top("plots"), top("now")));
+        assert_eq!(comes_first, json!(width == 390));
+        assert_eq!(page.evaluate("document.documentElement.scrollWidth <= innerWidth"), json!(true), "{width}");
+        assert_eq!(page.complaints, Vec::<Value>::new());
+    }
 }
 
 /// In space: what is toward the viewer hides what is behind it, and the ground is seen from above and not from below.

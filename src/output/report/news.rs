@@ -53,6 +53,7 @@ impl LiveReport {
             version: env!("CARGO_PKG_VERSION").into(),
             scripts: problem.scripts.clone(),
             parameters: problem.parameters.clone(),
+            summary: Vec::new(),
             tables: problem.tables.clone(),
             warnings: warnings.into_iter().chain(followed.findings.1.iter().cloned()).collect(),
             columns: columns.map(|(column, name)| (name.clone(), rows.iter().map(|row| value(row, column)).collect())).collect(),

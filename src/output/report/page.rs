@@ -38,7 +38,9 @@ pub struct Report<'a> {
     pub scripts: Vec<(String, String)>,
     /// Values of `param(...)` by name.
     pub parameters: BTreeMap<String, Value>,
-    /// Tables of the model: bodies, supports, loads, time integration.
+    /// Lines at the top of the page: what was computed, how it ended, peaks, energy; empty while the run goes on.
+    pub summary: Vec<[String; 2]>,
+    /// Tables of the model: bodies, supports, loads, time integration; results and checks.
     pub tables: Vec<ReportTable>,
     /// Warnings issued to the user, and findings of the run.
     pub warnings: Vec<String>,
@@ -108,7 +110,7 @@ fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
         bodies.push(json!({
             "name": body.name, "nodes": surface.points.len(), "triangles": surface.triangles.len(), "edges": surface.edges.len(),
             "outline": surface.outline.len(), "tetrahedra": surface.tetrahedra.len(),
-            "cells": body.mesh.cell_count(), "flows": skin.flows,
+            "cells": body.mesh.cell_count(), "flows": skin.flows, "rigid": body.rigid.is_some(),
         }));
     }
     (bytes, bodies)
@@ -135,7 +137,8 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
     let scripts = report.scripts.iter().map(|(name, text)| json!({ "name": name, "text": text }));
     json!({
         "name": report.name, "outcome": report.outcome, "well": report.is_well, "version": report.version,
-        "scripts": scripts.collect::<Vec<_>>(), "parameters": report.parameters, "tables": report.tables, "warnings": report.warnings,
+        "scripts": scripts.collect::<Vec<_>>(), "parameters": report.parameters,
+        "summary": report.summary, "tables": report.tables, "warnings": report.warnings,
         "columns": report.columns.iter().map(|(name, _)| name).collect::<Vec<_>>(), "rows": report.rows.len(),
         "row_count": report.row_count, "contacts": report.contacts, "dimension": dimension, "bodies": bodies,
         "fields": fields(report.skins, report.stills), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,

@@ -45,6 +45,7 @@ fn page() -> (String, Vec<LedgerRow>) {
         version: "0".into(),
         scripts: vec![(EVIL.into(), EVIL.into())],
         parameters: BTreeMap::from([(EVIL.to_string(), Value::from(EVIL))]),
+        summary: vec![[EVIL.into(), EVIL.into()]],
         tables: vec![ReportTable { title: EVIL.into(), head: vec![EVIL.into()], rows: vec![vec![EVIL.into()]] }],
         warnings: vec![EVIL.into()],
         columns: columns.collect(),

@@ -18,7 +18,12 @@ pub fn significant(value: f64, digits: usize) -> String {
 
 /// Returns a number as text with at most six significant digits.
 pub fn brief(value: f64) -> String {
-    let text = significant(value, 6);
+    rounded(value, 6)
+}
+
+/// Returns a number as text with at most `digits` significant digits, without zeros at its end.
+pub fn rounded(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
     let (digits, exponent) = text.split_once('e').map_or((text.as_str(), None), |(digits, exponent)| (digits, Some(exponent)));
     let digits = if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
     let digits = if digits == "-0" { "0" } else { digits };

@@ -212,6 +212,11 @@ impl Host {
         self.passed.take()
     }
 
+    /// Messages of the checks that held.
+    pub fn passed_checks(&self) -> Vec<String> {
+        self.passed.borrow().iter().map(|(_, line)| line.clone()).collect()
+    }
+
     /// Number of checks that held.
     pub fn checks(&self) -> usize {
         self.passed.borrow().len()

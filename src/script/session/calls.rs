@@ -80,7 +80,7 @@ impl Calls {
 
     /// Returns a value as shown at the prompt.
     pub fn shown(&self, value: &Dynamic) -> String {
-        shown(&self.registry, value)
+        shown(&self.registry, value, None)
     }
 
     /// Returns a value as shown by `print`.

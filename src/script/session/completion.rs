@@ -43,6 +43,8 @@ pub struct Words<'a> {
     pub engine: &'a Engine,
     /// Variables.
     pub scope: &'a Scope<'static>,
+    /// Variables whose values are not known, each with its type as far as that is.
+    pub unknown: &'a BTreeMap<String, Option<&'static str>>,
     /// Functions of the language.
     pub registry: &'a Registry,
     /// Functions of the session.
@@ -54,9 +56,12 @@ pub struct Words<'a> {
 }
 
 /// Value or type of an expression, as far as known without evaluation.
-enum Known {
+pub(super) enum Known {
+    /// A value.
     Value(Dynamic),
+    /// The name of a type.
     Type(&'static str),
+    /// Neither.
     Nothing,
 }
 
@@ -108,7 +113,7 @@ impl Words<'_> {
             }
         }
         let plain = |name: &str| Candidate { text: name.to_string(), display: name.to_string() };
-        let variables = self.scope.iter_raw().map(|(name, _, _)| plain(name));
+        let variables = self.scope.iter_raw().map(|(name, _, _)| plain(name)).chain(self.unknown.keys().map(|name| plain(name)));
         let modules = self.modules.keys().map(|alias| Candidate { text: format!("{alias}::"), display: format!("{alias}::") });
         let own = self.functions.iter_functions().filter(|function| !function.name.starts_with("anon$"));
         let own = own.map(|function| script_function(&format!("{}({})", function.name, function.params.join(", "))));
@@ -185,7 +190,7 @@ impl Words<'_> {
     }
 
     /// Returns the value or type of the expression that ends before token `end`.
-    fn resolve(&self, cursor: &Cursor, end: usize) -> Known {
+    pub(super) fn resolve(&self, cursor: &Cursor, end: usize) -> Known {
         let Some(last) = end.checked_sub(1) else { return Known::Nothing };
         match cursor.kind(last) {
             Some(PieceKind::Name) if cursor.is_member(last) => match self.resolve(cursor, last - 1) {
@@ -193,7 +198,11 @@ impl Words<'_> {
                 Known::Type(name) => self.returned(name, cursor.slice(last)),
                 Known::Nothing => Known::Nothing,
             },
-            Some(PieceKind::Name) => self.scope.get(cursor.slice(last)).map_or(Known::Nothing, |value| Known::Value(value.flatten_clone())),
+            Some(PieceKind::Name) => match (self.scope.get(cursor.slice(last)), self.unknown.get(cursor.slice(last))) {
+                (_, Some(kind)) => kind.map_or(Known::Nothing, Known::Type),
+                (Some(value), None) => Known::Value(value.flatten_clone()),
+                (None, None) => Known::Nothing,
+            },
             Some(PieceKind::Text { closed: true }) => Known::Value("".into()),
             Some(PieceKind::Close(']')) => {
                 let before = cursor.opening(last).and_then(|open| open.checked_sub(1)).and_then(|before| cursor.kind(before));
@@ -242,7 +251,7 @@ impl Words<'_> {
     }
 
     /// Returns the function whose call is open at a level.
-    fn called_at(&self, cursor: &Cursor, level: &Level) -> Option<&Function> {
+    pub(super) fn called_at(&self, cursor: &Cursor, level: &Level) -> Option<&Function> {
         let name = cursor.callee(level)?;
         let functions = self.registry.functions().iter().map(|function| &**function);
         let mut named = functions.filter(|function| function.name == cursor.slice(name));
@@ -260,7 +269,7 @@ impl Words<'_> {
     }
 
     /// The function and the keys of the options map in which the cursor is.
-    fn options<'c>(&self, cursor: &'c Cursor) -> Option<(&Function, &[Parameter], &'c Level)> {
+    pub(super) fn options<'c>(&self, cursor: &'c Cursor) -> Option<(&Function, &[Parameter], &'c Level)> {
         let [.., call, map] = cursor.levels.as_slice() else { return None };
         let function = self.called_at(cursor, call).filter(|_| map.bracket == '#')?;
         function.parameters.get(call.commas)?.kind.keys().map(|keys| (function, keys, map))
@@ -275,6 +284,9 @@ impl Words<'_> {
         let string = cursor.pieces.len() - 1;
         if string.checked_sub(1).is_some_and(|before| cursor.kind(before) == Some(PieceKind::Name) && cursor.slice(before) == "import") {
             return self.files(written, ".rhai").into_iter().map(|name| name.trim_end_matches(".rhai").to_string()).collect();
+        }
+        if let Some(columns) = self.columns_at(cursor, string) {
+            return columns;
         }
         let choices = |kind: &Kind| match kind {
             Kind::Choice(words) => Some(words.iter().map(ToString::to_string).collect::<Vec<_>>()),
@@ -323,6 +335,19 @@ impl Words<'_> {
                 columns.unwrap_or_else(|| LedgerRow::columns(2).into_iter().map(String::from).collect())
             }
             _ => self.all_names(),
+        }
+    }
+
+    /// Columns of the history in whose brackets the string is: `history["`.
+    fn columns_at(&self, cursor: &Cursor, string: usize) -> Option<Vec<String>> {
+        let bracket = string.checked_sub(1).filter(|bracket| cursor.kind(*bracket) == Some(PieceKind::Open('[')))?;
+        match self.resolve(cursor, bracket) {
+            Known::Value(value) => {
+                let history = value.try_cast::<HistoryHandle>()?;
+                Some(history.0.columns().into_iter().map(|name| name.to_string()).collect())
+            }
+            Known::Type("History") => Some(LedgerRow::columns(2).into_iter().map(String::from).collect()),
+            Known::Type(_) | Known::Nothing => None,
         }
     }
 

@@ -42,62 +42,143 @@ pub struct Piece {
     pub range: Range<usize>,
 }
 
+/// Interpolations inside of each other that are read; deeper ones count as text.
+const INTERPOLATIONS: usize = 4;
+
 /// Cuts a text into pieces; white space is left out.
 pub fn pieces(text: &str) -> Vec<Piece> {
-    let mut found = Vec::new();
-    let mut at = 0;
-    let is_word = |letter: char| letter.is_alphanumeric() || letter == '_';
-    while let Some(first) = text[at..].chars().next() {
-        let rest = &text[at..];
-        let until = |end: Option<usize>, length: usize| (end.map_or(rest.len(), |end| end + length), end.is_some());
-        let (kind, length) = match first {
-            _ if first.is_whitespace() => {
-                at += first.len_utf8();
-                continue;
-            }
-            '/' if rest.starts_with("//") => {
-                let (length, closed) = until(rest.find('\n'), 0);
-                (PieceKind::Comment { closed }, length)
-            }
-            '/' if rest.starts_with("/*") => {
-                let (length, closed) = until(rest[2..].find("*/"), 4);
-                (PieceKind::Comment { closed }, length)
-            }
-            '"' | '`' => {
-                let end = string_end(&rest[1..], first);
-                let (length, closed) = until(end, 2);
-                (PieceKind::Text { closed }, length)
-            }
-            '#' if rest.starts_with("#{") => (PieceKind::Open('#'), 2),
-            '(' | '[' | '{' => (PieceKind::Open(first), 1),
-            ')' | ']' | '}' => (PieceKind::Close(first), 1),
-            '?' if rest.starts_with("?.") => (PieceKind::Dot, 2),
-            '.' if !rest.starts_with("..") => (PieceKind::Dot, 1),
-            ':' if rest.starts_with("::") => (PieceKind::Path, 2),
-            _ if first.is_ascii_digit() => {
-                let fraction = |index: usize| rest[index + 1..].starts_with(|next: char| next.is_ascii_digit());
-                let end = rest.char_indices().find(|&(index, letter)| !(is_word(letter) || letter == '.' && fraction(index)));
-                (PieceKind::Number, end.map_or(rest.len(), |(index, _)| index))
-            }
-            _ if is_word(first) => (PieceKind::Name, rest.find(|letter| !is_word(letter)).unwrap_or(rest.len())),
-            other => (PieceKind::Sign(other), other.len_utf8()),
-        };
-        found.push(Piece { kind, range: at..at + length });
-        at += length;
+    let (mut found, mut at) = (Vec::new(), 0);
+    while let Some(piece) = piece_from(text, at, INTERPOLATIONS) {
+        at = piece.range.end;
+        found.push(piece);
     }
     found
 }
 
-/// Returns the position of the closing quote in the text after the opening quote.
-fn string_end(text: &str, quote: char) -> Option<usize> {
-    let mut escaped = false;
-    for (index, letter) in text.char_indices() {
-        match letter {
-            _ if escaped => escaped = false,
-            '\\' if quote == '"' => escaped = true,
-            _ if letter == quote => return Some(index),
+/// Cuts a text into pieces; the code of interpolations `${ … }` follows the string in which it stands, between its braces.
+pub fn pieces_with_interpolations(text: &str) -> Vec<Piece> {
+    let mut found = Vec::new();
+    add_pieces(text, 0..text.len(), INTERPOLATIONS, &mut found);
+    found
+}
+
+fn add_pieces(text: &str, range: Range<usize>, depth: usize, found: &mut Vec<Piece>) {
+    let mut at = range.start;
+    while let Some(piece) = piece_from(&text[..range.end], at, depth) {
+        at = piece.range.end;
+        let is_interpolated = depth > 0 && text[piece.range.clone()].starts_with('`');
+        let (mut from, content_end) = (piece.range.start, piece.range.end);
+        found.push(piece);
+        while is_interpolated && let Some(start) = text[from..content_end].find("${").map(|found| from + found + 1) {
+            let end = block_end(&text[..content_end], start, depth - 1).unwrap_or(content_end);
+            let brace = |kind, at: usize| Piece { kind, range: at..at + 1 };
+            found.push(brace(PieceKind::Open('{'), start));
+            add_pieces(text, start + 1..end.max(start + 1), depth - 1, found);
+            if end < content_end {
+                found.push(brace(PieceKind::Close('}'), end));
+            }
+            from = (end + 1).min(content_end);
+        }
+    }
+}
+
+/// Returns the first piece of a text from a byte on.
+fn piece_from(text: &str, from: usize, depth: usize) -> Option<Piece> {
+    let at = from + text[from..].find(|letter: char| !letter.is_whitespace())?;
+    let (rest, is_word) = (&text[at..], |letter: char| letter.is_alphanumeric() || letter == '_');
+    let first = rest.chars().next()?;
+    let until = |end: Option<usize>, length: usize| (end.map_or(rest.len(), |end| end + length), end.is_some());
+    let (kind, length) = match first {
+        '/' if rest.starts_with("//") => {
+            let (length, closed) = until(rest.find('\n'), 0);
+            (PieceKind::Comment { closed }, length)
+        }
+        '/' if rest.starts_with("/*") => {
+            let (length, closed) = until(comment_end(rest), 0);
+            (PieceKind::Comment { closed }, length)
+        }
+        '"' | '`' => {
+            let (length, closed) = until(string_end(text, at, depth).map(|end| end - at), 1);
+            (PieceKind::Text { closed }, length)
+        }
+        '\'' => match letter_length(rest) {
+            Some(length) => (PieceKind::Text { closed: true }, length),
+            None => (PieceKind::Sign(first), 1),
+        },
+        '#' if rest.starts_with("#{") => (PieceKind::Open('#'), 2),
+        '(' | '[' | '{' => (PieceKind::Open(first), 1),
+        ')' | ']' | '}' => (PieceKind::Close(first), 1),
+        '?' if rest.starts_with("?.") => (PieceKind::Dot, 2),
+        '.' if !rest.starts_with("..") => (PieceKind::Dot, 1),
+        '.' => (PieceKind::Sign('.'), if rest.starts_with("..=") { 3 } else { 2 }),
+        ':' if rest.starts_with("::") => (PieceKind::Path, 2),
+        _ if first.is_ascii_digit() => {
+            let fraction = |index: usize| rest[index + 1..].starts_with(|next: char| next.is_ascii_digit());
+            let end = rest.char_indices().find(|&(index, letter)| !(is_word(letter) || letter == '.' && fraction(index)));
+            (PieceKind::Number, end.map_or(rest.len(), |(index, _)| index))
+        }
+        _ if is_word(first) => (PieceKind::Name, rest.find(|letter| !is_word(letter)).unwrap_or(rest.len())),
+        other => (PieceKind::Sign(other), other.len_utf8()),
+    };
+    Some(Piece { kind, range: at..at + length })
+}
+
+/// Returns the byte behind a comment `/* … */`, which may hold others.
+fn comment_end(text: &str) -> Option<usize> {
+    let (mut depth, mut at) = (0usize, 0);
+    loop {
+        let next = at + text[at..].find(['/', '*'])?;
+        let step = match text.as_bytes().get(next..next + 2)? {
+            b"/*" => (depth + 1, 2),
+            b"*/" => (depth - 1, 2),
+            _ => (depth, 1),
+        };
+        (depth, at) = (step.0, next + step.1);
+        if depth == 0 {
+            return Some(at);
+        }
+    }
+}
+
+/// Returns the length of a character in single quotes at the beginning of a text.
+fn letter_length(text: &str) -> Option<usize> {
+    let inside = &text[1..];
+    let length = match inside.strip_prefix('\\') {
+        Some(escaped) => 1 + escaped[escaped.chars().next()?.len_utf8()..].find('\'')? + escaped.chars().next()?.len_utf8(),
+        None => inside.chars().next().filter(|letter| *letter != '\n')?.len_utf8(),
+    };
+    // The longest escape is `\U` with eight digits.
+    (length <= 10 && inside[length..].starts_with('\'')).then_some(length + 2)
+}
+
+/// Returns the position of the closing quote of the string that begins at a byte.
+fn string_end(text: &str, start: usize, depth: usize) -> Option<usize> {
+    let quote = text[start..].chars().next()?;
+    let mut at = start + 1;
+    while let Some(letter) = text[at..].chars().next() {
+        at += match letter {
+            _ if letter == quote => return Some(at),
+            '\\' if quote == '"' => 1 + text[at + 1..].chars().next().map_or(0, char::len_utf8),
+            '$' if quote == '`' && depth > 0 && text[at + 1..].starts_with('{') => block_end(text, at + 1, depth - 1)? + 1 - at,
+            _ => letter.len_utf8(),
+        };
+    }
+    None
+}
+
+/// Returns the position of the brace that closes the one at a byte.
+fn block_end(text: &str, open: usize, depth: usize) -> Option<usize> {
+    let (mut at, mut braces) = (open, 0usize);
+    while let Some(piece) = piece_from(text, at, depth) {
+        match piece.kind {
+            PieceKind::Open('{' | '#') => braces += 1,
+            PieceKind::Close('}') => braces -= 1,
             _ => {}
         }
+        if braces == 0 {
+            return Some(piece.range.start);
+        }
+        at = piece.range.end;
     }
     None
 }
@@ -144,7 +225,15 @@ impl<'a> Cursor<'a> {
         cursor
     }
 
-    fn enter(&mut self, index: usize) {
+    /// Reads a text, in front of all brackets; [`Self::enter`] goes on token by token.
+    pub fn at_start(text: &'a str) -> Self {
+        let mut pieces = pieces(text);
+        pieces.retain(|piece| !matches!(piece.kind, PieceKind::Comment { .. }));
+        Cursor { text, pieces, levels: Vec::new(), in_comment: false, is_crossed: false }
+    }
+
+    /// Takes a token into the open brackets.
+    pub fn enter(&mut self, index: usize) {
         let name = |index: usize| match self.pieces.get(index).map(|piece| piece.kind) {
             Some(PieceKind::Name) => Some(self.slice(index).to_string()),
             Some(PieceKind::Text { closed: true }) => Some(self.slice(index).trim_matches('"').to_string()),

@@ -5,6 +5,7 @@
 use rhai::Dynamic;
 
 use super::pages::PAGES;
+use super::ranking::{is_meant, ranked};
 use super::reference::{Entry, Reference, TOPICS};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -25,15 +26,22 @@ pub fn help(registry: &Registry, name: &str) -> String {
     if name.is_empty() {
         return overview(registry);
     }
-    match Reference::new(registry).find(name) {
-        Ok(entries) => entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n"),
-        Err(suggestion) => {
-            let suggestion = suggestion.unwrap_or_else(|| "`help()` lists the topics".into());
-            let found = Reference::new(registry).search(name);
-            let lines: Vec<String> = found.iter().take(MENTIONS).map(|entry| format!("\n  {}", entry.line())).collect();
-            let mentions = if lines.is_empty() { String::new() } else { format!("; it is mentioned in{}", lines.concat()) };
-            format!("there is no function, topic or type `{name}`; {suggestion}{mentions}")
+    let reference = Reference::new(registry);
+    let suggestion = match reference.find(name) {
+        Ok(entries) => return entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n"),
+        Err(suggestion) => suggestion.unwrap_or_else(|| "`help()` lists the topics".into()),
+    };
+    let refusal = format!("there is no function, topic or type `{name}`");
+    let found = ranked(&reference, name);
+    let listed = |entries: &[Entry]| entries.iter().take(MENTIONS).map(|entry| format!("\n  {}", entry.line())).collect::<String>();
+    match found.as_slice() {
+        [] => format!("{refusal}; {suggestion}"),
+        // What is meant comes first, and whole.
+        [first, others @ ..] if is_meant(first, name) => {
+            let others = if others.is_empty() { String::new() } else { format!("\n\nit is mentioned in{}", listed(others)) };
+            format!("{refusal}; it is part of\n\n{}{others}", first.text())
         }
+        all => format!("{refusal}; {suggestion}; it is mentioned in{}", listed(all)),
     }
 }
 

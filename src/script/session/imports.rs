@@ -84,7 +84,7 @@ impl Imports {
 }
 
 /// Signatures of the functions of a module's file.
-fn module_functions(engine: &Engine, sandbox: &Sandbox, path: &str) -> Vec<String> {
+pub(super) fn module_functions(engine: &Engine, sandbox: &Sandbox, path: &str) -> Vec<String> {
     let path = path.strip_suffix(".rhai").unwrap_or(path);
     let text = sandbox.module(path).ok().and_then(|file| files::read_text(&file).ok());
     let Some(Ok(tree)) = text.map(|text| engine.compile_with_scope(&constants(), text)) else { return Vec::new() };

@@ -6,6 +6,7 @@
 //!
 //! The entries can be written as a script (`record.rs`).
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -21,7 +22,8 @@ use super::imports::Imports;
 use super::pages::PAGES;
 use super::record::{ANSWER, Record, lexemes, positions};
 use super::session::{Report, Session};
-use super::shown::{kind_of, shown};
+use super::shown::{DIGITS, kind_of, shown};
+use super::statements::statements;
 use crate::machine::files;
 use crate::script::language::diagnostics::{Diagnostic, defect};
 use crate::script::language::explain::explain;
@@ -30,6 +32,7 @@ use crate::script::language::lint::lint;
 use crate::script::language::observer::Observer;
 use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::reason;
+use crate::script::language::scan::Lexeme;
 use crate::script::language::settings::Settings;
 use crate::script::language::sources::offset;
 use crate::script::language::wording::listed;
@@ -87,6 +90,8 @@ pub struct Interactive {
     earlier: Vec<Earlier>,
     /// Moment at which the last entry was answered.
     answered: Instant,
+    /// Digits of the numbers that are shown; all of them without a limit.
+    pub digits: Option<usize>,
 }
 
 /// A session before an entry.
@@ -118,6 +123,7 @@ impl Interactive {
             count: 0,
             earlier: Vec::new(),
             answered: Instant::now(),
+            digits: Some(DIGITS),
         })
     }
 
@@ -157,7 +163,7 @@ impl Interactive {
                     self.record.keep(text, has_value);
                 }
                 let quiet = lexemes.last().is_some_and(|last| matches!(last.token, Token::SemiColon));
-                let shown = if quiet || !has_value { None } else { Some(shown(&Registry::of(&host), &value)) };
+                let shown = if quiet || !has_value { None } else { Some(shown(&Registry::of(&host), &value, self.digits)) };
                 if has_value {
                     self.session.scope.set_value(ANSWER, value);
                 }
@@ -273,7 +279,9 @@ impl Interactive {
         let engine = self.session.engine.borrow();
         let imports = self.imports.line();
         let whole = format!("{imports}\n{text}");
-        let Err(error) = engine.compile_with_scope(&self.session.scope, &whole) else { return false };
+        let Err(error) = engine.compile_with_scope(&self.session.scope, &whole) else {
+            return may_go_on(&lexemes(&self.session, text), text);
+        };
         if matches!(error.err_type(), ParseErrorType::VariableUndefined(_) | ParseErrorType::ModuleUndefined(_)) {
             return false;
         }
@@ -289,6 +297,7 @@ impl Interactive {
         ask(&Words {
             engine: &engine,
             scope: &self.session.scope,
+            unknown: &BTreeMap::new(),
             registry: &registry,
             functions: &self.functions,
             modules: self.imports.modules(),
@@ -352,7 +361,7 @@ impl Interactive {
                 continue;
             }
             let kind = format!("{}{}", if is_constant { "const " } else { "" }, kind_of(&engine, value));
-            let text = shown(&registry, &value.flatten_clone());
+            let text = shown(&registry, &value.flatten_clone(), self.digits);
             let line: String = text.lines().next().unwrap_or("").chars().take(90).collect();
             found.push(Variable { name: name.into(), kind, value: line });
         }
@@ -405,6 +414,22 @@ fn own_help(function: &ScriptFnMetadata) -> String {
         comments.concat()
     };
     format!("{}({}){comments}", function.name, function.params.join(", "))
+}
+
+/// True if `else` may follow: the last statement is an `if` of several lines without one, and no empty line ends it.
+fn may_go_on(lexemes: &[Lexeme], text: &str) -> bool {
+    let Some(last) = statements(lexemes).pop().filter(|_| text.ends_with('}')) else { return false };
+    let (statement, mut depth, mut has_else) = (&lexemes[last], 0usize, false);
+    for (index, lexeme) in statement.iter().enumerate() {
+        match lexeme.token {
+            Token::LeftBrace | Token::MapStart => depth += 1,
+            Token::RightBrace => depth = depth.saturating_sub(1),
+            Token::Else if depth == 0 => has_else = !matches!(statement.get(index + 1).map(|next| &next.token), Some(Token::If)),
+            _ => {}
+        }
+    }
+    let begins = statement.first().filter(|first| matches!(first.token, Token::If));
+    begins.is_some_and(|first| !has_else && text[first.range.start..].contains('\n'))
 }
 
 fn unreadable(name: &str, cause: &str) -> Box<Diagnostic> {

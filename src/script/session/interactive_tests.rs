@@ -123,6 +123,17 @@ fn input_that_needs_more_lines_is_known() {
     }
     let complete =
         ["", "1 + 1", "a[0]", "f(]", "\"abc", "let = 3", "x", "a.len()", "fn f(x) { x }", "// comment", "`a`", "1 +) 2", "if true {}"];
+    for (text, goes_on) in [
+        ("if true {\n1\n}", true),
+        ("let a = 1; if true {\n1\n}", true),
+        ("if true {\n1\n} else if false {\n2\n}", true),
+        ("if true {\n1\n}\n", false),
+        ("if true {\n1\n} else {\n2\n}", false),
+        ("if true {\n1\n}; 2", false),
+        ("for i in 0..2 {\nif true { 1 }\n}", false),
+    ] {
+        assert_eq!(session.is_incomplete(text), goes_on, "{text}");
+    }
     for text in complete {
         assert!(!session.is_incomplete(text), "{text}");
     }
@@ -381,6 +392,17 @@ fn a_failed_step_can_be_asked_why() {
     assert_eq!(shown(&mut session, "sim.why().failed"), "true");
     assert_ne!(shown(&mut session, "sim.contact(\"foot\").cycling"), "");
     shown(&mut session, "sim.write_failed(\"failed.vtu\")");
+}
+
+#[test]
+fn columns_are_completed_in_brackets() {
+    let mut session = session();
+    shown(&mut session, PRESS);
+    let found = completions(&session, "sim.history[\"kin");
+    assert_eq!(found, ["sim.history[\"kinetic"]);
+    shown(&mut session, "sim.step(); let history = sim.history;");
+    assert!(completions(&session, "history[\"").len() > 20);
+    assert!(completions(&session, "[\"kin").is_empty());
 }
 
 /// Completion in under 20 ms: the best of several, for a machine with much else to do.

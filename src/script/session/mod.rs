@@ -7,15 +7,21 @@ pub mod codes;
 pub mod compile;
 pub mod completion;
 pub mod cursor;
+pub mod declarations;
+pub mod document;
 pub mod engine;
 pub mod exchange;
+pub mod formatting;
+pub mod grammar;
 pub mod help;
 pub mod imports;
+pub mod inspection;
 pub mod interactive;
 #[cfg(test)]
 mod interactive_tests;
 pub mod modules;
 pub mod pages;
+pub mod ranking;
 pub mod record;
 pub mod reference;
 #[allow(clippy::module_inception)] // the room has the name of what it is about

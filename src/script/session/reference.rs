@@ -68,6 +68,11 @@ impl Reference {
         &self.words
     }
 
+    /// All functions.
+    pub(super) fn functions(&self) -> &[Rc<Function>] {
+        &self.functions
+    }
+
     fn of_topic(&self, topic: Topic) -> Vec<Rc<Function>> {
         self.functions.iter().filter(|function| function.topic == topic).cloned().collect()
     }

@@ -35,6 +35,7 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::{Sandbox, reason};
 use crate::script::language::scan;
 use crate::script::language::settings::Settings;
+use crate::script::language::sources::Place;
 use crate::script::language::worker_pool::{MakeWorker, Program, Unit};
 
 /// Outcome of a script.
@@ -44,6 +45,8 @@ pub struct Report {
     pub error: Option<Diagnostic>,
     /// Findings of `conserva check`.
     pub findings: Vec<String>,
+    /// Place of the first use of a result, behind which `conserva check` checked nothing.
+    pub stopped: Option<Place>,
     /// Number of checks that held.
     pub checks: usize,
     /// Energy changes, one line for each simulation with a change.
@@ -57,7 +60,15 @@ pub struct Report {
 impl Report {
     /// Returns the report of a session that could not begin.
     pub fn failed(error: Diagnostic) -> Self {
-        Report { error: Some(error), findings: Vec::new(), checks: 0, energy: Vec::new(), is_conserving: true, is_doubtful: false }
+        Report {
+            error: Some(error),
+            findings: Vec::new(),
+            stopped: None,
+            checks: 0,
+            energy: Vec::new(),
+            is_conserving: true,
+            is_doubtful: false,
+        }
     }
 }
 
@@ -269,6 +280,7 @@ impl Session {
     pub fn finish(&mut self, error: Option<Box<Diagnostic>>) -> Report {
         let host = &self.host;
         let stopped = error.as_ref().is_some_and(|error| error.class == Class::ResultUsed);
+        let place = error.as_ref().and_then(|error| error.place.clone()).filter(|_| stopped);
         let error = error.map(|error| *error).filter(|error| error.class != Class::ResultUsed || !self.stopped_at(error));
         let unused = || check_overrides(host, &self.engine.borrow(), !stopped).err().map(|failure| explain_failure(&failure));
         let error = error.or_else(unused);
@@ -305,6 +317,7 @@ impl Session {
         Report {
             error: error.or(not_closed).or(closed),
             findings: host.findings.borrow().clone(),
+            stopped: place,
             checks: host.checks(),
             energy,
             is_conserving,

@@ -4,10 +4,13 @@ use rhai::{Array, Dynamic, Engine, Map};
 
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::simulations::handle::SimulationHandle;
-use crate::script::language::digits::number_text;
+use crate::script::language::digits::{number_text, rounded};
 use crate::script::language::registry::Registry;
 use crate::script::language::tables::table;
 use crate::script::language::values::as_number;
+
+/// Significant digits of a number at the prompt, unless others are asked for.
+pub const DIGITS: usize = 6;
 
 /// Largest number of array entries shown.
 const SHOWN: usize = 24;
@@ -29,8 +32,8 @@ pub fn kind_of(engine: &Engine, value: &Dynamic) -> String {
     }
 }
 
-/// A value at the prompt.
-pub fn shown(registry: &Registry, value: &Dynamic) -> String {
+/// A value at the prompt; its numbers with at most `digits` digits, or with all of them.
+pub fn shown(registry: &Registry, value: &Dynamic, digits: Option<usize>) -> String {
     if let Some(mesh) = value.clone().try_cast::<MeshHandle>() {
         return mesh.table();
     }
@@ -41,15 +44,15 @@ pub fn shown(registry: &Registry, value: &Dynamic) -> String {
         if map.is_empty() {
             return "#{}".into();
         }
-        let rows: Vec<Vec<String>> = map.iter().map(|(key, value)| vec![key.to_string(), short(registry, value)]).collect();
+        let rows: Vec<Vec<String>> = map.iter().map(|(key, value)| vec![key.to_string(), short(registry, value, digits)]).collect();
         let width = rows.iter().map(|row| row[0].chars().count()).max().unwrap_or(0);
         return rows.iter().map(|row| format!("  {:<width$}  {}", row[0], row[1])).collect::<Vec<_>>().join("\n");
     }
-    short(registry, value)
+    short(registry, value, digits)
 }
 
 /// Returns a value in one line if possible.
-fn short(registry: &Registry, value: &Dynamic) -> String {
+fn short(registry: &Registry, value: &Dynamic, digits: Option<usize>) -> String {
     if let Some(text) = registry.types().print(value) {
         return text;
     }
@@ -65,11 +68,11 @@ fn short(registry: &Registry, value: &Dynamic) -> String {
         if is_table && array.len() <= SHOWN && array.len() > 1 {
             let rows: Vec<Vec<String>> = array
                 .iter()
-                .filter_map(|row| row.read_lock::<Array>().map(|row| row.iter().map(|value| short(registry, value)).collect()))
+                .filter_map(|row| row.read_lock::<Array>().map(|row| row.iter().map(|value| short(registry, value, digits)).collect()))
                 .collect();
             return table(&vec![""; rows.iter().map(Vec::len).max().unwrap_or(0)], &rows);
         }
-        let mut entries: Vec<String> = array.iter().take(SHOWN).map(|value| short(registry, value)).collect();
+        let mut entries: Vec<String> = array.iter().take(SHOWN).map(|value| short(registry, value, digits)).collect();
         if array.len() > SHOWN {
             entries.push(format!("… {} entries in all", array.len()));
         }
@@ -77,12 +80,12 @@ fn short(registry: &Registry, value: &Dynamic) -> String {
         return format!("[{}]", entries.join(joint));
     }
     if let Some(map) = value.read_lock::<Map>() {
-        let entries: Vec<String> = map.iter().map(|(key, value)| format!("{key}: {}", short(registry, value))).collect();
+        let entries: Vec<String> = map.iter().map(|(key, value)| format!("{key}: {}", short(registry, value, digits))).collect();
         return format!("#{{ {} }}", entries.join(", "));
     }
     match value.as_float() {
         Ok(number) => {
-            let text = number_text(number);
+            let text = digits.map_or_else(|| number_text(number), |digits| rounded(number, digits));
             if text.contains(['.', 'e', 'N', 'i']) { text } else { format!("{text}.0") }
         }
         Err(_) => value.to_string(),

@@ -31,13 +31,13 @@ const exact = (value) => {
   return value !== 0 && Math.abs(value) < 1e-4 ? value.toExponential() : String(value);
 };
 
-// A number to read.
-const brief = (value, digits = 4) => {
+// A number to read: six digits at most, with an exponent where its size asks for one.
+const brief = (value, digits = 6) => {
   if (value === null || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
-  const size = Math.abs(value);
-  if (size >= 1e5 || size < 1e-3) return value.toExponential(Math.max(digits - 2, 0)).replace("e+", "e").replace("-", "−").replace("e-", "e−");
-  return Number(value.toPrecision(digits)).toString().replace("-", "−");
+  const rounded = Number(value.toPrecision(digits)), size = Math.abs(rounded);
+  const text = size >= 1e7 || size < 1e-4 ? rounded.toExponential().replace("e+", "e") : rounded.toString();
+  return text.replaceAll("-", "−");
 };
 
 const words = (name) => name.replaceAll("_", " ");

@@ -131,7 +131,8 @@ class Film {
     const length = (vector) => {
       for (let i = 0; i < count; i += 1) out[i] = vector.length === 2 ? Math.hypot(vector[0][i], vector[1][i]) : Math.hypot(vector[0][i], vector[1][i], vector[2][i]);
     };
-    if (name === "displacement") length(values.slice(0, D));
+    if (name === "body") out.fill(body);
+    else if (name === "displacement") length(values.slice(0, D));
     else if (name === "velocity") length(values.slice(D, 2 * D));
     else if (name === "contact_pressure") {
       out.fill(0);

@@ -30,6 +30,7 @@ class Page {
   // What does not change with time.
   describe() {
     const { data } = this;
+    data.fields.push({ name: "body", words: "body", low: -0.5, high: data.bodies.length - 0.5, kinds: [] });
     const outcome = $("outcome");
     outcome.textContent = data.outcome ?? `so far, t = ${brief(this.time[this.time.length - 1], 6)}`;
     outcome.className = `badge ${data.outcome === null ? "" : data.well ? "well" : "ill"}`;
@@ -37,6 +38,10 @@ class Page {
     $("ramp").style.background = `linear-gradient(to right, ${data.colors.filter((_, k) => k % 15 === 0).map((color) => `rgb(${color.join(" ")})`).join(", ")})`;
     for (const id of ["turning", "turning-keys", "cutting"]) $(id).hidden = data.dimension === 2;
     $("made").textContent = `Made by Conserva ${data.version}.`;
+    $("summary").hidden = !data.summary.length;
+    $("summary-lines").append(...data.summary.flatMap(([name, text]) => [element("dt", { textContent: name }), element("dd", { textContent: text })]));
+    // Rigid bodies have no stress.
+    if (data.bodies.every(({ rigid }) => rigid)) $("field").value = "body";
     this.state();
     this.warn();
     this.explain();
@@ -140,7 +145,11 @@ class Page {
 
   update() {
     const { row } = this;
-    for (const [value, name] of this.readings) value.textContent = exact(this.columns.get(name)[row]);
+    for (const [value, name] of this.readings) {
+      const number = this.columns.get(name)[row];
+      value.textContent = brief(number);
+      value.title = exact(number);
+    }
     $("moment").value = String(this.still);
     $("clock").textContent = `t = ${brief(this.time[row], 6)}, step ${exact(this.columns.get("step")[row])}`;
     $("moment").setAttribute("aria-valuetext", $("clock").textContent);
@@ -193,7 +202,7 @@ class Page {
     // Kinds of which there are none are not worth a choice.
     this.data.fields.forEach(({ kinds, high }, k) => { $("field").options[k].hidden = kinds.length > 0 && !(high > 0); });
     const { kinds } = field, theme = this.theme();
-    const marks = kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map((value) => brief(value));
+    const marks = field.name === "body" ? [this.bodies[0].name, "", this.bodies.length > 1 ? this.bodies[this.bodies.length - 1].name : ""] : kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map((value) => brief(value));
     ["scale-low", "scale-middle", "scale-high"].forEach((id, k) => {
       $(id).textContent = marks[k];
       $(id).style.color = kinds.length ? theme.kinds[k >> 1] : "";
@@ -341,7 +350,7 @@ class Page {
     const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
     const values = this.film.field(field.name, found.body, new Float32Array(this.bodies[found.body].nodes));
     const value = values[found.node], told = field.kinds.length ? field.kinds[value - 1] ?? "no" : brief(value);
-    tip.textContent = `${this.bodies[found.body].name}: ${field.words} ${told}`;
+    tip.textContent = field.name === "body" ? this.bodies[found.body].name : `${this.bodies[found.body].name}, node ${found.node}: ${field.words} ${told}`;
     tip.style.left = `${Math.min(event.offsetX + 14, Math.max($("canvas").clientWidth - tip.offsetWidth - 4, 0))}px`;
     tip.style.top = `${event.offsetY + 14}px`;
   }

@@ -12,17 +12,19 @@ use super::step_control::step_size;
 use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{
-    BodyDefinition, Enforcement, Interaction, LedgerRow, Model, Partner, PlacedObstacle, Rows, Simulation, default_rule,
+    BodyDefinition, EnergyAccount, Enforcement, Gear, Interaction, JointDefinition, JointKind, LedgerRow, Model, Partner, PlacedObstacle,
+    Rows, Simulation, default_rule,
 };
-use crate::output::{History, Report, ReportTable, Still, kept_rows, report, shapes};
+use crate::output::{Field, History, Report, ReportTable, Still, kept_rows, report, shapes};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::failures::output_failure;
+use crate::script::api::files::results::Results;
 use crate::script::api::files::writing::path_parameter;
 use crate::script::api::models::description::{describe_obstacle, prescribed};
 use crate::script::api::parameters::Overrides;
 use crate::script::api::remedies::explained;
 use crate::script::language::arguments::Arguments;
-use crate::script::language::digits::{number_text, vector_text};
+use crate::script::language::digits::{brief, brief_vector, number_text, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
@@ -77,14 +79,16 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
     let stills: Vec<&Still> = stills.iter().map(|still| &**still).collect();
     let rows = kept_rows(&*history, &stills.iter().map(|still| still.row).collect::<Vec<_>>());
     let warnings = host.warnings().into_iter().chain(findings(simulation, &history));
+    let lines = summary(host, data, simulation, &stills, ending.as_ref());
     report(&Report {
         name: data.name.clone(),
         is_well: ending.as_ref().is_none_or(|ending| ending.is_well),
+        summary: lines,
         outcome: ending.map(|ending| ending.outcome),
         version: env!("CARGO_PKG_VERSION").into(),
         scripts: scripts(host),
         parameters: parameters(host),
-        tables: tables(data, simulation),
+        tables: tables(data, simulation).into_iter().chain(outcomes(host)).collect(),
         warnings: warnings.collect(),
         columns: columns(data, &history, &rows),
         rows,
@@ -175,11 +179,94 @@ pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable
     let mut all = vec![
         table("Bodies", &["body", "cells", "nodes", "material", "formulation"], bodies.collect()),
         table("Held and loaded", &[], conditions(data)),
+        table("Joints, gears and drives", &["name", "kind", "from", "to", "at", "driven or limited"], joints(model)),
         table("Contacts", &["contact", "secondary", "primary", "method", "update", "enforcement"], contacts(model, simulation)),
         table("Time integration", &[], integration(simulation)),
     ];
     all.retain(|table| !table.rows.is_empty());
     all
+}
+
+/// Joints of a model with their ends, drives and limits.
+fn joints(model: &Model) -> Vec<Vec<String>> {
+    let dimension = model.dimension();
+    let end = |body: Option<usize>| body.map_or("ground".to_string(), |body| model.bodies[body].name.clone());
+    let row = |joint: &JointDefinition| {
+        let [from, to] = joint.ends;
+        let kind = match joint.kind {
+            JointKind::Gear(Gear { joints: [a, b], ratio }) => {
+                let name = |index: usize| model.joints.get(index).map_or("", |joint| joint.name.as_str());
+                format!("gear of \"{}\" and \"{}\", ratio {}", name(a), name(b), brief(ratio))
+            }
+            kind => kind.name().to_string(),
+        };
+        let axis = joint.kind.direction().map(|axis| format!(", along {}", brief_vector(&axis[..dimension]))).unwrap_or_default();
+        let drive = joint.drive.as_ref().map(|drive| format!("driven: {}", drive.describe()));
+        let limits = joint.limits.map(|limits| format!("limits {}", brief_vector(&limits)));
+        let moved: Vec<String> = drive.into_iter().chain(limits).collect();
+        let at = format!("{}{axis}", brief_vector(&from.point[..dimension]));
+        vec![joint.name.clone(), kind, end(from.body), end(to.body), at, moved.join(", ")]
+    };
+    model.joints.iter().map(row).collect()
+}
+
+/// Tables of what the script has found: results and checks that held.
+fn outcomes(host: &Host) -> Vec<ReportTable> {
+    let results = Results::of(host).into_iter().map(|(name, value)| vec![name, value.as_f64().map_or(value.to_string(), brief)]).collect();
+    let checks = host.passed_checks().into_iter().map(|line| vec![line]).collect();
+    let mut all = vec![table("Results", &["result", "value"], results), table("Checks that held", &[], checks)];
+    all.retain(|table| !table.rows.is_empty());
+    all
+}
+
+/// Lines at the top of the page.
+fn summary(host: &Host, data: &SimulationData, simulation: &Simulation, stills: &[&Still], ending: Option<&Ending>) -> Vec<[String; 2]> {
+    let (model, history, options) = (&data.model.model, data.history.borrow(), simulation.options());
+    let count = |number: usize, one: &str, many: &str| format!("{number} {}", if number == 1 { one } else { many });
+    let nodes: usize = model.bodies.iter().map(|body| body.mesh.points.len()).sum();
+    let (joints, contacts) = (model.joints.len(), model.interactions.len());
+    let parts =
+        [(model.bodies.len(), "body", "bodies"), (nodes, "node", "nodes"), (joints, "joint", "joints"), (contacts, "contact", "contacts")];
+    let parts: Vec<String> = parts.into_iter().filter(|part| part.0 > 0).map(|(number, one, many)| count(number, one, many)).collect();
+    let (mut halved, mut depth) = (0, 0.0_f64);
+    history.visit(0, &mut |row| {
+        halved += row.halvings;
+        depth = depth.max(row.max_penetration);
+    });
+    let row = simulation.row();
+    let steps = format!("to t = {} in {}, {}", brief(row.time), count(row.step, "step", "steps"), count(halved, "halving", "halvings"));
+    let method = format!("{}, dt {}, {} unknowns", title(&options.integrator).replace('_', " "), step_size(options), simulation.unknowns());
+    let energy = format!(
+        "kinetic {}, strain {}, potential {}, total {}",
+        brief(row.kinetic),
+        brief(row.strain),
+        brief(row.potential),
+        brief(row.total())
+    );
+    let account = EnergyAccount::of(&*history).to_string();
+    let account = if account.is_empty() { "kept to round-off".to_string() } else { account };
+    let peak = |wanted: &str| {
+        let index = Field::ALL.iter().position(|(name, ..)| *name == wanted)?;
+        let still = stills.iter().max_by(|a, b| a.extremes[index][1].total_cmp(&b.extremes[index][1]))?;
+        let value = still.extremes[index][1];
+        (value > 0.0 && value.is_finite()).then(|| format!("{} {} at t = {}", Field::ALL[index].1, brief(value), brief(still.time)))
+    };
+    let is_soft = model.bodies.iter().any(|body| body.rigid.is_none());
+    let peaks = ["von_mises", "contact_pressure", "displacement", "velocity"].into_iter().filter(|name| is_soft || *name != "von_mises");
+    let peaks: Vec<String> = peaks.filter_map(peak).collect();
+    let lines = [
+        ("model", parts.join(", ")),
+        ("outcome", ending.map(|ending| ending.outcome.clone()).unwrap_or_default()),
+        ("time", steps),
+        ("method", method),
+        ("energy at the end", energy),
+        ("energy since the start", account),
+        ("peaks of the pictures", peaks.join("; ")),
+        ("largest overlap", if contacts > 0 { brief(depth) } else { String::new() }),
+        ("checks", if host.checks() > 0 { format!("{} held", host.checks()) } else { String::new() }),
+        ("program", format!("Conserva {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    lines.into_iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| [name.to_string(), text]).collect()
 }
 
 fn material(body: &BodyDefinition) -> String {

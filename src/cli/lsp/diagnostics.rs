@@ -1,0 +1,43 @@
+//! Messages of the language as those of the protocol.
+
+use std::time::Duration;
+
+use lsp_types::{DiagnosticSeverity, NumberOrString, Position};
+
+use super::positions::range_of;
+use crate::script::{Diagnostic, Document, Place, Severity};
+
+/// Returns a message of a text: fault, causes and hints. What is wrong in a module stands at its import or call.
+pub fn published(document: &Document, finding: &Diagnostic) -> lsp_types::Diagnostic {
+    let own = |place: &&Place| document.is_own(place);
+    let frames = finding.frames.iter().filter_map(|frame| frame.place.as_ref());
+    let place = finding.place.as_ref().filter(own).or_else(|| frames.into_iter().find(own));
+    let elsewhere = finding.place.iter().filter(|place| !document.is_own(place)).map(|place| format!("at {place}"));
+    let label = Some(finding.label.clone()).filter(|label| !label.is_empty());
+    let lines = std::iter::once(finding.title.clone()).chain(elsewhere).chain(label).chain(finding.causes.iter().cloned());
+    let lines: Vec<String> = lines.chain(finding.hints.iter().map(|hint| format!("hint: {hint}"))).collect();
+    let severity = match finding.severity {
+        Severity::Error => DiagnosticSeverity::ERROR,
+        Severity::Warning => DiagnosticSeverity::WARNING,
+    };
+    let code = Some(finding.code.clone()).filter(|code| !code.is_empty()).map(NumberOrString::String);
+    let range = place.map(|place| range_of(&place.text, &place.range)).unwrap_or_default();
+    message(range, severity, code, lines.join("\n"))
+}
+
+fn message(range: lsp_types::Range, severity: DiagnosticSeverity, code: Option<NumberOrString>, text: String) -> lsp_types::Diagnostic {
+    lsp_types::Diagnostic::new(range, Some(severity), code, Some("conserva".into()), text, None, None)
+}
+
+/// Note at the first use of a result, behind which nothing is checked.
+pub fn stopped_note(document: &Document, place: &Place) -> lsp_types::Diagnostic {
+    let range = if document.is_own(place) { range_of(&place.text, &place.range) } else { lsp_types::Range::default() };
+    let text = "a result is used here; what follows depends on it and is checked by a run only".into();
+    message(range, DiagnosticSeverity::HINT, None, text)
+}
+
+/// Note of a check that was stopped.
+pub fn too_long_note(patience: Duration) -> lsp_types::Diagnostic {
+    let text = format!("the check was stopped after {} s; `conserva check` takes the time that is needed", patience.as_secs());
+    message(lsp_types::Range::new(Position::new(0, 0), Position::new(0, 0)), DiagnosticSeverity::INFORMATION, None, text)
+}
