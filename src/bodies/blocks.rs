@@ -135,4 +135,10 @@ impl<const D: usize> ElementLoop<D> for Blocks<D> {
             block.visit_stresses(Present { history, ..at }, &mut |point| visit(&PointStress { cell: first + point.cell, ..*point }));
         }
     }
+
+    fn visit_forces(&self, at: Present, field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+        for ((first, _), (block, history)) in self.blocks.iter().zip(self.with_history(at.history)) {
+            block.visit_forces(Present { history, ..at }, field, &mut |cell, forces| visit(first + cell, forces));
+        }
+    }
 }

@@ -5,6 +5,7 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
 use super::Mesh;
+use crate::elements::CellShape;
 use crate::math::tolerances::{INSIDE_CELL, LOCATED};
 
 /// Iterations at most: cells that are valid need less than ten.
@@ -42,7 +43,7 @@ impl<'a> CellFinder<'a> {
         let mut found: Vec<usize> = self.tree.locate_in_envelope_intersecting(AABB::from_point(point)).map(|found| found.data).collect();
         found.sort_unstable();
         for cell in found {
-            let (distance, shares) = self.in_cell(cell, point)?;
+            let (distance, shares) = self.in_cell(cell, point);
             if best.as_ref().is_none_or(|(least, _)| distance < *least) {
                 best = Some((distance, shares));
             }
@@ -51,14 +52,14 @@ impl<'a> CellFinder<'a> {
     }
 
     /// Distance of a point from a cell relative to its size, 0 inside, and the shape functions at the nearest place in the cell.
-    fn in_cell(&self, cell: usize, point: [f64; 3]) -> Option<(f64, Vec<(u32, f64)>)> {
-        let (row, nodes) = (self.mesh.kind.row(), self.mesh.cell(cell));
+    fn in_cell(&self, cell: usize, point: [f64; 3]) -> (f64, Vec<(u32, f64)>) {
+        let (kind, nodes) = self.mesh.kind_and_cell(cell);
+        let row = kind.row();
         let places: Vec<Vector3<f64>> = nodes.iter().map(|&node| Vector3::from(self.mesh.points[node as usize])).collect();
         let size = places.iter().map(|x| (x - places[0]).norm()).fold(0.0, f64::max);
         let position = |xi: [f64; 3]| (row.shape)(xi).iter().zip(&places).map(|(shape, x)| x * *shape).sum::<Vector3<f64>>();
-        let is_simplex = row.cell_shape.is_simplex();
-        let mut xi = if is_simplex { [1.0 / (1.0 + row.dimension as f64); 3] } else { [0.0; 3] };
-        (row.dimension..3).for_each(|i| xi[i] = 0.0);
+        let simplex = simplex_dimension(row.cell_shape);
+        let mut xi: [f64; 3] = std::array::from_fn(|i| if i < simplex { 1.0 / (1.0 + simplex as f64) } else { 0.0 });
         for _ in 0..ITERATIONS {
             let off = Vector3::from(point) - position(xi);
             if off.norm() <= LOCATED * size {
@@ -69,25 +70,31 @@ impl<'a> CellFinder<'a> {
                 jacobian += x * Vector3::from(*gradient).transpose();
             }
             (row.dimension..3).for_each(|i| jacobian[(i, i)] = 1.0);
-            let step = jacobian.lu().solve(&off)?;
+            let Some(step) = jacobian.lu().solve(&off) else { break };
             (0..row.dimension).for_each(|i| xi[i] += step[i].clamp(-1.0, 1.0));
         }
-        let inside = clamped(xi, row.dimension, is_simplex);
+        let inside = clamped(xi, simplex);
         let moved = (0..3).map(|i| (inside[i] - xi[i]).abs()).fold(0.0, f64::max);
         let distance = if moved <= INSIDE_CELL { 0.0 } else { (Vector3::from(point) - position(inside)).norm() / size };
-        Some((distance, nodes.iter().copied().zip((row.shape)(inside)).collect()))
+        (distance, nodes.iter().copied().zip((row.shape)(inside)).collect())
+    }
+}
+
+/// Number of leading reference coordinates that are nonnegative with a sum of at most 1; the others lie between -1 and 1.
+fn simplex_dimension(shape: CellShape) -> usize {
+    match shape {
+        CellShape::Triangle | CellShape::Wedge => 2,
+        CellShape::Tetrahedron => 3,
+        CellShape::Quadrilateral | CellShape::Hexahedron | CellShape::Pyramid => 0,
     }
 }
 
 /// Nearest reference point within the reference cell, coordinate by coordinate.
-fn clamped(xi: [f64; 3], dimension: usize, is_simplex: bool) -> [f64; 3] {
-    if !is_simplex {
-        return xi.map(|x| x.clamp(-1.0, 1.0));
-    }
-    let mut inside = xi.map(|x| x.max(0.0));
-    let sum: f64 = inside[..dimension].iter().sum();
+fn clamped(xi: [f64; 3], simplex: usize) -> [f64; 3] {
+    let mut inside: [f64; 3] = std::array::from_fn(|i| if i < simplex { xi[i].max(0.0) } else { xi[i].clamp(-1.0, 1.0) });
+    let sum: f64 = inside[..simplex].iter().sum();
     if sum > 1.0 {
-        inside.iter_mut().for_each(|x| *x /= sum);
+        inside[..simplex].iter_mut().for_each(|x| *x /= sum);
     }
     inside
 }
@@ -95,6 +102,7 @@ fn clamped(xi: [f64; 3], dimension: usize, is_simplex: bool) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::elements::CellKind;
     use crate::mesh::{block, rectangle};
 
     #[test]
@@ -109,6 +117,23 @@ mod tests {
                 assert!((0..3).all(|i| (back[i] - point[i]).abs() < 1e-13), "{back:?}");
             }
             assert!(finder.shares([2.1, 0.5, depth]).is_none() && finder.shares([0.5, 3.0, depth]).is_none());
+        }
+    }
+
+    /// A wedge, and a pyramid up to its apex, where its reference coordinates are undetermined.
+    #[test]
+    fn points_in_wedges_and_pyramids_are_found() {
+        for kind in [CellKind::Wedge6, CellKind::Pyr5] {
+            let points = kind.row().node_places.to_vec();
+            let apex = points[points.len() - 1];
+            let mesh = Mesh::new(kind, points, (0..kind.nodes() as u32).collect());
+            let finder = CellFinder::new(&mesh);
+            for point in [[0.2, 0.1, -0.4], [0.3, 0.3, -1.0], apex] {
+                let shares = finder.shares(point).unwrap();
+                let back: [f64; 3] = [0, 1, 2].map(|i| shares.iter().map(|&(node, share)| share * mesh.points[node as usize][i]).sum());
+                assert!((0..3).all(|i| (back[i] - point[i]).abs() < 1e-9), "{kind:?} {point:?}: {back:?}");
+            }
+            assert!(finder.shares([0.9, 0.9, 0.8]).is_none());
         }
     }
 }

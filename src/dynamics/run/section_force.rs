@@ -31,8 +31,8 @@ pub struct SectionForce {
 fn section(mesh: &Mesh, is_front: &[bool]) -> Option<Vec<Facet>> {
     let mut facets: BTreeMap<Vec<u32>, Facet> = BTreeMap::new();
     let mut found = Vec::new();
-    for (cell, _) in (0u32..).zip(mesh.cells()) {
-        for local in 0..mesh.kind.facets().len() {
+    for (cell, (kind, _)) in (0u32..).zip(mesh.cells_with_kinds()) {
+        for local in 0..kind.facets().len() {
             let facet = Facet { cell, local: local as u8 };
             let mut nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
             nodes.sort_unstable();
