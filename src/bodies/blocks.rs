@@ -58,7 +58,9 @@ impl<const D: usize> ElementLoop<D> for Blocks<D> {
     }
 
     fn add_lumped_mass(&self, lumping: Lumping, mass: &mut [f64]) -> bool {
-        self.loops().fold(true, |are_positive, block| block.add_lumped_mass(lumping, mass) && are_positive)
+        let mut are_positive = true;
+        self.loops().for_each(|block| are_positive &= block.add_lumped_mass(lumping, mass));
+        are_positive
     }
 
     fn fastest_cell(&self, lumping: Lumping, u: &[f64]) -> FastestCell {

@@ -27,13 +27,15 @@ struct Template {
     pieces: Vec<Vec<(u32, u8)>>,
 }
 
+/// Index of the template for a cell, given its nodes.
+type Choice<'a> = Box<dyn Fn(&[u32]) -> usize + 'a>;
+
 /// Division of the cells of a block.
 struct Division<'a> {
     /// Kind of the children.
     child: CellKind,
     templates: Vec<Template>,
-    /// Index of the template of a cell, given its nodes.
-    choose: Box<dyn Fn(&[u32]) -> usize + 'a>,
+    choose: Choice<'a>,
 }
 
 impl Division<'_> {

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::*;
+use crate::elements::CellKind;
 
 /// Round-off of sums of some thousand terms.
 const ROUND_OFF: f64 = 1e-12;
