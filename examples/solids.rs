@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let scene = Scene { seed, rule, friction };
             let (model, ..) = solids::model_of(scene);
             for body in &model.bodies {
-                println!("{}: {:?}, {} cells, {} nodes", body.name, body.mesh.kind, body.mesh.cell_count(), body.mesh.points.len());
+                println!("{}: {}, {} nodes", body.name, body.mesh.counted_cells(), body.mesh.points.len());
             }
             let outcome = solids::watched(scene, &mut |row, depth| {
                 println!(

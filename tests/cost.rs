@@ -89,7 +89,7 @@ fn count_cells<const D: usize>(kind: CellKind, mesh: &Mesh, count: &mut impl FnM
 where
     Space<D>: Elements<D>,
 {
-    assert_eq!((kind, kind.dimension()), (mesh.kind, D));
+    assert_eq!((kind, kind.dimension()), (mesh.blocks[0].kind, D));
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let make = || {
         let mut elements = Space::<D>::elements(&BodyCells::new(mesh, &steel, Formulation::default())).expect("no cell is inside out");

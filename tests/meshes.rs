@@ -76,7 +76,7 @@ fn both_versions_of_the_punch_are_the_same_mesh() {
     let mesh = read_mesh(repository().join("scripts/meshes/punch.msh")).unwrap();
     let older = read_mesh(repository().join("tests/meshes/punch_22.msh")).unwrap();
     assert_eq!(mesh.points, older.points);
-    assert_eq!(mesh.connectivity, older.connectivity);
+    assert_eq!(mesh.blocks, older.blocks);
     assert_eq!(mesh.parts, older.parts);
     assert_eq!(mesh.boundaries, older.boundaries);
 }
@@ -146,7 +146,7 @@ struct Made {
 
 #[test]
 fn files_of_other_programs_are_what_their_geometry_says() {
-    use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6};
+    use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6, Wedge6};
     let made = |file, kind, cells, measure, boundary| Made { file, kind, cells, measure, boundary };
     // a hole of radius 0.3 in a plate 2 x 1, a quarter of a ring of radii 1 and 2, a box 2 x 1 x 1; chords of the circles make the
     // difference, whose areas were summed by another program (shoelace formula over the cells)
@@ -174,6 +174,7 @@ fn files_of_other_programs_are_what_their_geometry_says() {
         made("box_tet4_41_binary.msh", Tet4, 144, (2.0, written), ("left", 1.0)),
         made("box_tet4.inp", Tet4, 144, (2.0, written), ("front", 2.0)),
         made("box_hex8_22_binary.msh", Hex8, 8, (2.0, written), ("front", 2.0)),
+        made("box_prism6.msh", Wedge6, 12, (2.0, written), ("back", 2.0)),
         made("box_hex8.inp", Hex8, 8, (2.0, written), ("left", 1.0)),
         // a quarter of a tube of height 1
         made("box_tet10_41.msh", Tet10, 144, (2.0, written), ("left", 1.0)),
@@ -188,7 +189,7 @@ fn files_of_other_programs_are_what_their_geometry_says() {
     ] {
         let path = repository().join("tests/meshes/made").join(file);
         let mesh = read_mesh(path).unwrap_or_else(|error| panic!("{file}: {error} ({:?})", error.place()));
-        assert_eq!((mesh.kind, mesh.cell_count()), (kind, cells), "{file}");
+        assert_eq!((mesh.only_kind(), mesh.cell_count()), (Some(kind), cells), "{file}");
         assert_eq!(mesh.defects(), [], "{file}");
         assert!((mesh.measure() - measure).abs() < tolerance, "{file}: {} for {measure}", mesh.measure());
         let found = if name == HULL {
@@ -200,8 +201,36 @@ fn files_of_other_programs_are_what_their_geometry_says() {
         assert!((found - extent).abs() < 0.03 * extent, "{file} {name}: {found}");
         let text = mesh.to_gmsh();
         let back = read_mesh_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{file}: {error}"));
-        assert_eq!((&back.points, &back.connectivity, &back.parts), (&mesh.points, &mesh.connectivity, &mesh.parts), "{file}");
+        assert_eq!((&back.points, &back.blocks, &back.parts), (&mesh.points, &mesh.blocks, &mesh.parts), "{file}");
         assert_eq!(back.boundaries.len(), mesh.boundaries.len(), "{file}");
+    }
+}
+
+#[test]
+fn files_of_several_kinds_of_cells_are_read_block_by_block() {
+    // Areas and volumes by the geometry, with chords of the hole where cells are of first order (its 8 sides summed by hand).
+    let hole = 2.0 - PI * 0.09;
+    for (file, kinds, measure, tolerance, boundary) in [
+        ("plate_mixed.msh", "16 tri3 and 76 quad4 cells", hole, 1.5e-2, ("hole", 0.6 * PI)),
+        ("plate_hex8_wedge6_22.msh", "94 hex8 and 14 wedge6 cells", 0.5 * hole, 1.5e-2, ("top", hole)),
+        ("plate_hex20_wedge15_41_binary.msh", "94 hex20 and 14 wedge15 cells", 0.5 * hole, 1e-3, ("top", hole)),
+        ("plate_hex20_wedge15.inp", "94 hex20 and 14 wedge15 cells", 0.5 * hole, 1e-3, ("top", hole)),
+        ("box_pyr5_41.msh", "370 tet4 and 8 hex8 and 4 pyr5 cells", 2.0, 1e-12, ("front", 2.0)),
+        ("box_pyr5.inp", "370 tet4 and 8 hex8 and 4 pyr5 cells", 2.0, 1e-12, ("right", 1.0)),
+        ("box_pyr13_41_binary.msh", "370 tet10 and 8 hex20 and 4 pyr13 cells", 2.0, 1e-12, ("front", 2.0)),
+    ] {
+        let path = repository().join("tests/meshes/made").join(file);
+        let mesh = read_mesh(path).unwrap_or_else(|error| panic!("{file}: {error} ({:?})", error.place()));
+        assert_eq!((mesh.counted_cells().as_str(), mesh.defects()), (kinds, Vec::new()), "{file}");
+        assert!((mesh.measure() - measure).abs() < tolerance * measure, "{file}: {} for {measure}", mesh.measure());
+        let found = length(&mesh, boundary.0);
+        assert!((found - boundary.1).abs() < 0.03 * boundary.1, "{file} {}: {found}", boundary.0);
+        let back = read_mesh_bytes(mesh.to_gmsh().as_bytes()).unwrap_or_else(|error| panic!("{file}: {error}"));
+        assert_eq!((&back.points, &back.blocks, &back.parts), (&mesh.points, &mesh.blocks, &mesh.parts), "{file}");
+        let areas = |mesh: &Mesh| mesh.boundaries.iter().map(|of| (of.name.clone(), mesh.boundary_measure(of))).collect::<Vec<_>>();
+        for ((name, before), (same, after)) in areas(&mesh).into_iter().zip(areas(&back)) {
+            assert!(name == same && (before - after).abs() < 1e-12, "{file} {name}: {before} {after}");
+        }
     }
 }
 
@@ -212,11 +241,13 @@ fn files_that_cannot_be_used_are_refused_with_place_and_cure() {
         assert_eq!((error.line(), error.to_string()), (Some(line), text.to_string()), "{file}");
         assert!(error.hint().contains(hint), "{file}: {}", error.hint());
     };
-    let mixed = "the file mixes cells: 76 quad4 and 16 tri3, but a mesh has cells of one kind; the first tri3 is element 49";
-    refusal("plate_mixed.msh", 313, mixed, "`Mesh.SubdivisionAlgorithm = 1;`");
-    let prism = "element 7 is a 6-node prism, \
-                 but cells read are tri3, quad4, tri6, quad8, quad9, tet4, hex8, tet10, hex20 and hex27";
-    refusal("box_prism6.msh", 126, prism, "prisms and pyramids");
+    let orders = "the file mixes cells of first and of second order: 2 quad4 and 1 tri6; the first tri6 is element 3";
+    refusal("two_orders.msh", 21, orders, "`Mesh.ElementOrder = 1;`");
+    let prism = "element 1 is a prism of 18 nodes (second order, nodes in its faces), but cells read are tri3, quad4, tri6, quad8, quad9, \
+                 tet4, hex8, tet10, hex20, hex27, wedge6, wedge15, pyr5 and pyr13";
+    refusal("prism18.msh", 27, prism, "`Mesh.SecondOrderIncomplete = 1;`");
+    let unmatched = "cell 1 at (0.5, 0.5, 0.5) does not match its neighbor: a facet of hex8 and one of tet4 have different nodes";
+    refusal("hexahedron_on_tetrahedra.msh", 18, unmatched, "a layer of pyramids");
     let path = repository().join("tests/meshes/refused/plate_tri6_inverted.msh");
     let inverted = read_mesh(path).expect_err("cells inside out");
     assert_eq!(inverted.offset(), Some(5375));

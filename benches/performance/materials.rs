@@ -40,7 +40,7 @@ fn law(material: &Material, repetitions: usize) -> [f64; 2] {
 
 /// Least nanoseconds per point that a step spends in the assembly of a block that vibrates.
 fn assembly(mesh: &Mesh, formulation: Formulation, material: &Material, repetitions: usize) -> Result<f64, Box<dyn Error>> {
-    let (mut least, points) = (f64::INFINITY, (mesh.kind.row().quadrature)().len());
+    let (mut least, points) = (f64::INFINITY, (mesh.blocks[0].kind.row().quadrature)().len());
     for _ in 0..repetitions {
         let mut model = Model::new("block");
         let body = model.add_formulated_body("block", mesh.clone(), material, formulation);

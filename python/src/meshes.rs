@@ -31,13 +31,28 @@ pub fn positions<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
     shared(arguments.py(), &mesh, |mesh| mesh.points.as_flattened(), mesh.points.len())
 }
 
+/// Kind of all cells, whose facets have one number of nodes, so that cells and facets are arrays with rows of one length.
+fn kind_of_arrays(py: Python, mesh: &Mesh) -> PyResult<CellKind> {
+    let is_even = |kind: &CellKind| kind.facets().iter().all(|facet| facet.len() == kind.facets()[0].len());
+    mesh.only_kind().filter(is_even).ok_or_else(|| {
+        let cause = format!("it has {}, whose cells or facets differ in their number of nodes", mesh.counted_cells());
+        script_error(
+            py,
+            "the mesh has no arrays of cells",
+            &cause,
+            "write the fields of a run, and read the VTU files with meshio or PyVista",
+        )
+    })
+}
+
 /// `mesh(object)`: kind of its cells, node numbers of cells, boundaries, parts.
 pub fn mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let (py, mesh) = (arguments.py(), mesh_of(arguments)?);
+    let kind = kind_of_arrays(py, &mesh)?;
     let entries = PyDict::new(py);
-    entries.set_item("element", mesh.kind.name())?;
+    entries.set_item("element", kind.name())?;
     entries.set_item("dimension", mesh.dimension())?;
-    entries.set_item("connectivity", shared(py, &mesh, |mesh| &mesh.connectivity[..], mesh.cell_count())?)?;
+    entries.set_item("connectivity", shared(py, &mesh, |mesh| &mesh.blocks[0].connectivity[..], mesh.cell_count())?)?;
     let boundaries = PyDict::new(py);
     for Boundary { name, facets, nodes } in &mesh.boundaries {
         let sides: Vec<u32> = facets.iter().flat_map(|facet| [facet.cell, facet.local.into()]).collect();
@@ -70,8 +85,8 @@ pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
     let coordinates: Vec<f64> = points.as_chunks().0.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect();
     let points = coordinates.as_chunks().0.to_vec();
     let parts = parts.into_iter().map(|(name, cells)| (name, numbers(&cells))).collect();
-    let mut mesh = Mesh { kind, points, connectivity: numbers(&connectivity), boundaries: Vec::new(), parts };
-    if !mesh.connectivity.len().is_multiple_of(kind.nodes()) {
+    let mut mesh = Mesh { parts, ..Mesh::new(kind, points, numbers(&connectivity)) };
+    if !mesh.blocks[0].connectivity.len().is_multiple_of(kind.nodes()) {
         return Err(PyValueError::new_err(format!("a {element} has {} nodes", kind.nodes())));
     }
     for (name, sides, nodes) in boundaries {
@@ -120,7 +135,7 @@ fn facet_corners(kind: CellKind) -> usize {
 /// Facets of the hull by their corners in ascending order.
 fn sides_by_corners(mesh: &Mesh) -> HashMap<Vec<u32>, Facet> {
     let corners = |facet: Facet| {
-        let mut corners: Vec<u32> = mesh.facet_nodes(facet).take(facet_corners(mesh.kind)).collect();
+        let mut corners: Vec<u32> = mesh.facet_nodes(facet).take(mesh.facet_corners(facet)).collect();
         corners.sort_unstable();
         corners
     };

@@ -29,7 +29,7 @@ use crate::materials::Components;
 use crate::math::lanes::{Lanes, WIDTH, relabel_rows};
 use crate::math::simd::{Kernel, dispatch};
 use crate::math::workers::Workers;
-use crate::mesh::Mesh;
+use crate::mesh::{Block as MeshBlock, Mesh};
 
 /// Places of the blocks of a cell in the array of values.
 #[derive(Clone, Copy)]
@@ -64,17 +64,24 @@ impl<const D: usize> PlacedRun<D> {
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    /// The cells of a mesh, whose nodes begin at `first_node` of the model.
+    /// The cells of a block of a mesh, whose nodes begin at `first_node` of the model. Sums go on in the spans of nodes of the blocks
+    /// before, which are `touched`.
     ///
     /// # Errors
     /// The first cell that is inside out.
-    pub(super) fn new<C: ReferenceCell<D, A, Q>>(mesh: &Mesh, physics: Physics<S, L>, first_node: usize) -> Result<Self, Inverted> {
-        let cells: Vec<&[u32]> = mesh.cells().collect();
+    pub(super) fn new<C: ReferenceCell<D, A, Q>>(
+        mesh: &Mesh,
+        block: &MeshBlock,
+        physics: Physics<S, L>,
+        first_node: usize,
+        touched: &mut Vec<Range<usize>>,
+    ) -> Result<Self, Inverted> {
+        let cells: Vec<&[u32]> = block.cells().collect();
         let cliques: Vec<Vec<u32>> = cells.iter().map(|cell| cell.iter().map(|&node| node + first_node as u32).collect()).collect();
         let unplaced = |run| PlacedRun { run, values: 0..0, fresh_values: Vec::new() };
         let mut elements = Cells {
             physics,
-            rounds: rounds(&cliques, WIDTH).into_iter().map(|round| round.into_iter().map(unplaced).collect()).collect(),
+            rounds: rounds(&cliques, WIDTH, touched).into_iter().map(|round| round.into_iter().map(unplaced).collect()).collect(),
             cliques,
             table: Table::new::<C>(),
             batches: cells.chunks(WIDTH).map(|chunk| Batch::new(chunk, &mesh.points, first_node)).collect(),
@@ -90,7 +97,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
                 }
             }
         }
-        let (rule, is_section) = (MassRule::new::<C, Q>(mesh.kind.shape()), elements.physics.is_axisymmetric());
+        let (rule, is_section) = (MassRule::new::<C, Q>(block.kind.shape()), elements.physics.is_axisymmetric());
         let mut room = Vec::new();
         for index in 0..elements.batches.len() {
             let volumes = elements.deform(&elements.batches[index], None).weighed;

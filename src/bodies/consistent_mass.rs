@@ -130,9 +130,9 @@ mod tests {
         let line = gauss(9);
         let over = |from: f64, to: f64| line.iter().map(move |(x, w)| (from + 0.5 * (to - from) * (x + 1.0), 0.5 * (to - from) * w));
         let mut rule = Vec::new();
-        let is_simplex = shape.is_simplex();
-        for (x, a) in if is_simplex { over(0.0, 1.0) } else { over(-1.0, 1.0) } {
-            for (y, b) in if is_simplex { over(0.0, 1.0 - x) } else { over(-1.0, 1.0) } {
+        let (is_simplex, is_wedge) = (shape.is_simplex(), shape == CellShape::Wedge);
+        for (x, a) in if is_simplex || is_wedge { over(0.0, 1.0) } else { over(-1.0, 1.0) } {
+            for (y, b) in if is_simplex || is_wedge { over(0.0, 1.0 - x) } else { over(-1.0, 1.0) } {
                 match shape {
                     CellShape::Triangle | CellShape::Quadrilateral => rule.push(([x, y, 0.0], a * b)),
                     _ => rule
@@ -150,8 +150,9 @@ mod tests {
             let z = if plane { 0.0 } else { z + 0.11 * (1.3 * x - 0.4 * y).sin() };
             [3.0 + x + 0.12 * (1.7 * y + 0.3 + z).sin(), y + 0.15 * (1.1 * x + 0.6 * z).cos(), z]
         };
-        let points: Vec<[f64; 3]> = kind.row().node_places.iter().map(|&place| bend(place)).collect();
-        Mesh { kind, connectivity: (0..points.len() as u32).collect(), points, boundaries: Vec::new(), parts: Vec::new() }
+        let points: Vec<[f64; 3]> = kind.row().node_places.iter().map(|&place| bend(kind.shape().place(place))).collect();
+        let connectivity = (0..points.len() as u32).collect();
+        Mesh::new(kind, points, connectivity)
     }
 
     fn masses<const D: usize>(mesh: &Mesh, formulation: Formulation, density: f64) -> (Vec<(u32, u32, f64)>, f64)

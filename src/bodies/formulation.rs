@@ -107,15 +107,22 @@ impl FormulationError {
     }
 }
 
+/// True if the dilatation can be linear in cells of a kind.
+fn takes_linear(kind: CellKind) -> bool {
+    matches!(kind, CellKind::Quad9 | CellKind::Hex27)
+}
+
 impl Formulation {
-    /// The formulation for cells and a material where nothing is said of the dilatation: where the law hardly changes its volume and cells
+    /// The formulation for a mesh and a material where nothing is said of the dilatation: where the law hardly changes its volume and cells
     /// and law can, it is linear in biquadratic and triquadratic cells and one mean in all others.
-    pub fn suited(plane: Plane, cells: CellKind, material: &Material) -> Self {
+    pub fn suited(plane: Plane, mesh: &Mesh, material: &Material) -> Self {
         let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
-        let dilatation = match cells {
-            _ if !can || cells.has_one_point() || !material.hardly_changes_volume() => Dilatation::Pointwise,
-            CellKind::Quad9 | CellKind::Hex27 => Dilatation::Linear,
-            _ => Dilatation::Mean,
+        let dilatation = if !can || mesh.kinds().all(CellKind::has_one_point) || !material.hardly_changes_volume() {
+            Dilatation::Pointwise
+        } else if mesh.kinds().all(takes_linear) {
+            Dilatation::Linear
+        } else {
+            Dilatation::Mean
         };
         Formulation { plane, dilatation }
     }
@@ -138,10 +145,11 @@ impl Formulation {
     pub fn check(&self, mesh: &Mesh, material: &Material) -> Result<(), FormulationError> {
         let law = material.name();
         if mesh.dimension() == 3 && self.plane != Plane::Strain {
-            return Err(FormulationError::NotPlane { cells: mesh.kind.name() });
+            return Err(FormulationError::NotPlane { cells: mesh.blocks[0].kind.name() });
         }
-        if self.dilatation == Dilatation::Linear && !matches!(mesh.kind, CellKind::Quad9 | CellKind::Hex27) {
-            return Err(FormulationError::LinearOfOthers { cells: mesh.kind.name() });
+        let other = mesh.kinds().find(|&kind| !takes_linear(kind));
+        if let (Dilatation::Linear, Some(other)) = (self.dilatation, other) {
+            return Err(FormulationError::LinearOfOthers { cells: other.name() });
         }
         if self.dilatation != Dilatation::Pointwise {
             if self.plane == Plane::Stress {

@@ -4,6 +4,7 @@
 //! material (a virtual call per batch) and time integrator (where to evaluate, and the discrete gradient).
 
 mod batch;
+mod blocks;
 mod cells;
 mod completion;
 mod consistent_mass;

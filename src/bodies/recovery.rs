@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::elements::CellShape;
 use crate::math::tolerances::RECOVERY_AMPLIFICATION;
 use crate::mesh::Mesh;
 
@@ -26,7 +27,7 @@ impl Recovery {
     /// For the nodes of a mesh; none has a factor where the cells are of second order.
     pub fn new(mesh: &Mesh) -> Self {
         let mut recovery = Recovery { starts: vec![0], cells: Vec::new() };
-        let patches = mesh.kind.is_first_order().then(|| Patches::new(mesh));
+        let patches = (!mesh.is_quadratic()).then(|| Patches::new(mesh));
         for node in 0..mesh.points.len() {
             recovery.cells.extend(patches.as_ref().and_then(|patches| patches.factors(node)).unwrap_or_default());
             recovery.starts.push(recovery.cells.len());
@@ -71,13 +72,15 @@ impl<'a> Patches<'a> {
             of_cell: vec![Vec::new(); mesh.cell_count()],
         };
         let mut facets: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
-        for (index, cell) in (0u32..).zip(mesh.cells()) {
+        for (index, (kind, cell)) in (0u32..).zip(mesh.cells_with_kinds()) {
             cell.iter().for_each(|&node| patches.around[node as usize].push(index));
-            if !mesh.kind.has_one_point() {
+            let is_wedge = kind.shape() == CellShape::Wedge;
+            if !kind.has_one_point() && !is_wedge {
                 patches.add_sample(&[index]);
                 continue;
             }
-            for facet in mesh.kind.row().facets {
+            // wedges are to each other as the triangles that they stand on
+            for facet in kind.facets().iter().filter(|facet| !is_wedge || facet.len() == 4) {
                 let mut nodes: Vec<u32> = facet.iter().map(|&local| cell[local]).collect();
                 nodes.sort_unstable();
                 match facets.remove(&nodes) {

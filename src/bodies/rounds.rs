@@ -27,8 +27,9 @@ pub(super) struct Run {
     pub(super) fresh: Vec<Range<usize>>,
 }
 
-/// Rounds of a body with given cells, each in ascending order of its nodes; runs consist of whole groups of `together` cells.
-pub(super) fn rounds(cells: &[Vec<u32>], together: usize) -> Vec<Vec<Run>> {
+/// Rounds of given cells of a body, each in ascending order of its nodes; runs consist of whole groups of `together` cells. `touched` has
+/// the spans of the cells before, in ascending order, and gets those of the cells.
+pub(super) fn rounds(cells: &[Vec<u32>], together: usize, touched: &mut Vec<Range<usize>>) -> Vec<Vec<Run>> {
     let length = cells.len().div_ceil(MOST_RUNS).max(LEAST_CELLS).next_multiple_of(together);
     let mut rounds: Vec<Vec<Run>> = Vec::new();
     for first in (0..cells.len()).step_by(length) {
@@ -45,11 +46,10 @@ pub(super) fn rounds(cells: &[Vec<u32>], together: usize) -> Vec<Vec<Run>> {
             None => rounds.push(vec![run]),
         }
     }
-    let mut touched: Vec<Range<usize>> = Vec::new();
     for round in &mut rounds {
         round.sort_by_key(|run| run.nodes.start);
         for run in round.iter_mut() {
-            run.fresh = without(run.nodes.clone(), &touched);
+            run.fresh = without(run.nodes.clone(), touched);
         }
         touched.extend(round.iter().map(|run| run.nodes.clone()));
         touched.sort_by_key(|span| span.start);
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn every_cell_is_in_one_run_and_runs_of_a_round_share_no_node() {
         let cells = strip(100, 40);
-        let rounds = rounds(&cells, 8);
+        let rounds = rounds(&cells, 8, &mut Vec::new());
         assert_eq!(rounds.len(), 2, "a run touches the one before and the one after");
         let mut seen = vec![0; cells.len()];
         for round in &rounds {
@@ -125,7 +125,7 @@ mod tests {
         let mut cells = strip(30, 40);
         let nodes = 31 * 41;
         cells.iter_mut().flatten().for_each(|node| *node = *node * 500 % nodes);
-        let rounds = rounds(&cells, 8);
+        let rounds = rounds(&cells, 8, &mut Vec::new());
         assert!(rounds.iter().all(|round| round.len() == 1));
         assert_eq!(rounds.iter().flatten().map(|run| run.cells.len()).sum::<usize>(), cells.len());
         assert_eq!(rounds.iter().flatten().flat_map(|run| run.fresh.iter().cloned()).flatten().count(), nodes as usize);

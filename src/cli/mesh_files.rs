@@ -24,6 +24,11 @@ fn read(path: &Path) -> Result<(Mesh, Vec<FileNote>), Box<Diagnostic>> {
     mesh::read_mesh_with(path, ReadOptions::default(), Some(&find)).map_err(|error| refused(path, &error))
 }
 
+/// Number of cells of each kind.
+fn cells_of(mesh: &Mesh) -> String {
+    mesh.blocks.iter().map(|block| format!("{} of {}", block.count(), block.kind.name())).collect::<Vec<_>>().join(", ")
+}
+
 /// Describes a mesh file: cells, bounding box, boundaries, parts, and changes made by the reader.
 pub fn mesh(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     let (mesh, notes) = read(path)?;
@@ -36,7 +41,7 @@ pub fn mesh(path: &Path) -> Result<Facts, Box<Diagnostic>> {
     }
     let box_of = |end: [f64; 3]| end[..mesh.dimension()].iter().map(|&x| short(x)).collect::<Vec<_>>().join(", ");
     let mut facts: Facts = vec![
-        ("cells", format!("{} of {}", mesh.cell_count(), mesh.kind.row().name).into()),
+        ("cells", cells_of(&mesh).into()),
         ("nodes", mesh.points.len().into()),
         ("box", format!("[{}] to [{}]", box_of(ends[0]), box_of(ends[1])).into()),
         (if mesh.dimension() == 2 { "area" } else { "volume" }, mesh.measure().into()),

@@ -1,9 +1,10 @@
 //! A quadrature that integrates the mass of every cell kind exactly, curved and around an axis.
 //!
 //! `N_a N_b det J` of a cell of order `p` in `D` dimensions has the degree `2 p + D p - 1` in each coordinate of a product cell, at most 8
-//! (`hex20`, `hex27`), and the total degree `2 p + D (p - 1)` of a simplex, at most 7 (`tet10`); the radius of a body of revolution adds
-//! `p`. Five Gauss points along each axis are exact to degree 9. A simplex is a collapsed square or cube (A. H. Stroud, Approximate
-//! Calculation of Multiple Integrals, 1971), whose factors `(1 - u)` and `(1 - u)^2` add one and two degrees.
+//! (`hex20`, `hex27`, `pyr13`), and the total degree `2 p + D (p - 1)` of a simplex, at most 7 (`tet10`), 8 in the
+//! triangle of `wedge15`; the radius of a body of revolution adds `p`. Five Gauss points along each axis are exact to
+//! degree 9. A simplex is a collapsed square or cube (A. H. Stroud, Approximate Calculation of Multiple Integrals, 1971), whose
+//! factors `(1 - u)` and `(1 - u)^2` add one and two degrees.
 
 use super::CellShape;
 
@@ -32,7 +33,11 @@ impl CellShape {
                 };
                 space().map(collapsed).collect()
             }
-            CellShape::Hexahedron => space().map(|(at, weight)| (at.map(|x| 2.0 * x - 1.0), 8.0 * weight)).collect(),
+            CellShape::Wedge => {
+                let collapsed = |([u, v, w], weight): ([f64; 3], f64)| ([u, v * (1.0 - u), 2.0 * w - 1.0], 2.0 * weight * (1.0 - u));
+                space().map(collapsed).collect()
+            }
+            CellShape::Hexahedron | CellShape::Pyramid => space().map(|(at, weight)| (at.map(|x| 2.0 * x - 1.0), 8.0 * weight)).collect(),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Floor 1: reference cells. A cell kind has shape functions, quadrature and facets, independent of meshes and materials.
 //!
-//! Node order of every kind is VTK's. Facets are listed so that the cell lies to the left (2D) or the normal points outward (3D) when a
-//! cell is positively oriented. A new kind is one file with its row, and a line in each list below.
+//! Node order of every kind is VTK's; of `wedge6` that of VTK 9.6 and later, whose triangles ran the other way round before. Facets are
+//! listed so that the cell lies to the left (2D) or the normal points outward (3D) when a cell is positively oriented. A new kind is one
+//! file with its row, and a line in each list below.
 
 mod edge;
 mod face;
@@ -9,6 +10,8 @@ mod hex20;
 mod hex27;
 mod hex8;
 mod mass_rule;
+mod pyr13;
+mod pyr5;
 mod quad4;
 mod quad8;
 mod quad9;
@@ -17,6 +20,9 @@ mod tet10;
 mod tet4;
 mod tri3;
 mod tri6;
+mod wedge;
+mod wedge15;
+mod wedge6;
 
 pub use edge::{edge_points, edge_shapes};
 pub use face::{FacePoint, MOST_FACE_NODES, face_points};
@@ -24,6 +30,8 @@ pub use hex8::Hex8;
 pub use hex20::Hex20;
 pub use hex27::Hex27;
 pub use mass_rule::GAUSS;
+pub use pyr5::Pyr5;
+pub use pyr13::Pyr13;
 pub use quad4::Quad4;
 pub use quad8::Quad8;
 pub use quad9::Quad9;
@@ -32,6 +40,8 @@ pub use tet4::Tet4;
 pub use tet10::Tet10;
 pub use tri3::Tri3;
 pub use tri6::Tri6;
+pub use wedge6::Wedge6;
+pub use wedge15::Wedge15;
 
 /// The kinds of cells that bodies are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -56,6 +66,14 @@ pub enum CellKind {
     Hex20,
     /// Triquadratic hexahedron, 27 nodes, 3 x 3 x 3 Gauss points.
     Hex27,
+    /// Linear wedge, 6 nodes, 3 x 2 points.
+    Wedge6,
+    /// Quadratic wedge, 15 nodes, 3 x 3 points.
+    Wedge15,
+    /// Linear pyramid, 5 nodes, 2 x 2 x 2 Gauss points.
+    Pyr5,
+    /// Quadratic pyramid, 13 nodes, 3 x 3 x 3 Gauss points.
+    Pyr13,
 }
 
 impl CellKind {
@@ -71,6 +89,10 @@ impl CellKind {
         CellKind::Tet10,
         CellKind::Hex20,
         CellKind::Hex27,
+        CellKind::Wedge6,
+        CellKind::Wedge15,
+        CellKind::Pyr5,
+        CellKind::Pyr13,
     ];
 
     /// The kind's row of the catalogue.
@@ -86,6 +108,10 @@ impl CellKind {
             CellKind::Tet10 => &tet10::ROW,
             CellKind::Hex20 => &hex20::ROW,
             CellKind::Hex27 => &hex27::ROW,
+            CellKind::Wedge6 => &wedge6::ROW,
+            CellKind::Wedge15 => &wedge15::ROW,
+            CellKind::Pyr5 => &pyr5::ROW,
+            CellKind::Pyr13 => &pyr13::ROW,
         }
     }
 

@@ -33,6 +33,10 @@ pub enum CellShape {
     Tetrahedron,
     /// Eight corners.
     Hexahedron,
+    /// Six corners: a prism over a triangle.
+    Wedge,
+    /// Five corners: four of the base, then the apex.
+    Pyramid,
 }
 
 impl CellShape {
@@ -41,12 +45,28 @@ impl CellShape {
         matches!(self, CellShape::Triangle | CellShape::Tetrahedron)
     }
 
+    /// True if some facets are triangles, in the plane the cell itself.
+    pub fn has_triangles(self) -> bool {
+        !matches!(self, CellShape::Quadrilateral | CellShape::Hexahedron)
+    }
+
+    /// Position on the reference cell of a point in reference coordinates: equal to these but in a pyramid, whose reference coordinates are
+    /// those of a cube with one face collapsed.
+    pub fn place(self, [xi, eta, zeta]: [f64; 3]) -> [f64; 3] {
+        match self {
+            CellShape::Pyramid => [0.5 * xi * (1.0 - zeta), 0.5 * eta * (1.0 - zeta), zeta],
+            _ => [xi, eta, zeta],
+        }
+    }
+
     /// Number of corners, which come first among the nodes.
     pub fn corners(self) -> usize {
         match self {
             CellShape::Triangle => 3,
             CellShape::Quadrilateral | CellShape::Tetrahedron => 4,
             CellShape::Hexahedron => 8,
+            CellShape::Wedge => 6,
+            CellShape::Pyramid => 5,
         }
     }
 
@@ -57,6 +77,8 @@ impl CellShape {
             CellShape::Quadrilateral => &[[0, 1], [1, 2], [2, 3], [3, 0]],
             CellShape::Tetrahedron => &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
             CellShape::Hexahedron => &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]],
+            CellShape::Wedge => &[[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]],
+            CellShape::Pyramid => &[[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 4], [2, 4], [3, 4]],
         }
     }
 }
@@ -79,7 +101,7 @@ pub struct CellRow {
     /// Local node numbers of each facet (codimension one), outward oriented, in the order of a cell with these nodes: corners, middles of
     /// the edges from the first corner on, center.
     pub facets: &'static [&'static [usize]],
-    /// Largest power of a coordinate that the quadrature integrates exactly; of a simplex, largest total degree.
+    /// Largest power of a coordinate that the quadrature integrates exactly; of simplices and wedges, largest total degree.
     pub exact_power: usize,
     /// Number of the kind in VTK's files, which have the nodes in the same order.
     pub vtk_type: u8,

@@ -4,12 +4,14 @@
 //! meaningless then; nothing is turned round silently. Quality: the scaled Jacobian (P. Knupp, 2003; C. Stimpson et al., The Verdict
 //! Library Reference Manual, 2007, sections 4.13 and 6.12), the smallest over a cell's corners of the determinant of the edge vectors
 //! there, divided by their lengths: 1 for right angles, 0 for an angle of 180 degrees, negative beyond. Triangles and tetrahedra count from
-//! the equilateral one, which has 1. Unlike Verdict, the center of a hexahedron is not sampled.
+//! the equilateral one, wedges from the right prism over it, which has 1; of a pyramid the corners of the base are sampled. Unlike Verdict,
+//! the center of a hexahedron is not.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use super::error::rounded;
-use super::{Boundary, Facet, Mesh, MeshError};
+use super::{Block, Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape, edge_points, edge_shapes};
 use crate::math::tolerances::DEGENERATE_CELL;
 
@@ -75,9 +77,9 @@ fn at_points(kind: CellKind, points: &[([f64; 3], f64)]) -> Vec<(f64, Gradients)
 }
 
 /// Points of a quadrature that is exact for the volume of curved cells, also around an axis: those of the stiffness, which suffice but in
-/// simplices of second order.
+/// cells of second order with triangles.
 fn exact_points(kind: CellKind) -> Vec<([f64; 3], f64)> {
-    if kind.is_quadratic() && kind.shape().is_simplex() { kind.shape().mass_points() } else { (kind.row().quadrature)() }
+    if kind.is_quadratic() && kind.shape().has_triangles() { kind.shape().mass_points() } else { (kind.row().quadrature)() }
 }
 
 /// Derivatives of the position in the reference directions; the third is the unit vector `e_z` in the plane.
@@ -140,50 +142,76 @@ fn scaled_simplex(corners: &[[f64; 3]]) -> f64 {
     if largest > 0.0 { size / (largest * equilateral) } else { 0.0 }
 }
 
+/// Determinant of the tangents at a corner, over their lengths.
+fn scaled_at(tangents: [[f64; 3]; 3]) -> f64 {
+    let lengths: f64 = tangents.iter().map(|&t| norm(t)).product();
+    // an edge of no length leaves no angle
+    if lengths > 0.0 { determinant(tangents) / lengths } else { 0.0 }
+}
+
+/// Smallest scaled Jacobian at the corners of a wedge, relative to the right prism over an equilateral triangle.
+fn scaled_wedge(points: &[[f64; 3]]) -> f64 {
+    let at = |k: usize| {
+        let (base, [next, last]) = (k / 3 * 3, [(k + 1) % 3, (k + 2) % 3]);
+        let [a, b] = if base == 0 { [next, last] } else { [last, next] };
+        scaled_at([base + a, base + b, (k + 3) % 6].map(|other| between(points[k], points[other]))) / 0.75f64.sqrt()
+    };
+    (0..6).map(at).fold(f64::INFINITY, f64::min)
+}
+
 impl Mesh {
     /// Area or volume by quadrature, exact for curved cells `[length^D]`.
     pub fn measure(&self) -> f64 {
-        let samples = Samples { quadrature: at_points(self.kind, &exact_points(self.kind)), corners: Vec::new() };
-        let mut points = Vec::with_capacity(self.kind.nodes());
-        (0..self.cell_count())
-            .map(|cell| {
-                self.cell_points_into(cell, &mut points);
+        let mut points = Vec::new();
+        let mut of_block = |block: &Block| -> f64 {
+            let samples = Samples { quadrature: at_points(block.kind, &exact_points(block.kind)), corners: Vec::new() };
+            let of_cell = |nodes: &[u32]| {
+                self.places_into(nodes, &mut points);
                 self.weighted_determinants(&samples, &points).map(|(weight, determinant)| weight * determinant).sum::<f64>()
-            })
-            .sum()
+            };
+            block.cells().map(of_cell).sum()
+        };
+        self.blocks.iter().map(&mut of_block).sum()
     }
 
     /// Volume of the body of revolution whose section the mesh is, turned about the second axis, by quadrature, exact for curved cells
     /// `[length^3]`.
     pub fn volume_of_revolution(&self) -> f64 {
-        let (points, row) = (exact_points(self.kind), self.kind.row());
-        let samples = Samples { quadrature: at_points(self.kind, &points), corners: Vec::new() };
-        let shapes: Vec<Vec<f64>> = points.into_iter().map(|(xi, _)| (row.shape)(xi)).collect();
-        let mut points = Vec::with_capacity(self.kind.nodes());
-        let of_cell = |cell| {
-            self.cell_points_into(cell, &mut points);
-            let radius = |shape: &Vec<f64>| shape.iter().zip(&points).map(|(share, point)| share * point[0]).sum::<f64>();
-            let at_points = self.weighted_determinants(&samples, &points).zip(&shapes);
-            at_points.map(|((weight, determinant), shape)| weight * determinant * TAU * radius(shape)).sum::<f64>()
+        let mut places = Vec::new();
+        let mut of_block = |block: &Block| -> f64 {
+            let (points, row) = (exact_points(block.kind), block.kind.row());
+            let samples = Samples { quadrature: at_points(block.kind, &points), corners: Vec::new() };
+            let shapes: Vec<Vec<f64>> = points.into_iter().map(|(xi, _)| (row.shape)(xi)).collect();
+            let of_cell = |nodes: &[u32]| {
+                self.places_into(nodes, &mut places);
+                let radius = |shape: &Vec<f64>| shape.iter().zip(&places).map(|(share, point)| share * point[0]).sum::<f64>();
+                let at_points = self.weighted_determinants(&samples, &places).zip(&shapes);
+                at_points.map(|((weight, determinant), shape)| weight * determinant * TAU * radius(shape)).sum::<f64>()
+            };
+            block.cells().map(of_cell).sum()
         };
-        (0..self.cell_count()).map(of_cell).sum()
+        self.blocks.iter().map(&mut of_block).sum()
     }
 
     /// Length or area of a boundary by quadrature `[length^(D-1)]`.
     pub fn boundary_measure(&self, boundary: &Boundary) -> f64 {
-        let samples = boundary.facets.first().map(|&facet| Samples::new(CellKind::of_face(self.facet_nodes(facet).count())));
-        boundary.facets.iter().map(|&facet| self.facet_measure(facet, samples.as_ref())).sum()
+        let mut samples: BTreeMap<usize, Samples> = BTreeMap::new();
+        let mut of_facet = |&facet: &Facet| {
+            let nodes = self.facet_nodes(facet).count();
+            self.facet_measure(facet, samples.entry(nodes).or_insert_with(|| Samples::new(CellKind::of_face(nodes))))
+        };
+        boundary.facets.iter().map(&mut of_facet).sum()
     }
 
-    fn facet_measure(&self, facet: Facet, samples: Option<&Samples>) -> f64 {
+    fn facet_measure(&self, facet: Facet, samples: &Samples) -> f64 {
         let points: Vec<[f64; 3]> = self.facet_nodes(facet).map(|node| self.points[node as usize]).collect();
         match points[..] {
             [from, to] => distance(from, to),
             [a, b, c] if self.dimension() == 3 => 0.5 * norm(cross(between(a, b), between(a, c))),
             [from, to, middle] => edge_length(from, to, middle),
             _ => samples
-                .into_iter()
-                .flat_map(|samples| &samples.quadrature)
+                .quadrature
+                .iter()
                 .map(|(weight, gradients)| {
                     let along = |i: usize| {
                         let sum = |c: usize| points.iter().zip(gradients).map(|(point, gradient)| gradient[i] * point[c]).sum();
@@ -197,8 +225,6 @@ impl Mesh {
 
     /// Returns the quality measures of the mesh; without cells, all ratios are `NaN`.
     pub fn quality(&self) -> Quality {
-        let samples = Samples::new(self.kind);
-        let edges = self.kind.shape().edges();
         let mut quality = Quality {
             cells: self.cell_count(),
             nodes: self.points.len(),
@@ -210,18 +236,21 @@ impl Mesh {
             aspect_ratio: f64::NAN,
             shortest_edge: f64::NAN,
         };
-        let mut points = Vec::with_capacity(self.kind.nodes());
-        for cell in 0..self.cell_count() {
-            self.cell_points_into(cell, &mut points);
-            quality.measure += self.weighted_determinants(&samples, &points).map(|(weight, determinant)| weight * determinant).sum::<f64>();
-            let scaled = samples.corners.iter().map(|gradients| {
-                let tangents = tangents(&points, gradients, self.dimension());
-                let lengths: f64 = tangents.iter().map(|&t| norm(t)).product();
-                // an edge of no length leaves no angle
-                if lengths > 0.0 { determinant(tangents) / lengths } else { 0.0 }
-            });
-            let scaled = match self.kind.shape() {
+        let mut points = Vec::new();
+        let mut samples = (CellKind::Quad4, Samples::new(CellKind::Quad4));
+        for (cell, (kind, nodes)) in self.cells_with_kinds().enumerate() {
+            if samples.0 != kind {
+                samples = (kind, Samples::new(kind));
+            }
+            let (samples, edges) = (&samples.1, kind.shape().edges());
+            self.places_into(nodes, &mut points);
+            quality.measure += self.weighted_determinants(samples, &points).map(|(weight, determinant)| weight * determinant).sum::<f64>();
+            let scaled = samples.corners.iter().map(|gradients| scaled_at(tangents(&points, gradients, self.dimension())));
+            let scaled = match kind.shape() {
                 CellShape::Triangle | CellShape::Tetrahedron => scaled_simplex(&points[..samples.corners.len()]),
+                CellShape::Wedge => scaled_wedge(&points),
+                // the base of a pyramid; at the apex more than three edges meet
+                CellShape::Pyramid => scaled.take(4).fold(f64::INFINITY, f64::min),
                 CellShape::Quadrilateral | CellShape::Hexahedron => scaled.fold(f64::INFINITY, f64::min),
             };
             if quality.smallest_scaled_jacobian.is_nan() || scaled < quality.smallest_scaled_jacobian {
@@ -254,8 +283,9 @@ impl Mesh {
         for sides in self.sorted_facets().chunk_by(|a, b| a.0 == b.0).filter(|sides| sides.len() > 2) {
             defects.push(MeshError::CrowdedFacet { at: None, cell: sides[0].1.cell.into(), sharing: sides.len() });
         }
+        defects.extend(self.unmatched());
         let mut used = vec![false; self.points.len()];
-        self.connectivity.iter().for_each(|&node| used[node as usize] = true);
+        self.connectivity().for_each(|node| used[node as usize] = true);
         if let Some(first) = used.iter().position(|used| !used) {
             let count = used.iter().filter(|used| !**used).count();
             defects.push(MeshError::UnusedNodes { count, node: first as u64 });
@@ -287,17 +317,21 @@ impl Mesh {
                 broken.push(MeshError::BrokenReference { what, index, target, count });
             }
         };
-        let (cells, nodes) = (self.cell_count(), self.kind.nodes());
-        for (position, &node) in self.connectivity.iter().enumerate() {
-            refer("cell", position / nodes, node as usize, self.points.len());
-        }
-        if !self.connectivity.len().is_multiple_of(nodes) {
-            refer("cell", cells, self.connectivity.len(), self.connectivity.len());
+        let cells = self.cell_count();
+        for (first, Block { kind, connectivity }) in self.numbered_blocks() {
+            for (position, &node) in connectivity.iter().enumerate() {
+                refer("cell", first + position / kind.nodes(), node as usize, self.points.len());
+            }
+            if !connectivity.len().is_multiple_of(kind.nodes()) {
+                refer("cell", cells, connectivity.len(), connectivity.len());
+            }
         }
         for (index, boundary) in self.boundaries.iter().enumerate() {
             for facet in &boundary.facets {
                 refer("boundary", index, facet.cell as usize, cells);
-                refer("boundary", index, facet.local as usize, self.kind.facets().len());
+                if (facet.cell as usize) < cells {
+                    refer("boundary", index, facet.local as usize, self.kind_of(facet.cell as usize).facets().len());
+                }
             }
         }
         for (index, (_, members)) in self.parts.iter().enumerate() {
@@ -314,18 +348,21 @@ impl Mesh {
 
     /// Cells that name a node twice, that are inside out or that have no extent, with their indices.
     pub(super) fn cell_defects(&self) -> Vec<MeshError> {
-        let samples = Samples::new(self.kind);
-        let edges = self.kind.shape().edges();
         let mut defects = Vec::new();
         let mut inside_out = 0;
-        let mut points = Vec::with_capacity(self.kind.nodes());
-        for (index, nodes) in self.cells().enumerate() {
+        let mut points = Vec::new();
+        let mut samples = (CellKind::Quad4, Samples::new(CellKind::Quad4));
+        for (index, (kind, nodes)) in self.cells_with_kinds().enumerate() {
+            if samples.0 != kind {
+                samples = (kind, Samples::new(kind));
+            }
+            let (samples, edges) = (&samples.1, kind.shape().edges());
             if let Some(node) = repeated(nodes) {
                 defects.push(MeshError::RepeatedNode { at: None, cell: index as u64, node: node.into() });
                 continue;
             }
-            self.cell_points_into(index, &mut points);
-            let determinants = self.weighted_determinants(&samples, &points).map(|(_, determinant)| determinant);
+            self.places_into(nodes, &mut points);
+            let determinants = self.weighted_determinants(samples, &points).map(|(_, determinant)| determinant);
             let smallest = determinants.fold(f64::INFINITY, f64::min);
             let longest = edges.iter().map(|&[a, b]| distance(points[a], points[b])).fold(0.0, f64::max);
             let least = DEGENERATE_CELL * longest.powi(self.dimension() as i32);
@@ -359,9 +396,9 @@ impl Mesh {
         (0..self.dimension()).map(mean).collect()
     }
 
-    fn cell_points_into(&self, cell: usize, points: &mut Vec<[f64; 3]>) {
+    fn places_into(&self, nodes: &[u32], points: &mut Vec<[f64; 3]>) {
         points.clear();
-        points.extend(self.cell(cell).iter().map(|&node| self.points[node as usize]));
+        points.extend(nodes.iter().map(|&node| self.points[node as usize]));
     }
 
     /// Weight and Jacobian determinant at each quadrature point.
@@ -382,13 +419,7 @@ mod tests {
     use crate::mesh::{block, rectangle, ring};
 
     fn quad(corners: [[f64; 2]; 4]) -> Mesh {
-        Mesh {
-            kind: CellKind::Quad4,
-            points: corners.map(|[x, y]| [x, y, 0.0]).to_vec(),
-            connectivity: vec![0, 1, 2, 3],
-            boundaries: Vec::new(),
-            parts: Vec::new(),
-        }
+        Mesh::new(CellKind::Quad4, corners.map(|[x, y]| [x, y, 0.0]).to_vec(), vec![0, 1, 2, 3])
     }
 
     #[test]
@@ -441,13 +472,13 @@ mod tests {
     #[test]
     fn a_mesh_turned_inside_out_says_so_for_all_cells() {
         let mut mesh = rectangle([2.0, 1.0], [2, 1], [0.0; 2]).unwrap();
-        mesh.connectivity = mesh.cells().flat_map(|c| [c[0], c[3], c[2], c[1]]).collect();
+        mesh.blocks[0].connectivity = mesh.cells().flat_map(|c| [c[0], c[3], c[2], c[1]]).collect();
         let defects = mesh.defects();
         assert_eq!(defects.len(), 2);
         assert_eq!(defects[0].to_string(), "cell 0 at (0.5, 0.5) is inside out: its Jacobian determinant is -0.25 (2 of 2 cells are)");
         assert!(defects[0].hint().starts_with("mend the mesh there"));
         let mut solid = block([1.0; 3], [1; 3], [0.0; 3]).unwrap();
-        solid.connectivity.rotate_left(4);
+        solid.blocks[0].connectivity.rotate_left(4);
         assert!(matches!(solid.check(), Err(MeshError::InvertedCell { inverted: 1, .. })));
     }
 
@@ -471,7 +502,7 @@ mod tests {
         assert_eq!(triangle.quality().smallest_scaled_jacobian, 0.0);
         let mut collapsed = quad([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
         collapsed.points.truncate(3);
-        collapsed.connectivity = vec![0, 1, 2, 2];
+        collapsed.blocks[0].connectivity = vec![0, 1, 2, 2];
         assert_eq!(collapsed.check().unwrap_err().to_string(), "cell 0 names node 2 twice");
     }
 
@@ -482,15 +513,15 @@ mod tests {
         assert_eq!(mesh.defects(), [MeshError::UnusedNodes { count: 1, node: 6 }]);
         mesh.points.extend([[1.5, 2.0, 0.0], [0.5, 2.0, 0.0]]);
         // a third cell on the facet between the two
-        mesh.connectivity.extend([4, 1, 7, 8]);
+        mesh.blocks[0].connectivity.extend([4, 1, 7, 8]);
         assert!(mesh.defects().iter().any(|d| matches!(d, MeshError::CrowdedFacet { sharing: 3, cell: 0, .. })));
-        mesh.connectivity[2] = 99;
+        mesh.blocks[0].connectivity[2] = 99;
         assert_eq!(mesh.check().unwrap_err().to_string(), "cell 0 refers to 99, but there are only 9");
     }
 
     #[test]
     fn a_mesh_without_cells_has_no_quality() {
-        let mesh = Mesh { kind: CellKind::Quad4, points: Vec::new(), connectivity: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
+        let mesh = Mesh::new(CellKind::Quad4, Vec::new(), Vec::new());
         let quality = mesh.quality();
         assert!(quality.smallest_scaled_jacobian.is_nan() && quality.shortest_edge.is_nan());
         assert_eq!((quality.cells, quality.measure), (0, 0.0));

@@ -58,6 +58,8 @@ impl MeshError {
             MeshError::CrossingSurface { .. } => "C0249",
             MeshError::UnusedNodes { .. } => "C0250",
             MeshError::BrokenReference { .. } => "C0251",
+            MeshError::NotRefined { .. } => "C0252",
+            MeshError::Unmatched { .. } => "C0253",
             MeshError::File(error) => error.code(),
             MeshError::Included { error, .. } => error.code(),
         }

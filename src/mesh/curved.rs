@@ -93,11 +93,12 @@ impl Mesh {
     /// # Errors
     /// Cells that are inside out then.
     pub(super) fn curved(mut self, middle: impl Fn([u32; 2], [[f64; 3]; 2]) -> Option<[f64; 3]>) -> Result<Mesh, MeshError> {
-        if !self.kind.is_quadratic() {
+        if !self.is_quadratic() {
             return Ok(self);
         }
-        let (edges, corners) = (self.kind.shape().edges(), self.kind.shape().corners());
         for cell in 0..self.cell_count() {
+            let shape = self.kind_of(cell).shape();
+            let (edges, corners) = (shape.edges(), shape.corners());
             for (number, ends) in edges.iter().enumerate() {
                 let [a, b, c] = [ends[0], ends[1], corners + number].map(|k| self.cell(cell)[k]);
                 if let Some(place) = middle([a, b], [a, b].map(|node| self.points[node as usize])) {
@@ -118,10 +119,11 @@ impl Mesh {
             let sum = |nodes: &[u32], i: usize| nodes.iter().map(|&node| points[node as usize][i]).sum::<f64>();
             [0, 1, 2].map(|i| by * sum(edges, i) - 0.25 * sum(corners, i))
         };
-        match self.kind {
+        let kind = self.kind_of(cell);
+        match kind {
             CellKind::Quad9 => self.points[nodes[8] as usize] = mean(&self.points, (&nodes[..4], &nodes[4..8]), 0.5),
             CellKind::Hex27 => {
-                for facet in self.kind.facets() {
+                for facet in kind.facets() {
                     let face: Vec<u32> = facet.iter().map(|&local| nodes[local]).collect();
                     self.points[face[8] as usize] = mean(&self.points, (&face[..4], &face[4..8]), 0.5);
                 }
@@ -155,7 +157,7 @@ mod tests {
             for kind in PLANE_KINDS {
                 let errors = [1, 2].map(|n| {
                     let mesh = make(n).with_round_cells(kind, round).unwrap_or_else(|error| panic!("{name} {kind:?}: {error}"));
-                    assert_eq!(mesh.kind, kind);
+                    assert_eq!(mesh.only_kind(), Some(kind));
                     assert_eq!(mesh.defects(), [], "{name} {kind:?}");
                     assert_eq!(mesh.boundaries.len(), make(n).boundaries.len());
                     (mesh.measure() - area).abs() / area

@@ -27,6 +27,24 @@ struct Template {
     pieces: Vec<Vec<(u32, u8)>>,
 }
 
+/// Index of the template for a cell, given its nodes.
+type Choice<'a> = Box<dyn Fn(&[u32]) -> usize + 'a>;
+
+/// Division of the cells of a block.
+struct Division<'a> {
+    /// Kind of the children.
+    child: CellKind,
+    templates: Vec<Template>,
+    choose: Choice<'a>,
+}
+
+impl Division<'_> {
+    /// Division of all cells by the first template.
+    fn into(child: CellKind, templates: Vec<Template>) -> Self {
+        Division { child, templates, choose: Box::new(|_| 0) }
+    }
+}
+
 /// The corners that a node stands between, and their weights in 64ths; the unused rest is the same for all.
 type NodeKey = [(u32, u8); 8];
 
@@ -37,6 +55,8 @@ fn corner_weights(shape: CellShape, place: Place) -> Vec<f64> {
         CellShape::Quadrilateral => CellKind::Quad4,
         CellShape::Tetrahedron => CellKind::Tet4,
         CellShape::Hexahedron => CellKind::Hex8,
+        CellShape::Wedge => CellKind::Wedge6,
+        CellShape::Pyramid => CellKind::Pyr5,
     };
     (linear.row().shape)(place)
 }
@@ -64,8 +84,13 @@ impl Template {
             let weights = corner_weights(shape, place);
             [0, 1, 2].map(|i| corners.iter().zip(&weights).map(|(corner, weight)| weight * corner[i]).sum())
         };
-        let children: Vec<Vec<Place>> =
-            corners.iter().map(|corners| row.node_places.iter().map(|&place| node(corners, place)).collect()).collect();
+        let children = corners.iter().map(|corners| row.node_places.iter().map(|&place| node(corners, place)).collect()).collect();
+        Template::of(parent, child, children)
+    }
+
+    /// Children of a kind with nodes at these places, in a parent of a kind.
+    fn of(parent: CellKind, child: CellKind, children: Vec<Vec<Place>>) -> Template {
+        let shape = child.shape();
         let weights = |place: Place| corner_weights(parent.shape(), place);
         let corners_of =
             |facet: &[usize], shape: CellShape| -> Vec<usize> { facet.iter().copied().filter(|&node| node < shape.corners()).collect() };
@@ -109,7 +134,13 @@ pub(super) fn halves(kind: CellKind) -> Vec<Vec<Place>> {
                 children.push(turned_out(vec![middle(0, 2), middle(1, 3), around[k], around[(k + 1) % 4]]));
             }
         }
-        CellShape::Quadrilateral | CellShape::Hexahedron => {}
+        CellShape::Wedge => {
+            let below = [middle(1, 2), middle(2, 0), middle(0, 1)];
+            let above = [middle(4, 5), middle(5, 3), middle(3, 4)];
+            let between = [0, 1, 2].map(|k| mean(below[k], above[k]));
+            children.extend([[below, between].concat(), [between, above].concat()]);
+        }
+        CellShape::Quadrilateral | CellShape::Hexahedron | CellShape::Pyramid => {}
     }
     children
 }
@@ -148,99 +179,161 @@ fn cone_of(cell: &[u32]) -> usize {
 }
 
 impl Mesh {
-    /// The mesh with every cell cut at the middles of its edges: quadrilaterals and triangles into 4, hexahedra and tetrahedra into 8;
-    /// boundaries and parts kept. It covers the same set of points: curved boundaries that the coarse mesh cut off are not recovered.
+    /// The mesh with every cell cut at the middles of its edges: quadrilaterals and triangles into 4, hexahedra, tetrahedra and wedges
+    /// into 8; boundaries and parts kept. It covers the same set of points: curved boundaries that the coarse mesh cut off are not
+    /// recovered.
     ///
     /// Old nodes keep their numbers. The children of a cell follow each other, first those at its corners in their order.
     ///
     /// # Errors
-    /// More cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
+    /// Pyramids, whose halves are no pyramids alone; more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn refine(&self) -> Result<Mesh, MeshError> {
-        let template = Template::new(self.kind, self.kind, &halves(self.kind));
-        self.divided(self.kind, &[template], |_| 0)
+        if let Some(kind) = self.kinds().find(|kind| kind.shape() == CellShape::Pyramid) {
+            return Err(MeshError::NotRefined { kind: kind.name() });
+        }
+        let halved = |kind| Division::into(kind, vec![Template::new(kind, kind, &halves(kind))]);
+        self.divided(&self.kinds().map(halved).collect::<Vec<_>>())
     }
 
-    /// The mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6` (cut along the shorter
-    /// diagonal), `tri3` as `tri6`, `hex8` as `hex20`, `hex27`, `tet4` or `tet10` (six each), `tet4` as `tet10`. New nodes stand on
-    /// straight edges. Old nodes keep their numbers.
+    /// The mesh with cells of another kind on the same corners: first-order cells as second-order ones of their shape, `quad4` as `tri3` or
+    /// `tri6` (cut along the shorter diagonal), `hex8` as `tet4` or `tet10` (six each), `wedge6` or `wedge15` (two each, cut through the
+    /// first and second facet), `pyr5` or `pyr13` (six each, about the center). New nodes stand on straight edges. Old nodes keep their
+    /// numbers.
+    ///
+    /// In a mixed mesh, cells of other shapes become those of the same order.
     ///
     /// # Errors
-    /// Kinds that do not follow from one another, more cells than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
+    /// Kinds that do not follow from one another, hexahedra whose wedges would not match, more cells than
+    /// [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn with_cells(&self, kind: CellKind) -> Result<Mesh, MeshError> {
-        let is_same_shape = self.kind.shape() == kind.shape();
-        if self.kind == kind {
+        if self.only_kind() == Some(kind) {
             return Ok(self.clone());
         }
-        match (self.kind, kind) {
-            (CellKind::Quad4 | CellKind::Tri3 | CellKind::Hex8 | CellKind::Tet4, _) if is_same_shape => {
-                self.divided(kind, &[Template::new(self.kind, kind, &[corners(kind)])], |_| 0)
-            }
-            // By way of triangles: the middle of the diagonal stands on the straight diagonal, not at the place of the cell's centre.
-            (CellKind::Quad4, CellKind::Tri6) => self.with_cells(CellKind::Tri3)?.with_cells(kind),
-            (CellKind::Hex8, CellKind::Tet10) => self.with_cells(CellKind::Tet4)?.with_cells(kind),
+        let refused = |from: CellKind| MeshError::NoConversion { from: from.name(), to: kind.name() };
+        let targets: Vec<CellKind> = self.kinds().map(|from| self.target(from, kind)).collect::<Option<_>>().ok_or_else(|| {
+            let strange = self.kinds().find(|&from| self.target(from, kind).is_none());
+            strange.map_or(MeshError::NoConversion { from: kind.name(), to: kind.name() }, refused)
+        })?;
+        // By way of first-order cells: the middle of a diagonal stands on the straight diagonal, not at the place of the cell's centre.
+        let cut = self.kinds().zip(&targets).find(|(from, target)| from.shape() != target.shape() && target.is_quadratic());
+        if let Some((_, target)) = cut {
+            let linear = CellKind::ALL.iter().find(|kind| kind.shape() == target.shape() && kind.is_first_order());
+            return self.with_cells(linear.copied().unwrap_or(CellKind::Tri3))?.with_cells(kind);
+        }
+        let divisions: Option<Vec<Division>> = self.kinds().zip(&targets).map(|(from, &to)| self.division(from, to)).collect();
+        let mesh = self.divided(&divisions.ok_or_else(|| refused(self.kinds().next().unwrap_or(kind)))?)?;
+        mesh.unmatched().map_or(Ok(mesh), Err)
+    }
+
+    /// Kind that cells of a kind become where a mesh is made one of another kind; `None` if they cannot.
+    fn target(&self, from: CellKind, kind: CellKind) -> Option<CellKind> {
+        let is_finer = |to: CellKind| from == to || from.is_first_order();
+        if from.shape() == kind.shape() {
+            return Some(kind).filter(|&to| is_finer(to));
+        }
+        let is_cut = match self.only_kind() {
+            None => from == CellKind::Quad4 && kind.shape() == CellShape::Triangle,
+            Some(_) => match from {
+                CellKind::Quad4 => kind.shape() == CellShape::Triangle,
+                CellKind::Hex8 => matches!(kind.shape(), CellShape::Tetrahedron | CellShape::Wedge | CellShape::Pyramid),
+                _ => false,
+            },
+        };
+        let is_beside = self.kinds().any(|other| other.shape() == kind.shape());
+        let alike = || CellKind::ALL.iter().copied().find(|to| to.shape() == from.shape() && to.is_quadratic() == kind.is_quadratic());
+        if is_cut { Some(kind) } else { alike().filter(|&to| is_beside && is_finer(to)) }
+    }
+
+    /// Division of cells of a kind into those of another one, both of first order where their shapes differ.
+    fn division(&self, from: CellKind, to: CellKind) -> Option<Division<'_>> {
+        let at = corners(from);
+        let of_corners = |children: &[&[usize]]| {
+            let children: Vec<Vec<Place>> = children.iter().map(|child| child.iter().map(|&corner| at[corner]).collect()).collect();
+            Template::new(from, to, &children)
+        };
+        Some(match (from, to) {
+            _ if from.shape() == to.shape() => Division::into(to, vec![Template::of(from, to, vec![to.row().node_places.to_vec()])]),
             (CellKind::Quad4, CellKind::Tri3) => {
-                let at = corners(self.kind);
-                let cut = |[a, b, c]: [usize; 3]| vec![at[a], at[b], at[c]];
-                let templates =
-                    [[[0, 1, 2], [0, 2, 3]], [[1, 2, 3], [1, 3, 0]]].map(|children| Template::new(self.kind, kind, &children.map(cut)));
                 let length = |a: u32, b: u32| {
                     let [a, b] = [a, b].map(|node| self.points[node as usize]);
                     (b[0] - a[0]).hypot(b[1] - a[1])
                 };
-                self.divided(kind, &templates, |cell| usize::from(length(cell[1], cell[3]) < length(cell[0], cell[2])))
+                Division {
+                    child: to,
+                    templates: vec![of_corners(&[&[0, 1, 2], &[0, 2, 3]]), of_corners(&[&[1, 2, 3], &[1, 3, 0]])],
+                    choose: Box::new(move |cell| usize::from(length(cell[1], cell[3]) < length(cell[0], cell[2]))),
+                }
             }
             (CellKind::Hex8, CellKind::Tet4) => {
-                let templates: Vec<Template> = (0..64).map(|index| Template::new(self.kind, kind, &cone(index / 8, index % 8))).collect();
-                self.divided(kind, &templates, cone_of)
+                let templates = (0..64).map(|index| Template::new(from, to, &cone(index / 8, index % 8))).collect();
+                Division { child: to, templates, choose: Box::new(cone_of) }
             }
-            _ => Err(MeshError::NoConversion { from: self.kind.name(), to: kind.name() }),
-        }
+            (CellKind::Hex8, CellKind::Wedge6) => Division::into(to, vec![of_corners(&[&[0, 1, 2, 4, 5, 6], &[0, 2, 3, 4, 6, 7]])]),
+            (CellKind::Hex8, CellKind::Pyr5) => {
+                let center = [0.0; 3];
+                let over = |facet: &&[usize]| facet.iter().rev().map(|&corner| at[corner]).chain([center]).collect();
+                Division::into(to, vec![Template::new(from, to, &from.facets().iter().map(over).collect::<Vec<_>>())])
+            }
+            _ => return None,
+        })
     }
 
-    /// The mesh with every cell divided by the template that is chosen for it.
-    fn divided(&self, kind: CellKind, templates: &[Template], choose: impl Fn(&[u32]) -> usize) -> Result<Mesh, MeshError> {
-        let most = templates.iter().map(|template| template.children.len()).max().unwrap_or_default();
-        let cells = self.cell_count().saturating_mul(most);
-        room_for(cells, DIVIDED * kind.nodes())?;
-        let shape = self.kind.row().shape;
-        let weigh = |places: &[Place]| -> Weights {
-            places.iter().map(|&place| (corner_weights(self.kind.shape(), place), shape(place))).collect()
-        };
-        let own = weigh(self.kind.row().node_places);
-        let weights: Vec<Vec<Weights>> =
-            templates.iter().map(|template| template.children.iter().map(|places| weigh(places)).collect()).collect();
-        let (mut points, mut connectivity) = (self.points.clone(), Vec::with_capacity(cells * kind.nodes()));
+    /// The mesh with the cells of each block divided by the template that is chosen for them.
+    fn divided(&self, divisions: &[Division]) -> Result<Mesh, MeshError> {
+        let most = |division: &Division| division.templates.iter().map(|template| template.children.len()).max().unwrap_or_default();
+        let counted = self.blocks.iter().zip(divisions).map(|(block, division)| block.count().saturating_mul(most(division)));
+        let nodes = divisions.iter().map(|division| division.child.nodes()).max().unwrap_or_default();
+        room_for(counted.sum(), DIVIDED * nodes)?;
+        let mut finer = Mesh { points: self.points.clone(), blocks: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
         let mut known: HashMap<NodeKey, u32> = HashMap::new();
-        // Per cell, its template and its first child.
-        let mut divisions = Vec::with_capacity(self.cell_count());
-        for cell in self.cells() {
-            let chosen = choose(cell);
-            divisions.push((chosen, (connectivity.len() / kind.nodes()) as u32));
-            for ((corners, _), &node) in own.iter().zip(cell) {
-                known.insert(key(cell, corners), node);
+        // Per cell, its division and template, and its first child in the block of that kind.
+        let mut chosen_of = Vec::with_capacity(self.cell_count());
+        for (block, division) in self.blocks.iter().zip(divisions) {
+            let Division { child, templates, choose } = division;
+            let (row, shape) = (block.kind.row(), block.kind.shape());
+            let weigh =
+                |places: &[Place]| -> Weights { places.iter().map(|&place| (corner_weights(shape, place), (row.shape)(place))).collect() };
+            let own = weigh(row.node_places);
+            let weights: Vec<Vec<Weights>> =
+                templates.iter().map(|template| template.children.iter().map(|places| weigh(places)).collect()).collect();
+            let mut connectivity = Vec::with_capacity(block.count() * most(division) * child.nodes());
+            let start = finer.add_cells(*child, []) as u32;
+            for cell in block.cells() {
+                let chosen = choose(cell);
+                chosen_of.push((division, chosen, start + (connectivity.len() / child.nodes()) as u32));
+                for ((corners, _), &node) in own.iter().zip(cell) {
+                    known.insert(key(cell, corners), node);
+                }
+                for (corners, at) in weights[chosen].iter().flatten() {
+                    let node = *known.entry(key(cell, corners)).or_insert_with(|| {
+                        let sum = |i: usize| cell.iter().zip(at).map(|(&node, weight)| weight * self.points[node as usize][i]).sum();
+                        finer.points.push([sum(0), sum(1), sum(2)]);
+                        finer.points.len() as u32 - 1
+                    });
+                    connectivity.push(node);
+                }
             }
-            for (corners, at) in weights[chosen].iter().flatten() {
-                let node = *known.entry(key(cell, corners)).or_insert_with(|| {
-                    let sum = |i: usize| cell.iter().zip(at).map(|(&node, weight)| weight * self.points[node as usize][i]).sum();
-                    points.push([sum(0), sum(1), sum(2)]);
-                    points.len() as u32 - 1
-                });
-                connectivity.push(node);
-            }
+            finer.add_cells(*child, connectivity);
         }
+        let start = |kind: CellKind| finer.numbered_blocks().find(|(_, block)| block.kind == kind).map_or(0, |(first, _)| first as u32);
+        let starts: HashMap<CellKind, u32> = finer.kinds().map(|kind| (kind, start(kind))).collect();
+        let children_of = |cell: u32| {
+            let (division, chosen, first) = chosen_of[cell as usize];
+            (&division.templates[chosen], starts[&division.child] + first)
+        };
         let pieces = |facet: &Facet| {
-            let (chosen, first) = divisions[facet.cell as usize];
-            let pieces = &templates[chosen].pieces[facet.local as usize];
-            pieces.iter().map(move |&(child, local)| Facet { cell: first + child, local })
+            let (template, first) = children_of(facet.cell);
+            template.pieces[facet.local as usize].iter().map(move |&(child, local)| Facet { cell: first + child, local })
         };
-        let finer = |b: &Boundary| Boundary { facets: b.facets.iter().flat_map(pieces).collect(), ..b.clone() };
-        let boundaries = self.boundaries.iter().map(finer).collect();
+        let divided = |b: &Boundary| Boundary { facets: b.facets.iter().flat_map(pieces).collect(), ..b.clone() };
         let offspring = |&cell: &u32| {
-            let (chosen, first) = divisions[cell as usize];
-            first..first + templates[chosen].children.len() as u32
+            let (template, first) = children_of(cell);
+            first..first + template.children.len() as u32
         };
+        let boundaries = self.boundaries.iter().map(divided).collect();
         let parts = self.parts.iter().map(|(name, cells)| (name.clone(), cells.iter().flat_map(offspring).collect())).collect();
-        Ok(Mesh { kind, points, connectivity, boundaries, parts })
+        (finer.boundaries, finer.parts) = (boundaries, parts);
+        Ok(finer)
     }
 }
 
@@ -251,14 +344,14 @@ mod tests {
 
     /// Same measure, same boundaries, conforming: the hull is the boundaries.
     fn same(mesh: &Mesh, other: &Mesh) {
-        let what = format!("{:?} as {:?}", mesh.kind, other.kind);
+        let what = format!("{} as {}", mesh.kind_names(), other.kind_names());
         assert_eq!(other.defects(), [], "{what}");
         assert!((mesh.measure() - other.measure()).abs() < 1e-12 * mesh.measure(), "{what}");
         let mut named: Vec<Facet> = Vec::new();
         for (boundary, divided) in mesh.boundaries.iter().zip(&other.boundaries) {
             let (before, after) = (mesh.boundary_measure(boundary), other.boundary_measure(divided));
             // The area of a warped facet is no polynomial: more points see it better.
-            let allowed = if mesh.dimension() == 3 && mesh.kind != other.kind { 1e-8 } else { 1e-12 };
+            let allowed = if mesh.dimension() == 3 && mesh.only_kind() != other.only_kind() { 1e-8 } else { 1e-12 };
             assert!((before - after).abs() < allowed * before, "{what}: {} {before} {after}", boundary.name);
             named.extend(&divided.facets);
             if mesh.dimension() == 2 {
@@ -289,7 +382,7 @@ mod tests {
         let last = solid.points.len() as u32 - 1;
         let shuffled = |node: u32| (node * 7 + 3) % (last + 1);
         let mut other = solid.clone();
-        other.connectivity.iter_mut().for_each(|node| *node = shuffled(*node));
+        other.renumber(shuffled);
         for (node, point) in solid.points.iter().enumerate() {
             other.points[shuffled(node as u32) as usize] = *point;
         }
@@ -298,6 +391,14 @@ mod tests {
                 let mesh = solid.with_cells(kind).unwrap();
                 same(&solid, &mesh);
                 same(&mesh, &mesh.refine().unwrap());
+            }
+            for kind in [Wedge6, Wedge15] {
+                let mesh = solid.with_cells(kind).unwrap();
+                same(&solid, &mesh);
+                same(&mesh, &mesh.refine().unwrap());
+            }
+            for kind in [Pyr5, Pyr13] {
+                same(&solid, &solid.with_cells(kind).unwrap());
             }
             let tets = solid.with_cells(Tet4).unwrap();
             assert_eq!(tets.cell_count(), 6 * 12);

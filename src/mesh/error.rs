@@ -41,7 +41,7 @@ pub enum MeshError {
         /// Number of the hole, from 1.
         hole: usize,
     },
-    /// Meshes of different cell kinds, which cannot be joined.
+    /// Meshes of cells of different dimension or order, which cannot be joined.
     #[error("a mesh of {first} and one of {second} cannot be joined")]
     JoinedKinds {
         /// Cells of one mesh.
@@ -229,6 +229,12 @@ pub enum MeshError {
         /// Kind of the cells.
         kind: &'static str,
     },
+    /// Cells that cannot be refined.
+    #[error("cells of the kind {kind} cannot be refined: half a pyramid is a tetrahedron")]
+    NotRefined {
+        /// Kind of the cells.
+        kind: &'static str,
+    },
     /// Cells that grow so fast that some of them vanish.
     #[error("{count} cells whose last is {ratio} times the first leave no room for some of them")]
     Grading {
@@ -385,6 +391,20 @@ pub enum MeshError {
         cell: u64,
         /// Number of cells that share the facet.
         sharing: usize,
+    },
+    /// Cells of different kinds side by side whose facets do not match.
+    #[error("cell {cell} at {} does not match its neighbor: a facet of {kind} and one of {other} have different nodes", spot(.center))]
+    Unmatched {
+        /// Place in the file.
+        at: Option<Place>,
+        /// Number in the file; index in the mesh when no file was read.
+        cell: u64,
+        /// Mean of the nodes of the cell `[length]`.
+        center: Vec<f64>,
+        /// Kind of the cell.
+        kind: &'static str,
+        /// Kind of the neighbor.
+        other: &'static str,
     },
     /// A facet of the surface that cannot be touched.
     #[error("a facet of cell {cell} at {} is folded: its corners do not all look to the same side ({count} facets are)", spot(.at))]

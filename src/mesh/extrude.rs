@@ -4,22 +4,24 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::grid::{at_least, graded, limited, positive};
 use super::path::{Frame, frames};
-use super::sweep::Sweep;
+use super::sweep::{Prisms, Sweep};
 use super::{Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
 
-/// Change of a section along an extrusion.
+/// Change of a section along an extrusion, and the cells over its triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
     /// Rotation of the section at the end, counter-clockwise about the origin of the plane `[rad]`.
     pub twist: f64,
     /// Ratios of the sizes along x and y at the end to those at the start, about the origin of the plane.
     pub scale: [f64; 2],
+    /// Cells over triangles; beside quadrilaterals they are always wedges.
+    pub prisms: Prisms,
 }
 
 impl Change {
     /// A section that stays as it is.
-    pub const NONE: Change = Change { twist: 0.0, scale: [1.0; 2] };
+    pub const NONE: Change = Change { twist: 0.0, scale: [1.0; 2], prisms: Prisms::Cut };
 
     /// Returns the change if it is valid for a number of layers: a layer that turns by more than a right angle would be pinched in its
     /// middle.
@@ -45,8 +47,8 @@ impl Change {
 impl Mesh {
     /// The plane mesh drawn out along z from 0 to `height` `[length]` in `layers` of hexahedra, or of prisms cut into three tetrahedra
     /// each, of which the last is `grading` times the first: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as tet10.
-    /// Boundaries of the plane mesh become sides; `bottom` and `top` are added (with an underscore appended if the plane mesh has those
-    /// names).
+    /// Triangles become wedges where `change` says so and beside quadrilaterals. Boundaries of the plane mesh become sides; `bottom`
+    /// and `top` are added (with an underscore appended if the plane mesh has those names).
     ///
     /// # Errors
     /// Cells in space, a height, ratio or scale that is not positive, no layers, too many cells, a twist of too few layers.
@@ -55,7 +57,7 @@ impl Mesh {
         let change = change.checked("along the height", layers)?;
         limited(&[self.cell_count(), layers])?;
         let places = graded(layers, grading)?;
-        self.swept(&straight(layers), |row, node| {
+        self.swept(&Sweep { prisms: change.prisms, ..straight(layers) }, |row, node| {
             let [x, y] = change.at(places[row], self.points[node]);
             [x, y, height * places[row]]
         })
@@ -74,10 +76,10 @@ impl Mesh {
     pub fn extruded_along(&self, path: &[[f64; 3]], change: Change) -> Result<Mesh, MeshError> {
         let (frames, is_closed) = frames(path)?;
         let change = change.checked("along the path", path.len() - 1)?;
-        if is_closed && change != Change::NONE {
+        if is_closed && (change.twist, change.scale) != (Change::NONE.twist, Change::NONE.scale) {
             return Err(MeshError::ClosedChange);
         }
-        let sweep = Sweep { is_closed, ..straight(path.len() - 1) };
+        let sweep = Sweep { is_closed, prisms: change.prisms, ..straight(path.len() - 1) };
         self.swept(&sweep, |row, node| {
             let Frame { at, share, along: [x, y] } = &frames[row];
             let [a, b] = change.at(*share, self.points[node]);
@@ -94,9 +96,8 @@ impl Mesh {
     pub fn lofted(&self, other: &Mesh, height: f64, layers: usize, grading: f64) -> Result<Mesh, MeshError> {
         positive("the height of a loft", height)?;
         at_least("along the height", layers, 1)?;
-        let counts = |mesh: &Mesh| (mesh.kind, mesh.points.len(), mesh.cell_count());
-        if counts(self) != counts(other) || self.connectivity != other.connectivity {
-            let told = |mesh: &Mesh| format!("{} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+        if self.points.len() != other.points.len() || self.blocks != other.blocks {
+            let told = |mesh: &Mesh| format!("{} and {} nodes", mesh.counted_cells(), mesh.points.len());
             return Err(MeshError::Lofted { first: told(self), second: told(other) });
         }
         limited(&[self.cell_count(), layers])?;
@@ -111,7 +112,7 @@ impl Mesh {
 
 /// A way with two ends.
 fn straight(layers: usize) -> Sweep<'static> {
-    Sweep { layers, is_closed: false, is_backward: false, ends: ["bottom", "top"] }
+    Sweep { layers, is_closed: false, is_backward: false, ends: ["bottom", "top"], prisms: Prisms::Cut }
 }
 
 #[cfg(test)]
@@ -148,7 +149,7 @@ mod tests {
     fn triangles_become_tetrahedra_that_fit() {
         let plane = rectangle([2.0, 1.0], [3, 2], [0.0; 2]).unwrap().with_cells(CellKind::Tri3).unwrap();
         let solid = plane.extruded(1.5, 2, 1.0, Change::NONE).unwrap();
-        assert_eq!((solid.kind, solid.cell_count()), (CellKind::Tet4, 2 * 3 * 12));
+        assert_eq!((solid.only_kind(), solid.cell_count()), (Some(CellKind::Tet4), 2 * 3 * 12));
         assert_eq!(solid.defects(), []);
         assert!((solid.measure() - 3.0).abs() < 1e-13);
         for (name, area) in [("left", 1.5), ("right", 1.5), ("bottom", 3.0), ("top", 3.0), ("bottom_", 2.0), ("top_", 2.0)] {
@@ -165,7 +166,7 @@ mod tests {
             let mut plane = ring(0.5, 1.0, [1, 8], [0.0; 2], 0.1).unwrap().with_round_cells(flat, Round::About([0.0; 2])).unwrap();
             plane.boundaries.push(Boundary { name: "points".into(), facets: Vec::new(), nodes: vec![0, plane.cell(0)[4]] });
             let tube = plane.extruded(3.0, 2, 2.0, Change::NONE).unwrap();
-            assert_eq!((tube.kind, tube.defects()), (solid, Vec::new()));
+            assert_eq!((tube.only_kind(), tube.defects()), (Some(solid), Vec::new()));
             // three points for a triangle's curved area, four for the volume of a tetrahedron
             let allowed = if solid == CellKind::Tet10 { 2e-3 } else { 1e-13 };
             assert!((tube.measure() / (3.0 * plane.measure()) - 1.0).abs() < allowed, "{solid:?}: {}", tube.measure());
@@ -197,7 +198,7 @@ mod tests {
         let plane = rectangle([1.0, 2.0], [2, 3], [0.0; 2]).unwrap();
         let solid = plane.extruded(4.0, 2, 1.0, Change::NONE).unwrap();
         let direct = block([1.0, 2.0, 4.0], [2, 3, 2], [0.0; 3]).unwrap();
-        assert_eq!((solid.points, solid.connectivity), (direct.points, direct.connectivity.clone()));
+        assert_eq!((solid.points, solid.blocks), (direct.points, direct.blocks.clone()));
         let names: Vec<&str> = solid.boundaries.iter().map(|b| b.name.as_str()).collect();
         assert_eq!(names, ["left", "right", "bottom", "top", "bottom_", "top_"]);
         assert!(matches!(direct_again(), Err(MeshError::Extruded { kind: "hex8" })));

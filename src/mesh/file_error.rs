@@ -166,8 +166,7 @@ pub enum FileProblem {
     },
     /// Cells of two kinds.
     #[error(
-        "the file mixes cells: {count} {kind} and {others} {other}, but a mesh has cells of one kind; the first {other} is element \
-         {element}"
+        "the file mixes cells of first and of second order: {count} {kind} and {others} {other}; the first {other} is element {element}"
     )]
     MixedCells {
         /// The kind that most cells are of.

@@ -23,16 +23,16 @@ impl FileProblem {
                 "mesh with cells of first or second order (`Mesh.ElementOrder = 2;` in Gmsh)"
             }
             UnsupportedCell { .. } => {
-                "mesh surfaces with triangles or quadrilaterals and volumes with hexahedra or tetrahedra: prisms and pyramids come from \
-                 extruded triangles and from mixed meshes"
+                "mesh with cells of first order, or of second order with nodes in the middle of edges alone (`Mesh.ElementOrder = 2;` \
+                 with `Mesh.SecondOrderIncomplete = 1;` in Gmsh)"
             }
             UnsupportedType { .. } => {
-                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4, C3D8, C3D10, C3D20 or C3D27, \
+                "use plane cells (CPS3, CPE4, CPE6, CPS8 with any letters behind), C3D4, C3D5, C3D6, C3D8, C3D10, C3D15, C3D20 or C3D27, \
                  and T3D2 or T3D3 for lines of boundaries"
             }
             MixedCells { .. } => {
-                "mesh with one kind: in Gmsh `Mesh.RecombineAll = 1;` with `Mesh.SubdivisionAlgorithm = 1;` leaves quadrilaterals alone, \
-                 and without them there are triangles alone"
+                "mesh all of it in one order (`Mesh.ElementOrder = 1;` or `2;` in Gmsh), or save the parts of each order in files of \
+                 their own"
             }
             MixedDimensions { .. } => "save plane and solid bodies in files of their own",
             NoCells { .. } => {
@@ -56,7 +56,7 @@ impl FileProblem {
             MissingParameter { .. } => "write the parameter behind the keyword, such as `*ELEMENT, TYPE=CPS4`",
             UnknownSet { .. } => "define the set before it is used, or correct its name",
             UnknownMember { .. } => "correct the number, or write the file again with the program that made it",
-            UnknownSide { .. } => "sides of plane cells are S1 to S4, of solid cells S1 to S6 (tetrahedra: S4)",
+            UnknownSide { .. } => "sides of plane cells are S1 to S4, of solid cells S1 to S6 (tetrahedra: S4, wedges and pyramids: S5)",
         }
         .into()
     }

@@ -60,7 +60,7 @@ fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> Fil
     }
     let points = vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect();
     let connectivity = triangles.as_flattened().iter().map(|&vertex| vertex as u32).collect();
-    let mesh = Mesh { kind: CellKind::Tri3, points, connectivity, boundaries: Vec::new(), parts: Vec::new() };
+    let mesh = Mesh::new(CellKind::Tri3, points, connectivity);
     let corners = (0..rim.vertices.len()).map(|vertex| (vertex, vertex as u32)).collect();
     Filled { mesh, edges, placed: PlacedEdges::new(), along, corners, middles: HashMap::new() }
 }
@@ -100,6 +100,6 @@ fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> F
             }
         }
     }
-    let mesh = Mesh { kind: CellKind::Quad4, points, connectivity, boundaries: Vec::new(), parts: Vec::new() };
+    let mesh = Mesh::new(CellKind::Quad4, points, connectivity);
     Filled { mesh, edges: rim_edges, placed: PlacedEdges::new(), along, corners: corner, middles: rim_middles }
 }

@@ -40,7 +40,7 @@ pub fn graded_rectangle(size: [f64; 2], cells: [usize; 2], origin: [f64; 2], gra
         boundary("bottom", (0..nx).map(|i| facet(i, 0, 0))),
         boundary("top", (0..nx).rev().map(|i| facet(i, ny - 1, 2))),
     ];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
+    Mesh { boundaries, ..Mesh::new(CellKind::Quad4, points, connectivity) }.checked()
 }
 
 /// A block of hex8 cells, `size` and `origin` (its corner of least coordinates) `[length]`; boundaries `left right` (x),
@@ -95,7 +95,7 @@ pub fn graded_block(size: [f64; 3], cells: [usize; 3], origin: [f64; 3], grading
         boundary("back", pairs(ny, nx).map(|(i, j)| facet(i, j, 0, 0))),
         boundary("front", pairs(ny, nx).map(|(i, j)| facet(i, j, nz - 1, 1))),
     ];
-    Mesh { kind: CellKind::Hex8, points, connectivity, boundaries, parts: Vec::new() }.checked()
+    Mesh { boundaries, ..Mesh::new(CellKind::Hex8, points, connectivity) }.checked()
 }
 
 #[cfg(test)]
@@ -245,10 +245,10 @@ mod tests {
 
     #[test]
     fn the_smallest_meshes_are_sound() {
-        assert_eq!(rectangle([1.0, 1.0], [1, 1], [0.0; 2]).unwrap().connectivity, [0, 1, 3, 2]);
-        assert_eq!(block([1.0; 3], [1, 1, 1], [0.0; 3]).unwrap().connectivity, [0, 1, 3, 2, 4, 5, 7, 6]);
+        assert_eq!(rectangle([1.0, 1.0], [1, 1], [0.0; 2]).unwrap().blocks[0].connectivity, [0, 1, 3, 2]);
+        assert_eq!(block([1.0; 3], [1, 1, 1], [0.0; 3]).unwrap().blocks[0].connectivity, [0, 1, 3, 2, 4, 5, 7, 6]);
         let triangle = ring(0.5, 1.0, [1, 3], [0.0; 2], 0.0).unwrap();
-        assert_eq!(triangle.connectivity, [0, 3, 4, 1, 1, 4, 5, 2, 2, 5, 3, 0]);
+        assert_eq!(triangle.blocks[0].connectivity, [0, 3, 4, 1, 1, 4, 5, 2, 2, 5, 3, 0]);
     }
 
     #[test]

@@ -12,7 +12,7 @@ impl MeshError {
             NotFinite { what, .. } => format!("give {what} as a finite number"),
             FewCorners { .. } => "name the corners in their order around the polygon, the first one once".into(),
             HoleOutside { .. } => "move it inside, so that its sides meet neither the outline nor another hole".into(),
-            JoinedKinds { .. } => "join meshes of the same cells".into(),
+            JoinedKinds { .. } => "join plane meshes or solid ones, all of first order or all of second order".into(),
             NothingShared => "give both the same nodes along the common side; meshes that do not match are held together by a tie".into(),
             CrossingSides { .. } => "name the corners in their order around the polygon, so that its sides meet at corners only".into(),
             EmptySide { .. } => "leave out one of the two corners".into(),
@@ -24,8 +24,8 @@ impl MeshError {
             TooManyCells { .. } => "use a coarser mesh".into(),
             Memory { .. } => "use a coarser mesh, or allow the program more memory".into(),
             NoConversion { .. } => {
-                "quad4 cells become quad8, quad9, tri3 or tri6, tri3 cells become tri6, hex8 cells become hex20, hex27, tet4 or tet10, \
-                 tet4 cells become tet10; make the mesh of those"
+                "cells of first order become those of second order of their shape, quad4 cells tri3 or tri6 as well, hex8 cells \
+                 tetrahedra, wedges or pyramids of either order; make the mesh of those"
                     .into()
             }
             Radii { .. } => "exchange the two radii, or make the ring thicker".into(),
@@ -45,7 +45,13 @@ impl MeshError {
             OddLayers { count, .. } => {
                 format!("ask for {} layers, name the side that follows, too, or take cells of tri3 or tri6", count + 1)
             }
-            NotLocally { kind: "tet4" | "hex8" | "tet10" | "hex20" | "hex27" } => {
+            NotRefined { .. } => "make the mesh finer where it was made, or fill the place of the pyramids with tetrahedra".into(),
+            Unmatched { .. } => {
+                "put a layer of pyramids between quadrilaterals and triangles; of second order, faces of 8 nodes meet those of 8 (hex20, \
+                 wedge15, pyr13)"
+                    .into()
+            }
+            NotLocally { kind: "tet4" | "hex8" | "tet10" | "hex20" | "hex27" | "wedge6" | "wedge15" | "pyr5" | "pyr13" } => {
                 "refine all of it, or make the mesh finer where it was made; only triangles are refined in places".into()
             }
             NotLocally { kind: "quad4" } => {

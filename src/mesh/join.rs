@@ -4,19 +4,27 @@ use std::collections::HashSet;
 
 use super::point_index::PointIndex;
 use super::topology::{FacetKey, facet_key};
-use super::{Boundary, Facet, Mesh, MeshError};
+use super::{Block, Boundary, Facet, Mesh, MeshError};
+use crate::elements::CellKind;
 use crate::math::tolerances::SAME_PLACE;
 
 impl Mesh {
+    /// Refuses meshes of another dimension or order.
+    fn check_joined(&self, other: &Mesh) -> Result<(), MeshError> {
+        let is_like = |kind: CellKind| kind.dimension() == self.dimension() && kind.is_quadratic() == self.is_quadratic();
+        match (self.kinds().next(), other.kinds().find(|&kind| !is_like(kind))) {
+            (Some(first), Some(second)) => Err(MeshError::JoinedKinds { first: first.name(), second: second.name() }),
+            _ => Ok(()),
+        }
+    }
+
     /// Joins this mesh with another one: coincident nodes (up to round-off) are merged, boundaries and parts of equal names are united, and
-    /// facets that become interior belong to no boundary. Numbers of this mesh stay.
+    /// facets that become interior belong to no boundary. Node numbers of this mesh stay. Cells of other kinds become further blocks.
     ///
     /// # Errors
-    /// Cells of different kinds, no node in common, cells that overlap.
+    /// Cells of different dimension or order, no node in common, cells that overlap or do not match.
     pub fn joined(&self, other: &Mesh) -> Result<Mesh, MeshError> {
-        if self.kind != other.kind {
-            return Err(MeshError::JoinedKinds { first: self.kind.name(), second: other.kind.name() });
-        }
+        self.check_joined(other)?;
         let points = || self.points.iter().chain(&other.points);
         let extent = points().flatten().fold(0.0, |most, x| f64::max(most, x.abs()));
         let near = SAME_PLACE * extent;
@@ -37,21 +45,39 @@ impl Mesh {
         if common == 0 {
             return Err(MeshError::NothingShared);
         }
-        let shift = self.cell_count() as u32;
-        joined.connectivity.extend(other.connectivity.iter().map(|&node| numbers[node as usize]));
+        // Numbers of the cells, which follow those of the same kind.
+        let firsts: Vec<usize> = other
+            .blocks
+            .iter()
+            .map(|block| joined.add_cells(block.kind, block.connectivity.iter().map(|&node| numbers[node as usize])))
+            .collect();
+        let start = |kind: CellKind| joined.numbered_blocks().find(|(_, block)| block.kind == kind).map_or(0, |(first, _)| first);
+        let shifts = |mesh: &Mesh, within: &dyn Fn(usize) -> usize| -> Vec<(std::ops::Range<usize>, i64)> {
+            let shift = |(index, (first, block)): (usize, (usize, &Block))| {
+                (first..first + block.count(), (start(block.kind) + within(index)) as i64 - first as i64)
+            };
+            mesh.numbered_blocks().enumerate().map(shift).collect()
+        };
+        let (own_shifts, other_shifts) = (shifts(self, &|_| 0), shifts(other, &|index| firsts[index]));
+        let moved = |cell: u32, shifts: &[(std::ops::Range<usize>, i64)]| {
+            let shift = shifts.iter().find(|(cells, _)| cells.contains(&(cell as usize))).map_or(0, |(_, shift)| *shift);
+            (i64::from(cell) + shift) as u32
+        };
+        joined.boundaries.iter_mut().flat_map(|b| &mut b.facets).for_each(|facet| facet.cell = moved(facet.cell, &own_shifts));
+        joined.parts.iter_mut().flat_map(|(_, cells)| cells).for_each(|cell| *cell = moved(*cell, &own_shifts));
         for boundary in &other.boundaries {
-            let moved = Boundary {
+            let added = Boundary {
                 name: boundary.name.clone(),
-                facets: boundary.facets.iter().map(|facet| Facet { cell: facet.cell + shift, ..*facet }).collect(),
+                facets: boundary.facets.iter().map(|facet| Facet { cell: moved(facet.cell, &other_shifts), ..*facet }).collect(),
                 nodes: boundary.nodes.iter().map(|&node| numbers[node as usize]).collect(),
             };
             match joined.boundaries.iter_mut().find(|known| known.name == boundary.name) {
-                Some(known) => *known = Boundary { name: boundary.name.clone(), ..Boundary::union(&[known.clone(), moved]) },
-                None => joined.boundaries.push(moved),
+                Some(known) => *known = Boundary { name: boundary.name.clone(), ..Boundary::union(&[known.clone(), added]) },
+                None => joined.boundaries.push(added),
             }
         }
         for (name, cells) in &other.parts {
-            let cells = cells.iter().map(|cell| cell + shift);
+            let cells = cells.iter().map(|&cell| moved(cell, &other_shifts));
             match joined.parts.iter_mut().find(|(known, _)| known == name) {
                 Some((_, known)) => known.extend(cells),
                 None => joined.parts.push((name.clone(), cells.collect())),

@@ -47,7 +47,7 @@ impl Refinement<'_> {
         let (from, to) = (k, (k + 1) % 3);
         let (old, points) = (self.old, &mut self.points);
         *self.middles.entry(edge(piece.nodes[from], piece.nodes[to])).or_insert_with(|| {
-            let weights = (old.kind.row().shape)(mean(piece.places[from], piece.places[to]));
+            let weights = (old.kind_of(piece.cell as usize).row().shape)(mean(piece.places[from], piece.places[to]));
             let nodes = old.cell(piece.cell as usize);
             let sum = |i: usize| nodes.iter().zip(&weights).map(|(&node, weight)| weight * old.points[node as usize][i]).sum();
             points.push([sum(0), sum(1), sum(2)]);
@@ -130,10 +130,11 @@ impl Refinement<'_> {
 
     /// The new mesh.
     fn mesh(mut self, pieces: &[Piece]) -> Mesh {
-        let mut connectivity = Vec::with_capacity(pieces.len() * self.old.kind.nodes());
+        let kind = if self.old.is_quadratic() { CellKind::Tri6 } else { CellKind::Tri3 };
+        let mut connectivity = Vec::with_capacity(pieces.len() * kind.nodes());
         for piece in pieces {
             connectivity.extend(piece.nodes);
-            if self.old.kind.is_quadratic() {
+            if kind.is_quadratic() {
                 connectivity.extend([0, 1, 2].map(|k| self.middle(piece, k)));
             }
         }
@@ -162,7 +163,7 @@ impl Refinement<'_> {
         let boundaries = self.old.boundaries.iter().map(finer).collect();
         let part = |cells: &Vec<u32>| cells.iter().flat_map(|&cell| offspring(cell)).collect();
         let parts = self.old.parts.iter().map(|(name, cells)| (name.clone(), part(cells))).collect();
-        Mesh { kind: self.old.kind, points: self.points, connectivity, boundaries, parts }
+        Mesh { boundaries, parts, ..Mesh::new(kind, self.points, connectivity) }
     }
 }
 
@@ -176,14 +177,12 @@ impl Mesh {
     /// # Errors
     /// Cells that are no triangles, more of them than [`CELL_LIMIT`](crate::mesh::CELL_LIMIT).
     pub fn refined_cells(&self, is_chosen: &[bool]) -> Result<Mesh, MeshError> {
-        if self.kind.shape() != CellShape::Triangle {
-            return Err(MeshError::NotLocally { kind: self.kind.name() });
-        }
+        self.refuse_others_than_triangles()?;
         // before memory is taken
         let cells = self.cell_count() + 3 * is_chosen.iter().filter(|chosen| **chosen).count();
         room_for(cells, UNSTRUCTURED)?;
         let mut middles = HashMap::new();
-        if self.kind.is_quadratic() {
+        if self.is_quadratic() {
             for nodes in self.cells() {
                 middles.extend((0..3).map(|k| (edge(nodes[k], nodes[(k + 1) % 3]), nodes[k + 3])));
             }
@@ -193,14 +192,17 @@ impl Mesh {
         Ok(refinement.mesh(&pieces))
     }
 
+    fn refuse_others_than_triangles(&self) -> Result<(), MeshError> {
+        let other = self.kinds().find(|kind| kind.shape() != CellShape::Triangle);
+        other.map_or(Ok(()), |kind| Err(MeshError::NotLocally { kind: kind.name() }))
+    }
+
     /// [`Mesh::refined_cells`] of the cells at whose centers `condition` holds.
     ///
     /// # Errors
     /// Errors of [`Mesh::refined_cells`]; an error of the condition.
     pub fn refined_where<E>(&self, mut condition: impl FnMut(&[f64]) -> Result<bool, E>) -> Result<Mesh, SelectionError<E>> {
-        if self.kind.shape() != CellShape::Triangle {
-            return Err(SelectionError::Mesh(MeshError::NotLocally { kind: self.kind.name() }));
-        }
+        self.refuse_others_than_triangles()?;
         let chosen = (0..self.cell_count()).map(|cell| condition(&self.cell_center(cell)));
         let chosen: Vec<bool> = chosen.collect::<Result<_, E>>().map_err(SelectionError::Condition)?;
         Ok(self.refined_cells(&chosen)?)
@@ -251,7 +253,7 @@ mod tests {
         let area = |mesh: &Mesh, part: usize| {
             let mut mesh = mesh.clone();
             let cells = mesh.parts[part].1.clone();
-            mesh.connectivity = cells.iter().flat_map(|&cell| mesh.cell(cell as usize).to_vec()).collect();
+            mesh.blocks[0].connectivity = cells.iter().flat_map(|&cell| mesh.cell(cell as usize).to_vec()).collect();
             mesh.measure()
         };
         for part in 0..mesh.parts.len() {
@@ -286,7 +288,7 @@ mod tests {
             places.iter_mut().for_each(|points| points.sort_by(|a, b| a.partial_cmp(b).unwrap()));
             let off = places[0].iter().zip(&places[1]).flat_map(|(a, b)| [0, 1].map(|i| (a[i] - b[i]).abs())).fold(0.0, f64::max);
             assert!(off < 1e-9, "{off}");
-            assert_eq!(mesh.refined_where(|_| Ok::<bool, MeshError>(false)).unwrap().connectivity, mesh.connectivity);
+            assert_eq!(mesh.refined_where(|_| Ok::<bool, MeshError>(false)).unwrap().blocks, mesh.blocks);
         }
     }
 

@@ -1,8 +1,9 @@
 //! Floor 2: nodes, cells and named boundaries; generators, readers and checks.
 //!
-//! A mesh is plain data whose dimension is that of its cell kind; points always carry three coordinates (the third is zero in the
+//! A mesh is plain data whose dimension is that of its cell kinds; points always carry three coordinates (the third is zero in the
 //! plane), so that readers, generators and writers need no dimension parameter. Kernels take what they need from it once.
 
+mod blocks;
 mod cell_size;
 mod check;
 mod codes;
@@ -43,6 +44,7 @@ mod topology;
 mod transform;
 mod triangulation;
 
+pub use blocks::Block;
 pub use cell_size::CellSize;
 pub use check::Quality;
 pub use curved::Round;
@@ -65,9 +67,8 @@ pub use region::{layered_region, region};
 pub use round::{arc, disk, graded_ring, half_disk, ring};
 pub use selection::SelectionError;
 pub use solids::{cylinder, hollow_sphere, rounded_block, sphere, torus, tube};
+pub use sweep::Prisms;
 pub use topology::{flat_pieces, pieces_of};
-
-use crate::elements::CellKind;
 
 /// Most cells that generators and refinement make: some gigabytes in a simulation, and no script should take more by a slip of the pen.
 pub const CELL_LIMIT: usize = 10_000_000;
@@ -77,7 +78,7 @@ pub const CELL_LIMIT: usize = 10_000_000;
 pub struct Facet {
     /// Cell number.
     pub cell: u32,
-    /// Index into [`CellKind::facets`].
+    /// Index into the facets of the cell's kind.
     pub local: u8,
 }
 
@@ -115,18 +116,16 @@ impl Boundary {
     }
 }
 
-/// Nodes, cells of one kind, named boundaries and named parts.
+/// Nodes, cells in blocks of one kind each, named boundaries and named parts.
 ///
 /// Generators and readers give sound meshes. One that is put together by hand may refer to nodes or cells that it does not have;
 /// [`Mesh::defects`] finds that, other methods panic on it.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    /// Kind of all cells.
-    pub kind: CellKind,
     /// Node positions `[length]`; the third coordinate is 0 for plane meshes.
     pub points: Vec<[f64; 3]>,
-    /// Node numbers of all cells, `kind.nodes()` each.
-    pub connectivity: Vec<u32>,
+    /// Cells, at least one block; of one dimension, and all or none with mid-side nodes.
+    pub blocks: Vec<Block>,
     /// Named boundaries.
     pub boundaries: Vec<Boundary>,
     /// Named groups of cells (physical groups of a mesh file), each with its cell numbers.
@@ -136,29 +135,13 @@ pub struct Mesh {
 impl Mesh {
     /// Space dimension, 2 or 3.
     pub fn dimension(&self) -> usize {
-        self.kind.dimension()
-    }
-
-    /// Number of cells.
-    pub fn cell_count(&self) -> usize {
-        self.connectivity.len() / self.kind.nodes()
-    }
-
-    /// Node numbers of every cell in turn.
-    pub fn cells(&self) -> std::slice::ChunksExact<'_, u32> {
-        self.connectivity.chunks_exact(self.kind.nodes())
-    }
-
-    /// Node numbers of one cell.
-    pub fn cell(&self, cell: usize) -> &[u32] {
-        let count = self.kind.nodes();
-        &self.connectivity[cell * count..(cell + 1) * count]
+        self.blocks.first().map_or(2, |block| block.kind.dimension())
     }
 
     /// Node numbers of a facet, with the body on the left (2D) or the normal outward (3D).
     pub fn facet_nodes(&self, facet: Facet) -> impl Iterator<Item = u32> + '_ {
-        let cell = self.cell(facet.cell as usize);
-        self.kind.facets()[facet.local as usize].iter().map(move |&local| cell[local])
+        let (kind, cell) = self.kind_and_cell(facet.cell as usize);
+        kind.facets()[facet.local as usize].iter().map(move |&local| cell[local])
     }
 
     /// The boundary of that name, if there is one.

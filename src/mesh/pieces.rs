@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::{Boundary, Facet, Mesh};
+use super::{Block, Boundary, Facet, Mesh};
 
 impl Mesh {
-    /// Some cells as a mesh of their own: the cells in the given order, the nodes they use renumbered in ascending order, and what of the
-    /// boundaries and of the parts lies in it.
+    /// Some cells as a mesh of their own: the cells in the given order, those of a kind together, the nodes they use
+    /// renumbered in ascending order, and what of the boundaries and of the parts lies in it.
     pub fn of_cells(&self, cells: &[u32]) -> Mesh {
         let mut new_node = vec![None; self.points.len()];
         for &cell in cells {
@@ -17,8 +17,21 @@ impl Mesh {
             *slot = Some(points.len() as u32);
             points.push(point);
         }
-        let connectivity = cells.iter().flat_map(|&cell| self.cell(cell as usize)).filter_map(|&node| new_node[node as usize]).collect();
-        let new_cell: HashMap<u32, u32> = cells.iter().zip(0..).map(|(&old, new)| (old, new)).collect();
+        let (mut blocks, mut new_cell): (Vec<Block>, HashMap<u32, u32>) = (Vec::new(), HashMap::new());
+        for (first, block) in self.numbered_blocks() {
+            let range = first as u32..(first + block.count()) as u32;
+            let own = || cells.iter().copied().filter(|cell| range.contains(cell));
+            if own().next().is_none() {
+                continue;
+            }
+            let start = new_cell.len() as u32;
+            new_cell.extend(own().zip(start..));
+            let nodes = own().flat_map(|cell| self.cell(cell as usize)).filter_map(|&node| new_node[node as usize]);
+            blocks.push(Block { kind: block.kind, connectivity: nodes.collect() });
+        }
+        if blocks.is_empty() {
+            blocks.extend(self.kinds().next().map(|kind| Block { kind, connectivity: Vec::new() }));
+        }
         let inside = |facet: &Facet| new_cell.get(&facet.cell).map(|&cell| Facet { cell, local: facet.local });
         let boundaries = self
             .boundaries
@@ -36,7 +49,7 @@ impl Mesh {
             .map(|(part, cells)| (part.clone(), cells.iter().filter_map(|cell| new_cell.get(cell).copied()).collect::<Vec<_>>()))
             .filter(|(_, cells)| !cells.is_empty())
             .collect();
-        Mesh { kind: self.kind, points, connectivity, boundaries, parts }
+        Mesh { points, blocks, boundaries, parts }
     }
 
     /// Cells that are connected through nodes, piece by piece in the order of their first cells, in ascending order.
@@ -83,8 +96,9 @@ mod tests {
         let mut both = one.clone();
         both.points.extend(one.points.iter().map(|x| [x[0] + 5.0, x[1], 0.0]));
         // the cells of the two bars in turn
-        let shifted: Vec<u32> = one.connectivity.iter().map(|node| node + 6).collect();
-        both.connectivity = [&one.connectivity[..4], &shifted[..4], &one.connectivity[4..], &shifted[4..]].concat();
+        let shifted: Vec<u32> = one.blocks[0].connectivity.iter().map(|node| node + 6).collect();
+        both.blocks[0].connectivity =
+            [&one.blocks[0].connectivity[..4], &shifted[..4], &one.blocks[0].connectivity[4..], &shifted[4..]].concat();
         both.boundaries.clear();
         assert_eq!(both.connected_cells(), [vec![0, 2], vec![1, 3]]);
         let second = both.of_cells(&both.connected_cells()[1]);

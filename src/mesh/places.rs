@@ -10,7 +10,11 @@ impl MeshError {
     pub fn place(&self) -> Option<Place> {
         use MeshError::*;
         match self {
-            InvertedCell { at, .. } | DegenerateCell { at, .. } | RepeatedNode { at, .. } | CrowdedFacet { at, .. } => *at,
+            InvertedCell { at, .. }
+            | DegenerateCell { at, .. }
+            | RepeatedNode { at, .. }
+            | CrowdedFacet { at, .. }
+            | Unmatched { at, .. } => *at,
             File(FileError { problem: FileProblem::Unreadable { .. }, .. }) => None,
             File(error) => Some(error.at),
             Included { error, .. } => error.place(),
@@ -22,7 +26,11 @@ impl MeshError {
     pub(super) fn set_place(&mut self, place: Place) {
         use MeshError::*;
         match self {
-            InvertedCell { at, .. } | DegenerateCell { at, .. } | RepeatedNode { at, .. } | CrowdedFacet { at, .. } => *at = Some(place),
+            InvertedCell { at, .. }
+            | DegenerateCell { at, .. }
+            | RepeatedNode { at, .. }
+            | CrowdedFacet { at, .. }
+            | Unmatched { at, .. } => *at = Some(place),
             File(error) => error.at = place,
             _ => {}
         }

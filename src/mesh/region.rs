@@ -199,7 +199,7 @@ mod tests {
         let exact = 4.0 + PI / 2.0 - PI * 0.16;
         for kind in [CellKind::Tri3, CellKind::Tri6, CellKind::Quad4, CellKind::Quad8, CellKind::Quad9] {
             let mesh = region(&outline, &holes, CellSize::<MeshError>::Even(0.1), kind).unwrap();
-            assert_eq!((mesh.kind, mesh.defects()), (kind, Vec::new()));
+            assert_eq!((mesh.only_kind(), mesh.defects()), (Some(kind), Vec::new()));
             let error = (mesh.measure() / exact - 1.0).abs();
             // edges of 0.1 on radii of 0.4 and 1: chords err by a part of h^2 / (6 r^2), parabolas by one of h^4 / (480 r^4)
             assert!(error < if kind.is_quadratic() { 1e-5 } else { 5e-3 }, "{kind:?} {error}");

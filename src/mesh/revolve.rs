@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::grid::{at_least, graded, limited};
-use super::sweep::Sweep;
+use super::sweep::{Prisms, Sweep};
 use super::{Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
 
@@ -45,7 +45,7 @@ impl Mesh {
             return Err(MeshError::OnAxis { at: [x, y] });
         }
         let turns: Vec<(f64, f64)> = graded(layers, grading)?.iter().map(|share| (angle * share).sin_cos()).collect();
-        let sweep = Sweep { layers, is_closed, is_backward: angle * side > 0.0, ends: ["start", "end"] };
+        let sweep = Sweep { layers, is_closed, is_backward: angle * side > 0.0, ends: ["start", "end"], prisms: Prisms::Cut };
         self.swept(&sweep, |row, node| {
             let ([height, radius], (sine, cosine)) = (parts[node], turns[row]);
             let plane = |i: usize| center[i] + height * along[i] + radius * cosine * across[i];

@@ -59,7 +59,7 @@ pub fn graded_ring(
     let facet = |layer: usize, j: usize, local: u8| Facet { cell: (layer * around + j) as u32, local };
     let boundaries =
         vec![boundary("inner", (0..around).rev().map(|j| facet(0, j, 3))), boundary("outer", (0..around).map(|j| facet(radial - 1, j, 1)))];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
+    Mesh { boundaries, ..Mesh::new(CellKind::Quad4, points, connectivity) }.checked()
 }
 
 /// A sector of a ring of quad4 cells around `center` `[length]` between two angles `[rad]`, counter-clockwise, `cells` radially and around;
@@ -103,7 +103,7 @@ pub fn arc(radii: [f64; 2], angles: [f64; 2], cells: [usize; 2], center: [f64; 2
         boundary("start", (0..radial).map(|i| facet(i, 0, 0))),
         boundary("end", (0..radial).rev().map(|i| facet(i, around - 1, 2))),
     ];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
+    Mesh { boundaries, ..Mesh::new(CellKind::Quad4, points, connectivity) }.checked()
 }
 
 /// Distance of the corners of a disk's square core from its center, over the radius: angles of the cells there stay near 120 degrees.
@@ -149,7 +149,7 @@ pub fn disk(radius: f64, cells: [usize; 2], center: [f64; 2]) -> Result<Mesh, Me
     );
     let facet = |k: usize| Facet { cell: (side * side + (radial - 1) * around + k) as u32, local: 1 };
     let boundaries = vec![boundary("outer", (0..around).map(facet))];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
+    Mesh { boundaries, ..Mesh::new(CellKind::Quad4, points, connectivity) }.checked()
 }
 
 /// The lower half of a disk around `center` `[length]`, of quad4 cells: a core below the diameter, and `cells[0]` layers with `cells[1]`
@@ -212,7 +212,7 @@ pub fn half_disk(radius: f64, cells: [usize; 2], center: [f64; 2], finest: Optio
     let top = (0..width).rev().map(|i| Facet { cell: ((side - 1) * width + i) as u32, local: 2 });
     let flat = (0..radial).rev().map(|layer| facet(layer, around - 1, 2)).chain(top).chain((0..radial).map(|layer| facet(layer, 0, 0)));
     let boundaries = vec![boundary("arc", (0..around).map(|k| facet(radial - 1, k, 1))), boundary("flat", flat)];
-    Mesh { kind: CellKind::Quad4, points, connectivity, boundaries, parts: Vec::new() }.checked()
+    Mesh { boundaries, ..Mesh::new(CellKind::Quad4, points, connectivity) }.checked()
 }
 
 /// Cells of a core of `width` times `height`, row by row.

@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::*;
+use crate::elements::CellKind;
 
 /// Round-off of sums of some thousand terms.
 const ROUND_OFF: f64 = 1e-12;
@@ -161,21 +162,21 @@ fn what_cannot_be_a_solid_is_refused() {
 fn a_section_that_is_scaled_and_twisted_keeps_what_it_should() {
     let plate = rectangle([2.0, 1.0], [4, 3], [-1.0, -0.5]).unwrap();
     // a frustum, whose sides are flat: h/3 (A + B + sqrt(A B))
-    let frustum = plate.extruded(3.0, 5, 2.0, Change { scale: [0.5; 2], twist: 0.0 }).unwrap();
+    let frustum = plate.extruded(3.0, 5, 2.0, Change { scale: [0.5; 2], ..Change::NONE }).unwrap();
     assert!(relative(frustum.measure(), 2.0 + 0.5 + 1.0) < ROUND_OFF);
     let errors = [8, 16].map(|layers| {
-        let twisted = plate.extruded(3.0, layers, 1.0, Change { twist: 1.0, scale: [1.0; 2] }).unwrap();
+        let twisted = plate.extruded(3.0, layers, 1.0, Change { twist: 1.0, ..Change::NONE }).unwrap();
         assert_sound("twisted", &twisted, &["left", "right", "bottom", "top", "bottom_", "top_"], 0.8);
         relative(twisted.measure(), 6.0)
     });
     assert!(((errors[0] / errors[1]).log2() - 2.0).abs() < 0.1, "{errors:?}");
-    let corner = plate.extruded(3.0, 2, 1.0, Change { twist: FRAC_PI_2, scale: [2.0, 1.0] }).unwrap().points[40];
+    let corner = plate.extruded(3.0, 2, 1.0, Change { twist: FRAC_PI_2, scale: [2.0, 1.0], ..Change::NONE }).unwrap().points[40];
     assert!((corner[0] - 0.5).abs() < 1e-14 && (corner[1] + 2.0).abs() < 1e-14 && corner[2] == 3.0, "{corner:?}");
-    let half_turn = Change { twist: -PI, scale: [1.0; 2] };
+    let half_turn = Change { twist: -PI, ..Change::NONE };
     assert!(matches!(plate.extruded(3.0, 1, 1.0, half_turn), Err(MeshError::TooFewCells { least: 2, .. })));
     assert_eq!(plate.extruded(3.0, 2, 1.0, half_turn).unwrap().defects(), []);
-    assert!(matches!(plate.extruded(3.0, 1, 1.0, Change { twist: 0.0, scale: [0.0, 1.0] }), Err(MeshError::NotPositive { .. })));
-    assert!(matches!(plate.extruded(3.0, 1, 1.0, Change { twist: f64::NAN, scale: [1.0; 2] }), Err(MeshError::NotFinite { .. })));
+    assert!(matches!(plate.extruded(3.0, 1, 1.0, Change { scale: [0.0, 1.0], ..Change::NONE }), Err(MeshError::NotPositive { .. })));
+    assert!(matches!(plate.extruded(3.0, 1, 1.0, Change { twist: f64::NAN, ..Change::NONE }), Err(MeshError::NotFinite { .. })));
 }
 
 #[test]
@@ -256,11 +257,11 @@ fn a_mesh_follows_a_path_across_it_and_without_turning() {
     // straight: as drawn out along z
     let straight: Vec<[f64; 3]> = (0..=4).map(|k| [0.0, 0.0, 0.5 * f64::from(k)]).collect();
     let [along, up] = [plate.extruded_along(&straight, Change::NONE), plate.extruded(2.0, 4, 1.0, Change::NONE)].map(Result::unwrap);
-    assert_eq!((&along.connectivity, &along.boundaries), (&up.connectivity, &up.boundaries));
+    assert_eq!((&along.blocks, &along.boundaries), (&up.blocks, &up.boundaries));
     assert!(along.points.iter().zip(&up.points).all(|(a, b)| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-15)));
     // up, down, and sideways
     for end in [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [-1.0, 2.0, -0.5]] {
-        let bar = plate.extruded_along(&[[0.0; 3], end], Change { twist: 0.1, scale: [1.0; 2] }).unwrap();
+        let bar = plate.extruded_along(&[[0.0; 3], end], Change { twist: 0.1, ..Change::NONE }).unwrap();
         assert_sound("bar", &bar, &names, 0.5);
     }
     // a helix: the volume of its length, and a frame that turns against the normal by the torsion times the length (R. Bishop, 1975)
@@ -302,7 +303,7 @@ fn a_path_that_ends_at_its_start_closes() {
     let knot = section.extruded_along(&trefoil(120), Change::NONE).unwrap();
     assert_sound("knot", &knot, &["inner", "outer"], 0.7);
     assert_eq!(knot.cell_count(), 8 * 120);
-    let change = Change { twist: 0.0, scale: [0.5; 2] };
+    let change = Change { scale: [0.5; 2], ..Change::NONE };
     assert!(matches!(section.extruded_along(&circle, change), Err(MeshError::ClosedChange)));
 }
 

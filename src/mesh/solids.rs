@@ -201,11 +201,10 @@ impl Grown {
             };
             [0, 1, 2].map(|i| corner[i].base + factor * slope[i])
         };
-        let mut mesh =
-            Mesh { kind: CellKind::Hex8, points: Vec::new(), connectivity: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
+        let mut mesh = Mesh::new(CellKind::Hex8, Vec::new(), Vec::new());
         if core.is_some() {
             mesh.points.extend((0..corners.len() as u32).map(|node| at(node, 0.0)));
-            mesh.connectivity.clone_from(&grid.connectivity);
+            mesh.blocks.clone_from(&grid.blocks);
         }
         let first = mesh.points.len();
         let skipped = usize::from(core.is_some());
@@ -218,7 +217,8 @@ impl Grown {
         };
         for layer in 0..layers {
             for side in &sides {
-                mesh.connectivity
+                mesh.blocks[0]
+                    .connectivity
                     .extend([layer, layer + 1].into_iter().flat_map(|layer| side.nodes.iter().map(move |&node| number(layer, node))));
             }
         }

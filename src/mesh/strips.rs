@@ -182,7 +182,8 @@ impl Stacks {
             };
             nodes.push(points.iter().zip(kinds).map(node).collect());
         }
-        let is_cut = filled.mesh.kind == CellKind::Tri3;
+        let is_cut = filled.mesh.only_kind() == Some(CellKind::Tri3);
+        let connectivity = &mut filled.mesh.blocks[0].connectivity;
         let mut cuts = Vec::new();
         for stack in 0..strip.pieces.len() {
             for level in 0..levels {
@@ -190,12 +191,12 @@ impl Stacks {
                 let corners = [corner(0, level), corner(1, level), corner(1, level + 1), corner(0, level + 1)];
                 let [a, b, c, d] = corners.map(|(node, _)| node);
                 if !is_cut {
-                    filled.mesh.connectivity.extend([a, b, c, d]);
+                    connectivity.extend([a, b, c, d]);
                     continue;
                 }
                 let length = |from: usize, to: usize| distance(corners[from].1, corners[to].1);
                 let is_turned = length(1, 3) < length(0, 2);
-                filled.mesh.connectivity.extend(if is_turned { [a, b, d, b, c, d] } else { [a, b, c, a, c, d] });
+                connectivity.extend(if is_turned { [a, b, d, b, c, d] } else { [a, b, c, a, c, d] });
                 cuts.push(is_turned);
             }
             note_middles(strip, stack, &nodes, rest, &mut filled.placed);

@@ -26,9 +26,8 @@ impl Mesh {
         if self.dimension() != 3 {
             return Vec::new();
         }
-        let corners = if self.kind.facets().len() == 4 { 3 } else { 4 };
-        let hull: Vec<(Facet, Vec<u32>)> =
-            self.hull().into_iter().map(|facet| (facet, self.facet_nodes(facet).take(corners).collect())).collect();
+        let corners = |facet: Facet| self.facet_nodes(facet).take(self.facet_corners(facet)).collect();
+        let hull: Vec<(Facet, Vec<u32>)> = self.hull().into_iter().map(|facet| (facet, corners(facet))).collect();
         [self.folded(&hull), self.unjoined(&hull), self.crossing(&hull)].into_iter().flatten().collect()
     }
 
@@ -155,7 +154,7 @@ mod tests {
         let shift = one.points.len() as u32;
         let mut both = one.clone();
         both.points.extend(&other.points);
-        both.connectivity.extend(other.connectivity.iter().map(|node| node + shift));
+        both.blocks[0].connectivity.extend(other.connectivity().map(|node| node + shift));
         both.boundaries.clear();
         both
     }

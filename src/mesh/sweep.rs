@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::grid::limited;
-use super::{Boundary, Facet, Mesh, MeshError};
+use super::{Block, Boundary, Facet, Mesh, MeshError};
 use crate::elements::{CellKind, CellShape};
 
 /// Motion of a section along a sweep.
@@ -19,31 +19,51 @@ pub(super) struct Sweep<'a> {
     pub is_backward: bool,
     /// Names of the section at its first and last place.
     pub ends: [&'a str; 2],
+    /// Cells over triangles.
+    pub prisms: Prisms,
+}
+
+/// Cells that a section sweeps over from its triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Prisms {
+    /// Three tetrahedra each.
+    Cut,
+    /// Wedges.
+    Kept,
+}
+
+/// Solid kind of a plane kind, and the number of such cells over one plane cell in a layer.
+fn solid_kind(kind: CellKind, keeps_prisms: bool) -> Result<(CellKind, usize), MeshError> {
+    Ok(match (kind, keeps_prisms) {
+        (CellKind::Quad4, _) => (CellKind::Hex8, 1),
+        (CellKind::Quad8, _) => (CellKind::Hex20, 1),
+        (CellKind::Quad9, _) => (CellKind::Hex27, 1),
+        (CellKind::Tri3, false) => (CellKind::Tet4, 3),
+        (CellKind::Tri6, false) => (CellKind::Tet10, 3),
+        (CellKind::Tri3, true) => (CellKind::Wedge6, 1),
+        (CellKind::Tri6, true) => (CellKind::Wedge15, 1),
+        (other, _) => return Err(MeshError::Extruded { kind: other.name() }),
+    })
 }
 
 impl Mesh {
     /// Returns the solid mesh that the plane mesh sweeps over.
     ///
     /// Cells are hexahedra, or prisms cut into three tetrahedra each: quad4 as hex8, quad8 as hex20, quad9 as hex27, tri3 as tet4, tri6 as
-    /// tet10. Nodes between two layers lie in the middle. `place(k, node)` is the position of a node of the plane mesh after `k` layers.
-    /// Names of the ends get an underscore appended if the plane mesh has those names.
+    /// tet10. Triangles become wedges, wedge6 or wedge15, where `prisms` says so and beside quadrilaterals. Nodes
+    /// between two layers lie in the middle. `place(k, node)` is the position of a node of the plane mesh after `k` layers. Names of
+    /// the ends get an underscore appended if the plane mesh has those names.
     ///
     /// # Errors
     /// Cells in space, too many cells, coordinates that are not finite, a section that sweeps over itself.
     pub(super) fn swept(&self, sweep: &Sweep, place: impl Fn(usize, usize) -> [f64; 3]) -> Result<Mesh, MeshError> {
-        let &Sweep { layers, is_closed, is_backward, ends } = sweep;
-        let (kind, per_cell) = match self.kind {
-            CellKind::Quad4 => (CellKind::Hex8, 1),
-            CellKind::Quad8 => (CellKind::Hex20, 1),
-            CellKind::Quad9 => (CellKind::Hex27, 1),
-            CellKind::Tri3 => (CellKind::Tet4, 3),
-            CellKind::Tri6 => (CellKind::Tet10, 3),
-            other => return Err(MeshError::Extruded { kind: other.name() }),
-        };
-        limited(&[self.cell_count(), layers, per_cell as usize])?;
-        let (count, cells) = (self.points.len() as u32, self.cell_count() as u32);
+        let &Sweep { layers, is_closed, is_backward, ends, prisms } = sweep;
+        let keeps_prisms = prisms == Prisms::Kept || self.blocks.len() > 1;
+        let kinds: Vec<(CellKind, usize)> = self.kinds().map(|kind| solid_kind(kind, keeps_prisms)).collect::<Result<_, _>>()?;
+        limited(&[self.numbered_blocks().zip(&kinds).map(|((_, block), (_, per_cell))| block.count() * per_cell).sum(), layers])?;
+        let count = self.points.len() as u32;
         // Levels of nodes: two for each layer where there are nodes in the middle of edges.
-        let steps = if kind.is_quadratic() { 2 } else { 1 };
+        let steps = if self.is_quadratic() { 2 } else { 1 };
         let levels = steps * layers;
         let rows = if is_closed { levels } else { levels + 1 };
         let at = |level: usize, node: usize| match level % steps {
@@ -55,26 +75,27 @@ impl Mesh {
         };
         let points = (0..rows).flat_map(|level| (0..self.points.len()).map(move |node| (level, node)));
         let points = points.map(|(level, node)| at(level, node)).collect();
-        let mut connectivity = Vec::with_capacity(layers * self.cell_count() * per_cell as usize * kind.nodes());
-        let on_corners = places_in(kind, self.kind);
-        for layer in 0..layers {
-            for cell in self.cells() {
-                let node = |(node, level): (u32, u32)| {
-                    let level = if is_backward { steps - level as usize } else { level as usize };
-                    node + ((steps * layer + level) % rows) as u32 * count
-                };
+        let node = |layer: usize, (node, level): (u32, u32)| {
+            let level = if is_backward { steps - level as usize } else { level as usize };
+            node + ((steps * layer + level) % rows) as u32 * count
+        };
+        let swept = self.blocks.iter().zip(&kinds).map(|(block, &(kind, per_cell))| {
+            let mut connectivity = Vec::with_capacity(layers * block.count() * per_cell * kind.nodes());
+            let on_corners = places_in(kind, block.kind);
+            for (layer, cell) in (0..layers).flat_map(|layer| block.cells().map(move |cell| (layer, cell))) {
                 match kind.shape() {
                     CellShape::Tetrahedron => tetrahedra(cell).iter().for_each(|corners| {
                         let corner = |&(corner, is_above): &(usize, bool)| (cell[corner], if is_above { steps as u32 } else { 0 });
-                        connectivity.extend(corners.iter().map(|at| node(corner(at))));
+                        connectivity.extend(corners.iter().map(|at| node(layer, corner(at))));
                         let edges = kind.shape().edges().iter().filter(|_| steps == 2);
-                        connectivity.extend(edges.map(|ends| node(between(cell, ends.map(|end| corners[end])))));
+                        connectivity.extend(edges.map(|ends| node(layer, between(cell, ends.map(|end| corners[end])))));
                     }),
-                    _ => connectivity.extend(on_corners.iter().map(|&(local, level)| node((cell[local], level)))),
+                    _ => connectivity.extend(on_corners.iter().map(|&(local, level)| node(layer, (cell[local], level)))),
                 }
             }
-        }
-        let mut solid = Mesh { kind, points, connectivity, boundaries: Vec::new(), parts: Vec::new() };
+            Block { kind, connectivity }
+        });
+        let mut solid = Mesh { blocks: swept.collect(), points, boundaries: Vec::new(), parts: Vec::new() };
         let hull = solid.hull();
         self.sides_into(&mut solid, &hull, rows as u32);
         for (name, row) in ends.into_iter().zip([0, levels as u32]).filter(|_| !is_closed) {
@@ -86,14 +107,24 @@ impl Mesh {
             let facets = hull.iter().filter(is_there).copied().collect();
             solid.boundaries.push(Boundary::of_facets(&name, facets));
         }
-        let cells = cells * per_cell;
-        let of_cell = |cell: u32| (0..per_cell).map(move |child| cell * per_cell + child);
-        let all = |own: &Vec<u32>| {
-            (0..layers as u32).flat_map(|layer| own.iter().flat_map(move |&c| of_cell(c).map(move |c| c + layer * cells))).collect()
+        let blocks = self.numbered_blocks().zip(solid.numbered_blocks()).zip(&kinds);
+        let blocks: Vec<(std::ops::Range<usize>, usize, usize)> =
+            blocks.map(|(((first, block), (start, _)), &(_, per_cell))| (first..first + block.count(), start, per_cell)).collect();
+        let of_cell = |layer: usize, cell: usize| {
+            let found = blocks.iter().find(|(cells, ..)| cells.contains(&cell));
+            found.into_iter().flat_map(move |(cells, start, per_cell)| {
+                let first = start + (layer * cells.len() + cell - cells.start) * per_cell;
+                (first..first + per_cell).map(|cell| cell as u32)
+            })
         };
-        solid.parts = self.parts.iter().map(|(name, own)| (name.clone(), all(own))).collect();
-        if kind == CellKind::Hex20 {
+        let all = |own: &Vec<u32>| (0..layers).flat_map(|layer| own.iter().flat_map(move |&cell| of_cell(layer, cell as usize))).collect();
+        let parts = self.parts.iter().map(|(name, own)| (name.clone(), all(own))).collect();
+        solid.parts = parts;
+        if solid.kinds().any(|kind| matches!(kind, CellKind::Hex20 | CellKind::Wedge15)) {
             solid.leave_out_unused();
+        }
+        if let Some(unmatched) = solid.unmatched() {
+            return Err(unmatched);
         }
         match solid.checked() {
             Err(MeshError::InvertedCell { center, .. }) => Err(MeshError::SweptOver { center }),
@@ -127,9 +158,9 @@ impl Mesh {
     /// Leaves out the nodes of no cell; the others keep their order.
     fn leave_out_unused(&mut self) {
         let mut numbers = vec![u32::MAX; self.points.len()];
-        self.connectivity.iter().for_each(|&node| numbers[node as usize] = 0);
+        self.connectivity().for_each(|node| numbers[node as usize] = 0);
         numbers.iter_mut().filter(|number| **number == 0).zip(0..).for_each(|(number, next)| *number = next);
-        self.connectivity.iter_mut().for_each(|node| *node = numbers[*node as usize]);
+        self.renumber(|node| numbers[node as usize]);
         for boundary in &mut self.boundaries {
             boundary.nodes = boundary.nodes.iter().map(|&node| numbers[node as usize]).filter(|&node| node != u32::MAX).collect();
         }
@@ -138,7 +169,7 @@ impl Mesh {
     }
 }
 
-/// For each node of a hexahedron the node of the quadrilateral below it, and its level.
+/// For each node of a hexahedron or wedge the node of the plane cell below it, and its level.
 fn places_in(kind: CellKind, plane: CellKind) -> Vec<(usize, u32)> {
     let below = plane.row().node_places;
     let steps = if kind.is_quadratic() { 1.0 } else { 0.5 };

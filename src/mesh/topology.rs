@@ -45,8 +45,10 @@ pub fn pieces_of(face: &[u32]) -> Vec<Vec<u32>> {
 impl Mesh {
     /// Every facet of every cell, cell by cell.
     pub(super) fn facets(&self) -> impl Iterator<Item = Facet> + '_ {
-        let per_cell = self.kind.facets().len() as u8;
-        (0..self.cell_count() as u32).flat_map(move |cell| (0..per_cell).map(move |local| Facet { cell, local }))
+        self.numbered_blocks().flat_map(|(first, block)| {
+            let per_cell = block.kind.facets().len() as u8;
+            (first as u32..(first + block.count()) as u32).flat_map(move |cell| (0..per_cell).map(move |local| Facet { cell, local }))
+        })
     }
 
     /// Facets with their keys, sorted so that the sides of one facet follow each other.

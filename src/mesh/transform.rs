@@ -192,7 +192,7 @@ mod tests {
             "scale by positive numbers; a mirrored mesh would be inside out"
         );
         let mut many = plane;
-        many.connectivity = vec![0; 4 * (CELL_LIMIT / 4 + 1)];
+        many.blocks[0].connectivity = vec![0; 4 * (CELL_LIMIT / 4 + 1)];
         assert!(matches!(many.refine(), Err(MeshError::TooManyCells { .. })));
     }
 }

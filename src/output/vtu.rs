@@ -89,11 +89,11 @@ pub struct Grid {
 impl Grid {
     /// Copies the data of the bodies for the files.
     pub fn new(bodies: &[BodyFields]) -> Self {
-        let cells = || bodies.iter().flat_map(|body| body.mesh.cells().map(move |cell| (body.mesh.kind, cell)));
+        let cells = || bodies.iter().flat_map(|body| body.mesh.cells_with_kinds());
         let first_node = |index: usize| bodies[..index].iter().map(|body| body.mesh.points.len()).sum::<usize>() as i64;
         let connectivity = bodies.iter().enumerate().flat_map(|(index, body)| {
             let first = first_node(index);
-            body.mesh.connectivity.iter().map(move |&node| first + i64::from(node))
+            body.mesh.connectivity().map(move |node| first + i64::from(node))
         });
         let offsets = cells().scan(0, |end, (_, cell)| {
             *end += cell.len() as i64;

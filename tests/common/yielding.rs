@@ -118,7 +118,7 @@ fn shape(random: &mut Random, place: Place) -> Mesh {
     };
     let mesh = mesh.expect("the mesh is sound");
     let kind = pick(random, kinds);
-    if kind == mesh.kind { mesh } else { mesh.with_cells(kind).expect("cells become others") }
+    if mesh.only_kind() == Some(kind) { mesh } else { mesh.with_cells(kind).expect("cells become others") }
 }
 
 /// The scene of a seed: model, size of the steps, number of steps, and what it is made from.
@@ -153,8 +153,8 @@ pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
         speed = speed.min(own.min(0.2 * stiff));
         facet = facet.min(1.0 / (mesh.points.len() as f64).powf(1.0 / mesh.dimension() as f64));
         title +=
-            &format!(", {} {:?} {:?} {} back", mesh.kind.name(), mesh.points.len(), constants.hardening, constants.back_stresses.len());
-        let kind = mesh.kind;
+            &format!(", {} {:?} {:?} {} back", mesh.kind_names(), mesh.points.len(), constants.hardening, constants.back_stresses.len());
+        let kind = mesh.blocks[0].kind;
         let body = model.add_body(&format!("body {number}"), mesh, &Material::elastic_plastic(&constants).expect("constants are sound"));
         let plane = if let Place::Plane(plane) = place { plane } else { Plane::Strain };
         let is_free = plane == Plane::Stress || matches!(kind, CellKind::Tet10 | CellKind::Tri6);

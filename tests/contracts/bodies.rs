@@ -7,7 +7,7 @@ use conserva::integrators::{BACKWARD_EULER, Derivative, ENERGY_MOMENTUM, MEAN_VA
 use conserva::linear::{NodeMatrix, Pattern, Vertex};
 use conserva::materials::{CATALOGUE, Kinematics, Material, MaterialRow, NeoHookean, StoredEnergy};
 use conserva::math::workers::Workers;
-use conserva::mesh::{Mesh, block, rectangle};
+use conserva::mesh::{Change, Mesh, block, rectangle};
 
 use crate::common::{Random, difference};
 
@@ -34,14 +34,41 @@ fn distorted(kind: CellKind) -> Mesh {
         _ if kind.is_quadratic() => block([12.0, 12.0, 4.0], [3, 3, 1], [0.3, -0.2, 0.1]),
         _ => block([3.0, 3.0, 1.0], [3, 3, 1], [0.3, -0.2, 0.1]),
     };
-    let mut mesh = mesh.and_then(|mesh| mesh.with_cells(kind)).expect("the mesh is sound");
-    let mut random = Random(3);
+    moved_at_random(mesh.and_then(|mesh| mesh.with_cells(kind)).expect("the mesh is sound"))
+}
+
+fn moved_at_random(mut mesh: Mesh) -> Mesh {
+    let (mut random, dimension) = (Random(3), mesh.dimension());
     for point in &mut mesh.points {
-        for x in &mut point[..kind.dimension()] {
+        for x in &mut point[..dimension] {
             *x += 0.15 * random.next();
         }
     }
     mesh
+}
+
+/// Distorted meshes of several kinds: quadrilaterals beside triangles, and what is drawn out of them; hexahedra, pyramids and tetrahedra.
+fn mixed() -> Vec<Mesh> {
+    let plate = |x: f64, kind| rectangle([3.0, 2.0], [3, 2], [x, -0.2]).and_then(|mesh| mesh.with_cells(kind)).expect("a mesh");
+    let plane = plate(0.3, CellKind::Quad4).joined(&plate(3.3, CellKind::Tri3)).expect("they match");
+    let solid = plane.extruded(1.0, 1, 1.0, Change::NONE).expect("a solid");
+    let cube = block([1.0; 3], [1; 3], [0.0; 3]).expect("a mesh");
+    let top = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0], [0.5, 0.5, 2.0]];
+    let pyramid = Mesh::new(CellKind::Pyr5, top.to_vec(), vec![0, 1, 2, 3, 4]);
+    let tetrahedron = Mesh::new(CellKind::Tet4, vec![top[0], top[1], top[4], [0.5, -1.0, 1.5]], vec![0, 1, 2, 3]);
+    let chain = cube.joined(&pyramid).and_then(|mesh| mesh.joined(&tetrahedron)).expect("they match");
+    let finer = |mesh: &Mesh, kind| {
+        let mut mesh = mesh.with_cells(kind).expect("cells of second order");
+        mesh.points.iter_mut().flatten().for_each(|x| *x *= 4.0);
+        mesh
+    };
+    let second_order = [finer(&plane, CellKind::Quad8), finer(&solid, CellKind::Hex20), finer(&chain, CellKind::Hex20)];
+    [plane, solid, chain].into_iter().chain(second_order).map(moved_at_random).collect()
+}
+
+/// Distorted meshes of every cell kind and of several.
+fn meshes() -> Vec<Mesh> {
+    CellKind::ALL.iter().map(|&kind| distorted(kind)).chain(mixed()).collect()
 }
 
 struct Loop<const D: usize> {
@@ -147,13 +174,12 @@ const SEEN: [&Scheme; 5] = [&ENERGY_MOMENTUM, &MEAN_VALUE, &MIDPOINT, &TRAPEZOID
 macro_rules! for_all {
     ($contract:ident) => {
         for material in materials() {
-            for &kind in CellKind::ALL {
-                let mesh = distorted(kind);
+            for mesh in meshes() {
                 for (formulation, how) in formulations(&mesh, &material) {
                     for integrator in SEEN {
                         let form = material.volumetric_form().map_or("", |form| form.name);
-                        let name = format!("{} {} {form} {how} {}", kind.name(), material.name(), integrator.name);
-                        match kind.dimension() {
+                        let name = format!("{} {} {form} {how} {}", mesh.kind_names(), material.name(), integrator.name);
+                        match mesh.dimension() {
                             2 => $contract::<2>(Loop::new(&mesh, &material, formulation, integrator), integrator, &name),
                             _ => $contract::<3>(Loop::new(&mesh, &material, formulation, integrator), integrator, &name),
                         }
@@ -230,9 +256,15 @@ fn tangent_holds_the_weighted_mass() {
 /// Threads share the runs of a body, but not the order of its sums.
 #[test]
 fn sums_do_not_depend_on_the_number_of_threads() {
+    let plate = rectangle([6.0, 4.0], [60, 40], [0.0; 2]).expect("the mesh is sound");
+    let beside = rectangle([6.0, 4.0], [60, 40], [6.0, 0.0]).and_then(|mesh| mesh.with_cells(CellKind::Tri3)).expect("a mesh");
+    sums_are_the_same(&plate);
+    sums_are_the_same(&plate.joined(&beside).expect("they match"));
+}
+
+fn sums_are_the_same(mesh: &Mesh) {
     let material = NeoHookean { youngs_modulus: MODULUS, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
-    let mesh = rectangle([6.0, 4.0], [60, 40], [0.0; 2]).expect("the mesh is sound");
-    let cells = Loop::<2>::new(&mesh, &material, Formulation::default(), &ENERGY_MOMENTUM);
+    let cells = Loop::<2>::new(mesh, &material, Formulation::default(), &ENERGY_MOMENTUM);
     let mut random = Random(17);
     let (q_0, q_1) = (cells.random_state(0.01, &mut random), cells.random_state(0.01, &mut random));
     let (u_0, u_1) = (&cells.displacements(&q_0)[..], &cells.displacements(&q_1)[..]);

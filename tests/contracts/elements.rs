@@ -2,11 +2,11 @@
 //! 2000, chapter 3).
 
 use conserva::bodies::{BodyCells, Elements, Formulation, Space};
-use conserva::elements::{CellKind, CellRow};
+use conserva::elements::{CellKind, CellRow, CellShape};
 use conserva::linear::{NodeMatrix, Pattern, Vertex};
 use conserva::materials::NeoHookean;
 use conserva::mesh::Mesh;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::common::Random;
 
@@ -26,10 +26,11 @@ fn shape_functions(row: &CellRow) {
         assert_eq!((values.len(), gradients.len()), (row.nodes, row.nodes));
         assert!((values.iter().sum::<f64>() - 1.0).abs() < ROUND_OFF, "partition of unity");
         for i in 0..row.dimension {
-            let interpolated: f64 = values.iter().zip(row.node_places).map(|(value, place)| value * place[i]).sum();
-            assert!((interpolated - xi[i]).abs() < ROUND_OFF, "a linear field is represented");
+            let place = |xi: [f64; 3]| row.cell_shape.place(xi)[i];
+            let interpolated: f64 = values.iter().zip(row.node_places).map(|(value, &at)| value * place(at)).sum();
+            assert!((interpolated - place(xi)).abs() < ROUND_OFF, "a linear field is represented");
             assert!(gradients.iter().map(|gradient| gradient[i]).sum::<f64>().abs() < ROUND_OFF, "gradients sum to zero");
-            // At most quadratic in each coordinate, so that a central difference of any size is exact.
+            // At most quadratic in each coordinate (`pyr13`: in zeta along the edges), so that a central difference of any size is exact.
             let (mut up, mut down) = (xi, xi);
             up[i] += 0.5;
             down[i] -= 0.5;
@@ -44,30 +45,49 @@ fn factorial(n: usize) -> f64 {
     (1..=n).map(|k| k as f64).product()
 }
 
-/// Integral of a product of powers over the reference cell.
+/// Integral of a product of powers of the reference coordinates: over a simplex, over a triangle by an interval, over a cube.
 fn exact(row: &CellRow, powers: &[usize]) -> f64 {
-    if row.cell_shape.is_simplex() {
-        powers.iter().map(|&power| factorial(power)).product::<f64>() / factorial(powers.iter().sum::<usize>() + row.dimension)
-    } else {
+    let simplex = |powers: &[usize]| {
+        powers.iter().map(|&power| factorial(power)).product::<f64>() / factorial(powers.iter().sum::<usize>() + powers.len())
+    };
+    let product = |powers: &[usize]| -> f64 {
         powers.iter().map(|&power| if power.is_multiple_of(2) { 2.0 / (power + 1) as f64 } else { 0.0 }).product()
+    };
+    match row.cell_shape {
+        CellShape::Wedge => simplex(&powers[..2]) * product(&powers[2..]),
+        shape if shape.is_simplex() => simplex(powers),
+        _ => product(powers),
     }
 }
 
 /// Exact for every product of powers that the row promises, and not for the next one.
 fn quadrature(row: &CellRow) {
     let (dimension, promised) = (row.dimension, row.exact_power);
+    let is_total = row.cell_shape.is_simplex() || row.cell_shape == CellShape::Wedge;
     let rule = |powers: &[usize]| -> f64 {
         (row.quadrature)().iter().map(|(xi, w)| w * powers.iter().zip(xi).map(|(&power, x)| x.powi(power as i32)).product::<f64>()).sum()
     };
     for k in 0..(promised + 1).pow(dimension as u32) {
         let powers: Vec<usize> = (0..dimension).map(|i| k / (promised + 1).pow(i as u32) % (promised + 1)).collect();
-        if !row.cell_shape.is_simplex() || powers.iter().sum::<usize>() <= promised {
+        if !is_total || powers.iter().sum::<usize>() <= promised {
             assert!((rule(&powers) - exact(row, &powers)).abs() < ROUND_OFF, "{}: {powers:?}", row.name);
         }
     }
     let mut next = vec![0; dimension];
-    next[0] = if row.cell_shape.is_simplex() { promised + 1 } else { (promised + 1).next_multiple_of(2) };
+    next[0] = if is_total { promised + 1 } else { (promised + 1).next_multiple_of(2) };
     assert!((rule(&next) - exact(row, &next)).abs() > 1e-4, "{}", row.name);
+}
+
+/// Determinant of the Jacobian of the reference cell: 1 but in a pyramid.
+fn determinant(row: &CellRow, xi: [f64; 3]) -> f64 {
+    if row.dimension == 2 {
+        return 1.0;
+    }
+    let mut jacobian = Matrix3::zeros();
+    for (gradient, &place) in (row.gradients)(xi).into_iter().zip(row.node_places) {
+        jacobian += Vector3::from(row.cell_shape.place(place)) * Vector3::from(gradient).transpose();
+    }
+    jacobian.determinant()
 }
 
 /// Points and weights over the reference cell, exact for the products of two shape functions: five Gauss points in each direction of a
@@ -85,15 +105,18 @@ fn fine_rule(row: &CellRow) -> Vec<([f64; 3], f64)> {
         let pick = |i: u32| gauss[k / 5usize.pow(i) % 5];
         let mut weight: f64 = (0..row.dimension as u32).map(|i| pick(i).1).product();
         let mut xi: [f64; 3] = std::array::from_fn(|i| if i < row.dimension { pick(i as u32).0 } else { 0.0 });
-        if row.cell_shape.is_simplex() {
+        let folded = if row.cell_shape == CellShape::Wedge { 2 } else { row.dimension };
+        if row.cell_shape.is_simplex() || row.cell_shape == CellShape::Wedge {
             let mut left = 1.0;
-            for (i, x) in xi.iter_mut().enumerate().take(row.dimension) {
+            for (i, x) in xi.iter_mut().enumerate().take(folded) {
                 let unit = 0.5 * (1.0 + *x);
                 *x = unit * left;
                 left *= 1.0 - unit;
-                weight *= 0.5 * (1.0 - unit).powi((row.dimension - 1 - i) as i32);
+                weight *= 0.5 * (1.0 - unit).powi((folded - 1 - i) as i32);
             }
         }
+        // of a pyramid, whose coordinates are those of a cube
+        weight *= determinant(row, xi);
         rule.push((xi, weight));
     }
     rule
@@ -103,7 +126,7 @@ fn fine_rule(row: &CellRow) -> Vec<([f64; 3], f64)> {
 fn mass(kind: CellKind) {
     let row = kind.row();
     let connectivity: Vec<u32> = (0..row.nodes as u32).collect();
-    let mesh = Mesh { kind, points: row.node_places.to_vec(), connectivity, boundaries: Vec::new(), parts: Vec::new() };
+    let mesh = Mesh::new(kind, row.node_places.iter().map(|&place| row.cell_shape.place(place)).collect(), connectivity);
     let material = NeoHookean { youngs_modulus: 1.0, poisson_ratio: 0.0, density: 3.0 }.material().expect("in range");
     let pattern = |dimension: u8, cliques: &[Vec<u32>]| {
         Pattern::new(&vec![Vertex::coordinates(dimension); row.nodes], cliques.iter().map(|clique| &clique[..]))
@@ -133,7 +156,7 @@ fn mass(kind: CellKind) {
 /// Facets tile the hull and look outward: with the cell on the left in the plane, by the right hand in space.
 fn facets(row: &CellRow) {
     let corners = row.cell_shape.corners();
-    let place = |local: usize| Vector3::from(row.node_places[local]);
+    let place = |local: usize| Vector3::from(row.cell_shape.place(row.node_places[local]));
     let (mut sum, mut volume) = (Vector3::zeros(), 0.0);
     for facet in row.facets {
         let ends: Vec<usize> = facet.iter().copied().filter(|&local| local < corners).collect();
@@ -152,7 +175,8 @@ fn facets(row: &CellRow) {
     }
     assert!(sum.norm() < ROUND_OFF, "{}: the hull is closed", row.name);
     // By the divergence theorem, with every normal outward.
-    assert!((volume - exact(row, &[0; 3][..row.dimension])).abs() < ROUND_OFF, "{}: {volume}", row.name);
+    let measure: f64 = (row.quadrature)().into_iter().map(|(xi, weight)| weight * determinant(row, xi)).sum();
+    assert!((volume - measure).abs() < ROUND_OFF, "{}: {volume}", row.name);
 }
 
 #[test]

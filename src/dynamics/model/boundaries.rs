@@ -35,7 +35,7 @@ pub fn inner_nodes(model: &Model, on: &BodyBoundary, first_node: usize) -> Vec<u
 
 /// The middle nodes of edges of second order on the hulls of plane bodies, whose nodes are numbered from where `first` says.
 pub fn middles(model: &Model, first: impl Fn(usize) -> usize) -> ProxyNodes {
-    let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.kind.is_quadratic());
+    let curved = model.bodies.iter().enumerate().filter(|(_, body)| body.mesh.dimension() == 2 && body.mesh.is_quadratic());
     let edges = curved.flat_map(|(index, body)| {
         let first = first(index) as u32;
         let edge = move |facet| {

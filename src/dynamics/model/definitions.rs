@@ -12,7 +12,6 @@ use super::part::PartDefinition;
 use super::prescription::Prescription;
 use crate::bodies::{Formulation, Inertia, Plane};
 use crate::contact::Obstacle;
-use crate::elements::CellKind;
 use crate::materials::Material;
 use crate::mesh::Mesh;
 
@@ -173,11 +172,17 @@ impl Model {
 
     /// Refuses properties of an interaction that contacts in space do not support.
     fn check_in_space(&self, interaction: &Interaction) -> Result<(), ModelError> {
-        let kind = self.bodies.get(interaction.secondary.body).map(|body| body.mesh.kind);
+        let without_middles = self.bodies.get(interaction.secondary.body).and_then(|body| {
+            let facets = &interaction.secondary.boundary.facets;
+            let serendipity = facets.iter().find(|&&facet| body.mesh.facet_nodes(facet).count() == 8)?;
+            Some(body.mesh.kind_of(serendipity.cell as usize).name())
+        });
         let lacking = match &interaction.partner {
             Partner::Tied { .. } => None,
             // The middles of its faces have no nodes, and with them no tangents of their own.
-            _ if interaction.friction.is_some() && kind == Some(CellKind::Hex20) => Some("friction on a secondary side of `hex20`".into()),
+            _ if interaction.friction.is_some() && without_middles.is_some() => {
+                without_middles.map(|cells| format!("friction on a secondary side of `{cells}`"))
+            }
             Partner::Obstacle { .. } => None,
             Partner::Itself if interaction.method.is_nodal => Some(format!("self contact by the method \"{}\"", interaction.method.name)),
             _ if interaction.method.in_space.is_none() => Some(format!("the method \"{}\"", interaction.method.name)),

@@ -29,7 +29,7 @@ impl Model {
             let side = |k: usize| NamedSurface { name: &names[k], surface: &surfaces[k] };
             check_surfaces(side(0), side(1), &reference)
         };
-        let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.kind.is_quadratic();
+        let is_curved = |on: &BodyBoundary| self.bodies[on.body].mesh.is_quadratic();
         let press_fits = |secondary: &BodyBoundary, primary: &[BodyBoundary], shape: FacetShape| {
             let primary: Vec<&BodyBoundary> = primary.iter().filter(|on| !is_curved(on) && !is_curved(secondary)).collect();
             let found = primary.into_iter().filter_map(|on| {
@@ -88,7 +88,7 @@ impl Model {
 
     /// Sides in space that look away from each other, ties that leave nodes out, press fits of facets of first order that are too coarse.
     fn findings_in_space(&self, first: &[usize], reference: &[f64]) -> Vec<(String, Finding)> {
-        let is_flat = |on: &BodyBoundary| !self.bodies[on.body].mesh.kind.is_quadratic();
+        let is_flat = |on: &BodyBoundary| !self.bodies[on.body].mesh.is_quadratic();
         let surface = |on: &BodyBoundary| {
             let faces = boundary_faces(self, on, first[on.body]);
             Surface::in_space(faces.iter().map(|face| &face[..]))

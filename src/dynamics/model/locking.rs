@@ -68,8 +68,9 @@ impl Model {
     /// The bodies that lock because their laws hardly change their volume.
     pub fn locking(&self) -> Vec<Locking> {
         let of = |body: &BodyDefinition| {
-            let (ratio, cells) = (body.material.bulk_over_shear(), body.mesh.kind);
-            let has_one_point = cells.has_one_point();
+            let one_point = body.mesh.kinds().find(|kind| kind.has_one_point());
+            let (ratio, has_one_point) = (body.material.bulk_over_shear(), one_point.is_some());
+            let cells = one_point.unwrap_or(body.mesh.blocks[0].kind);
             let is_free =
                 body.formulation.plane == Plane::Stress || (body.formulation.dilatation != Dilatation::Pointwise && !has_one_point);
             let has_mean = body.material.kinematics() == Kinematics::GreenLagrange && body.material.split().is_some();

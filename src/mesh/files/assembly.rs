@@ -17,8 +17,8 @@ use crate::mesh::{Boundary, Facet, Mesh, MeshError};
 pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
     settle_structural(&mut tables, options)?;
     let numbering = Numbering::new(&tables)?;
-    let kind = kind_of(&tables)?;
-    let (mut mesh, origins, turned) = cells(kind, &tables, &numbering)?;
+    let kinds = kinds_of(&tables)?;
+    let (mut mesh, origins, turned) = cells(&kinds, &tables, &numbering)?;
     let strays = attach_boundaries(&mut mesh, &tables, &numbering)?;
     let tables = &leave_out_strays(tables, &strays, options)?;
     let used = take_used_nodes(&mut mesh, tables);
@@ -89,8 +89,8 @@ fn leave_out_strays(mut tables: Tables, strays: &[(Shape, Place)], options: Read
     }
 }
 
-/// The kind of the cells: solid ones where there are any.
-fn kind_of(tables: &Tables) -> Result<CellKind, MeshError> {
+/// The kinds of the cells: solid ones where there are any; all of one order.
+fn kinds_of(tables: &Tables) -> Result<Vec<CellKind>, MeshError> {
     let kinds = |dimension: usize| {
         tables.elements.iter().filter_map(move |(shape, elements)| match shape {
             Shape::Cell(kind) if kind.dimension() == dimension && !elements.numbers.is_empty() => Some((*kind, elements)),
@@ -103,8 +103,8 @@ fn kind_of(tables: &Tables) -> Result<CellKind, MeshError> {
         let at = tables.elements_begin.unwrap_or(Place::Line(1));
         return Err(FileError { at, problem: FileProblem::NoCells { lines } }.into());
     };
-    match kinds(dimension).find(|(other, _)| *other != kind) {
-        None => Ok(kind),
+    match kinds(dimension).find(|(other, _)| other.is_quadratic() != kind.is_quadratic()) {
+        None => Ok(kinds(dimension).map(|(kind, _)| kind).collect()),
         Some((other, elements)) => {
             let (count, others, element) = (most.numbers.len(), elements.numbers.len(), tables.written_element(elements.numbers[0]));
             let problem = FileProblem::MixedCells { kind: kind.name(), count, other: other.name(), others, element };
@@ -137,16 +137,19 @@ fn is_clockwise(corners: &[u32], points: &[[f64; 3]]) -> bool {
 }
 
 /// Cells and parts, with indices of the node table, where cells stand in the file, and which of them were reversed; points come later.
-fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh, Vec<Origin>, HashSet<u32>), MeshError> {
-    let mut mesh = Mesh { kind, points: Vec::new(), connectivity: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
+fn cells(kinds: &[CellKind], tables: &Tables, numbering: &Numbering) -> Result<(Mesh, Vec<Origin>, HashSet<u32>), MeshError> {
+    let mut mesh = Mesh { points: Vec::new(), blocks: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
     let (mut origins, mut turned) = (Vec::<Origin>::new(), HashSet::new());
     let mut parts: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
-    let Some(elements) = tables.elements.get(&Shape::Cell(kind)) else { return Ok((mesh, origins, turned)) };
+    let blocks = || kinds.iter().filter_map(|&kind| Some((kind, tables.elements.get(&Shape::Cell(kind))?)));
     // version 2.2 of Gmsh's format writes a cell once for each of its physical groups
-    let mut known: HashMap<CellKey, u32> = HashMap::with_capacity(elements.numbers.len());
+    let mut known: HashMap<CellKey, u32> = HashMap::with_capacity(blocks().map(|(_, elements)| elements.numbers.len()).sum());
     let mut members: HashSet<(u64, u32)> = HashSet::new();
-    let mut indices = vec![0; kind.nodes()];
-    for (element, &number) in elements.numbers.iter().enumerate() {
+    let mut indices = Vec::new();
+    let elements = blocks().flat_map(|(kind, elements)| (0..elements.numbers.len()).map(move |element| (kind, elements, element)));
+    for (kind, elements, element) in elements {
+        let number = elements.numbers[element];
+        indices.resize(kind.nodes(), 0);
         numbering.indices_into(tables, elements, element, &mut indices)?;
         let (mut key, corners) = ([u32::MAX; 8], kind.shape().corners());
         key[..corners].copy_from_slice(&indices[..corners]);
@@ -160,7 +163,7 @@ fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh
                 reverse(&mut indices, corners);
                 turned.insert(cell);
             }
-            mesh.connectivity.extend(&indices);
+            mesh.add_cells(kind, indices.iter().copied());
             origins.push(Origin { number, at });
         } else if groups.is_empty() || groups.iter().any(|&group| members.contains(&(group, cell))) {
             let first = tables.written_element(origins[cell as usize].number);
@@ -172,7 +175,7 @@ fn cells(kind: CellKind, tables: &Tables, numbering: &Numbering) -> Result<(Mesh
             parts.entry(group).or_default().push(cell);
         }
     }
-    mesh.parts = parts.into_iter().map(|(group, cells)| (tables.name(kind.dimension(), group), cells)).collect();
+    mesh.parts = parts.into_iter().map(|(group, cells)| (tables.name(mesh.dimension(), group), cells)).collect();
     Ok((mesh, origins, turned))
 }
 
@@ -228,9 +231,9 @@ fn attach_boundaries(mesh: &mut Mesh, tables: &Tables, numbering: &Numbering) ->
             }
             let number = tables.written_element(elements.numbers[*index]);
             if let Shape::Cell(kind) = shape {
-                let touched = touched.get_or_insert_with(|| mesh.connectivity.iter().copied().collect());
+                let touched = touched.get_or_insert_with(|| mesh.connectivity().collect());
                 if key.iter().all(|node| !touched.contains(node)) {
-                    let problem = FileProblem::MixedDimensions { kind: kind.name(), solid: mesh.kind.name(), element: number };
+                    let problem = FileProblem::MixedDimensions { kind: kind.name(), solid: mesh.blocks[0].kind.name(), element: number };
                     return Err(FileError { at, problem }.into());
                 }
             }
@@ -291,14 +294,14 @@ fn attach_edges_and_points(mesh: &mut Mesh, tables: &Tables, numbering: &Numberi
 /// Takes over the nodes that cells use, in their order; returns their indices in the node table.
 fn take_used_nodes(mesh: &mut Mesh, tables: &Tables) -> Vec<u32> {
     let mut new_index = vec![u32::MAX; tables.points.len()];
-    mesh.connectivity.iter().for_each(|&node| new_index[node as usize] = 0);
+    mesh.connectivity().for_each(|node| new_index[node as usize] = 0);
     let mut used = Vec::new();
     for (old, slot) in new_index.iter_mut().enumerate().filter(|(_, slot)| **slot == 0) {
         *slot = used.len() as u32;
         used.push(old as u32);
     }
     mesh.points = used.iter().map(|&old| tables.points[old as usize]).collect();
-    mesh.connectivity.iter_mut().for_each(|node| *node = new_index[*node as usize]);
+    mesh.renumber(|node| new_index[node as usize]);
     used
 }
 
@@ -319,7 +322,7 @@ fn flatten(mesh: &mut Mesh, tables: &Tables, used: &[u32]) -> Result<(), MeshErr
 fn placed(mut defect: MeshError, origins: &[Origin], tables: &Tables, used: &[u32]) -> MeshError {
     use MeshError::*;
     match &mut defect {
-        InvertedCell { at, cell, .. } | DegenerateCell { at, cell, .. } | CrowdedFacet { at, cell, .. } => {
+        InvertedCell { at, cell, .. } | DegenerateCell { at, cell, .. } | CrowdedFacet { at, cell, .. } | Unmatched { at, cell, .. } => {
             let origin = &origins[*cell as usize];
             *at = Some(origin.at);
             *cell = tables.written_element(origin.number);

@@ -100,7 +100,7 @@ fn binary_files_of_both_versions_and_orders_of_bytes_are_one_mesh() {
     for (which, content) in files().iter().enumerate() {
         let mesh = read_mesh_bytes(content).unwrap_or_else(|error| panic!("{which}: {error} {:?}", error.place()));
         assert_eq!(mesh.points, POINTS, "{which}");
-        assert_eq!(mesh.connectivity, [0, 1, 4, 3, 1, 2, 5, 4], "{which}");
+        assert_eq!(mesh.blocks[0].connectivity, [0, 1, 4, 3, 1, 2, 5, 4], "{which}");
         assert_eq!(mesh.parts, [("body".to_string(), vec![0, 1])]);
         let facets = vec![Facet { cell: 0, local: 0 }, Facet { cell: 1, local: 0 }];
         assert_eq!(mesh.boundaries, [Boundary::of_facets("low", facets)]);
@@ -188,7 +188,7 @@ both-1.6
 #[test]
 fn sets_and_surfaces_of_an_input_file_are_parts_and_boundaries() {
     let mesh = read_mesh_bytes(SQUARES.as_bytes()).unwrap_or_else(|error| panic!("{error} {:?}", error.place()));
-    assert_eq!((&mesh.points[..], &mesh.connectivity[..]), (&POINTS[..], &[0, 1, 4, 3, 1, 2, 5, 4][..]));
+    assert_eq!((&mesh.points[..], &mesh.blocks[0].connectivity[..]), (&POINTS[..], &[0, 1, 4, 3, 1, 2, 5, 4][..]));
     let parts: Vec<(&str, &[u32])> = mesh.parts.iter().map(|(name, cells)| (name.as_str(), &cells[..])).collect();
     assert_eq!(parts, [("Left", &[0][..]), ("right", &[1]), ("both", &[0, 1]), ("again", &[0, 1])]);
     let facet = |cell, local| Facet { cell, local };
@@ -343,7 +343,7 @@ fn what_is_written_is_read_back() {
     for mesh in [plate, block([1.0, 2.0, 3.0], [2, 1, 2], [1.0 / 7.0; 3]).unwrap()] {
         let text = mesh.to_gmsh();
         let back = read_mesh_bytes(text.as_bytes()).unwrap_or_else(|error| panic!("{error} {:?}\n{text}", error.place()));
-        assert_eq!((mesh.kind, &mesh.points, &mesh.connectivity), (back.kind, &back.points, &back.connectivity));
+        assert_eq!((&mesh.points, &mesh.blocks), (&back.points, &back.blocks));
         assert_eq!((&mesh.boundaries, &mesh.parts), (&back.boundaries, &back.parts));
         assert_eq!(back.to_gmsh(), text);
     }

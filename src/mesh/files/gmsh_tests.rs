@@ -161,9 +161,9 @@ fn line_of(text: &str, piece: &str) -> usize {
 fn both_versions_give_the_same_mesh() {
     for text in [SQUARES_2, SQUARES_4] {
         let mesh = read_gmsh(text).unwrap();
-        assert_eq!(mesh.kind, CellKind::Quad4);
+        assert_eq!(mesh.only_kind(), Some(CellKind::Quad4));
         assert_eq!(mesh.points, [[0., 0., 0.], [1., 0., 0.], [2., 0., 0.], [0., 1., 0.], [1., 1., 0.], [2., 1., 0.]]);
-        assert_eq!(mesh.connectivity, [0, 1, 4, 3, 1, 2, 5, 4]);
+        assert_eq!(mesh.blocks[0].connectivity, [0, 1, 4, 3, 1, 2, 5, 4]);
         // unnamed groups are called by their number
         assert_eq!(mesh.parts, [("left body".to_string(), vec![0]), ("2".to_string(), vec![1])]);
         let facet = |cell, local| Facet { cell, local };
@@ -201,7 +201,7 @@ fn line_ends_blank_lines_and_a_byte_order_mark_do_not_matter() {
         [SQUARES_4.replace('\n', "\r\n"), SQUARES_4.replace('\n', "\n\n  "), format!("\u{feff}{SQUARES_4}"), SQUARES_4.trim().into()]
     {
         let mesh = read_gmsh(&text).unwrap();
-        assert_eq!((mesh.points, mesh.connectivity), (reference.points.clone(), reference.connectivity.clone()));
+        assert_eq!((mesh.points, mesh.blocks), (reference.points.clone(), reference.blocks.clone()));
     }
 }
 
@@ -209,7 +209,7 @@ fn line_ends_blank_lines_and_a_byte_order_mark_do_not_matter() {
 fn a_solid_mesh_comes_back_as_it_was() {
     let expected = block([2.0, 1.0, 1.0], [2, 1, 1], [0.0; 3]).unwrap();
     let mesh = read_gmsh(&solid_text()).unwrap();
-    assert_eq!((mesh.kind, &mesh.points, &mesh.connectivity), (CellKind::Hex8, &expected.points, &expected.connectivity));
+    assert_eq!((&mesh.points, &mesh.blocks), (&expected.points, &expected.blocks));
     // and the nodes of a curve
     let curve = Boundary { name: "1".into(), facets: Vec::new(), nodes: vec![0, 1] };
     assert_eq!(mesh.boundaries, [&expected.boundaries[..], &[curve]].concat());
@@ -225,7 +225,7 @@ fn tetrahedra_have_their_physical_surfaces_of_triangles() {
          1 2 2 1 1 1 4 5\n2 2 2 1 1 8 4 5\n3 2 2 2 2 5 7 6\n4 2 2 2 2 5 7 8\n5 4 2 3 1 1 2 4 5\n6 4 2 3 1 3 4 2 7\n\
          7 4 2 3 1 6 5 7 2\n8 4 2 3 1 8 7 5 4\n9 4 2 4 1 2 4 5 7\n$EndElements\n";
     let mesh = read_gmsh(text).unwrap_or_else(|error| panic!("{error} {:?}", error.place()));
-    assert_eq!((mesh.kind, mesh.cell_count(), mesh.surface_defects()), (CellKind::Tet4, 5, Vec::new()));
+    assert_eq!((mesh.only_kind(), mesh.cell_count(), mesh.surface_defects()), (Some(CellKind::Tet4), 5, Vec::new()));
     assert!((mesh.measure() - 1.0).abs() < 1e-15);
     for (name, axis, value) in [("wall", 0, 0.0), ("roof", 2, 1.0)] {
         let boundary = mesh.boundary(name).unwrap();
@@ -397,10 +397,13 @@ fn clockwise_cells_are_reversed_and_crossed_ones_are_an_error_with_place_and_cur
 
 #[test]
 fn other_cells_are_refused_with_the_cure() {
-    let prism = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 6 2 2 2 2 3 16 15 1 99");
-    assert!(prism.to_string().starts_with("element 7 is a 6-node prism, but cells read are "), "{prism}");
+    let prism = refusal(SQUARES_2, "7 3 2 2 2 2 3 16 15", "7 13 2 2 2 2 3 16 15 1 99");
+    assert!(
+        prism.to_string().starts_with("element 7 is a prism of 18 nodes (second order, nodes in its faces), but cells read are "),
+        "{prism}"
+    );
     assert_eq!(prism.line(), Some(28));
-    assert!(prism.hint().contains("prisms"), "{}", prism.hint());
+    assert!(prism.hint().contains("SecondOrderIncomplete"), "{}", prism.hint());
     let third_order = refusal(SQUARES_4, "2 2 3 1", "2 2 29 1");
     assert!(third_order.to_string().contains("20-node tetrahedron (third order)"), "{third_order}");
     assert!(third_order.hint().contains("Mesh.ElementOrder = 2;"), "{}", third_order.hint());

@@ -3,23 +3,27 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::tables::Tables;
-use crate::elements::CellKind;
+use crate::elements::{CellKind, CellShape};
 use crate::mesh::file_error::{FileError, FileProblem};
 use crate::mesh::{Boundary, Facet, Mesh, MeshError};
 
-/// Corners of the sides of a cell in Abaqus' order (Abaqus Analysis User's Guide, sections 28.1.3 and 28.1.4); those of plane cells are the
-/// facets in their order.
+/// Corners of the sides of a cell in Abaqus' order (Abaqus Analysis User's Guide, sections 28.1.3 and 28.1.4); those of plane cells and
+/// pyramids are the facets in their order.
 const TETRAHEDRON: [&[usize]; 4] = [&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]];
 const HEXAHEDRON: [&[usize]; 6] = [&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]];
+const WEDGE: [&[usize]; 5] = [&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]];
 
 /// Number of the local facet of a side from 1.
 fn facet_of_side(kind: CellKind, side: u8) -> Option<u8> {
     let place = usize::from(side).checked_sub(1)?;
     let facets = kind.facets();
-    if kind.dimension() == 2 {
-        return (place < facets.len()).then_some(place as u8);
-    }
-    let corners = if facets.len() == 4 { TETRAHEDRON.get(place)? } else { HEXAHEDRON.get(place)? };
+    let sides: &[&[usize]] = match kind.shape() {
+        CellShape::Tetrahedron => &TETRAHEDRON,
+        CellShape::Hexahedron => &HEXAHEDRON,
+        CellShape::Wedge => &WEDGE,
+        CellShape::Triangle | CellShape::Quadrilateral | CellShape::Pyramid => facets,
+    };
+    let corners = sides.get(place)?;
     facets.iter().position(|facet| corners.iter().all(|corner| facet.contains(corner))).map(|local| local as u8)
 }
 
@@ -43,11 +47,12 @@ pub(super) fn attach_surfaces(
                 facets.extend(hull.range(Facet { cell, local: 0 }..=Facet { cell, local: u8::MAX }));
                 continue;
             }
-            let Some(local) = facet_of_side(mesh.kind, side) else {
-                return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: mesh.kind.name() });
+            let kind = mesh.kind_of(cell as usize);
+            let Some(local) = facet_of_side(kind, side) else {
+                return fail(FileProblem::UnknownSide { name: surface.name.clone(), side: format!("S{side}"), kind: kind.name() });
             };
             // the sides of a plane cell that was reversed are met in the opposite order
-            let last = mesh.kind.facets().len() as u8 - 1;
+            let last = kind.facets().len() as u8 - 1;
             facets.push(Facet { cell, local: if reversed.contains(&cell) { last - local } else { local } });
         }
         let mut seen = HashSet::new();
@@ -71,8 +76,8 @@ pub(super) fn attach_node_sets(
         return Ok(completed);
     }
     let hull = mesh.hull();
-    let corners = mesh.kind.shape().corners();
-    let middles: BTreeSet<u32> = mesh.cells().flat_map(|cell| &cell[corners..]).copied().collect();
+    let middles_of = |(kind, cell): (CellKind, &'_ [u32])| cell[kind.shape().corners()..].to_vec();
+    let middles: BTreeSet<u32> = mesh.cells_with_kinds().flat_map(middles_of).collect();
     for set in &tables.node_sets {
         let mut members: BTreeSet<u32> = BTreeSet::new();
         for &number in &set.nodes {

@@ -37,12 +37,13 @@ impl Mesh {
         for (cell, parts) in parts_of.iter().enumerate() {
             let next = entities.len() + 1;
             let entity = *entities.entry(parts).or_insert(next);
-            let mut nodes = self.cell(cell).to_vec();
-            let order = self.kind.row().gmsh_order;
+            let kind = self.kind_of(cell);
+            let (mut nodes, order) = (self.cell(cell).to_vec(), kind.row().gmsh_order);
             self.cell(cell).iter().zip(order).for_each(|(&node, &place)| nodes[usize::from(place)] = node);
+            let gmsh_type = number_of(Shape::Cell(kind));
             match blocks.last_mut() {
-                Some(last) if last.dimension == dimension && last.entity == entity => last.elements.push(nodes),
-                _ => blocks.push(Block { dimension, entity, gmsh_type: number_of(Shape::Cell(self.kind)), elements: vec![nodes] }),
+                Some(last) if (last.dimension, last.entity, last.gmsh_type) == (dimension, entity, gmsh_type) => last.elements.push(nodes),
+                _ => blocks.push(Block { dimension, entity, gmsh_type, elements: vec![nodes] }),
             }
         }
         let mut text = String::from("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");
@@ -67,9 +68,11 @@ impl Mesh {
             let mut seen = HashSet::new();
             let facets = boundary.facets.iter().filter(|&&facet| seen.insert(facet_key(self.facet_nodes(facet))));
             let elements: Vec<Vec<u32>> = facets.map(|&facet| self.facet_nodes(facet).collect()).collect();
-            let nodes = elements[0].len();
-            let shape = if self.dimension() == 2 { Shape::Line(nodes) } else { Shape::Cell(CellKind::of_face(nodes)) };
-            blocks.push(Block { dimension: self.dimension() - 1, entity, gmsh_type: number_of(shape), elements });
+            for elements in elements.chunk_by(|a, b| a.len() == b.len()) {
+                let nodes = elements[0].len();
+                let shape = if self.dimension() == 2 { Shape::Line(nodes) } else { Shape::Cell(CellKind::of_face(nodes)) };
+                blocks.push(Block { dimension: self.dimension() - 1, entity, gmsh_type: number_of(shape), elements: elements.to_vec() });
+            }
         }
         blocks
     }

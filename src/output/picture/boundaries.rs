@@ -89,8 +89,8 @@ fn facets_into(out: &mut Drawing, mesh: &Mesh, camera: &Camera) {
         owners.extend(mesh.boundaries[index].facets.iter().map(|&facet| (facet, index)));
     }
     if mesh.dimension() == 2 {
-        for cell in mesh.cells() {
-            let outline = Line::closed(place(&cell[..mesh.kind.shape().corners()]));
+        for (kind, cell) in mesh.cells_with_kinds() {
+            let outline = Line::closed(place(&cell[..kind.shape().corners()]));
             out.paint(vec![outline.clone()], Ink::Fill(PLAIN));
             out.paint(vec![outline], thin);
         }

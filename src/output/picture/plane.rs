@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::scale::{INK, Scale};
 use super::view::{Bounds, Camera};
 use crate::dynamics::BodyFields;
+use crate::elements::CellKind;
 use crate::output::contours::{Patch, simplified};
 use crate::output::drawing::{Drawing, Ink, Line, Point, Stroke};
 use crate::output::obstacles::Wall;
@@ -61,8 +62,9 @@ pub(super) fn undeformed_stroke() -> Stroke {
 
 fn patch_of(body: &BodyFields, points: &[Point], values: &[f64]) -> Patch {
     // Around the cell: the start of every edge, and its mid-side node if it has one.
-    let corners: Vec<usize> = body.mesh.kind.facets().iter().flat_map(|facet| facet.iter().step_by(2)).copied().collect();
-    let polygons: Vec<Vec<u32>> = body.mesh.cells().map(|cell| corners.iter().map(|&corner| cell[corner]).collect()).collect();
+    let corners = |kind: CellKind| kind.facets().iter().flat_map(|facet| facet.iter().step_by(2));
+    let polygon = |(kind, cell): (CellKind, &'_ [u32])| corners(kind).map(|&corner| cell[corner]).collect();
+    let polygons: Vec<Vec<u32>> = body.mesh.cells_with_kinds().map(polygon).collect();
     Patch::new(points, values, polygons.iter().map(|polygon| &polygon[..]))
 }
 

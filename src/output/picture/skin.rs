@@ -47,11 +47,10 @@ impl Skin {
         let mut knife = Knife::new(section, &skin.points);
         skin.normal = section.normal;
         skin.facets = hull.iter().map(|facet| knife.cut(facet).0).filter(|facet| facet.len() > 2).collect();
-        let faces = body.mesh.kind.facets().len() as u8;
-        for (cell, nodes) in body.mesh.cells().enumerate() {
+        for (cell, (kind, nodes)) in body.mesh.cells_with_kinds().enumerate() {
             let is_left = nodes.iter().filter(|&&node| knife.keeps(node)).count();
             if is_left > 0 && is_left < nodes.len() {
-                let around = (0..faces).map(|local| body.mesh.around(Facet { cell: cell as u32, local }));
+                let around = (0..kind.facets().len() as u8).map(|local| body.mesh.around(Facet { cell: cell as u32, local }));
                 skin.faces.extend(knife.through(&around.collect::<Vec<_>>()));
             }
         }

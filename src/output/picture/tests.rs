@@ -29,7 +29,8 @@ fn options(field: &str) -> PictureOptions {
 fn cell() -> BodyFields {
     let mut body = ring("cell", [1.0, 2.0], [1, 4]);
     let mut mesh = (*body.mesh).clone();
-    (mesh.points, mesh.connectivity) = (vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], vec![0, 1, 2, 3]);
+    (mesh.points, mesh.blocks[0].connectivity) =
+        (vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], vec![0, 1, 2, 3]);
     body.displacement = vec![[1.0, 0.0, 0.0]; 4];
     body.stress = [0.0, 0.0, 4.0, 4.0].map(|xx| [xx, 0.0, 0.0, 0.0, 0.0, 0.0]).to_vec();
     body.mesh = mesh.into();

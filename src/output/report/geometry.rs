@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::elements::CellKind;
 use crate::mesh::{Facet, Mesh};
 use crate::output::recording::Skin;
 
@@ -29,13 +30,13 @@ impl Surface {
         let hull: Vec<Vec<u32>> = mesh.hull().into_iter().map(|facet| mesh.around(facet).into_iter().map(place).collect()).collect();
         let polygons: Vec<Vec<u32>> = if mesh.dimension() == 2 {
             // Around the cell: the start of every edge, and its mid-side node if it has one.
-            let around: Vec<usize> = mesh.kind.facets().iter().flat_map(|facet| facet.iter().step_by(2)).copied().collect();
-            mesh.cells().map(|cell| around.iter().map(|&node| place(cell[node])).collect()).collect()
+            let around = |kind: CellKind| kind.facets().iter().flat_map(|facet| facet.iter().step_by(2));
+            mesh.cells_with_kinds().map(|(kind, cell)| around(kind).map(|&node| place(cell[node])).collect()).collect()
         } else {
             hull.clone()
         };
         let points: Vec<[f64; 3]> = skin.nodes.iter().map(|&node| mesh.points[node as usize]).collect();
-        let is_quadratic = mesh.kind.is_quadratic();
+        let is_quadratic = mesh.is_quadratic();
         let triangles = polygons.iter().flat_map(|polygon| triangles(polygon, is_quadratic)).collect();
         let mut edges: Vec<[u32; 2]> = polygons.iter().flat_map(|polygon| sides(polygon)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();
@@ -49,14 +50,13 @@ impl Surface {
 
 /// Divides cells into tetrahedra between the first corner and the facets without that corner.
 fn tetrahedra(mesh: &Mesh) -> Vec<[u32; 4]> {
-    let step = if mesh.kind.is_quadratic() { 2 } else { 1 };
-    let facets = mesh.kind.facets().len() as u8;
-    let of_cell = |(cell, nodes): (usize, &[u32])| -> Vec<[u32; 4]> {
-        let around = (0..facets).map(|local| mesh.around(Facet { cell: cell as u32, local }));
+    let step = if mesh.is_quadratic() { 2 } else { 1 };
+    let of_cell = |(cell, (kind, nodes)): (usize, (CellKind, &[u32]))| -> Vec<[u32; 4]> {
+        let around = (0..kind.facets().len() as u8).map(|local| mesh.around(Facet { cell: cell as u32, local }));
         let opposite = around.map(|facet| facet.into_iter().step_by(step).collect::<Vec<_>>()).filter(|facet| !facet.contains(&nodes[0]));
         opposite.flat_map(|facet| triangles(&facet, false)).map(|[a, b, c]| [nodes[0], a, b, c]).collect()
     };
-    mesh.cells().enumerate().flat_map(of_cell).collect()
+    mesh.cells_with_kinds().enumerate().flat_map(of_cell).collect()
 }
 
 fn sides(polygon: &[u32]) -> impl Iterator<Item = [u32; 2]> + '_ {

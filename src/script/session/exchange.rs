@@ -166,7 +166,7 @@ mod tests {
     fn a_mesh_with_a_defect_is_refused() {
         let mut mesh = rectangle([1.0, 1.0], [1, 1], [0.0, 0.0]).unwrap();
         assert!(calls().mesh_object(mesh.clone()).is_ok());
-        mesh.connectivity.reverse();
+        mesh.blocks[0].connectivity.reverse();
         assert!(!calls().mesh_object(mesh).unwrap_err().hints.is_empty());
     }
 }

@@ -119,7 +119,7 @@ impl Body {
         };
         if self.mirrored {
             mesh.points.iter_mut().for_each(|point| point[0] = -point[0]);
-            mesh.connectivity.chunks_exact_mut(4).for_each(|cell| cell.swap(1, 3));
+            mesh.blocks[0].connectivity.chunks_exact_mut(4).for_each(|cell| cell.swap(1, 3));
         }
         mesh.boundaries.clear();
         mesh.rotate(self.angle, [0.0; 3])?.translate([self.center[0], self.center[1], 0.0])

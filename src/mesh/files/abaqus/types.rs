@@ -78,6 +78,10 @@ fn shape_of(name: &str) -> Option<(Shape, Family)> {
     let rest = &name[family.len()..];
     let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
     let (count, letters) = rest.split_at(digits);
+    // may have nodes in its faces besides
+    if family == "C3D" && rest.starts_with("15V") {
+        return None;
+    }
     if !letters.bytes().all(|letter| letter.is_ascii_alphabetic()) {
         return None;
     }
@@ -119,6 +123,9 @@ mod tests {
             ("C3D10M", CellKind::Tet10),
             ("C3D20R", CellKind::Hex20),
             ("C3D27", CellKind::Hex27),
+            ("C3D6", CellKind::Wedge6),
+            ("C3D15", CellKind::Wedge15),
+            ("C3D5", CellKind::Pyr5),
         ] {
             assert_eq!(type_of(name), shaped(kind, Family::Cell), "{name}");
         }
@@ -130,7 +137,7 @@ mod tests {
         for name in ["B33H1", "B33", "SPRINGA", "MASS", "DCOUP3D", "STRI65", "SAX1", "S8R5", "D", "U1", "PIPE31", "CONN3D2"] {
             assert_eq!(type_of(name), Some(ElementType::Structural), "{name}");
         }
-        for name in ["C3D15", "C3D6", "SC8R", "COH3D8", "CIN3D8", "CPE", "", "C3D8-"] {
+        for name in ["C3D7", "C3D15V", "SC8R", "COH3D8", "CIN3D8", "CPE", "", "C3D8-"] {
             assert_eq!(type_of(name), None, "{name}");
         }
     }

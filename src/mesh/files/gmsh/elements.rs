@@ -73,10 +73,8 @@ pub(super) fn read_names(source: &mut Source, tables: &mut Tables) -> Result<(),
 
 fn kind_name(gmsh_type: u64) -> String {
     let known = match gmsh_type {
-        6 => "6-node prism",
-        7 => "5-node pyramid",
-        13 => "18-node prism (second order)",
-        14 => "14-node pyramid (second order)",
+        13 => "prism of 18 nodes (second order, nodes in its faces)",
+        14 => "pyramid of 14 nodes (second order, a node in its base)",
         21 => "10-node triangle (third order)",
         26 => "4-node line (third order)",
         29 => "20-node tetrahedron (third order)",

@@ -40,7 +40,7 @@ impl MeshHandle {
     /// Counts, boundaries and parts as a table.
     pub fn table(&self) -> String {
         let mesh = self.mesh();
-        let title = format!("mesh of {} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+        let title = format!("mesh of {} and {} nodes", mesh.counted_cells(), mesh.points.len());
         let measure = if mesh.dimension() == 2 { "length" } else { "area" };
         let boundaries = mesh
             .boundaries
@@ -76,7 +76,7 @@ impl Handle for MeshHandle {
 pub fn describe_mesh(mesh: &Mesh) -> String {
     let boundaries: Vec<String> =
         mesh.boundaries.iter().map(|boundary| format!("\"{}\" {}", boundary.name, boundary.facets.len())).collect();
-    let mut text = format!("mesh of {} {} cells and {} nodes", mesh.cell_count(), mesh.kind.name(), mesh.points.len());
+    let mut text = format!("mesh of {} and {} nodes", mesh.counted_cells(), mesh.points.len());
     if !boundaries.is_empty() {
         text = format!("{text}; boundaries (facets): {}", boundaries.join(", "));
     }

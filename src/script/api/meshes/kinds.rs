@@ -11,8 +11,9 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 /// Element types in the plane, the default first.
 pub const PLANE: &[&str] = &["quad4", "tri3", "tri6", "quad8", "quad9"];
 /// Element types in space, the default first.
-pub const SOLID: &[&str] = &["hex8", "tet4", "tet10", "hex20", "hex27"];
-const ALL: &[&str] = &["tri3", "quad4", "tri6", "quad8", "quad9", "tet4", "hex8", "tet10", "hex20", "hex27"];
+pub const SOLID: &[&str] = &["hex8", "tet4", "tet10", "hex20", "hex27", "wedge6", "wedge15", "pyr5", "pyr13"];
+const ALL: &[&str] =
+    &["tri3", "quad4", "tri6", "quad8", "quad9", "tet4", "hex8", "tet10", "hex20", "hex27", "wedge6", "wedge15", "pyr5", "pyr13"];
 
 /// Returns the option `element` with these choices, of which the first is the default.
 pub fn element(kinds: &'static [&'static str]) -> Parameter {
@@ -38,9 +39,10 @@ pub fn with_elements() -> Function {
         name: "with_elements",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "the mesh with cells of another kind on the same corners: `quad4` as `quad8`, `quad9`, `tri3` or `tri6`, `tri3` as \
-                  `tri6`, `hex8` as `hex20`, `hex27`, `tet4` or `tet10`, `tet4` as `tet10`; new nodes stand on straight edges \
-                  (by the option `element` generators put them on curves)",
+        summary: "the mesh with cells of another kind on the same corners: cells of first order as those of second order of their shape, \
+                  `quad4` as `tri3` or `tri6` as well, `hex8` as tetrahedra, wedges (two each, side by side through the thickness) or \
+                  pyramids (six each, about a node in the center) of either order; new nodes stand on straight edges (by the option \
+                  `element` generators put them on curves). In a mesh of several kinds the other cells become those of the same order",
         parameters: vec![Parameter::new("element", Kind::Choice(ALL), "the kind of its cells")],
         returns: MeshHandle::NAME,
         example: "let plate = rectangle(#{ size: [2.0, 1.0], cells: [8, 4] }).with_elements(\"quad8\");".into(),

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::handle::{MeshHandle, made};
 use crate::math::catalogue::Interval;
-use crate::mesh::Change;
+use crate::mesh::{Change, Prisms};
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -20,6 +20,11 @@ fn layers(summary: &'static str) -> Parameter {
     Parameter::new("layers", Kind::Integer, summary).within(Interval::Closed(1.0, 1e6))
 }
 
+fn wedges() -> Parameter {
+    let summary = "`true` for one wedge over each triangle in a layer, `false` for three tetrahedra; beside quadrilaterals always wedges";
+    Parameter::new("wedges", Kind::Flag, summary).or(Absent::Flag(false))
+}
+
 fn growth(summary: &'static str) -> Parameter {
     Parameter::number("grading", "1", Interval::Positive, summary).or(Absent::Number(1.0))
 }
@@ -30,9 +35,9 @@ fn extrude() -> Function {
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
         summary: "the plane mesh drawn out as a solid one, along z or along a path: hexahedra from quadrilaterals, tetrahedra from \
-                  triangles, of second order from such cells; its boundaries become sides, with `bottom` at the start and `top` \
-                  at the end (`bottom_`, `top_` where the plane mesh has these names). Along a path the section stands \
-                  across it, its origin on the path, and does not turn about it",
+                  triangles (wedges beside quadrilaterals), of second order from such cells; its boundaries become sides, with `bottom` \
+                  at the start and `top` at the end (`bottom_`, `top_` where the plane mesh has these names). Along a path the section \
+                  stands across it, its origin on the path, and does not turn about it",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![
@@ -62,6 +67,7 @@ fn extrude() -> Function {
                 .of("1")
                 .within(Interval::Positive)
                 .or(Absent::Means("1")),
+                wedges(),
             ]),
             "the way and the layers",
         )],
@@ -76,7 +82,8 @@ fn extrude() -> Function {
         body: body(|call| {
             let mesh = call.receiver::<MeshHandle>().mesh();
             let options = call.options("options")?;
-            let change = Change { twist: options.number("twist")?, scale: scale_of(&options)? };
+            let prisms = if options.flag("wedges")? { Prisms::Kept } else { Prisms::Cut };
+            let change = Change { twist: options.number("twist")?, scale: scale_of(&options)?, prisms };
             let path = options.argument("path");
             if path.is_given() {
                 for name in ["height", "layers", "grading"] {
@@ -122,8 +129,8 @@ fn revolve() -> Function {
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
         summary: "the plane mesh turned about an axis in its plane as a solid one: hexahedra from quadrilaterals, tetrahedra from \
-                  triangles; its boundaries become sides, with `start` and `end` (`start_`, `end_` where the plane mesh has these names) \
-                  unless the turn is a full one. The mesh must be on one side of the axis",
+                  triangles (wedges beside quadrilaterals); its boundaries become sides, with `start` and `end` (`start_`, \
+                  `end_` where the plane mesh has these names) unless the turn is a full one. The mesh must be on one side of the axis",
         parameters: vec![Parameter::new(
             "options",
             Kind::Options(vec![

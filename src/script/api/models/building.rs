@@ -13,7 +13,6 @@ use super::handle::{BodyHandle, ModelHandle};
 use crate::bodies::{Dilatation, Formulation, Inertia, Plane};
 use crate::contact::Finding;
 use crate::dynamics::{BodyDefinition, InitialDisplacement, InitialVelocity, Model};
-use crate::elements::CellKind;
 use crate::materials::Material;
 use crate::mesh::{Mesh, MeshError};
 use crate::script::api::examples::plate_example;
@@ -73,7 +72,7 @@ pub fn add_body() -> Function {
             let model = call.receiver::<ModelHandle>();
             let (name, mut mesh) = (call.name("name")?, call.handle::<MeshHandle>("mesh")?.mesh());
             let MaterialHandle(material) = call.handle("material")?;
-            let formulation = formulation_of(&call.options("formulation")?, mesh.kind, &material)?;
+            let formulation = formulation_of(&call.options("formulation")?, &mesh, &material)?;
             let mut points = mesh.points.clone();
             if formulation.put_on_axis(&mut points) {
                 mesh = Arc::new(Mesh { points, ..(*mesh).clone() });
@@ -149,14 +148,14 @@ fn rigid_of(options: &Options, mesh: &Mesh, material: &Material, formulation: Fo
     inertia.map(Some).map_err(|inverted| options.argument("rigid").fail(format!("cell {} of the mesh is inside out", inverted.cell)))
 }
 
-fn formulation_of(options: &Options, cells: CellKind, material: &Material) -> Result<Formulation, Failure> {
+fn formulation_of(options: &Options, mesh: &Mesh, material: &Material) -> Result<Formulation, Failure> {
     let plane = match options.text("plane")?.as_str() {
         "stress" => Plane::Stress,
         "axisymmetric" => Plane::Axisymmetric,
         _ => Plane::Strain,
     };
     if !options.argument("dilatation").is_given() {
-        return Ok(Formulation::suited(plane, cells, material));
+        return Ok(Formulation::suited(plane, mesh, material));
     }
     let dilatation = match options.text("dilatation")?.as_str() {
         "mean" => Dilatation::Mean,

@@ -169,7 +169,7 @@ pub fn tables(data: &SimulationData, simulation: &Simulation) -> Vec<ReportTable
     let model = &data.model.model;
     let bodies = model.bodies.iter().map(|body| {
         let mesh = &body.mesh;
-        let cells = format!("{} {}", mesh.cell_count(), mesh.kind.name());
+        let cells = mesh.blocks.iter().map(|block| format!("{} {}", block.count(), block.kind.name())).collect::<Vec<_>>().join(" and ");
         vec![body.name.clone(), cells, mesh.points.len().to_string(), material(body), formulation(body.formulation, mesh.dimension())]
     });
     let mut all = vec![
