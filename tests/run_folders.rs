@@ -103,6 +103,7 @@ fn runs_are_converted_and_described() {
         ("parquet", &["out/main/history.parquet"][..]),
         ("csv", &["out/main/fields-csv.csv", "out/main/contacts-csv.csv"]),
         ("vtu", &["out/main/fields-text.pvd", "out/main/contacts-text.pvd"]),
+        ("vtm", &["out/main/fields-blocks.pvd", "out/main/contacts-blocks.pvd"]),
         ("xdmf", &["out/main/fields.xdmf", "out/main/contacts.xdmf"]),
     ] {
         let output = conserva(&home, &["export", "out/main", "--format", format]);
