@@ -214,7 +214,7 @@ fn damage_and_absence_have_a_place_and_a_cure() {
         assert!(code == Some(2) && said.contains("\"none\" does not exist"), "{said}");
     }
     let (code, said) = refused(&home, &["export", "out/a", "--format", "excel"]);
-    assert!(code == Some(2) && said.contains("[possible values: parquet, csv, vtu, xdmf]"), "{said}");
+    assert!(code == Some(2) && said.contains("[possible values: parquet, csv, vtu, vtm, xdmf]"), "{said}");
 
     // A last line that a killed run left is left out; a line in the middle is damage.
     let history = home.join("out/b/history.csv");
