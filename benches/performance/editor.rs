@@ -9,6 +9,9 @@ mod client;
 
 use client::{Editor, long_script};
 
+/// What is asked of the editor, with the number of the repetition.
+type Ask = Box<dyn FnMut(&mut Editor, &Path, usize)>;
+
 /// Median and largest of some times `[ms]`.
 fn spread(mut times: Vec<f64>) -> (f64, f64) {
     times.sort_by(f64::total_cmp);
@@ -23,7 +26,7 @@ pub fn times(repetitions: usize) -> Result<(), Box<dyn Error>> {
     let mut editor = Editor::start(&folder, &[]);
     editor.open(&file, &text);
     let repetitions = 10 * repetitions.max(1);
-    let mut measure = |what: &str, mut ask: Box<dyn FnMut(&mut Editor, &Path, usize)>| {
+    let mut measure = |what: &str, mut ask: Ask| {
         let times = (0..repetitions).map(|number| {
             let clock = Instant::now();
             ask(&mut editor, &file, number);
@@ -60,7 +63,6 @@ pub fn times(repetitions: usize) -> Result<(), Box<dyn Error>> {
             assert!(editor.ask_at("textDocument/hover", file, &whole, "press_3.gravi").is_object());
         }),
     );
-    drop(measure);
     editor.quit();
     std::fs::remove_dir_all(&folder)?;
     Ok(())
