@@ -75,8 +75,8 @@ pub fn add_coupling() -> Function {
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
         summary: "couples a boundary to a reference point, a rigid body on which forces, torques, joints, springs and motions act: its \
-                  mean motion alone (distributing), or all of its nodes (rigid). `sim.reaction(name)` tells what it exerts on the boundary, \
-                  the history has it as `name.reaction.force_x` and so on",
+                  mean motion alone (distributing), or all of its nodes (rigid). `sim.reaction(name)` tells what it exerts on the \
+                  boundary, the history has it as `name.reaction.force_x` and so on",
         parameters: vec![name_parameter(), Parameter::new("options", Kind::Options(keys), "boundary, reference body, kind")],
         returns: "",
         example: plate_example(
