@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let inner = model.add_body("inner ring", mesh(0.5, 1.002, 40)?, &steel);
     model.fix(model.boundary(outer, "outer")?, [true; 3]);
     model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
-    model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
+    model.load(model.boundary(inner, "inner")?, LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.5, peak: 0.1 });
 
     let mut sim = Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, dt))?;
     let settled = sim.settle()?;

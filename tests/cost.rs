@@ -70,7 +70,7 @@ fn bearing(refine: usize) -> Simulation {
     let inner = builder.body("inner ring", mesh(0.5, 1.002, 40), &steel);
     builder.fix(outer, "outer", [true; 3]);
     builder.contact((inner, "outer"), (outer, "inner"));
-    builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
+    builder.load(inner, "inner", LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.5, peak: 0.1 });
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.005 / refine as f64);
     sim.settle().expect("it comes to rest");
     sim

@@ -103,6 +103,7 @@ fn runs_are_converted_and_described() {
         ("parquet", &["out/main/history.parquet"][..]),
         ("csv", &["out/main/fields-csv.csv", "out/main/contacts-csv.csv"]),
         ("vtu", &["out/main/fields-text.pvd", "out/main/contacts-text.pvd"]),
+        ("vtm", &["out/main/fields-blocks.pvd", "out/main/contacts-blocks.pvd"]),
         ("xdmf", &["out/main/fields.xdmf", "out/main/contacts.xdmf"]),
     ] {
         let output = conserva(&home, &["export", "out/main", "--format", format]);
@@ -213,7 +214,7 @@ fn damage_and_absence_have_a_place_and_a_cure() {
         assert!(code == Some(2) && said.contains("\"none\" does not exist"), "{said}");
     }
     let (code, said) = refused(&home, &["export", "out/a", "--format", "excel"]);
-    assert!(code == Some(2) && said.contains("[possible values: parquet, csv, vtu, xdmf]"), "{said}");
+    assert!(code == Some(2) && said.contains("[possible values: parquet, csv, vtu, vtm, xdmf]"), "{said}");
 
     // A last line that a killed run left is left out; a line in the middle is damage.
     let history = home.join("out/b/history.csv");

@@ -41,7 +41,7 @@ fn in_plane(refine: usize, threads: usize) -> Result<Simulation, Box<dyn Error>>
     let inner = model.add_body("inner ring", mesh(0.5, 1.002, 40)?, &steel);
     model.fix(model.boundary(outer, "outer")?, [true; 3]);
     model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
-    model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
+    model.load(model.boundary(inner, "inner")?, LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.5, peak: 0.1 });
     // At every size a step slides by the same part of a facet.
     let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.005 / refine as f64) };
     let mut sim = Simulation::new(&model, options)?;
@@ -59,7 +59,7 @@ fn in_space(layers: usize, threads: usize) -> Result<Simulation, Box<dyn Error>>
     let outer = model.add_body("outer ring", mesh(1.0, 1.5, 48)?, &steel);
     let inner = model.add_body("inner ring", mesh(0.5, 1.002, 40)?, &steel);
     model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
-    model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: 0.2, peak: 0.05 });
+    model.load(model.boundary(inner, "inner")?, LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.2, peak: 0.05 });
     let options = Options { threads, ..Options::new(&ENERGY_MOMENTUM, 0.01) };
     let mut sim = Simulation::new(&model, options)?;
     sim.settle()?;

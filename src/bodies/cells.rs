@@ -144,7 +144,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     /// Points of a batch relative to the stress-free state; of a body of revolution with the volume of the circumference.
     #[inline(always)]
-    fn set_points<const FMA: bool>(&self, batch: &Batch<D, A>, work: &mut Workspace<FMA, D, S, A, Q>) {
+    pub(super) fn set_points<const FMA: bool>(&self, batch: &Batch<D, A>, work: &mut Workspace<FMA, D, S, A, Q>) {
         work.set_points(batch, &self.table);
         if self.physics.is_axisymmetric() {
             work.revolve(batch, &self.table);
@@ -473,5 +473,9 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
 
     fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress)) {
         self.visit_points(at, visit);
+    }
+
+    fn visit_forces(&self, at: Present, field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+        self.visit_cell_forces(at, field, visit);
     }
 }

@@ -85,6 +85,8 @@ pub struct PointStress<'a> {
     pub stress: [f64; 6],
     /// Green-Lagrange strain, likewise.
     pub strain: [f64; 6],
+    /// Stored energy per undeformed volume, without the part that relaxes `[energy/volume]`.
+    pub energy: f64,
     /// Plastic strain, heat and back stress, of a law with history variables.
     pub kept: Option<PointHistory>,
 }
@@ -150,4 +152,9 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
 
     /// Visits stress and strain at all quadrature points, cell after cell of a batch.
     fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress));
+
+    /// Visits the forces of all cells: number of the cell, force of its stress on each of its nodes in the order of [`Self::cliques`],
+    /// against the motion as in the residual, less the force on its mass `[force]`. `field` is that force per mass at a point, from the
+    /// nodes of a cell and the values of its shape functions `[length/time^2]`.
+    fn visit_forces(&self, at: Present, field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], visit: &mut dyn FnMut(usize, &[[f64; 3]]));
 }

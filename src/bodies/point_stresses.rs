@@ -1,40 +1,131 @@
-//! Cauchy stress, strain and history of the quadrature points of a body.
+//! Cauchy stress, strain, energy and history of the quadrature points of a body, and the internal forces of its cells.
 
-use super::cells::Cells;
+use nalgebra::{Matrix3, Vector3};
+
+use super::batch::{Batch, MOST_POINTS};
+use super::cells::{Cells, Deformation};
 use super::element_loop::{PointStress, Present};
+use super::workspace::Workspace;
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::tensor::{mandel_index, mandel_scale};
 
+/// A batch in a state.
+struct Shown<const D: usize, const S: usize, const Q: usize> {
+    deformation: Deformation<D, S, Q>,
+    /// Pressures of the dilatation of the cells, if they have one.
+    pressures: Option<[Lanes<false>; MOST_POINTS]>,
+    energies: [Lanes<false>; MOST_POINTS],
+    /// History variables of the batch.
+    kept: Vec<Lanes<false>>,
+}
+
+/// Stress and strain at a point of one cell.
+struct AtPoint {
+    /// Deformation gradient; the identity for linear kinematics.
+    frame: Matrix3<f64>,
+    cauchy: Matrix3<f64>,
+    strain: Matrix3<f64>,
+}
+
+/// Components xx, yy, zz, xy, yz, xz of a symmetric matrix.
+fn components(m: &Matrix3<f64>) -> [f64; 6] {
+    [m.m11, m.m22, m.m33, m.m12, m.m23, m.m13]
+}
+
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
+    fn shown(&self, index: usize, batch: &Batch<D, A>, Present { u, history }: Present) -> Shown<D, S, Q> {
+        let (deformation, kept) = (self.deform(batch, Some(u)), self.history_of(index, history));
+        let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
+        let mut energies = [Lanes::ZERO; MOST_POINTS];
+        match special {
+            Some((special, points)) => energies = special.densities(points, &kept),
+            None => self.physics.law.energies_into(&deformation.strain, &mut energies[..Q]),
+        }
+        let pressures = special.map(|(special, points)| special.pressures(points));
+        Shown { pressures, energies, kept, deformation }
+    }
+
+    /// Visits a point of all cells of a batch.
+    fn for_each_lane(&self, batch: &Batch<D, A>, shown: &Shown<D, S, Q>, point: usize, visit: &mut dyn FnMut(usize, AtPoint)) {
+        let Shown { deformation, pressures, kept, .. } = shown;
+        let around = deformation.special.as_ref().map_or(Lanes::ZERO, |points| points.hoop[1][point]);
+        let seen = self.physics.seen(&deformation.strain[point], around, kept, point);
+        for lane in 0..batch.count {
+            let frame = self.physics.strain.spatial_frame(&deformation.gradient[point], &seen.strain, lane);
+            let s = Matrix3::from_fn(|i, j| seen.stress[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
+            let pressure = Matrix3::identity() * pressures.map_or(0.0, |pressures| pressures[point].0[lane]);
+            let cauchy = frame * s * frame.transpose() / frame.determinant() + pressure;
+            let strain = Matrix3::from_fn(|i, j| seen.strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
+            visit(lane, AtPoint { frame, cauchy, strain });
+        }
+    }
+
     /// [`ElementLoop::visit_stresses`](super::ElementLoop::visit_stresses).
-    pub(super) fn visit_points(&self, Present { u, history }: Present, visit: &mut dyn FnMut(&PointStress)) {
+    pub(super) fn visit_points(&self, at: Present, visit: &mut dyn FnMut(&PointStress)) {
         for (index, batch) in self.batches.iter().enumerate() {
-            let deformation = self.deform(batch, Some(u));
-            let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
-            let pressures = special.map(|(special, points)| special.pressures(points));
-            let cell_volume: [f64; WIDTH] = std::array::from_fn(|lane| deformation.volumes.iter().map(|volume| volume.0[lane]).sum());
-            let kept = self.history_of(index, history);
+            let shown = self.shown(index, batch, at);
+            let volumes = &shown.deformation.volumes;
+            let cell_volume: [f64; WIDTH] = std::array::from_fn(|lane| volumes.iter().map(|volume| volume.0[lane]).sum());
             for point in 0..Q {
-                let around = special.map_or(Lanes::ZERO, |(_, points)| points.hoop[1][point]);
-                let seen = self.physics.seen(&deformation.strain[point], around, &kept, point);
-                for lane in 0..batch.count {
-                    let f = self.physics.strain.spatial_frame(&deformation.gradient[point], &seen.strain, lane);
-                    let s = nalgebra::Matrix3::from_fn(|i, j| seen.stress[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j));
-                    let pressure = nalgebra::Matrix3::identity() * pressures.map_or(0.0, |pressures| pressures[point].0[lane]);
-                    let cauchy = f * s * f.transpose() / f.determinant() + pressure;
-                    let green = |i: usize, j: usize| seen.strain[mandel_index::<3>(i, j)].0[lane] * mandel_scale(i, j);
+                self.for_each_lane(batch, &shown, point, &mut |lane, here| {
                     visit(&PointStress {
                         cell: index * WIDTH + lane,
                         nodes: self.nodes(index, lane),
                         shapes: &self.table.shapes[point],
                         extrapolation: &self.table.extrapolation[point],
-                        volume: deformation.volumes[point].0[lane],
+                        volume: volumes[point].0[lane],
                         cell_volume: cell_volume[lane],
-                        stress: [cauchy.m11, cauchy.m22, cauchy.m33, cauchy.m12, cauchy.m23, cauchy.m13],
-                        strain: [green(0, 0), green(1, 1), green(2, 2), green(0, 1), green(1, 2), green(0, 2)],
-                        kept: self.physics.shown(&kept, point, lane),
+                        stress: components(&here.cauchy),
+                        strain: components(&here.strain),
+                        energy: shown.energies[point].0[lane],
+                        kept: self.physics.shown(&shown.kept, point, lane),
                     });
-                }
+                });
+            }
+        }
+    }
+
+    /// [`ElementLoop::visit_forces`](super::ElementLoop::visit_forces): with the first Piola-Kirchhoff stress `P = J sigma F^-T` at the
+    /// points, `f_a = sum V P G_a - m N_a b` with the mass `m` of the point and the force per mass `b`, and around an axis in addition
+    /// `V P_33 N_a / R` along the radius.
+    pub(super) fn visit_cell_forces(
+        &self,
+        at: Present,
+        field: &dyn Fn(&[u32], &[f64]) -> [f64; 3],
+        visit: &mut dyn FnMut(usize, &[[f64; 3]]),
+    ) {
+        let mut work = Box::new(Workspace::<false, D, S, A, Q>::new(self.physics.strain));
+        for (index, batch) in self.batches.iter().enumerate() {
+            let shown = self.shown(index, batch, at);
+            self.set_points(batch, &mut work);
+            let mut forces = [[[0.0; 3]; A]; WIDTH];
+            for point in 0..Q {
+                let (place, shapes) = (&work.points[point], &self.table.shapes[point]);
+                self.for_each_lane(batch, &shown, point, &mut |lane, AtPoint { frame, cauchy, .. }| {
+                    let volume = shown.deformation.volumes[point].0[lane];
+                    let inverse = frame.try_inverse().unwrap_or_else(Matrix3::identity);
+                    let piola = cauchy * inverse.transpose() * (volume * frame.determinant());
+                    let mut last = Vector3::zeros();
+                    for (a, force) in forces[lane].iter_mut().enumerate().take(A - 1) {
+                        let gradient = Vector3::from_fn(|i, _| if i < D { place.gradients[a][i].0[lane] } else { 0.0 });
+                        let pull = piola * gradient;
+                        last -= pull;
+                        (0..3).for_each(|i| force[i] += pull[i]);
+                    }
+                    (0..3).for_each(|i| forces[lane][A - 1][i] += last[i]);
+                    let mass = self.physics.density * shown.deformation.weighed[point].0[lane];
+                    let on_mass = field(self.nodes(index, lane), shapes).map(|b| mass * b);
+                    for (force, shape) in forces[lane].iter_mut().zip(shapes) {
+                        (0..3).for_each(|i| force[i] -= shape * on_mass[i]);
+                    }
+                    if self.physics.is_axisymmetric() {
+                        let around = piola.m33 * place.curvature.0[lane];
+                        forces[lane].iter_mut().zip(shapes).for_each(|(force, shape)| force[0] += around * shape);
+                    }
+                });
+            }
+            for (lane, forces) in forces.iter().enumerate().take(batch.count) {
+                visit(index * WIDTH + lane, forces);
             }
         }
     }

@@ -310,6 +310,8 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
     }
 
     fn visit_stresses(&self, _at: Present, _visit: &mut dyn FnMut(&PointStress)) {}
+
+    fn visit_forces(&self, _at: Present, _field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], _visit: &mut dyn FnMut(usize, &[[f64; 3]])) {}
 }
 
 #[cfg(test)]

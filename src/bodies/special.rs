@@ -132,6 +132,15 @@ impl<const L: usize> Special<L> {
 
     /// Energy of each cell at the end of a step, with the history variables of the batch there.
     pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>, history: &[Lanes<false>]) -> Lanes<false> {
+        let (energies, mut sum) = (self.densities(points, history), Lanes::ZERO);
+        for q in 0..points.count {
+            sum = sum + points.volume[q] * energies[q];
+        }
+        sum
+    }
+
+    /// Energy per undeformed volume at each point at the end of a step, with the history variables of the batch there.
+    pub(super) fn densities<const D: usize>(&self, points: &SpecialPoints<D>, history: &[Lanes<false>]) -> [Lanes<false>; MOST_POINTS] {
         let count = points.count;
         let (strains, mut energies) = (self.strains(points), [Lanes::ZERO; MOST_POINTS]);
         match &self.law {
@@ -143,11 +152,10 @@ impl<const L: usize> Special<L> {
             let changes = self.modes(points).projected(points.volumes(), |q| points.change(q));
             law.energies_into(&changes[..count], &mut volumetric[..count]);
         }
-        let mut sum = Lanes::ZERO;
         for q in 0..count {
-            sum = sum + points.volume[q] * (energies[q] + volumetric[q]);
+            energies[q] = energies[q] + volumetric[q];
         }
-        sum
+        energies
     }
 
     /// The pressures of the cell's dilatation at the points, at the end of a step; zero without one.

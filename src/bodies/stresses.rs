@@ -14,7 +14,8 @@ pub struct Stresses {
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain.
     pub strain: Vec<[f64; 6]>,
-    /// Equivalent plastic strain and the norm of the back stress `[stress]`, in the first two places.
+    /// Equivalent plastic strain, norm of the back stress `[stress]` and stored energy per undeformed volume `[energy/volume]`, in the
+    /// first three places.
     pub kept: Vec<[f64; 6]>,
 }
 
@@ -28,9 +29,8 @@ impl Stresses {
         let add = |sum: &mut [f64; 6], values: &[f64; 6]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value);
         add(&mut self.stress[place], &point.stress);
         add(&mut self.strain[place], &point.strain);
-        if let Some(kept) = &point.kept {
-            add(&mut self.kept[place], &[kept.plastic_strain, kept.back_stress, 0.0, 0.0, 0.0, 0.0]);
-        }
+        let kept = point.kept.unwrap_or_default();
+        add(&mut self.kept[place], &[kept.plastic_strain, kept.back_stress, point.energy, 0.0, 0.0, 0.0]);
     }
 
     /// Values at the nodes of a body, these numbers of the model: recovered from the cells nearby where they are of first order, elsewhere
@@ -47,14 +47,12 @@ impl Stresses {
                 values.add(node, share, point);
             }
         });
-        let flows = elements.flows();
-        let kept = flows.then_some((&mut values.kept, &means.kept));
-        let both = [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain)];
-        for (values, means) in both.into_iter().chain(kept) {
+        let all = [(&mut values.stress, &means.stress), (&mut values.strain, &means.strain), (&mut values.kept, &means.kept)];
+        for (values, means) in all {
             values.iter_mut().zip(&weight).for_each(|(value, weight)| *value = value.map(|value| value / weight));
             recovery.recovered(means).for_each(|(node, value)| values[node] = value);
         }
-        // An extrapolation beyond the border of what has flowed.
+        // Extrapolation beyond the border of the plastic zone, and of an energy near zero, gives negative values.
         values.kept.iter_mut().flatten().for_each(|value| *value = value.max(0.0));
         values
     }

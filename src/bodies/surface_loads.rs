@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::formulation::Plane;
 use crate::elements::{MOST_FACE_NODES, edge_points, edge_shapes, face_points};
 use crate::mesh::{Boundary, Mesh};
@@ -126,26 +128,26 @@ pub fn pressure_shares(nodes: usize) -> &'static [&'static [f64]] {
     if nodes == 2 { &HALF } else { &SIXTHS }
 }
 
-/// Adds the nodal forces of a torque `moment` about the third axis: `moment w_a z x r_a / sum w |r|^2`, with `r` from the `w`-weighted
-/// centroid of the boundary at `q`, and `|r|` its distance from the axis. Net force zero, resultant moment exactly `moment`.
-pub fn torque_forces<const D: usize>(weights: &[(u32, f64)], q: &[f64], moment: f64, force: &mut [f64]) {
-    let (mut center, mut total) = ([0.0; 2], 0.0);
+/// Adds the nodal forces of a torque: `w_a omega x r_a` with `r` from the `w`-weighted centroid of the boundary at `q`, and `omega` such
+/// that their moment is exactly `moment`, in the plane its third component. Net force zero. None if all nodes are on a line along `moment`.
+pub fn torque_forces<const D: usize>(weights: &[(u32, f64)], q: &[f64], moment: [f64; 3], force: &mut [f64]) {
+    let place = |node: u32| Vector3::from_fn(|i, _| if i < D { q[node as usize * D + i] } else { 0.0 });
+    let total: f64 = weights.iter().map(|(_, w)| w).sum();
+    let center = weights.iter().map(|&(node, w)| place(node) * w).sum::<Vector3<f64>>() / total;
+    let mut inertia = Matrix3::zeros();
     for &(node, w) in weights {
-        let node = node as usize * D;
-        center[0] += w * q[node];
-        center[1] += w * q[node + 1];
-        total += w;
+        let r = place(node) - center;
+        inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * w;
     }
-    let center = center.map(|c| c / total);
-    let arm = |node: u32| [q[node as usize * D] - center[0], q[node as usize * D + 1] - center[1]];
-    let inertia: f64 = weights.iter().map(|&(node, w)| w * arm(node).iter().map(|r| r * r).sum::<f64>()).sum();
-    if inertia == 0.0 {
-        return;
-    }
+    // In the plane the polar moment alone counts.
+    let omega = match D {
+        2 => Some(Vector3::new(0.0, 0.0, moment[2] / inertia.m33)).filter(|_| inertia.m33 > 0.0),
+        _ => inertia.try_inverse().map(|inverse| inverse * Vector3::from(moment)),
+    };
+    let Some(omega) = omega else { return };
     for &(node, w) in weights {
-        let r = arm(node);
-        force[node as usize * D] -= moment * w * r[1] / inertia;
-        force[node as usize * D + 1] += moment * w * r[0] / inertia;
+        let part = omega.cross(&(place(node) - center)) * w;
+        (0..D).for_each(|i| force[node as usize * D + i] += part[i]);
     }
 }
 
@@ -158,7 +160,7 @@ mod tests {
         let weights = [(0u32, 0.3), (1, 0.5), (2, 0.4), (3, 0.2)];
         let q = [1.0, 0.2, -0.3, 0.9, 2.0, -1.0, 0.4, 0.4];
         let mut force = [0.0; 8];
-        torque_forces::<2>(&weights, &q, 2.5, &mut force);
+        torque_forces::<2>(&weights, &q, [0.0, 0.0, 2.5], &mut force);
         let (mut sum, mut moment) = ([0.0; 2], 0.0);
         for node in 0..4 {
             sum[0] += force[2 * node];
@@ -167,5 +169,20 @@ mod tests {
         }
         assert!(sum[0].abs() < 1e-15 && sum[1].abs() < 1e-15);
         assert!((moment - 2.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn torque_in_space_has_the_moment_that_was_asked_for_about_any_axis() {
+        let weights = [(0u32, 0.3), (1, 0.5), (2, 0.4), (3, 0.2)];
+        let q = [1.0, 0.2, 0.7, -0.3, 0.9, -1.1, 2.0, -1.0, 0.4, 0.4, 0.4, 0.1];
+        let (moment, mut force) = ([0.3, -1.2, 2.5], [0.0; 12]);
+        torque_forces::<3>(&weights, &q, moment, &mut force);
+        let (mut sum, mut about) = (Vector3::zeros(), Vector3::zeros());
+        for node in 0..4 {
+            let [x, f] = [&q[..], &force[..]].map(|all| Vector3::from_column_slice(&all[3 * node..3 * node + 3]));
+            sum += f;
+            about += (x - Vector3::new(7.0, -3.0, 1.0)).cross(&f);
+        }
+        assert!(sum.norm() < 1e-14 && (about - Vector3::from(moment)).norm() < 1e-13, "{sum} {about}");
     }
 }

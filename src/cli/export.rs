@@ -34,6 +34,8 @@ enum Format {
     Csv,
     /// fields-text.pvd: every frame as VTU in plain text, for programs that read no compressed files
     Vtu,
+    /// fields-blocks.pvd: every frame with a block for each body by its name, for ParaView and PyVista
+    Vtm,
     /// fields.xdmf with HDF5 files, for h5py, MATLAB, Julia, meshio, ParaView
     Xdmf,
 }
@@ -50,6 +52,7 @@ pub fn export_run(arguments: Arguments) -> u8 {
         Format::Parquet => ExportFormat::Parquet,
         Format::Csv => ExportFormat::Csv,
         Format::Vtu => ExportFormat::Vtu,
+        Format::Vtm => ExportFormat::Vtm,
         Format::Xdmf => ExportFormat::Xdmf,
     };
     match export(&run, format, &into) {

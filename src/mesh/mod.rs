@@ -22,6 +22,7 @@ mod hints;
 mod join;
 mod layers;
 mod local_refinement;
+mod locate;
 mod path;
 mod pieces;
 mod places;
@@ -58,6 +59,7 @@ pub use files::{
 };
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub use layers::Layers;
+pub use locate::CellFinder;
 pub use plane::{cross, is_inside};
 pub use point_index::PointIndex;
 pub use polygon::{layered_polygon, polygon, polygon_of};

@@ -1,7 +1,8 @@
 //! Conversion of a run's files into other formats.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::blocks::{part, vtm};
 use super::files::{OutputError, RunFiles};
 use super::node_table::node_table;
 use super::parquet::parquet;
@@ -23,6 +24,8 @@ pub enum ExportFormat {
     Csv,
     /// Every frame as VTU in plain text, `fields-text.pvd`.
     Vtu,
+    /// Every frame as a multiblock file with a block for each body by its name, `fields-blocks.pvd`.
+    Vtm,
     /// Every series as XDMF with HDF5, `fields.xdmf`.
     Xdmf,
 }
@@ -96,6 +99,7 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
     let (folder, ending) = match format {
         ExportFormat::Csv | ExportFormat::Parquet => (format!("{name}-csv"), "csv"),
         ExportFormat::Vtu => (format!("{name}-text"), "vtu"),
+        ExportFormat::Vtm => (format!("{name}-blocks"), "vtm"),
         ExportFormat::Xdmf => (format!("{name}-hdf5"), "h5"),
     };
     let file_of = |number: usize| format!("{folder}/{name}_{number:06}.{ending}");
@@ -108,6 +112,7 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         match format {
             ExportFormat::Csv | ExportFormat::Parquet => files.write(&file, node_table(&frame).to_csv())?,
             ExportFormat::Vtu => files.write(&file, vtu_text(&frame))?,
+            ExportFormat::Vtm => write_blocks(&frame, &file, files)?,
             ExportFormat::Xdmf => {
                 grids.push(grid(&frame, *time, &file).map_err(refused)?);
                 files.write(&file, hdf5(&frame).map_err(refused)?)?
@@ -123,8 +128,8 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
             files.write(&list, std::iter::once("time,file\n".to_string()).chain(lines).collect::<String>())?;
             list
         }
-        ExportFormat::Vtu => {
-            let list = format!("{name}-text.pvd");
+        ExportFormat::Vtu | ExportFormat::Vtm => {
+            let list = format!("{folder}.pvd");
             files.write(&list, pvd(listed.iter().map(|(time, file)| (*time, file.as_str()))))?;
             list
         }
@@ -135,6 +140,19 @@ fn export_series(name: &str, frames: &[ListedFrame], format: ExportFormat, files
         }
     };
     Ok(list)
+}
+
+/// Writes the parts of a frame beside its multiblock file.
+fn write_blocks(frame: &FieldsRead, file: &str, files: &RunFiles) -> Result<PathBuf, OutputError> {
+    let stem = file.trim_end_matches(".vtm");
+    let mut blocks = Vec::new();
+    for (index, name) in frame.parts.iter().enumerate() {
+        let block = format!("{stem}_{index}.vtu");
+        files.write(&block, vtu_text(&part(frame, index)))?;
+        // Paths in the file are relative to it.
+        blocks.push((name.clone(), block.rsplit('/').next().unwrap_or_default().to_string()));
+    }
+    files.write(file, vtm(&blocks))
 }
 
 /// Removes surplus frames of an earlier conversion with more than `count` frames.

@@ -3,9 +3,10 @@
 use super::reading::fields::{ArrayRead, FieldsRead, Section};
 use super::table::{Column, Table};
 
-/// Components of an array by their number.
-fn suffixes(components: usize) -> &'static [&'static str] {
-    match components {
+/// Components of an array by its name and their number.
+fn suffixes(array: &ArrayRead) -> &'static [&'static str] {
+    match array.components {
+        3 if array.name == "principal_stress" => &["_1", "_2", "_3"],
         3 => &["_x", "_y", "_z"],
         6 => &["_xx", "_yy", "_zz", "_xy", "_yz", "_xz"],
         _ => &[""],
@@ -29,7 +30,7 @@ pub fn node_table(frame: &FieldsRead) -> Table {
         columns.extend(["x", "y", "z"].iter().enumerate().map(|(i, name)| component(points, i, (*name).into())));
     }
     for array in frame.arrays.iter().filter(|array| array.section == Section::PointData) {
-        let names = suffixes(array.components);
+        let names = suffixes(array);
         let name = |i: usize| names.get(i).map_or_else(|| format!("{}_{i}", array.name), |end| format!("{}{end}", array.name));
         columns.extend((0..array.components).map(|i| component(array, i, name(i))));
     }

@@ -349,17 +349,20 @@ fn unpack(rest: &mut &[u8], body: &BodyDefinition, skin: &Skin) -> BodyFields {
         mesh: body.mesh.clone(),
         displacement: vec![[0.0; 3]; nodes],
         velocity: vec![[0.0; 3]; nodes],
+        acceleration: vec![[0.0; 3]; nodes],
         stress: vec![[0.0; 6]; nodes],
         strain: vec![[0.0; 6]; nodes],
         stress_error: vec![0.0; nodes],
         flows: skin.flows,
         plastic_strain: vec![0.0; nodes],
         back_stress: vec![0.0; nodes],
+        energy_density: vec![0.0; nodes],
         contact_pressure: vec![0.0; nodes],
         contact_gap: vec![f64::NAN; nodes],
         contact_force: vec![[0.0; 3]; nodes],
         contact_pressing: vec![[0.0; 3]; nodes],
         contact_active: vec![0.0; nodes],
+        contact_state: vec![0.0; nodes],
         contact_slip: vec![0.0; nodes],
     };
     for (component, [least, greatest]) in ranges.into_iter().enumerate() {
@@ -440,6 +443,7 @@ impl Still {
 mod tests {
     use super::super::samples::{block, ring};
     use super::*;
+    use crate::dynamics::LocalFrame;
 
     fn skin(body: &BodyFields) -> Skin {
         Skin::new(&body.mesh, body.flows, false)
@@ -482,7 +486,7 @@ mod tests {
         for body in [ring("ring", [1.0, 1.5], [3, 20]), block([2, 3, 4], [1.0, 2.0, 3.0])] {
             let skin = skin(&body);
             for ((name, _, field), [low, high]) in Field::ALL.iter().zip(extremes_of(&body, &skin)) {
-                let values = || skin.nodes.iter().map(|&node| field.value(&body, node as usize));
+                let values = || skin.nodes.iter().map(|&node| field.value(&body, node as usize, &LocalFrame::default()));
                 let scale = values().fold(1.0, |scale: f64, value| scale.max(value.abs()));
                 assert!((values().fold(f64::INFINITY, f64::min) - low).abs() <= 1e-12 * scale, "{name}");
                 assert!((values().fold(f64::NEG_INFINITY, f64::max) - high).abs() <= 1e-12 * scale, "{name}");

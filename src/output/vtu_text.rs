@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use super::markup::comment;
 use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
+use super::vtu::component_names;
 
 /// Values per line of an array with one component.
 const PER_LINE: usize = 12;
@@ -43,7 +44,7 @@ fn put(text: &mut String, array: &ArrayRead) {
         Numbers::Integers(_) => "Int64",
     };
     let count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
-    let _ = writeln!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count} format=\"ascii\">");
+    let _ = writeln!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count}{} format=\"ascii\">", component_names(name));
     let per_line = if *components > 1 { *components } else { PER_LINE };
     for start in (0..numbers.len()).step_by(per_line) {
         text.push_str("         ");

@@ -73,7 +73,7 @@ impl Bearing {
         }
         let contact = model.add_contact("race", model.boundary(inner, "outer")?, model.boundary(outer, "inner")?);
         (contact.method, contact.update) = (self.method, Some(self.rule));
-        model.load(model.boundary(inner, "inner")?, LoadKind::Torque, Hat { start: 0.0, end: SPUN, peak: self.torque });
+        model.load(model.boundary(inner, "inner")?, LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: SPUN, peak: self.torque });
         Ok(model)
     }
 

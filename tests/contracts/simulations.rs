@@ -180,7 +180,7 @@ fn resumable() -> [Builder; 2] {
     let mut alone = Builder::default();
     alone.body("ring", ring(0.5, 1.0, [2, 16], [0.0; 2], 0.0).expect("the mesh is sound"), &rubber);
     alone.set_initial_velocity(0, [1.0, 0.0, 0.0], [0.0, 0.0, 3.0]);
-    alone.load(0, "inner", LoadKind::Torque, conserva::dynamics::Sine { amplitude: 1.0, frequency: 2.0 });
+    alone.load(0, "inner", LoadKind::Torque([0.0, 0.0, 1.0]), conserva::dynamics::Sine { amplitude: 1.0, frequency: 2.0 });
     let mut touching = Builder::default();
     touching.body("left", ring(0.5, 1.0, [2, 16], [-1.02, 0.0], 0.0).expect("the mesh is sound"), &rubber);
     touching.body("right", ring(0.6, 1.0, [2, 20], [1.02, 0.3], 0.0).expect("the mesh is sound"), &rubber);

@@ -33,7 +33,7 @@ fn bearing(held: bool, dt: f64) -> Simulation {
     // The prototype's rule.
     builder.model.interactions[0].update = Some(&GAP);
     builder.model.interactions[0].facets = Some(FacetShape::Straight);
-    builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.5, peak: 0.1 });
+    builder.load(inner, "inner", LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.5, peak: 0.1 });
     builder.simulate(&ENERGY_MOMENTUM, dt)
 }
 

@@ -80,7 +80,7 @@ fn spun_up(method: &'static ContactMethod, radius: f64) -> LedgerRow {
     // Corners of polygons are what catches it.
     builder.model.interactions[0].facets = Some(FacetShape::Straight);
     builder.model.gravity = [0.0, -50.0, 0.0];
-    builder.load(inner, "inner", LoadKind::Torque, Hat { start: 0.0, end: 0.2, peak: 0.1 });
+    builder.load(inner, "inner", LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.2, peak: 0.1 });
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.0025);
     // The corners of the larger journal overlap the race at first.
     sim.settle().unwrap_or_else(|error| panic!("{error}"));

@@ -16,7 +16,7 @@ fn spun(integrator: &'static Scheme) -> Vec<LedgerRow> {
     let mesh = ring(0.5, 1.0, [3, 24], [2.0, 1.0], 0.0).expect("the mesh is sound");
     let body =
         builder.body("ring", mesh, &NeoHookean { youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range"));
-    builder.load(body, "inner", LoadKind::Torque, Hat { start: 0.0, end: 1.0, peak: 6.0 });
+    builder.load(body, "inner", LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 1.0, peak: 6.0 });
     run(&mut builder.simulate(integrator, 0.05), 2.0)
 }
 

@@ -16,6 +16,9 @@ const PLANE_REMEDY: &str = "take a flat boundary, or give the normal in which it
 const PERIODIC_REMEDY: &str = "both boundaries need the same nodes, moved or turned about the axis by the angle; unlike meshes are joined \
                                by a tie, rigid bodies by joints";
 
+const REFERENCE_REMEDY: &str = "couple a boundary of a deformable body to a rigid body, on which forces, joints and springs then act; two \
+                                rigid bodies are joined by a joint";
+
 impl Model {
     /// Normal of the plane in which the nodes of a boundary lie at rest, of length 1; `None` where they lie in none, or in many.
     pub fn flat_normal(&self, on: &BodyBoundary) -> Option<[f64; 3]> {
@@ -77,7 +80,11 @@ impl Model {
                 return Err(ModelError::DuplicateName { what: "coupling", name: coupling.name.clone() });
             }
             self.check_coupling(&coupling.kind).map_err(|reason| {
-                let remedy = if matches!(coupling.kind, CouplingKind::Plane { .. }) { PLANE_REMEDY } else { PERIODIC_REMEDY };
+                let remedy = match coupling.kind {
+                    CouplingKind::Plane { .. } => PLANE_REMEDY,
+                    CouplingKind::Periodic { .. } => PERIODIC_REMEDY,
+                    CouplingKind::Reference { .. } => REFERENCE_REMEDY,
+                };
                 ModelError::Unsound { what: coupling.kind.name(), name: coupling.name.clone(), reason, remedy }
             })?;
         }
@@ -102,6 +109,16 @@ impl Model {
                 }
                 if self.is_axisymmetric() && normal[0].abs().min(normal[1].abs()) > tolerances::QUARTER_TURN * size {
                     return Err("around an axis a plane lies across it, or contains it".into());
+                }
+                Ok(())
+            }
+            CouplingKind::Reference { to, .. } => {
+                let body = &self.bodies[*to];
+                if body.rigid.is_none() {
+                    return Err(format!("body \"{}\", to which it is coupled, deforms: only a rigid body has one motion", body.name));
+                }
+                if self.is_axisymmetric() {
+                    return Err("bodies of revolution have no rigid bodies beside them".into());
                 }
                 Ok(())
             }

@@ -1,11 +1,11 @@
-//! Nodes of boundaries that linear equations couple: planes of symmetry, periodic pairs.
+//! Nodes of boundaries that equations couple: planes of symmetry, periodic pairs, reference bodies.
 
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::amplitude::Amplitude;
 use super::interactions::BodyBoundary;
 
-/// A named set of linear equations between nodes.
+/// A named set of equations between nodes.
 #[derive(Clone)]
 pub struct Coupling {
     /// Name, unique among couplings.
@@ -14,7 +14,7 @@ pub struct Coupling {
     pub kind: CouplingKind,
 }
 
-/// Kind of a coupling: its linear equations.
+/// Kind of a coupling: its equations.
 #[derive(Clone)]
 pub enum CouplingKind {
     /// Nodes stay in the planes in which they are at rest, as in a plane of symmetry or on rollers: `n . (x - X) = 0`.
@@ -38,6 +38,17 @@ pub enum CouplingKind {
         /// Index of a rigid body whose center `h` gives the relative displacement of the second boundary: its displacement is the mean
         /// strain, the force on it the mean stress. `None` without such a body.
         follows: Option<usize>,
+    },
+    /// A boundary of a deformable body moves with a rigid body, which stands for a reference point.
+    Reference {
+        /// The boundary, with nodes `a`.
+        on: BodyBoundary,
+        /// Index of the rigid body.
+        to: usize,
+        /// True if each node moves as a point of the rigid body, so that the boundary stays as it is; false if only its mean motion is that
+        /// of the rigid body, `sum w_a (x_a - X_a(R, t)) = 0` and `sum w_a R r_a x x_a = 0` with the shares `w_a` of the area and the arms
+        /// `r_a` from the centroid at rest: the boundary deforms freely, and the force on the rigid body is distributed.
+        is_rigid: bool,
     },
 }
 
@@ -71,6 +82,7 @@ impl CouplingKind {
         match self {
             CouplingKind::Plane { on, .. } => vec![on],
             CouplingKind::Periodic { from, to, .. } => vec![from, to],
+            CouplingKind::Reference { on, .. } => vec![on],
         }
     }
 
@@ -79,6 +91,7 @@ impl CouplingKind {
         let follows = match self {
             CouplingKind::Plane { .. } => None,
             CouplingKind::Periodic { follows, .. } => *follows,
+            CouplingKind::Reference { to, .. } => Some(*to),
         };
         self.boundaries().into_iter().map(|on| on.body).chain(follows).collect()
     }
@@ -86,7 +99,7 @@ impl CouplingKind {
     /// Time functions of the coupling.
     pub fn functions(&self) -> impl Iterator<Item = &Amplitude> {
         let offset = match self {
-            CouplingKind::Plane { .. } => None,
+            CouplingKind::Plane { .. } | CouplingKind::Reference { .. } => None,
             CouplingKind::Periodic { offset, .. } => Some(offset.iter().flatten()),
         };
         offset.into_iter().flatten()
@@ -97,6 +110,7 @@ impl CouplingKind {
         match self {
             CouplingKind::Plane { .. } => "symmetry",
             CouplingKind::Periodic { .. } => "periodic pair",
+            CouplingKind::Reference { .. } => "reference coupling",
         }
     }
 }

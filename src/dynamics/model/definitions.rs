@@ -56,8 +56,8 @@ pub enum LoadKind {
     Force([f64; 3]),
     /// Pressure against the deformed boundary `[stress]`, times the amplitude; positive pushes into the body.
     Pressure(f64),
-    /// Torque about the third axis `[force * length]`, the amplitude itself, as nodal forces without resultant.
-    Torque,
+    /// Torque about an axis of this direction, of length 1: the amplitude itself `[force * length]`, as nodal forces without resultant.
+    Torque([f64; 3]),
 }
 
 /// A load on a boundary.
@@ -262,7 +262,7 @@ impl Model {
         let parts = self.parts.iter().filter(|part| part.is_grounded()).flat_map(|part| part.bodies());
         let planes = self.couplings.iter().filter_map(|coupling| match &coupling.kind {
             CouplingKind::Plane { on, .. } => Some(on.body),
-            CouplingKind::Periodic { .. } => None,
+            CouplingKind::Periodic { .. } | CouplingKind::Reference { .. } => None,
         });
         let grounded = self.joints.iter().filter(|joint| joint.is_grounded()).flat_map(|joint| joint.bodies()).chain(parts).chain(planes);
         let mut kept: BTreeSet<usize> = held.chain(on_obstacles).chain(grounded).collect();
@@ -314,7 +314,7 @@ impl Model {
         if self.gravity[0] != 0.0 {
             return breaks("gravity across the axis".into());
         }
-        if let Some(load) = self.loads.iter().find(|load| load.kind == LoadKind::Torque) {
+        if let Some(load) = self.loads.iter().find(|load| matches!(load.kind, LoadKind::Torque(_))) {
             return breaks(format!("the torque on \"{}\"", self.boundary_name(&load.on)));
         }
         if let Some(given) = self.prescriptions.iter().find(|given| given.turn.is_some()) {

@@ -95,7 +95,7 @@ impl Model {
         let thrown = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|given| &given.on));
         let planes = self.couplings.iter().filter_map(|coupling| match &coupling.kind {
             CouplingKind::Plane { on, .. } => Some(on),
-            CouplingKind::Periodic { .. } => None,
+            CouplingKind::Periodic { .. } | CouplingKind::Reference { .. } => None,
         });
         let mut found: Vec<Held> = Vec::new();
         for on in thrown.chain(planes) {
@@ -166,7 +166,7 @@ impl Model {
         let dimension = self.dimension();
         let pushes: [bool; 3] = match kind {
             LoadKind::Traction(vector) | LoadKind::Force(vector) => std::array::from_fn(|i| i < dimension && vector[i] != 0.0),
-            LoadKind::Pressure(_) | LoadKind::Torque => std::array::from_fn(|i| i < dimension),
+            LoadKind::Pressure(_) | LoadKind::Torque(_) => std::array::from_fn(|i| i < dimension),
         };
         let mut held = vec![[false; 3]; self.bodies[on.body].mesh.points.len()];
         for support in self.supports.iter().filter(|support| support.on.body == on.body) {

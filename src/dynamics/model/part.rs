@@ -144,6 +144,11 @@ pub trait Part: Send {
         Vec::new()
     }
 
+    /// History variables in an equilibrium at a time; by default those at the start.
+    fn settled(&self, _time: f64, _at: Pose, _memory: &[f64]) -> Vec<f64> {
+        self.memory()
+    }
+
     /// History variables after a converged step.
     ///
     /// # Errors

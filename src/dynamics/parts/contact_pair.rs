@@ -32,7 +32,7 @@ pub enum PairKind {
     Rigidity,
     /// Constraints of a joint.
     Joint,
-    /// Linear equations between nodes, one per node.
+    /// Equations between nodes.
     Coupling(Arc<CoupledNodes>),
 }
 
@@ -55,8 +55,10 @@ pub struct CoupledNodes {
     pub coupling: usize,
     /// Direction of the forces, of length 1.
     pub along: [f64; 3],
-    /// The nodes.
+    /// The nodes; empty for a coupling to a reference body.
     pub nodes: Vec<u32>,
+    /// Nodes of the boundary of a coupling to a reference body in ascending order, whose forces follow from gradients.
+    pub pushed: Vec<u32>,
 }
 
 /// Additional constraints of sharp corners between the nodes of an earlier contact pair, which its weighted gaps do not resolve.

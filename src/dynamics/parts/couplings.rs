@@ -1,21 +1,24 @@
-//! Linear equations between nodes of boundaries in the numbering of the model: planes of symmetry, periodic pairs.
+//! Equations between nodes of boundaries in the numbering of the model: planes of symmetry, periodic pairs, reference bodies.
 //!
-//! Each is `sum_k d_k . x_k = c + s(t)` with constant directions `d_k`. What is linear is its own discrete gradient: energy stays exact.
+//! Most are `sum_k d_k . x_k = c + s(t)` with constant directions `d_k`. What is linear is its own discrete gradient: energy stays exact.
 //! Forces of a plane come from outside; those of a periodic pair have no resultant (but where it turns) and a moment, which neighbouring
-//! cells exert.
+//! cells exert. The mean rotation of a reference coupling is quadratic: a sum of products of directions of the rigid body and moments of
+//! the boundary; the forces of such couplings have neither resultant nor moment.
 
 use std::sync::Arc;
 
-use nalgebra::Rotation3;
+use nalgebra::{Rotation3, Vector3};
 
 use super::body::Body;
+use super::carried::Carried;
 use super::contact_pair::{ContactPair, CoupledNodes, PairKind};
 use super::joint_ends::node_vector;
-use crate::bodies::Inertia;
-use crate::contact::{ContactKernel, PointConstraints, PointFunction};
+use crate::bodies::{Inertia, nodal_areas};
+use crate::contact::{ContactKernel, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::couplings::{Coupling, CouplingKind};
 use crate::dynamics::model::definitions::Model;
+use crate::dynamics::model::interactions::BodyBoundary;
 use crate::dynamics::model::joints::Coordinate;
 use crate::math::norms::{largest_size, length};
 use crate::math::tolerances;
@@ -62,7 +65,65 @@ fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coup
             };
             (0..D).map(along).collect()
         }
+        CouplingKind::Reference { on, to, is_rigid } => {
+            let Some(rigid) = &bodies[*to].rigid else { return Vec::new() };
+            let mesh = &model.bodies[on.body].mesh;
+            let shares = |point: [f64; 3]| rigid.masters.iter().copied().zip(rigid.frame.shares(point));
+            let (weights, center) = weights_of(model, on);
+            let equation = |i: usize, nodes: &[(u32, f64)], point: [f64; 3]| -> Terms {
+                let along = |by: f64| std::array::from_fn(|k| if k == i { by } else { 0.0 });
+                let own = nodes.iter().map(|&(node, share)| (first(on.body) + node, along(share)));
+                own.chain(shares(point).map(|(node, share)| (node, along(-share)))).collect()
+            };
+            let direction = |i: usize| Direction {
+                along: std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 }),
+                equations: match is_rigid {
+                    true => weights.iter().map(|&(node, _)| equation(i, &[(node, 1.0)], mesh.points[node as usize])).collect(),
+                    false => vec![equation(i, &weights, center)],
+                },
+                offset: None,
+            };
+            (0..D).map(direction).collect()
+        }
     }
+}
+
+/// Nodes of a boundary with their shares of its area, which add up to 1, and the centroid at rest.
+fn weights_of(model: &Model, on: &BodyBoundary) -> (Vec<(u32, f64)>, [f64; 3]) {
+    let body = &model.bodies[on.body];
+    let areas = nodal_areas(&body.mesh, &on.boundary, body.formulation.plane);
+    let whole: f64 = areas.iter().map(|(_, area)| area).sum();
+    let weights: Vec<(u32, f64)> = areas.into_iter().map(|(node, area)| (node, area / whole)).collect();
+    let center = std::array::from_fn(|i| weights.iter().map(|&(node, share)| share * body.mesh.points[node as usize][i]).sum());
+    (weights, center)
+}
+
+/// Equations of the mean rotation of a boundary with a rigid body: with the unit vectors `e_k` and the arms `r_a` at rest, turned by `R`,
+/// `sum_a w_a R (e_k x r_a) . x_a = sum_j R e_j . y_kj`, `y_kj = sum_a w_a (e_k x r_a)_j x_a`, over the size of the boundary.
+fn mean_rotation<const D: usize>(model: &Model, bodies: &[Body<D>], on: &BodyBoundary, rigid: &Carried, size: f64) -> PointConstraints {
+    let ((weights, center), first) = (weights_of(model, on), bodies[on.body].nodes.start as u32);
+    let points = &model.bodies[on.body].mesh.points;
+    let arm = |node: u32| Vector3::from(points[node as usize]) - Vector3::from(center);
+    let scale = weights.iter().map(|&(node, share)| share * arm(node).norm_squared()).sum::<f64>().sqrt();
+    let mut kernel = PointConstraints::new(D, size);
+    if scale == 0.0 {
+        return kernel;
+    }
+    let (mut vectors, mut functions) = (Vec::new(), Vec::new());
+    for k in if D == 2 { 2..3 } else { 0..3 } {
+        let mut function = PointFunction::default();
+        for j in 0..D {
+            let unit: [f64; 3] = std::array::from_fn(|i| if i == j { 1.0 } else { 0.0 });
+            let turned = rigid.masters.iter().copied().zip(rigid.frame.direction(unit)).collect();
+            let moment = |&(node, share): &(u32, f64)| (first + node, share * Vector3::ith(k, 1.0).cross(&arm(node))[j]);
+            function.products.push((vectors.len(), vectors.len() + 1, 1.0 / scale));
+            vectors.push(PointVector { parts: turned, offset: [0.0; 3] });
+            vectors.push(PointVector { parts: weights.iter().map(moment).collect(), offset: [0.0; 3] });
+        }
+        functions.push(function);
+    }
+    kernel.add(vectors, functions, None, false);
+    kernel
 }
 
 /// The center of mass of a rigid body as shares of its masters.
@@ -77,24 +138,51 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
     let mut pairs = Vec::new();
     for (index, coupling) in model.couplings.iter().enumerate() {
         let modulus = coupling.kind.boundaries().iter().map(|on| model.modulus(on.body)).fold(0.0, f64::max);
-        for direction in directions(model, bodies, coupling) {
-            let offset = direction.offset.clone();
-            let nodes = direction.equations.iter().map(|terms| terms[0].0).collect();
-            let coupled = CoupledNodes { coupling: index, along: direction.along, nodes };
-            let kernel: Box<dyn ContactKernel> =
-                Box::new(constraints(direction.equations, offset.is_some(), start, size, model.dimension()));
+        let made = |along: [f64; 3], nodes: Vec<u32>, pushed: Vec<u32>, kernel: Box<dyn ContactKernel>| {
+            let coupled = CoupledNodes { coupling: index, along, nodes, pushed };
             let mut pair = ContactPair::new(&coupling.name, PairKind::Coupling(Arc::new(coupled)), kernel, modulus, reach);
             pair.gap_tolerance = (tolerances::JOINT * size).max(tolerances::GAP_FLOOR * reach);
             pair.closed = (tolerances::CLOSED * size).max(10.0 * pair.gap_tolerance);
+            pair
+        };
+        let pushed = match &coupling.kind {
+            CouplingKind::Reference { on, .. } => {
+                let first = bodies[on.body].nodes.start as u32;
+                model.bodies[on.body].mesh.boundary_nodes(&on.boundary).into_iter().map(|node| node + first).collect()
+            }
+            _ => Vec::new(),
+        };
+        for direction in directions(model, bodies, coupling) {
+            let offset = direction.offset.clone();
+            let nodes = if pushed.is_empty() { direction.equations.iter().map(|terms| terms[0].0).collect() } else { Vec::new() };
+            let frame = Equalities { is_driven: offset.is_some(), is_grounded: pushed.is_empty(), size, dimension: model.dimension() };
+            let mut pair = made(direction.along, nodes, pushed.clone(), Box::new(constraints(direction.equations, start, &frame)));
             pair.drive = offset.map(|offset| (Coordinate::Travel, offset));
             pairs.push(pair);
+        }
+        if let CouplingKind::Reference { on, to, is_rigid: false } = &coupling.kind
+            && let Some(rigid) = &bodies[*to].rigid
+        {
+            let kernel = mean_rotation(model, bodies, on, rigid, size);
+            pairs.extend((!kernel.is_empty()).then(|| made([0.0; 3], Vec::new(), pushed.clone(), Box::new(kernel))));
         }
     }
     pairs
 }
 
+/// Properties that the equations of a coupling have in common.
+struct Equalities {
+    /// True if they move by a value over time.
+    is_driven: bool,
+    /// True if their forces come from outside.
+    is_grounded: bool,
+    size: f64,
+    dimension: usize,
+}
+
 /// Equations that hold at the start and, if driven, move by a value over time.
-fn constraints(equations: Vec<Terms>, is_driven: bool, start: &[f64], size: f64, dimension: usize) -> PointConstraints {
+fn constraints(equations: Vec<Terms>, start: &[f64], properties: &Equalities) -> PointConstraints {
+    let &Equalities { is_driven, is_grounded, size, dimension } = properties;
     let mut kernel = PointConstraints::new(dimension, size);
     for terms in equations {
         let at_start: f64 =
@@ -103,9 +191,9 @@ fn constraints(equations: Vec<Terms>, is_driven: bool, start: &[f64], size: f64,
         let linear: Vec<(usize, [f64; 3])> = terms.iter().enumerate().map(|(k, (_, along))| (k, *along)).collect();
         let function = move |value: f64| PointFunction { linear: linear.clone(), constant: -at_start - value, ..PointFunction::default() };
         if is_driven {
-            kernel.add_driven(vectors, Box::new(function), 0.0, true);
+            kernel.add_driven(vectors, Box::new(function), 0.0, is_grounded);
         } else {
-            kernel.add(vectors, vec![function(0.0)], None, true);
+            kernel.add(vectors, vec![function(0.0)], None, is_grounded);
         }
     }
     kernel

@@ -69,7 +69,7 @@ impl<const D: usize> NodalLoad<D> {
                     }
                 }
             }
-            LoadKind::Torque => torque_forces::<D>(&self.weights, q, amplitude, force),
+            LoadKind::Torque(axis) => torque_forces::<D>(&self.weights, q, axis.map(|x| amplitude * x), force),
             LoadKind::Traction(vector) => self.spread(vector, amplitude, force),
             LoadKind::Force(vector) => {
                 let area: f64 = self.weights.iter().map(|(_, weight)| weight).sum();

@@ -6,6 +6,7 @@ pub mod actuator;
 pub mod body;
 pub mod body_force;
 pub mod body_mass;
+pub mod bolt;
 pub mod bushing;
 pub mod carried;
 pub mod chamber;

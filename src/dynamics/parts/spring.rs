@@ -60,7 +60,7 @@ struct Spring {
 }
 
 /// A force `pull r_test`, and its derivative `isotropic I + along r_test r_trial^T` with respect to `r_1`.
-struct Pull {
+pub(super) struct Pull {
     pull: f64,
     isotropic: f64,
     along: f64,
@@ -68,31 +68,38 @@ struct Pull {
     trial: [f64; 3],
 }
 
-impl Spring {
-    /// `1 - L/l`, where two ends have come together as in a spring without a length at rest.
-    fn stretch(&self, length: f64) -> f64 {
-        if length > 0.0 { 1.0 - self.rest_length / length } else { 1.0 }
+impl Pull {
+    /// Adds the force along a line and its derivative.
+    pub(super) fn add(&self, line: &Line, weight: f64, sums: &mut Sums) {
+        let &Pull { pull, isotropic, along, test, trial } = self;
+        let slope = |i: usize, j: usize| along * test[i] * trial[j] + if i == j { isotropic } else { 0.0 };
+        line.add(weight, test.map(|r| pull * r), slope, sums);
     }
+}
 
-    /// Force of a linear spring with the stiffness `k`, and its derivative.
-    fn linear(&self, k: f64, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
-        let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
-        match derivative {
-            Derivative::DiscreteGradient => {
-                let (sum, g) = (l_0 + l_1, 0.5 * k * self.stretch(0.5 * (l_0 + l_1)));
-                let slope = if l_1 > 0.0 { 0.5 * k * self.rest_length / (l_1 * sum * sum) } else { 0.0 };
-                Pull { pull: 2.0 * g, isotropic: g, along: 4.0 * slope, test: middle, trial: r_1 }
-            }
-            Derivative::Gradient(configuration) => {
-                let r = if configuration == Configuration::Middle { middle } else { r_1 };
-                let l = r[0].hypot(r[1]).hypot(r[2]);
-                let (pull, share) = (k * self.stretch(l), configuration.share());
-                let along = if l > 0.0 { share * k * self.rest_length / l.powi(3) } else { 0.0 };
-                Pull { pull, isotropic: share * pull, along, test: r, trial: r }
-            }
+/// Force of a linear spring with the stiffness `k` and the rest length `rest`, from the vectors between its ends and their lengths at start
+/// and end of a step.
+pub(super) fn linear_pull(k: f64, rest: f64, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
+    let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
+    // Where two ends have come together as in a spring without a length at rest.
+    let stretch = |length: f64| if length > 0.0 { 1.0 - rest / length } else { 1.0 };
+    match derivative {
+        Derivative::DiscreteGradient => {
+            let (sum, g) = (l_0 + l_1, 0.5 * k * stretch(0.5 * (l_0 + l_1)));
+            let slope = if l_1 > 0.0 { 0.5 * k * rest / (l_1 * sum * sum) } else { 0.0 };
+            Pull { pull: 2.0 * g, isotropic: g, along: 4.0 * slope, test: middle, trial: r_1 }
+        }
+        Derivative::Gradient(configuration) => {
+            let r = if configuration == Configuration::Middle { middle } else { r_1 };
+            let l = r[0].hypot(r[1]).hypot(r[2]);
+            let (pull, share) = (k * stretch(l), configuration.share());
+            let along = if l > 0.0 { share * k * rest / l.powi(3) } else { 0.0 };
+            Pull { pull, isotropic: share * pull, along, test: r, trial: r }
         }
     }
+}
 
+impl Spring {
     /// Force of a spring with any law, and its derivative; zero direction where the ends coincide.
     fn general(&self, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
@@ -128,13 +135,11 @@ impl Part for Spring {
 
     fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
         let vectors = [at.q_0, at.q_1].map(|q| self.line.vector(q));
-        let Pull { pull, isotropic, along, test, trial } = match self.law.constant_stiffness() {
-            Some(stiffness) => self.linear(stiffness, at.derivative, vectors),
+        let pull = match self.law.constant_stiffness() {
+            Some(stiffness) => linear_pull(stiffness, self.rest_length, at.derivative, vectors),
             None => self.general(at.derivative, vectors),
         };
-        let slope = |i: usize, j: usize| along * test[i] * trial[j] + if i == j { isotropic } else { 0.0 };
-        let force = test.map(|r| pull * r);
-        self.line.add(at.weight, force, slope, sums);
+        pull.add(&self.line, at.weight, sums);
         Ok(())
     }
 

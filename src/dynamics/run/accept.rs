@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::ledger::{LedgerRow, heat, unexplained};
+use super::ledger::{LedgerRow, ProbeValues, heat, unexplained};
 use super::quantities::Touching;
 use super::slip_memory::{add_heat, slipped};
 use super::state::State;
@@ -136,12 +136,13 @@ where
         let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
         row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
         row.reactions.extend(self.coupling_reactions(middle, &at, &lambda, start.time + dt)?);
-        (row.joints, row.probes) = (self.joints_after(start, &at, &lambda, &outside.drive_works), self.probe_values(&at.u_1, &v_1));
+        (row.joints, row.probes) = (self.joints_after(start, &at, &lambda, &outside.drive_works), self.probes_after(&at.u_1, &v_1, dt));
         let state = State {
             drift: self.state.drift + row.energy_defect,
             row,
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),
+            accelerations: self.accelerations_to(&v_1, dt),
             velocities: v_1,
             lambda,
             penalty_gap,
@@ -160,6 +161,16 @@ where
         };
         self.system.recycle(at);
         Ok(state)
+    }
+
+    /// Mean accelerations in a step from the present state to the velocities `v_1`.
+    pub(super) fn accelerations_to(&self, v_1: &[f64], dt: f64) -> Vec<f64> {
+        v_1.iter().zip(&self.state.velocities).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect()
+    }
+
+    /// Values of the watched nodes after a step from the present state.
+    fn probes_after(&self, u_1: &[f64], v_1: &[f64], dt: f64) -> Vec<ProbeValues> {
+        self.probe_values(u_1, v_1, &self.accelerations_to(v_1, dt))
     }
 
     /// Potential energy at the end of a step, without the stored impact energy of active contacts.

@@ -4,7 +4,7 @@ use super::engine::Engine;
 use super::ledger::Reaction;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
-use crate::dynamics::parts::contact_pair::PairKind;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::nodal::{add_force, add_moment};
 use crate::dynamics::step::iterate::Linearization;
 
@@ -33,6 +33,18 @@ where
                 add_force(&mut sum.force, &force);
                 add_moment(&mut sum.moment, &std::array::from_fn::<f64, D, _>(|i| q(node as usize * D + i)), &force);
             }
+        }
+        let is_pushed = |pair: &&ContactPair| matches!(&pair.kind, PairKind::Coupling(coupled) if !coupled.pushed.is_empty());
+        if self.system.pairs.iter().any(|pair| is_pushed(&pair)) {
+            self.system.for_each_end_gradient([&at.pairs, &at.slips], |pair, row, k, gradient| {
+                let PairKind::Coupling(coupled) = &pair.kind else { return };
+                if coupled.pushed.binary_search(&((k / D) as u32)).is_ok() {
+                    let (sum, mut force) = (&mut sums[coupled.coupling], [0.0; D]);
+                    force[k % D] = lambda[row] * gradient;
+                    add_force(&mut sum.force, &force);
+                    add_moment(&mut sum.moment, &std::array::from_fn::<f64, D, _>(|i| q(k / D * D + i)), &force);
+                }
+            });
         }
         Ok(sums)
     }

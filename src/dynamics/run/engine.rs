@@ -71,8 +71,7 @@ where
     /// # Errors
     /// A model that cannot be simulated.
     pub fn new(model: &Model, options: Options) -> Result<Self, ModelError> {
-        let unsound = |reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason };
-        options.integrator.check().map_err(unsound)?;
+        options.integrator.check().map_err(|reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason })?;
         model.check_stops(&options.integrator)?;
         let sound = time_of_sound(model);
         let first = match options.control {
@@ -132,6 +131,7 @@ where
             loads_ended: 0.0,
             positions,
             displacements,
+            accelerations: vec![0.0; velocities.len()],
             velocities,
         };
         Ok(Engine {

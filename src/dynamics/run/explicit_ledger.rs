@@ -61,6 +61,7 @@ where
         penalty_gap.resize(system.multipliers, 0.0);
 
         let momenta = system.nodes.momenta_of(&v_1);
+        let accelerations = self.accelerations_to(&v_1, dt);
         let mut row = LedgerRow {
             step: old.row.step + 1,
             dt,
@@ -70,7 +71,7 @@ where
             momentum: system.nodes.resultant(&momenta),
             angular_momentum: system.nodes.moment(&at.q_1, &momenta),
             parts: system.part_totals(at.pose(), &v_1, &memory, &heats.all),
-            probes: self.probe_values(&at.u_1, &v_1),
+            probes: self.probe_values(&at.u_1, &v_1, &accelerations),
             ..LedgerRow::default()
         };
         [row.dissipation, row.damping, _] = heat(&heats.all, &row.parts, 0.0);
@@ -93,6 +94,7 @@ where
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),
             velocities: v_1,
+            accelerations,
             lambda: leap.lambda[1].clone(),
             penalty_gap,
             reserve: old.reserve.clone(),

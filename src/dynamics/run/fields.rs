@@ -17,6 +17,8 @@ pub struct BodyFields {
     pub displacement: Vec<[f64; 3]>,
     /// Velocity `[length/time]`.
     pub velocity: Vec<[f64; 3]>,
+    /// Acceleration `[length/time^2]`: change of the velocity in the last step over its size, 0 at rest.
+    pub acceleration: Vec<[f64; 3]>,
     /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`, as [`Stresses::at_nodes`](crate::bodies::Stresses::at_nodes) gives it.
     pub stress: Vec<[f64; 6]>,
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz, recovered at nodes as the stress.
@@ -30,6 +32,8 @@ pub struct BodyFields {
     pub plastic_strain: Vec<f64>,
     /// Von Mises' norm of the back stress, likewise `[stress]`.
     pub back_stress: Vec<f64>,
+    /// Strain energy density per undeformed volume, recovered as the stresses are and never below 0 `[energy/volume]`.
+    pub energy_density: Vec<f64>,
     /// Contact pressure `[stress]`: the multiplier of a secondary node, 0 elsewhere.
     pub contact_pressure: Vec<f64>,
     /// Contact gap `[length]`: weighted gap over the covered weight of a secondary node, NaN where there is none.
@@ -40,6 +44,8 @@ pub struct BodyFields {
     pub contact_pressing: Vec<[f64; 3]>,
     /// 1 at a secondary node in contact, 0 elsewhere.
     pub contact_active: Vec<f64>,
+    /// Contact state of a secondary node, as in [`NodeState`]: 1 stick, 2 slip or contact without friction, 0 elsewhere.
+    pub contact_state: Vec<f64>,
     /// 1 at a sticking secondary node, 2 at a slipping one, 0 elsewhere.
     pub contact_slip: Vec<f64>,
 }
@@ -49,6 +55,19 @@ impl BodyFields {
     pub fn position(&self, node: usize) -> [f64; 3] {
         let (x, u) = (self.mesh.points[node], self.displacement[node]);
         [x[0] + u[0], x[1] + u[1], x[2] + u[2]]
+    }
+
+    /// Stress, strain and history variables at a node.
+    pub fn at(&self, node: usize) -> CellStress {
+        CellStress {
+            position: self.position(node),
+            rest: self.mesh.points[node],
+            stress: self.stress[node],
+            strain: self.strain[node],
+            plastic_strain: self.plastic_strain[node],
+            back_stress: self.back_stress[node],
+            energy: self.energy_density[node],
+        }
     }
 
     /// Pressure at a node, a third of the negative trace of the stress `[stress]`.
@@ -82,11 +101,13 @@ pub enum CellPlaces {
     Points,
 }
 
-/// Stress and strain at a place inside of a cell.
+/// Stress and strain at a place inside of a cell, or at a node.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CellStress {
     /// Present position `[length]`.
     pub position: [f64; 3],
+    /// Undeformed position `[length]`.
+    pub rest: [f64; 3],
     /// Cauchy stress xx, yy, zz, xy, yz, xz `[stress]`.
     pub stress: [f64; 6],
     /// Green-Lagrange strain xx, yy, zz, xy, yz, xz.
@@ -95,6 +116,8 @@ pub struct CellStress {
     pub plastic_strain: f64,
     /// Von Mises' norm of the back stress `[stress]`.
     pub back_stress: f64,
+    /// Strain energy density per undeformed volume `[energy/volume]`.
+    pub energy: f64,
 }
 
 /// One body as a whole at one time.

@@ -63,7 +63,7 @@ where
     /// # Errors
     /// [`BucklingError`].
     pub fn find_buckling(&mut self, count: usize) -> Result<Buckling, BucklingError> {
-        let turns = |kind: &LoadKind| matches!(kind, LoadKind::Pressure(_) | LoadKind::Torque);
+        let turns = |kind: &LoadKind| matches!(kind, LoadKind::Pressure(_) | LoadKind::Torque(_));
         if let Some(load) = self.model.loads.iter().find(|load| turns(&load.kind)) {
             return Err(BucklingError::Follows { boundary: self.model.boundary_name(&load.on) });
         }

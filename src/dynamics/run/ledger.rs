@@ -206,18 +206,20 @@ pub struct ProbeValues {
     pub displacement: [f64; 3],
     /// Velocity `[length/time]`.
     pub velocity: [f64; 3],
+    /// Acceleration `[length/time^2]`: change of the velocity in the step over its size, 0 at rest.
+    pub acceleration: [f64; 3],
 }
 
 impl ProbeValues {
     /// Names of its columns in a history for a space dimension.
     pub fn columns(dimension: usize) -> Vec<&'static str> {
-        let names = [["ux", "uy", "uz"], ["vx", "vy", "vz"]];
+        let names = [["ux", "uy", "uz"], ["vx", "vy", "vz"], ["ax", "ay", "az"]];
         names.iter().flat_map(|names| names[..dimension].iter().copied()).collect()
     }
 
-    /// Values of the columns: displacement, then velocity.
+    /// Values of the columns: displacement, velocity, acceleration.
     pub fn values(&self, dimension: usize) -> Vec<f64> {
-        self.displacement[..dimension].iter().chain(&self.velocity[..dimension]).copied().collect()
+        [&self.displacement, &self.velocity, &self.acceleration].iter().flat_map(|vector| vector[..dimension].iter().copied()).collect()
     }
 }
 

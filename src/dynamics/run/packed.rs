@@ -93,7 +93,7 @@ packed!(ContactTotals: active force normal_force area pressure penetration frict
 packed!(Reaction: force moment);
 packed!(PartTotals: readings dissipated);
 packed!(JointTotals: force moment value work);
-packed!(ProbeValues: displacement velocity);
+packed!(ProbeValues: displacement velocity acceleration);
 
 impl LedgerRow {
     /// Appends the row's bytes.
@@ -123,7 +123,7 @@ mod tests {
         row.reactions = vec![Reaction { force: three(4.0), moment: three(5.0) }];
         row.parts = vec![PartTotals { readings: vec![1.0, 2.0], dissipated: 3.0 }, PartTotals::default()];
         row.joints = vec![JointTotals { force: three(6.0), moment: three(7.0), value: 1.5, work: 2.5 }];
-        row.probes = vec![ProbeValues { displacement: three(8.0), velocity: three(9.0) }; 3];
+        row.probes = vec![ProbeValues { displacement: three(8.0), velocity: three(9.0), acceleration: three(10.0) }; 3];
         row
     }
 

@@ -36,11 +36,11 @@ where
 {
     pub fn fields_at(&self, u: &[f64]) -> Vec<BodyFields> {
         let q = &self.system.nodes.positions(u)[..];
-        let v = &self.state.velocities;
+        let (v, a) = (&self.state.velocities, &self.state.accelerations);
         let nodes = self.system.nodes.count();
         let (mut pressure, mut gap) = (vec![0.0; nodes], vec![f64::NAN; nodes]);
         let (mut contact_force, mut contact_pressing) = (vec![[0.0; 3]; nodes], vec![[0.0; 3]; nodes]);
-        let (mut contact_active, mut contact_slip) = (vec![0.0; nodes], vec![0.0; nodes]);
+        let [mut contact_active, mut contact_state, mut contact_slip] = [(); 3].map(|()| vec![0.0; nodes]);
         let there = self.evaluated_at(q);
         for (index, pair) in self.system.contacts().filter(|(_, pair)| pair.kind != PairKind::Tie) {
             let (contact, corners) = self.loaded(index, &there);
@@ -58,6 +58,7 @@ where
                 if fields.active[local] {
                     contact_active[node] = 1.0;
                 }
+                contact_state[node] = f64::from(fields.state[local] as u8).max(contact_state[node]);
                 if pair.friction.is_some() {
                     contact_slip[node] = f64::from(fields.state[local] as u8).max(contact_slip[node]);
                 }
@@ -82,17 +83,20 @@ where
                     mesh: definition.mesh.clone(),
                     displacement: body.nodes.clone().map(|node| vector(u, node)).collect(),
                     velocity: body.nodes.clone().map(|node| vector(v, node)).collect(),
+                    acceleration: body.nodes.clone().map(|node| vector(a, node)).collect(),
                     stress_error: StressError::new(&*body.elements, self.present(body), body.nodes.clone(), &stress).at_nodes(),
                     stress,
                     strain,
                     flows: definition.flows(),
                     plastic_strain: kept.iter().map(|kept| kept[0]).collect(),
                     back_stress: kept.iter().map(|kept| kept[1]).collect(),
+                    energy_density: kept.iter().map(|kept| kept[2]).collect(),
                     contact_pressure: pressure[body.nodes.clone()].to_vec(),
                     contact_gap: gap[body.nodes.clone()].to_vec(),
                     contact_force: contact_force[body.nodes.clone()].to_vec(),
                     contact_pressing: contact_pressing[body.nodes.clone()].to_vec(),
                     contact_active: contact_active[body.nodes.clone()].to_vec(),
+                    contact_state: contact_state[body.nodes.clone()].to_vec(),
                     contact_slip: contact_slip[body.nodes.clone()].to_vec(),
                 }
             })
@@ -123,12 +127,13 @@ where
 
     /// Stress and strain inside of the cells of a body, in the order of the cells.
     pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
-        let (q, body) = (&self.state.positions, &self.system.bodies[body]);
+        let (q, body, reference) = (&self.state.positions, &self.system.bodies[body], &self.system.nodes.reference);
         let mut points = Vec::new();
         body.elements.visit_stresses(self.present(body), &mut |point| {
-            let mut position = [0.0; 3];
+            let (mut position, mut rest) = ([0.0; 3], [0.0; 3]);
             for (shape, &node) in point.shapes.iter().zip(point.nodes) {
                 (0..D).for_each(|i| position[i] += shape * q[node as usize * D + i]);
+                (0..D).for_each(|i| rest[i] += shape * reference[node as usize * D + i]);
             }
             let share = point.volume / point.cell_volume;
             let kept = point.kept.unwrap_or_default();
@@ -137,6 +142,8 @@ where
                 share,
                 CellStress {
                     position,
+                    rest,
+                    energy: point.energy,
                     stress: point.stress,
                     strain: point.strain,
                     plastic_strain: kept.plastic_strain,
@@ -287,13 +294,14 @@ where
         self.system.supports.held.iter().map(of).collect()
     }
 
-    /// Displacement and velocity of the watched nodes.
-    pub fn probe_values(&self, u: &[f64], v: &[f64]) -> Vec<ProbeValues> {
+    /// Displacement, velocity and acceleration of the watched nodes.
+    pub fn probe_values(&self, u: &[f64], v: &[f64], a: &[f64]) -> Vec<ProbeValues> {
         let values = |&node: &usize| {
             let mut values = ProbeValues::default();
             for i in 0..D {
                 values.displacement[i] = u[node * D + i];
                 values.velocity[i] = v[node * D + i];
+                values.acceleration[i] = a[node * D + i];
             }
             values
         };
@@ -306,10 +314,12 @@ fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
     let mut mean = CellStress::default();
     for (_, share, values) in points {
         (0..3).for_each(|i| mean.position[i] += share * values.position[i]);
+        (0..3).for_each(|i| mean.rest[i] += share * values.rest[i]);
         (0..6).for_each(|k| mean.stress[k] += share * values.stress[k]);
         (0..6).for_each(|k| mean.strain[k] += share * values.strain[k]);
         mean.plastic_strain += share * values.plastic_strain;
         mean.back_stress += share * values.back_stress;
+        mean.energy += share * values.energy;
     }
     mean
 }

@@ -155,10 +155,11 @@ where
         reactions.extend(self.coupling_reactions(|k| q[k], &at, lambda, self.state.row.time)?);
         let joints = self.joint_totals(q, (q, &at.pairs), lambda, &[]);
         self.system.recycle(at);
-        let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
+        Arc::make_mut(&mut self.state).accelerations.fill(0.0);
+        let probes = self.probe_values(&self.state.displacements, &self.state.velocities, &self.state.accelerations);
         let State { positions: q, displacements: u, velocities: v, row, active, penalty_gap, reserve, memory, drift, carried, .. } =
             Arc::make_mut(&mut self.state);
-        *memory = self.system.relaxed(u, memory);
+        *memory = self.system.relaxed(row.time, Pose { q, u }, memory);
         *carried = row.time;
         row.strain = self.system.strain_energy(u, memory);
         let mut gaps: Vec<f64> = self.system.pairs.iter().flat_map(|pair| pair.kernel.gap(q)).collect();

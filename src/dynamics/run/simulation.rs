@@ -17,6 +17,7 @@ use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::rows::Rows;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
+use super::section_force::SectionForce;
 use super::stable_step::StableStep;
 use super::state::State;
 use super::steps::Steps;
@@ -287,6 +288,15 @@ impl Simulation {
     /// The model has no body of that index.
     pub fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
         self.steps.cell_stresses(body, places)
+    }
+
+    /// Force and moment of the material of a body in front of a plane, which cuts the undeformed body, on the material behind it; `None` if
+    /// no two cells are on different sides.
+    ///
+    /// # Panics
+    /// The model has no body of that index.
+    pub fn section_force(&self, body: usize, point: [f64; 3], normal: [f64; 3]) -> Option<SectionForce> {
+        self.steps.section_force(body, point, normal)
     }
 
     /// The ties of which some constraints follow from others and from supports, and are left out.

@@ -24,6 +24,8 @@ pub struct State {
     pub displacements: Vec<f64>,
     /// Velocities of all nodes `[length/time]`.
     pub velocities: Vec<f64>,
+    /// Accelerations of all nodes: change of the velocities in the last substep over its size, 0 at rest `[length/time^2]`.
+    pub accelerations: Vec<f64>,
     /// Multipliers of all contact pairs `[stress]`.
     pub(super) lambda: Vec<f64>,
     /// Weighted gaps in the penalty potentials at the end of the step.
@@ -66,12 +68,13 @@ impl State {
     /// True if all vectors have the lengths of those in a state of the model, positions are finite, and all references are valid.
     pub(super) fn has_shape_of(&self, own: &State) -> bool {
         let lengths = |state: &State| {
-            let nodal = [state.positions.len(), state.displacements.len(), state.velocities.len()];
+            let nodal = [&state.positions, &state.displacements, &state.velocities, &state.accelerations].map(Vec::len);
             let rows = [state.lambda.len(), state.penalty_gap.len(), state.reserve.len(), state.active.len(), state.slipped.len()];
             (nodal, rows, state.memory.iter().map(Vec::len).collect::<Vec<_>>())
         };
         let remembers = self.remembered.has_length(self.positions.len());
-        let is_somewhere = [&self.positions, &self.displacements, &self.velocities].iter().all(|all| all.iter().all(|x| x.is_finite()));
+        let nodal = [&self.positions, &self.displacements, &self.velocities, &self.accelerations];
+        let is_somewhere = nodal.iter().all(|all| all.iter().all(|x| x.is_finite()));
         // A halving more doubles the pieces of a step, whose number is a whole one.
         lengths(self) == lengths(own)
             && is_somewhere
@@ -84,7 +87,7 @@ impl State {
     /// Size in bytes, without data that is shared with other states.
     pub fn size(&self) -> usize {
         let (rows, memory) = (3 * (self.lambda.len() + self.slipped.len()), self.memory.iter().map(Vec::len).sum::<usize>());
-        8 * (2 * self.positions.len() + self.velocities.len() + self.remembered.len() + rows + memory) + self.active.len()
+        8 * (2 * self.positions.len() + 2 * self.velocities.len() + self.remembered.len() + rows + memory) + self.active.len()
     }
 }
 

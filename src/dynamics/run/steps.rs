@@ -14,6 +14,7 @@ use super::options::{Options, SettleReport, Statistics};
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding};
+use super::section_force::SectionForce;
 use super::stable_step::StableStep;
 use super::state::State;
 use super::tally::Tally;
@@ -46,6 +47,7 @@ pub trait Steps: Send {
     fn fields(&self) -> Vec<BodyFields>;
     fn body(&self, body: usize) -> BodyTotals;
     fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress>;
+    fn section_force(&self, body: usize, point: [f64; 3], normal: [f64; 3]) -> Option<SectionForce>;
     fn excesses(&self) -> Vec<Excess>;
     fn redundant_constraints(&self) -> Vec<RedundantConstraints>;
     fn stress_errors(&self) -> Vec<(&str, f64)>;

@@ -20,6 +20,7 @@ use super::pace::StepControl;
 use super::paths::{Path, PathError, PathOptions};
 use super::report::FailureReport;
 use super::run_findings::{Measures, RunFinding, RunFindingKind};
+use super::section_force::SectionForce;
 use super::stable_step::StableStep;
 use super::state::{Clock, State};
 use super::steps::Steps;
@@ -76,7 +77,7 @@ where
         self.state = Arc::new(state.clone());
         if self.state.row.probes.len() != self.probes.len() {
             // A node that was not watched then.
-            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.displacements, &state.velocities);
+            Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.displacements, &state.velocities, &state.accelerations);
         }
         self.system.restore_search(&state.search, &state.positions, state.row.time);
     }
@@ -173,7 +174,7 @@ where
 
     fn watch(&mut self, node: usize) {
         self.probes.push(node);
-        let probes = self.probe_values(&self.state.displacements, &self.state.velocities);
+        let probes = self.probe_values(&self.state.displacements, &self.state.velocities, &self.state.accelerations);
         Arc::make_mut(&mut self.state).row.probes = probes;
     }
 
@@ -195,6 +196,10 @@ where
 
     fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress> {
         self.cell_stresses(body, places)
+    }
+
+    fn section_force(&self, body: usize, point: [f64; 3], normal: [f64; 3]) -> Option<SectionForce> {
+        self.section_force_of(body, point, normal)
     }
 
     fn body(&self, body: usize) -> BodyTotals {

@@ -79,14 +79,17 @@ where
 
     /// Memory of all parts at rest with displacements `u`, before anything has happened.
     pub fn memory_at_rest(&self, u: &[f64]) -> PartHistories {
-        self.relaxed(u, &self.parts().map(|part| part.memory()).collect::<Vec<_>>())
+        let of_body = |body: &Body<D>| body.elements.relaxed(Present { u, history: &body.memory() });
+        let others = self.parts().skip(self.bodies.len()).map(|part| part.memory());
+        Arc::new(self.bodies.iter().map(of_body).chain(others).collect())
     }
 
-    /// History variables of all parts in an equilibrium: plastic strains of bodies remain, rate-dependent stresses (viscosity) have
-    /// relaxed.
-    pub fn relaxed(&self, u: &[f64], memory: &[Vec<f64>]) -> PartHistories {
-        let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(Present { u, history }));
-        Arc::new(bodies.chain(self.parts().skip(self.bodies.len()).map(|part| part.memory())).collect())
+    /// History variables of all parts in an equilibrium at a time: plastic strains of bodies remain, rate-dependent stresses (viscosity)
+    /// have relaxed.
+    pub fn relaxed(&self, time: f64, at: Pose, memory: &[Vec<f64>]) -> PartHistories {
+        let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(Present { u: at.u, history }));
+        let others = self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.settled(time, at, memory));
+        Arc::new(bodies.chain(others).collect())
     }
 
     /// The model's own parts with their history variables.

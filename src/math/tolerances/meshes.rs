@@ -25,6 +25,12 @@ pub const PIERCED: f64 = 1e-6;
 /// generator leave.
 pub const PLANE: f64 = 1e-12;
 
+/// Distance of a point from the place that reference coordinates give, relative to the cell, at which Newton's method has found them.
+pub const LOCATED: f64 = 1e-14;
+
+/// Distance from the reference cell up to which reference coordinates are inside: points on a side that neighbors share.
+pub const INSIDE_CELL: f64 = 1e-9;
+
 /// Offset of a mid-side node from the chord, relative to the chord, below which the edge counts as straight: round-off of mesh files with
 /// few digits, far below any relevant curvature.
 pub const STRAIGHT: f64 = 1e-7;

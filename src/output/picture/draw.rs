@@ -94,7 +94,7 @@ pub fn sight(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pict
 }
 
 fn panel_values(bodies: &[BodyFields], panel: &Panel) -> Vec<Vec<f64>> {
-    bodies.iter().map(|body| (0..body.mesh.points.len()).map(|node| panel.field.value(body, node)).collect()).collect()
+    bodies.iter().map(|body| (0..body.mesh.points.len()).map(|node| panel.field.value(body, node, &panel.frame)).collect()).collect()
 }
 
 impl<'a> Layout<'a> {

@@ -1,6 +1,9 @@
 //! Nodal fields that a picture shows by colors, and vector fields that it shows by arrows.
 
-use crate::dynamics::BodyFields;
+use crate::dynamics::{BodyFields, LocalFrame, POINT_FIELDS, PointField, PointValue};
+
+/// Name of the acceleration in scripts and in words.
+const ACCELERATION: &str = "acceleration";
 
 /// A nodal field that a picture can show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -22,6 +25,10 @@ pub enum Field {
     Slip,
     /// A component of the Cauchy stress, as an index into [`BodyFields::stress`].
     Stress(Component),
+    /// Magnitude of the acceleration.
+    Acceleration,
+    /// A field of numbers that follows from the values at a point, as an index into [`POINT_FIELDS`].
+    Point(usize),
 }
 
 /// A component of a symmetric stress, in the order of [`BodyFields::stress`].
@@ -42,7 +49,7 @@ pub enum Component {
 }
 
 impl Field {
-    /// All fields with their names in scripts and in words.
+    /// Fields that recordings and reports know, with their names in scripts and in words.
     pub const ALL: &'static [(&'static str, &'static str, Field)] = &[
         ("von_mises", "von Mises stress", Field::VonMises),
         ("pressure", "pressure (−tr σ / 3)", Field::Pressure),
@@ -61,12 +68,33 @@ impl Field {
 
     /// Returns the field with a name of scripts.
     pub fn from_name(name: &str) -> Option<Self> {
-        Field::ALL.iter().find(|row| row.0 == name).map(|row| row.2)
+        let own = Field::ALL.iter().find(|row| row.0 == name).map(|row| row.2);
+        own.or((name == ACCELERATION).then_some(Field::Acceleration)).or_else(|| PointField::number_named(name).map(Field::Point))
+    }
+
+    /// Names of all fields in scripts.
+    pub fn names() -> Vec<&'static str> {
+        let is_further =
+            |field: &&PointField| matches!(field.value, PointValue::Number(_)) && Field::ALL.iter().all(|row| row.0 != field.name);
+        let further = POINT_FIELDS.iter().filter(is_further).map(|field| field.name);
+        Field::ALL.iter().map(|row| row.0).chain([ACCELERATION]).chain(further).collect()
+    }
+
+    /// True if stress, strain and motion that a recording keeps determine the field.
+    pub fn is_recorded(self) -> bool {
+        match self {
+            Field::Point(index) => POINT_FIELDS[index].is_of_stress,
+            field => field != Field::Acceleration,
+        }
     }
 
     /// Name of the field in words.
     pub fn words(self) -> &'static str {
-        Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1)
+        match self {
+            Field::Acceleration => ACCELERATION,
+            Field::Point(index) => POINT_FIELDS[index].words,
+            _ => Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1),
+        }
     }
 
     /// Names of the values 1, 2, … of a field of categories; 0 is none of these.
@@ -74,8 +102,8 @@ impl Field {
         if self == Field::Slip { &["sticks", "slides"] } else { &[] }
     }
 
-    /// Value of the field at a node.
-    pub fn value(self, body: &BodyFields, node: usize) -> f64 {
+    /// Value of the field at a node, with the frame to which components refer.
+    pub fn value(self, body: &BodyFields, node: usize, frame: &LocalFrame) -> f64 {
         let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
         match self {
             Field::VonMises => body.von_mises(node),
@@ -86,6 +114,8 @@ impl Field {
             Field::PlasticStrain => body.plastic_strain[node],
             Field::Slip => body.contact_slip[node],
             Field::Stress(component) => body.stress[node][component as usize],
+            Field::Acceleration => length(body.acceleration[node]),
+            Field::Point(index) => POINT_FIELDS[index].number(&body.at(node), frame),
         }
     }
 }

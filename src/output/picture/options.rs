@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::field::{Field, Vectors};
 use super::section::CutPlane;
 use super::view::{Bounds, View};
-use crate::dynamics::BodyFields;
+use crate::dynamics::{BodyFields, LocalFrame};
 
 /// A field as one panel of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,6 +16,8 @@ pub struct Panel {
     pub range: Option<[f64; 2]>,
     /// Unit of the values; empty if not given.
     pub unit: String,
+    /// Frame to which components refer.
+    pub frame: LocalFrame,
 }
 
 /// Indicator of lengths in a picture.

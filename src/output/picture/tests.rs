@@ -3,7 +3,7 @@
 use super::scale::{BANDS, Scale};
 use super::*;
 use crate::contact::Obstacle;
-use crate::dynamics::{BodyFields, PlacedObstacle};
+use crate::dynamics::{BodyFields, LocalFrame, PlacedObstacle};
 use crate::output::drawing::{png, svg};
 use crate::output::samples::{block, ring, well_formed};
 
@@ -81,8 +81,8 @@ fn field_title_and_body_names_are_text() {
     }
     assert_eq!(Field::from_name("stress"), None);
     bodies[1].stress[3] = [7.0, 0.0, 0.0, 3.0, 0.0, 0.0];
-    assert_eq!(Field::Pressure.value(&bodies[1], 3), -7.0 / 3.0);
-    assert_eq!(Field::Stress(Component::Xy).value(&bodies[1], 3), 3.0);
+    assert_eq!(Field::Pressure.value(&bodies[1], 3, &LocalFrame::default()), -7.0 / 3.0);
+    assert_eq!(Field::Stress(Component::Xy).value(&bodies[1], 3, &LocalFrame::default()), 3.0);
 }
 
 #[test]

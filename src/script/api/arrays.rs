@@ -32,7 +32,7 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-fn numbers(values: &Array) -> impl Iterator<Item = f64> + '_ {
+pub(super) fn numbers(values: &Array) -> impl Iterator<Item = f64> + '_ {
     values.iter().filter_map(as_number)
 }
 
@@ -70,7 +70,7 @@ fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> 
         example: format!("print({name}([3, 1.5, 2]));").into(),
         see_also: &["max", "min", "sum", "mean", "linspace"],
         body: body(move |call| {
-            let values = numbers_of(call)?;
+            let values = numbers_of(call, "values")?;
             compute(&values).ok_or_else(|| {
                 let failure = call.argument("values").fail(format!("an empty array has no `{name}`"));
                 failure.hint("ask `values.is_empty()` first").into()
@@ -79,9 +79,9 @@ fn of_numbers(name: &'static str, summary: &'static str, compute: fn(&Array) -> 
     }
 }
 
-/// Returns the numbers of the argument `values`; infinities and NaN are allowed, since results can have these.
-fn numbers_of(call: &Call) -> Result<Array, Box<EvalAltResult>> {
-    let argument = call.argument("values");
+/// Returns the numbers of an argument; infinities and NaN are allowed, since results can have these.
+pub(super) fn numbers_of(call: &Call, name: &str) -> Result<Array, Box<EvalAltResult>> {
+    let argument = call.argument(name);
     let values = argument.array()?;
     match values.iter().find(|value| as_number(value).is_none()) {
         None => Ok(values),

@@ -15,6 +15,7 @@ pub mod nested_runs;
 pub mod numbers;
 pub mod parameters;
 pub mod remedies;
+pub mod signals;
 pub mod simulations;
 pub mod studies;
 pub mod time_functions;
@@ -38,6 +39,7 @@ pub fn functions() -> Vec<Function> {
         simulations::stop_after::functions(),
         numbers::functions(),
         arrays::functions(),
+        signals::functions(),
     ]
     .into_iter()
     .flatten()

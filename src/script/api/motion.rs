@@ -179,7 +179,10 @@ impl Motion {
                 LoadKind::Traction(vector) => *vector = self.vector(*vector, units.stress()),
                 LoadKind::Force(vector) => *vector = self.vector(*vector, force),
                 LoadKind::Pressure(pressure) => *pressure *= units.stress(),
-                LoadKind::Torque => size = self.energy(of_energy),
+                LoadKind::Torque(axis) => {
+                    *axis = if dimension == 3 { self.vector(*axis, 1.0) } else { *axis };
+                    size = self.energy(of_energy);
+                }
             }
             load.amplitude = self.amplitude(&load.amplitude, size);
         }
@@ -226,6 +229,7 @@ impl Motion {
                 *turn = turn.map(|turn| Sector { center: self.point(turn.center), axis: self.vector(turn.axis, 1.0), angle: turn.angle });
                 *offset = self.along(offset.each_ref());
             }
+            CouplingKind::Reference { .. } => {}
         }
     }
 

@@ -2,14 +2,18 @@
 //!
 //! The engine does not convert `2` to `2.0` for its own functions, so that `sqrt(2)` would fail; the functions here accept both.
 
-use rhai::{Dynamic, ImmutableString};
+use rhai::{Array, Dynamic, ImmutableString};
 
 use crate::math::catalogue::Interval;
-use crate::script::language::arguments::Arguments;
+use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::digits::significant;
+use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
-use crate::script::language::values::as_number;
+use crate::script::language::values::{as_number, describe};
+
+/// Largest depth of nested arrays.
+const MAX_DEPTH: usize = 8;
 
 fn of_number(name: &'static str, summary: &'static str, compute: fn(f64) -> f64) -> Function {
     Function {
@@ -17,11 +21,57 @@ fn of_number(name: &'static str, summary: &'static str, compute: fn(f64) -> f64)
         form: Form::Function,
         topic: Topic::Numbers,
         summary,
-        parameters: vec![Parameter::number("x", "any", Interval::Finite, "a number")],
+        parameters: vec![Parameter::number("x", "any", Interval::Finite, "a number, or an array of numbers entry by entry")],
         returns: "number",
-        example: format!("print({name}(1));").into(),
+        example: format!("print({name}(1));\nprint({name}([1, 0.5]));").into(),
         see_also: &[],
-        body: body(move |call| Ok(Dynamic::from(compute(call.number("x")?)))),
+        body: body(move |call| {
+            let argument = call.argument("x");
+            let value = argument.value();
+            let entry = |value: &Dynamic| as_number(value).map(|x| Dynamic::from(compute(x)));
+            Ok(if value.is_array() { each(&argument, &value, &entry, 0)? } else { compute(argument.number()?).into() })
+        }),
+    }
+}
+
+/// Applies a function of numbers to all entries of an array, those of arrays inside of it, too.
+fn each(argument: &Argument, value: &Dynamic, of: &dyn Fn(&Dynamic) -> Option<Dynamic>, depth: usize) -> Result<Dynamic, Failure> {
+    let Some(entries) = value.read_lock::<Array>().filter(|_| depth < MAX_DEPTH) else {
+        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title()));
+        let failure = failure.label(format!("this contains {}", describe(argument.call().engine(), value)));
+        return Err(failure.hint("`values.map(|v| …)` makes numbers of the entries"));
+    };
+    entries
+        .iter()
+        .map(|entry| of(entry).map_or_else(|| each(argument, entry, of, depth + 1), Ok))
+        .collect::<Result<Array, _>>()
+        .map(Into::into)
+}
+
+/// The size of a number; whole numbers stay whole.
+fn abs() -> Function {
+    let size = |value: &Dynamic| match value.as_int().ok().and_then(i64::checked_abs) {
+        Some(whole) => Some(whole.into()),
+        None => as_number(value).map(|x| x.abs().into()),
+    };
+    Function {
+        name: "abs",
+        form: Form::Function,
+        topic: Topic::Numbers,
+        summary: "the size of a number without its sign",
+        parameters: vec![Parameter::number("x", "any", Interval::Finite, "a number, or an array of numbers entry by entry")],
+        returns: "number",
+        example: "print(abs(-1.5));\nprint(abs([-1, 2.5]));".into(),
+        see_also: &["max", "min"],
+        body: body(move |call| {
+            let argument = call.argument("x");
+            let value = argument.value();
+            if value.is_array() {
+                return Ok(each(&argument, &value, &size, 0)?);
+            }
+            argument.number()?;
+            Ok(size(&value).unwrap_or_default())
+        }),
     }
 }
 
@@ -31,12 +81,46 @@ fn of_two(name: &'static str, summary: &'static str, names: [&'static str; 2], c
         form: Form::Function,
         topic: Topic::Numbers,
         summary,
-        parameters: names.map(|name| Parameter::number(name, "any", Interval::Finite, "a number")).into(),
+        parameters: names
+            .map(|name| Parameter::number(name, "any", Interval::Finite, "a number, or an array of numbers entry by entry"))
+            .into(),
         returns: "number",
-        example: format!("print({name}(1, 2));").into(),
+        example: format!("print({name}(1, 2));\nprint({name}([1, 3], 2));").into(),
         see_also: &[],
-        body: body(move |call| Ok(Dynamic::from(compute(call.number(names[0])?, call.number(names[1])?)))),
+        body: body(move |call| {
+            let [a, b] = names.map(|name| call.argument(name));
+            match [a.value(), b.value()].map(|value| value.into_array().ok()) {
+                [None, None] => Ok(Dynamic::from(compute(a.number()?, b.number()?))),
+                [Some(x), Some(y)] if x.len() != y.len() => {
+                    let failure = b.fail(format!("{} works entry by entry", call.function.title()));
+                    Err(failure
+                        .cause(format!("the arrays have {} and {} entries", x.len(), y.len()))
+                        .hint("give arrays of one length")
+                        .into())
+                }
+                [Some(x), Some(y)] => {
+                    let all = x.iter().zip(&y).map(|(x, y)| entry_of(&a, x).and_then(|x| Ok(compute(x, entry_of(&b, y)?).into())));
+                    Ok(all.collect::<Result<Array, Failure>>()?.into())
+                }
+                [Some(x), None] => {
+                    let y = b.number()?;
+                    Ok(x.iter().map(|x| Ok(compute(entry_of(&a, x)?, y).into())).collect::<Result<Array, Failure>>()?.into())
+                }
+                [None, Some(y)] => {
+                    let x = a.number()?;
+                    Ok(y.iter().map(|y| Ok(compute(x, entry_of(&b, y)?).into())).collect::<Result<Array, Failure>>()?.into())
+                }
+            }
+        }),
     }
+}
+
+/// A number of an array.
+fn entry_of(argument: &Argument, value: &Dynamic) -> Result<f64, Failure> {
+    as_number(value).ok_or_else(|| {
+        let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title()));
+        failure.label(format!("this contains {}", describe(argument.call().engine(), value)))
+    })
 }
 
 /// The functions of this topic.
@@ -59,6 +143,7 @@ pub fn functions() -> Vec<Function> {
         of_number("floor", "the greatest whole number below", f64::floor),
         of_number("ceiling", "the least whole number above", f64::ceil),
         of_number("round", "the nearest whole number", f64::round),
+        abs(),
         of_two("hypot", "the length of the vector (x, y)", ["x", "y"], f64::hypot),
         of_two("atan", "the angle of the vector (x, y), with its quadrant: `atan(y, x)`", ["y", "x"], f64::atan2),
         Function {

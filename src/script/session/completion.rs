@@ -314,7 +314,7 @@ impl Words<'_> {
                 };
                 simulations.iter().flat_map(|handle| handle.0.model.model.contact_names().into_iter().map(String::from)).collect()
             }
-            "picture" if level.commas > 0 => Field::ALL.iter().map(|row| row.0).chain(VIEWS).map(String::from).collect(),
+            "picture" if level.commas > 0 => Field::names().into_iter().chain(VIEWS).map(String::from).collect(),
             // Columns are named by the axes, too.
             "plot" | "plot_curves" | "show"
                 if level.commas >= function.parameters.iter().take_while(|other| other.name == "path").count() =>

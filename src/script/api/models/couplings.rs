@@ -1,4 +1,4 @@
-//! Nodes of boundaries that equations couple: planes of symmetry, periodic pairs.
+//! Nodes of boundaries that equations couple: planes of symmetry, periodic pairs, reference bodies.
 
 use rhai::Dynamic;
 
@@ -16,7 +16,7 @@ use crate::script::language::handle::Handle;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
 
 fn name_parameter() -> Parameter {
-    Parameter::new("name", Kind::Text, "its name, unique among symmetries and periodic pairs")
+    Parameter::new("name", Kind::Text, "its name, unique among symmetries, periodic pairs and couplings")
 }
 
 /// `add_symmetry`.
@@ -49,6 +49,51 @@ pub fn add_symmetry() -> Function {
                 }
             };
             change(call, &model, |data| data.model.couplings.push(Coupling { name, kind: CouplingKind::Plane { on, normal } }))?;
+            Ok(Dynamic::UNIT)
+        }),
+    }
+}
+
+/// Kinds of a coupling to a rigid body.
+const KINDS: &[&str] = &["distributing", "rigid"];
+
+/// `add_coupling`.
+pub fn add_coupling() -> Function {
+    let keys = vec![
+        Parameter::new("boundary", Kind::Handle(BoundaryHandle::NAME), "a boundary of a body that deforms"),
+        Parameter::new("to", Kind::Handle(BodyHandle::NAME), "the rigid body that stands for the reference point: any mesh, any place"),
+        Parameter::new(
+            "kind",
+            Kind::Choice(KINDS),
+            "`distributing`: the mean motion of the boundary, translation and rotation, is that of the rigid body, which adds no \
+             stiffness; `rigid`: each node moves as a point of the rigid body",
+        )
+        .or(Absent::Text("distributing")),
+    ];
+    Function {
+        name: "add_coupling",
+        form: Form::Method(ModelHandle::receiver()),
+        topic: Topic::Model,
+        summary: "couples a boundary to a reference point, a rigid body on which forces, torques, joints, springs and motions act: its \
+                  mean motion alone (distributing), or all of its nodes (rigid). `sim.reaction(name)` tells what it exerts on the \
+                  boundary, the history has it as `name.reaction.force_x` and so on",
+        parameters: vec![name_parameter(), Parameter::new("options", Kind::Options(keys), "boundary, reference body, kind")],
+        returns: "",
+        example: plate_example(
+            "let grip = press.add_rigid_body(\"grip\", rectangle(#{ size: [0.2, 0.2], cells: [1, 1], origin: [3.0, 0.4] }), #{ density: \
+             1.0 });\n\
+             press.add_coupling(\"pull\", #{ boundary: plate.boundary(\"right\"), to: grip });\nprint(press);",
+        ),
+        see_also: &["add_rigid_body", "tie", "add_bolt", "add_joint", "reaction"],
+        body: body(|call| {
+            let (model, name, options) = (call.receiver::<ModelHandle>(), call.name("name")?, call.options("options")?);
+            let [boundary, to] = ["boundary", "to"].map(|name| options.argument(name));
+            if let Some(missing) = [&boundary, &to].into_iter().find(|argument| !argument.is_given()) {
+                return Err(missing.missing().into());
+            }
+            let on = boundary_of(&boundary, &model)?;
+            let (to, is_rigid) = (body_of(&to, &model)?.index, options.text("kind")? == "rigid");
+            change(call, &model, |data| data.model.couplings.push(Coupling { name, kind: CouplingKind::Reference { on, to, is_rigid } }))?;
             Ok(Dynamic::UNIT)
         }),
     }

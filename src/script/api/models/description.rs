@@ -68,6 +68,10 @@ fn describe_coupling(model: &Model, Coupling { name, kind }: &Coupling) -> Strin
             let boundary = model.boundary_name(on);
             format!("symmetry \"{name}\": \"{boundary}\" held along {}", vector_text(&normal[..dimension]))
         }
+        CouplingKind::Reference { on, to, is_rigid } => {
+            let kind = if *is_rigid { "rigid" } else { "distributing" };
+            format!("{kind} coupling \"{name}\": \"{}\" to body \"{}\"", model.boundary_name(on), model.bodies[*to].name)
+        }
         CouplingKind::Periodic { from, to, turn, offset, follows } => {
             let [from, to] = [from, to].map(|on| model.boundary_name(on));
             let turn = turn.map_or(String::new(), |turn| format!(", turned by {} rad", number_text(turn.angle)));

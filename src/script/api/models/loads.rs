@@ -10,6 +10,7 @@ use super::data::LoadNote;
 use super::handle::ModelHandle;
 use crate::dynamics::{Amplitude, Load, LoadKind};
 use crate::math::catalogue::Interval;
+use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::{Watched, amplitude_of};
 use crate::script::language::arguments::Arguments;
@@ -93,15 +94,33 @@ fn torque() -> Function {
         name: "torque",
         form: Form::Method(ModelHandle::receiver()),
         topic: Topic::Model,
-        summary: "loads a boundary with a torque about the third axis, as nodal forces without resultant",
+        summary: "loads a boundary with a torque about the third axis, in space about any, as nodal forces without resultant",
         parameters: vec![
             boundary_parameter(),
             Parameter::new("amplitude", Kind::Amplitude, "the torque over time, counter-clockwise").of("force * length"),
+            Parameter::new("axis", Kind::Vector, "the direction of the axis, in space; it stays as the body turns")
+                .of("1")
+                .or(Absent::Means("[0, 0, 1]")),
         ],
         returns: "",
         example: plate_example("press.torque(plate.boundary(\"left\"), |t| if t < 0.1 { 5.0 } else { 0.0 });"),
         see_also: &["force", "traction", "hat"],
-        body: body(|call| Ok(add_load(call, LoadKind::Torque, "torque")?)),
+        body: body(|call| {
+            let (dimension, argument) = (call.receiver::<ModelHandle>().0.borrow().model.dimension(), call.argument("axis"));
+            if !argument.is_given() {
+                return Ok(add_load(call, LoadKind::Torque([0.0, 0.0, 1.0]), "torque")?);
+            }
+            if dimension == 2 {
+                let failure = argument.fail("the model is plane: a torque turns about the third axis");
+                return Err(failure.hint("leave the axis out").into());
+            }
+            let axis = argument.vector(3)?;
+            let size = length(axis);
+            if size == 0.0 {
+                return Err(argument.fail(format!("{} has no direction", argument.title())).hint("such as `[1.0, 0.0, 0.0]`").into());
+            }
+            Ok(add_load(call, LoadKind::Torque(axis.map(|x| x / size)), &format!("torque about {}", vector_text(&axis)))?)
+        }),
     }
 }
 

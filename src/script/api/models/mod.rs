@@ -5,6 +5,7 @@ use crate::script::language::function::Function;
 pub mod arguments;
 pub mod bodies;
 pub mod body_forces;
+pub mod bolts;
 pub mod building;
 pub mod bushings;
 pub mod chambers;
@@ -36,6 +37,7 @@ pub fn functions() -> Vec<Function> {
         supports::prescribe(),
         couplings::add_symmetry(),
         couplings::add_periodic(),
+        couplings::add_coupling(),
         building::gravity(),
         frames::rotating_frame(),
         building::initial_velocity(),
@@ -52,6 +54,7 @@ pub fn functions() -> Vec<Function> {
         motors::add_motor(),
         motors::add_actuator(),
         springs::add_spring(),
+        bolts::add_bolt(),
         springs::add_torsion_spring(),
         dampers::add_damper(),
         bushings::add_bushing(),

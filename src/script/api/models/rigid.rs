@@ -8,7 +8,7 @@ use super::change::change;
 use super::ends::GROUND;
 use super::handle::{BodyHandle, ModelHandle};
 use crate::bodies::{Formulation, Inertia};
-use crate::dynamics::{Anchor, BodyDefinition, JointDefinition, JointKind, Model};
+use crate::dynamics::{Anchor, BodyDefinition, JointDefinition, JointKind, Model, ModelError};
 use crate::materials::{Material, NeoHookean};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances;
@@ -224,6 +224,9 @@ pub fn add_joint() -> Function {
             let other = options.argument("to_point");
             let to_point = if other.is_given() { other.vector(dimension)? } else { point };
             let mut ends = [Anchor { body: to, point: to_point }, Anchor { body: Some(from), point }];
+            if kind == JointKind::Weld {
+                refuse_weld_of_deformable(&name, &options.argument("kind"), &model.0.borrow().model, &ends)?;
+            }
             for (end, argument) in ends.iter_mut().zip(["to_point", "point"]) {
                 snap(&options.argument(argument), &model.0.borrow().model, end)?;
             }
@@ -296,6 +299,18 @@ fn set_length(options: &Options, joint: &mut JointDefinition) -> Result<(), Fail
         _ if given.is_none() => Ok(()),
         _ => Err(argument.fail("only a cable has a `length`").hint("leave it out: a link keeps the distance of its points at rest")),
     }
+}
+
+/// Refuses a weld at a node of a deformable body, which has no directions.
+fn refuse_weld_of_deformable(name: &str, kind: &Argument, model: &Model, ends: &[Anchor; 2]) -> Result<(), Failure> {
+    let deformable = ends.iter().filter_map(|end| end.body).find(|&body| model.bodies[body].rigid.is_none());
+    let Some(body) = deformable.map(|body| &model.bodies[body]) else { return Ok(()) };
+    let reason = format!("a weld needs directions, and a node of body \"{}\", which deforms, has none", body.name);
+    let error = ModelError::Unsound { what: "joint", name: name.into(), reason, remedy: "" };
+    Err(kind.fail(error.to_string()).code(error.code()).hint(
+        "`model.tie(name, #{ secondary: body.boundary(…), primary: … })` welds a boundary to another body, \
+         `model.add_coupling` its mean motion to a rigid one, and `model.fix` holds it to the ground",
+    ))
 }
 
 /// Moves an end to the nearest node if its body is deformable.

@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
-use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, pressure, von_mises};
+use super::local_frames::{frame_of, frame_parameters};
+use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, LocalFrame, POINT_FIELDS, PointField, PointValue};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::language::arguments::Arguments;
@@ -24,40 +25,32 @@ enum Value {
     Vector(fn(&BodyFields, usize) -> [f64; 3]),
     /// The position of each node, or place inside of a cell.
     Position,
-    /// A number of the stress, at nodes or inside of cells.
-    Stress(fn(&[f64; 6]) -> f64),
-    /// A number of the strain.
-    Strain(fn(&[f64; 6]) -> f64),
-    /// A number that points keep: at nodes and inside of cells.
-    Kept(fn(&BodyFields, usize) -> f64, fn(&CellStress) -> f64),
+    /// A field that follows from stress, strain and history variables, at nodes and inside of cells.
+    Point(&'static PointField),
 }
 
-/// All fields by their names.
-static FIELDS: &[(&str, Value)] = &[
+/// Fields of nodes by their names; those of points are behind them ([`POINT_FIELDS`]).
+static NODAL: &[(&str, Value)] = &[
     ("position", Value::Position),
     ("displacement", Value::Vector(|body, node| body.displacement[node])),
     ("velocity", Value::Vector(|body, node| body.velocity[node])),
+    ("acceleration", Value::Vector(|body, node| body.acceleration[node])),
     ("contact_force", Value::Vector(|body, node| body.contact_force[node])),
     ("contact_pressure", Value::Number(|body, node| body.contact_pressure[node])),
     ("contact_gap", Value::Number(|body, node| body.contact_gap[node])),
-    ("von_mises", Value::Stress(von_mises)),
-    ("pressure", Value::Stress(pressure)),
+    ("contact_state", Value::Number(|body, node| body.contact_state[node])),
     ("stress_error", Value::Number(|body, node| body.stress_error[node])),
-    ("stress_xx", Value::Stress(|stress| stress[0])),
-    ("stress_yy", Value::Stress(|stress| stress[1])),
-    ("stress_zz", Value::Stress(|stress| stress[2])),
-    ("stress_xy", Value::Stress(|stress| stress[3])),
-    ("stress_yz", Value::Stress(|stress| stress[4])),
-    ("stress_xz", Value::Stress(|stress| stress[5])),
-    ("strain_xx", Value::Strain(|strain| strain[0])),
-    ("strain_yy", Value::Strain(|strain| strain[1])),
-    ("strain_zz", Value::Strain(|strain| strain[2])),
-    ("strain_xy", Value::Strain(|strain| strain[3])),
-    ("strain_yz", Value::Strain(|strain| strain[4])),
-    ("strain_xz", Value::Strain(|strain| strain[5])),
-    ("plastic_strain", Value::Kept(|body, node| body.plastic_strain[node], |cell| cell.plastic_strain)),
-    ("back_stress", Value::Kept(|body, node| body.back_stress[node], |cell| cell.back_stress)),
 ];
+
+/// Names of all fields.
+static NAMES: LazyLock<Vec<&str>> =
+    LazyLock::new(|| NODAL.iter().map(|row| row.0).chain(POINT_FIELDS.iter().map(|field| field.name)).collect());
+
+/// The field with a name of [`NAMES`].
+fn named(name: &str) -> Value {
+    let of_points = || POINT_FIELDS.iter().find(|field| field.name == name).map(Value::Point);
+    NODAL.iter().find(|row| row.0 == name).map(|row| row.1).or_else(of_points).unwrap_or(Value::Position)
+}
 
 /// Places of values by their names in scripts.
 static PLACES: &[(&str, Option<CellPlaces>)] = &[("nodes", None), ("cells", Some(CellPlaces::Cells)), ("points", Some(CellPlaces::Points))];
@@ -79,31 +72,49 @@ impl Chosen {
 }
 
 impl Value {
-    fn at_nodes(self, body: &BodyFields) -> Chosen {
+    fn at_nodes(self, body: &BodyFields, frame: &LocalFrame) -> Chosen {
         let placed = |node: usize| body.position(node);
         let nodes = 0..body.displacement.len();
         match self {
-            Value::Number(read) | Value::Kept(read, _) => Chosen::Numbers(nodes.map(|node| (placed(node), read(body, node))).collect()),
-            Value::Stress(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(&body.stress[node]))).collect()),
-            Value::Strain(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(&body.strain[node]))).collect()),
+            Value::Number(read) => Chosen::Numbers(nodes.map(|node| (placed(node), read(body, node))).collect()),
             Value::Vector(read) => Chosen::Vectors(nodes.map(|node| (placed(node), read(body, node))).collect()),
             Value::Position => Chosen::Vectors(nodes.map(|node| (placed(node), placed(node))).collect()),
+            Value::Point(field) => of_points(field, nodes.map(|node| body.at(node)), frame),
         }
     }
 
     /// Returns the values inside of cells, where available.
-    fn in_cells(self, cells: &[CellStress]) -> Option<Chosen> {
+    fn in_cells(self, cells: &[CellStress], frame: &LocalFrame) -> Option<Chosen> {
         match self {
-            Value::Stress(read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(&cell.stress))).collect())),
-            Value::Strain(read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(&cell.strain))).collect())),
-            Value::Kept(_, read) => Some(Chosen::Numbers(cells.iter().map(|cell| (cell.position, read(cell))).collect())),
+            Value::Point(field) => Some(of_points(field, cells.iter().copied(), frame)),
             Value::Position => Some(Chosen::Vectors(cells.iter().map(|cell| (cell.position, cell.position)).collect())),
             Value::Number(_) | Value::Vector(_) => None,
         }
     }
 }
 
-fn vector(values: &[f64; 3], dimension: usize) -> Dynamic {
+fn of_points(field: &PointField, points: impl Iterator<Item = CellStress>, frame: &LocalFrame) -> Chosen {
+    match field.value {
+        PointValue::Number(read) => Chosen::Numbers(points.map(|point| (point.position, read(&point, frame))).collect()),
+        PointValue::Vector(read) => Chosen::Vectors(points.map(|point| (point.position, read(&point, frame))).collect()),
+    }
+}
+
+/// Values of a field at points whose values are sums over nodes with shares; not a number where a list of shares is missing.
+pub(super) fn at_shares(name: &str, body: &BodyFields, frame: &LocalFrame, points: &[Option<Vec<(u32, f64)>>], dimension: usize) -> Array {
+    let sum = |shares: &Option<Vec<(u32, f64)>>, read: &dyn Fn(usize) -> f64| {
+        shares.as_ref().map_or(f64::NAN, |shares| shares.iter().map(|&(node, share)| share * read(node as usize)).sum())
+    };
+    match named(name).at_nodes(body, frame) {
+        Chosen::Numbers(numbers) => points.iter().map(|point| sum(point, &|node| numbers[node].1).into()).collect(),
+        Chosen::Vectors(vectors) => {
+            let at = |point| -> [f64; 3] { std::array::from_fn(|i| sum(point, &|node| vectors[node].1[i])) };
+            points.iter().map(|point| vector(&at(point), dimension)).collect()
+        }
+    }
+}
+
+pub(super) fn vector(values: &[f64; 3], dimension: usize) -> Dynamic {
     values[..dimension].iter().map(|&value| value.into()).collect::<Array>().into()
 }
 
@@ -142,14 +153,17 @@ fn field() -> Function {
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
         summary: "a field of a body now: an array with a number or a vector for each node, in the order of `position`; stress is Cauchy's, \
-                  strain Green and Lagrange's, both recovered at the nodes from the cells nearby, or as they are inside of the cells",
+                  strain Green and Lagrange's, both recovered at the nodes from the cells nearby, or as they are inside of the cells. \
+                  `stress_rr`, `stress_tt`, `stress_aa` are radial, tangential and axial about an axis, `stress_along` that along a \
+                  direction, `contact_state` is 1 where a node sticks and 2 where it slips",
         parameters: parameters(),
         returns: "Array",
         example: flight_example(
             "sim.run_to(0.05);\nlet stress = sim.field(\"von_mises\", plate);\nprint(stress.len());\n\
-             print(sim.field(\"stress_xx\", plate, #{ at: \"points\" }).len());",
+             print(sim.field(\"stress_xx\", plate, #{ at: \"points\" }).len());\n\
+             print(sim.field(\"stress_tt\", plate, #{ center: [1.0, 0.5] }).max());",
         ),
-        see_also: &["extremes", "body", "picture", "write_fields"],
+        see_also: &["extremes", "along", "section_force", "body", "picture", "write_fields"],
         body: body(|call| {
             let dimension = call.receiver::<SimulationHandle>().0.model.model.dimension();
             let values: Array = match chosen(call)? {
@@ -196,19 +210,24 @@ fn extremes() -> Function {
     }
 }
 
+/// The parameter that names a field.
+pub(super) fn name_parameter() -> Parameter {
+    Parameter::new("name", Kind::Choice(&NAMES), "which field")
+}
+
 fn parameters() -> Vec<Parameter> {
-    static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| FIELDS.iter().map(|row| row.0).collect());
     static AT: LazyLock<Vec<&str>> = LazyLock::new(|| PLACES.iter().map(|row| row.0).collect());
     let at = Parameter::new(
         "at",
         Kind::Choice(&AT),
         "where: at the nodes, one mean for each cell at its centroid, or at the quadrature points of each cell; the last two for stress, \
-         strain and `position`",
+         strain, what follows from them, and `position`",
     );
+    let keys = [at.or(Absent::Text("nodes"))].into_iter().chain(frame_parameters()).collect();
     vec![
-        Parameter::new("name", Kind::Choice(&NAMES), "which field"),
+        name_parameter(),
         Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
-        Parameter::new("options", Kind::Options(vec![at.or(Absent::Text("nodes"))]), "where values are taken")
+        Parameter::new("options", Kind::Options(keys), "where values are taken, and the frame of `stress_rr`, `stress_along` and the like")
             .or(Absent::Means("at the nodes")),
     ]
 }
@@ -217,13 +236,13 @@ fn parameters() -> Vec<Parameter> {
 fn chosen(call: &Call) -> Result<Chosen, Failure> {
     let (handle, name, options) = (call.receiver::<SimulationHandle>(), call.text("name")?, call.options("options")?);
     let (index, at) = (handle.body_index(call)?, options.text("at")?);
-    let value = FIELDS.iter().find(|row| row.0 == name).map_or(FIELDS[0].1, |row| row.1);
+    let (value, frame) = (named(&name), frame_of(&options, handle.0.model.model.dimension())?);
     let Some(places) = PLACES.iter().find(|row| row.0 == at).and_then(|row| row.1) else {
-        return handle.with(call, |simulation| value.at_nodes(&simulation.fields()[index]));
+        return handle.with(call, |simulation| value.at_nodes(&simulation.fields()[index], &frame));
     };
-    handle.with(call, |simulation| value.in_cells(&simulation.cell_stresses(index, places)))?.ok_or_else(|| {
+    handle.with(call, |simulation| value.in_cells(&simulation.cell_stresses(index, places), &frame))?.ok_or_else(|| {
         let failure = options.argument("at").fail(format!("\"{name}\" is a field of the nodes"));
-        failure.hint("inside of cells there are stresses, strains, `von_mises`, `pressure` and `position`")
+        failure.hint("inside of cells there are stresses, strains, what follows from them, and `position`")
     })
 }
 

@@ -247,7 +247,7 @@ fn warn(call: &Call, handle: &SimulationHandle, modes: &Modes, sliding: usize) {
         call.host.warn(warning(title).code("C0707").cause(cause).hint("a run with small steps shows what such forces do"));
     }
     let model = &handle.0.model.model;
-    if let Some(load) = model.loads.iter().find(|load| matches!(load.kind, LoadKind::Torque)) {
+    if let Some(load) = model.loads.iter().find(|load| matches!(load.kind, LoadKind::Torque(_))) {
         let title = format!("modes leave out how the torque on \"{}\" turns with it", model.boundary_name(&load.on));
         call.host.warn(
             warning(title).code("C0708").cause("its forces follow the boundary and have no potential").hint("a run shows what it does"),

@@ -42,6 +42,12 @@ pub(super) fn movie_function() -> Function {
                 let failure = failure.cause("of bodies in space the surface alone is recorded");
                 return Err(failure.hint("write `stills_inside: true` into the options of `simulate`").into());
             }
+            if let Some(panel) = shown.panels.iter().find(|panel| !panel.field.is_recorded()) {
+                let failure =
+                    options.argument("field").fail(format!("the stills of a run do not keep the field \"{}\"", panel.field.words()));
+                let failure = failure.cause("displacements, velocities, stresses and contact pressures are recorded");
+                return Err(failure.hint("draw it with `sim.picture` while the run goes on, such as in `sim.on_step`").into());
+            }
             let seconds = options.number("seconds")?;
             Ok(write_course(call, &handle, &[".png", ".gif"], || drawn(call, &handle, shown, title.as_deref(), seconds))?)
         }),
@@ -59,8 +65,17 @@ fn drawn(call: &Call, handle: &SimulationHandle, mut shown: PictureOptions, titl
     let (skins, shapes) = (artifacts.recording().bodies(), shapes(model));
     let at = |still: &Still| (still.fields(&model.bodies, skins), still.placed(&shapes));
     for panel in &mut shown.panels {
-        let place = Field::ALL.iter().position(|row| row.2 == panel.field).unwrap_or(0);
-        let ranges = stills.iter().map(|still| still.extremes[place]);
+        let place = Field::ALL.iter().position(|row| row.2 == panel.field);
+        let extremes = |still: &Still| match place {
+            Some(place) => still.extremes[place],
+            None => {
+                let bodies = still.fields(&model.bodies, skins);
+                let recorded = bodies.iter().zip(skins).flat_map(|(body, skin)| skin.nodes.iter().map(move |&node| (body, node as usize)));
+                let values = recorded.map(|(body, node)| panel.field.value(body, node, &panel.frame));
+                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+            }
+        };
+        let ranges = stills.iter().map(|still| extremes(still));
         let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
         panel.range = panel.range.or((low <= high).then_some([low, high]));
     }

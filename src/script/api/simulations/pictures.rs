@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use rhai::Dynamic;
 
 use super::handle::SimulationHandle;
+use super::local_frames::{frame_of, frame_parameters};
 use super::plots::ascending;
 use crate::dynamics::BodyFields;
 use crate::math::catalogue::Interval;
@@ -33,13 +34,13 @@ macro_rules! names {
 
 pub(super) fn keys() -> Vec<Parameter> {
     let optional = |name, kind, summary, absent| Parameter::new(name, kind, summary).or(Absent::Means(absent));
-    vec![
+    let mut keys = vec![
         Parameter::new(
             "field",
             Kind::Either("a field's name or an array of names"),
             "the field that gives the colors, or several, one panel each: `von_mises`, `pressure`, `contact_pressure`, `displacement`, \
-             `velocity`, `slip` (which nodes stick and which slide against friction), `stress_xx`, `stress_yy`, `stress_zz`, `stress_xy`, \
-             `stress_yz`, `stress_xz`",
+             `velocity`, `acceleration`, `slip` (which nodes stick and which slide against friction), and the numbers of `sim.field` that \
+             follow from stress and strain, such as `stress_xx`, `principal_1`, `stress_tt` or `energy_density`",
         )
         .or(Absent::Text("von_mises")),
         optional(
@@ -92,7 +93,9 @@ pub(super) fn keys() -> Vec<Parameter> {
         ),
         Parameter::number("width", "pixels", Interval::Closed(240.0, 10000.0), "the width; a PNG has twice as many pixels")
             .or(Absent::Number(720.0)),
-    ]
+    ];
+    keys.extend(frame_parameters());
+    keys
 }
 
 /// `sim.picture`.
@@ -162,7 +165,7 @@ pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptio
     let vectors = Vectors::ALL.iter().find(|row| row.0 == vectors).map(|row| row.2);
     let view = view(options, dimension)?;
     Ok(PictureOptions {
-        panels: panels(options)?,
+        panels: panels(options, dimension)?,
         title: String::new(),
         width: options.number("width")?,
         view,
@@ -178,7 +181,7 @@ pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptio
 }
 
 /// The fields with their ranges and units.
-fn panels(options: &Options) -> Result<Vec<Panel>, Failure> {
+fn panels(options: &Options, dimension: usize) -> Result<Vec<Panel>, Failure> {
     let argument = options.argument("field");
     let value = if argument.is_given() { argument.value() } else { Dynamic::from("von_mises") };
     let names: Option<Vec<String>> = match value.clone().into_array() {
@@ -186,10 +189,10 @@ fn panels(options: &Options) -> Result<Vec<Panel>, Failure> {
         Err(_) => value.clone().into_string().ok().map(|name| vec![name]),
     };
     let names = names.filter(|names| !names.is_empty()).ok_or_else(|| argument.wrong_type())?;
-    let known: Vec<&str> = Field::ALL.iter().map(|row| row.0).collect();
+    let known = Field::names();
     let fields: Vec<Field> =
         names.iter().map(|name| Field::from_name(name).ok_or_else(|| argument.unknown_choice(name, &known))).collect::<Result<_, _>>()?;
-    let ranges = ranges(&options.argument("range"), fields.len())?;
+    let (ranges, frame) = (ranges(&options.argument("range"), fields.len())?, frame_of(options, dimension)?);
     let argument = options.argument("unit");
     let units = if argument.is_given() { argument.text()? } else { String::new() };
     let units: Vec<&str> = units.split(',').map(str::trim).collect();
@@ -199,7 +202,7 @@ fn panels(options: &Options) -> Result<Vec<Panel>, Failure> {
         return Err(failure.label(format!("this names {}", units.len())).hint(format!("write `unit: \"{}\"`", example.join(", "))));
     }
     let unit = |index: usize| if fields.len() == 1 { units.join(", ") } else { units.get(index).unwrap_or(&"").to_string() };
-    Ok(fields.iter().zip(ranges).enumerate().map(|(index, (&field, range))| Panel { field, range, unit: unit(index) }).collect())
+    Ok(fields.iter().zip(ranges).enumerate().map(|(index, (&field, range))| Panel { field, range, unit: unit(index), frame }).collect())
 }
 
 /// The ranges of that many fields.

@@ -5,7 +5,9 @@
 use rhai::{Array, Dynamic};
 
 use super::columns::Probe;
+use super::fields::{at_shares, name_parameter};
 use super::handle::{SimulationHandle, busy};
+use super::local_frames::{frame_of, frame_parameters};
 use crate::dynamics::{BodyDefinition, ProbeValues};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
@@ -15,7 +17,7 @@ use crate::script::language::digits::{brief, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Call, Form, Function, Topic, body};
 use crate::script::language::handle::Handle;
-use crate::script::language::parameter::{Kind, Parameter};
+use crate::script::language::parameter::{Absent, Kind, Parameter};
 use crate::script::language::scan::Target;
 
 /// A probe of a simulation.
@@ -79,7 +81,7 @@ impl SimulationHandle {
 
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
-    let mut all = vec![probe()];
+    let mut all = vec![probe(), field()];
     let property = |name: &'static str, summary: &'static str, read: fn(&ProbeValues, [f64; 3]) -> [f64; 3]| Function {
         name,
         form: Form::Property(ProbeHandle::receiver()),
@@ -102,9 +104,43 @@ pub fn functions() -> Vec<Function> {
     all.extend([
         property("displacement", "the displacement of the probe's point now", |values, _| values.displacement),
         property("velocity", "the velocity of the probe's point now", |values, _| values.velocity),
+        property(
+            "acceleration",
+            "the acceleration of the probe's point: change of its velocity in the last step over its size",
+            |values, _| values.acceleration,
+        ),
         property("position", "the position of the probe's point now", |values, rest| [0, 1, 2].map(|i| rest[i] + values.displacement[i])),
     ]);
     all
+}
+
+fn field() -> Function {
+    Function {
+        name: "field",
+        form: Form::Method(ProbeHandle::receiver()),
+        topic: Topic::Results,
+        summary: "a field of the body at the probe's point now: a number, or an array for a vector",
+        parameters: vec![
+            name_parameter(),
+            Parameter::new("options", Kind::Options(frame_parameters().into()), "the frame of `stress_rr`, `stress_along` and the like")
+                .or(Absent::Means("the axes of the model")),
+        ],
+        returns: "any",
+        example: flight_example(
+            "let tip = sim.probe(\"tip\", plate, [2.0, 1.0]);\nlet peaks = [];\nsim.on_step(|sim| peaks.push(tip.field(\"von_mises\")));\n\
+             sim.step(3);\nprint(peaks);",
+        ),
+        see_also: &["probe", "field", "along"],
+        body: body(|call| {
+            let (handle, options) = (call.receiver::<ProbeHandle>(), call.options("options")?);
+            let (simulation, probe, name) = (&handle.simulation, handle.probe(), call.text("name")?);
+            let dimension = simulation.0.model.model.dimension();
+            let frame = frame_of(&options, dimension)?;
+            let fields = simulation.with(call, |simulation| simulation.fields().swap_remove(probe.body))?;
+            let values = at_shares(&name, &fields, &frame, &[Some(vec![(probe.node as u32, 1.0)])], dimension);
+            Ok(values.into_iter().next().unwrap_or_default())
+        }),
+    }
 }
 
 fn probe() -> Function {
@@ -113,7 +149,7 @@ fn probe() -> Function {
         form: Form::Method(SimulationHandle::receiver()),
         topic: Topic::Results,
         summary: "follows the node of a body nearest to a point at rest; the history gets the columns `name.ux`, `name.uy`, `name.vx`, \
-                  `name.vy`",
+                  `name.vy`, `name.ax`, `name.ay`",
         parameters: vec![
             Parameter::new("name", Kind::Text, "its name, unique in the simulation"),
             Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),

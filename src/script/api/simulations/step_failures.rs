@@ -105,7 +105,7 @@ impl SimulationHandle {
                     LoadKind::Traction(vector) => size(vector),
                     LoadKind::Pressure(pressure) => pressure.abs(),
                     LoadKind::Force(vector) => size(vector) / height.powi(body.mesh.dimension() as i32 - 1),
-                    LoadKind::Torque => 0.0,
+                    LoadKind::Torque(_) => 0.0,
                 };
                 let part = stress * load.amplitude.value(time).map_or(0.0, f64::abs) / modulus;
                 if part > CRUSHES {

@@ -1,0 +1,45 @@
+//! Options that say to which axis and direction components of stresses and strains belong.
+
+use crate::dynamics::LocalFrame;
+use crate::script::language::arguments::{Arguments, Options};
+use crate::script::language::failure::Failure;
+use crate::script::language::parameter::{Absent, Kind, Parameter};
+
+/// The keys of a local frame.
+pub(super) fn frame_parameters() -> [Parameter; 3] {
+    let optional = |name, summary, absent| Parameter::new(name, Kind::Vector, summary).or(Absent::Means(absent));
+    [
+        optional("center", "a point of the axis of radial, tangential and axial components", "the origin").of("length"),
+        optional("axis", "the direction of that axis, in space", "[0, 0, 1]").of("1"),
+        optional("direction", "the direction of `stress_along` and `strain_along`, the normal of the plane of `traction`", "along x")
+            .of("1"),
+    ]
+}
+
+/// The local frame that options give.
+///
+/// # Errors
+/// A vector of the wrong length or without a direction, or an axis in the plane.
+pub(super) fn frame_of(options: &Options, dimension: usize) -> Result<LocalFrame, Failure> {
+    let mut frame = LocalFrame::default();
+    let [center, axis, direction] = ["center", "axis", "direction"].map(|name| options.argument(name));
+    if center.is_given() {
+        frame.center = center.vector(dimension)?;
+    }
+    if axis.is_given() && dimension == 2 {
+        let failure = axis.fail(format!("{} is for bodies in space", axis.title())).label("these bodies are plane");
+        return Err(failure.hint("leave it out: radial and tangential components are those about `center`"));
+    }
+    if axis.is_given() {
+        frame.axis = axis.vector(3)?;
+    }
+    if direction.is_given() {
+        frame.direction = direction.vector(dimension)?;
+    }
+    for (argument, vector) in [(&axis, frame.axis), (&direction, frame.direction)] {
+        if vector == [0.0; 3] {
+            return Err(argument.fail(format!("{} has no direction", argument.title())).hint("write one such as `[1, 0, 0]`"));
+        }
+    }
+    Ok(frame)
+}

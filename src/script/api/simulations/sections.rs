@@ -1,0 +1,130 @@
+//! Cut forces of a body: force and moment that the material on one side of a plane exerts on the other.
+
+use rhai::Dynamic;
+
+use super::fields::vector;
+use super::handle::SimulationHandle;
+use crate::dynamics::SectionForce;
+use crate::script::api::examples::flight_example;
+use crate::script::api::models::handle::BodyHandle;
+use crate::script::language::arguments::Arguments;
+use crate::script::language::digits::{brief, brief_vector};
+use crate::script::language::function::{Form, Function, Topic, body};
+use crate::script::language::handle::Handle;
+use crate::script::language::parameter::{Kind, Parameter};
+
+/// Cut force of a body at the time of its creation.
+#[derive(Clone)]
+pub struct SectionHandle {
+    body: String,
+    time: f64,
+    dimension: usize,
+    section: SectionForce,
+}
+
+impl SectionHandle {
+    /// A moment: a number in the plane, an array in space.
+    fn moment(&self, moment: &[f64; 3]) -> Dynamic {
+        if self.dimension == 2 { moment[2].into() } else { vector(moment, 3) }
+    }
+}
+
+impl Handle for SectionHandle {
+    const NAME: &'static str = "SectionForce";
+    const MAKER: &'static str = "take one of a simulation: `sim.section_force(body, point, normal)`";
+
+    fn describe(&self) -> String {
+        let SectionForce { force, moment_at_center, center, area, .. } = &self.section;
+        let [force, center] = [force, center].map(|values| brief_vector(&values[..self.dimension]));
+        let moment = if self.dimension == 2 { brief(moment_at_center[2]) } else { brief_vector(moment_at_center) };
+        format!(
+            "section of body \"{}\" at t = {}: force {force}, moment {moment} about its center {center}, area {}",
+            self.body,
+            brief(self.time),
+            brief(*area)
+        )
+    }
+}
+
+/// The functions of this file.
+pub fn functions() -> Vec<Function> {
+    vec![
+        section_force(),
+        property(
+            "force",
+            "Array",
+            "what the material in front of the plane exerts on that behind it, positive along the normal in tension",
+            |section| vector(&section.section.force, section.dimension),
+        ),
+        property("moment", "", "its moment about the origin: a number in the plane, an array in space", |section| {
+            section.moment(&section.section.moment)
+        }),
+        property(
+            "moment_at_center",
+            "",
+            "its moment about the center of the section: a number in the plane, an array in space",
+            |section| section.moment(&section.section.moment_at_center),
+        ),
+        property("center", "Array", "the centroid of the section now", |section| vector(&section.section.center, section.dimension)),
+        property("area", "float", "the area of the section in the undeformed body, its length in the plane", |section| {
+            section.section.area.into()
+        }),
+    ]
+}
+
+fn section_force() -> Function {
+    Function {
+        name: "section_force",
+        form: Form::Method(SimulationHandle::receiver()),
+        topic: Topic::Results,
+        summary: "the cut force of a body across a plane of the undeformed body: what the cells in front of it, towards which the normal \
+                  points, exert on the others. A cell is in front if its centroid is, so that the section follows the sides of cells; its \
+                  force is the sum of their nodal forces of stress, weight and inertia, and balances loads and reactions of each part \
+                  exactly. Loads on nodes of the section act on the part behind it. A plane that cuts a body at several places gives \
+                  their sum",
+        parameters: vec![
+            Parameter::new("body", Kind::Handle(BodyHandle::NAME), "the body"),
+            Parameter::new("point", Kind::Vector, "a point of the plane in the undeformed body").of("length"),
+            Parameter::new("normal", Kind::Vector, "the normal of the plane, of any length").of("1"),
+        ],
+        returns: SectionHandle::NAME,
+        example: flight_example("sim.run_to(0.05);\nlet cut = sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]);\nprint(cut);"),
+        see_also: &["reaction", "joint", "along", "field"],
+        body: body(|call| {
+            let handle = call.receiver::<SimulationHandle>();
+            let index = handle.body_index(call)?;
+            let (definition, dimension) = (&handle.0.model.model.bodies[index], handle.0.model.model.dimension());
+            let [point, normal] = ["point", "normal"].map(|name| call.argument(name));
+            let (place, direction) = (point.vector(dimension)?, normal.vector(dimension)?);
+            if definition.rigid.is_some() {
+                let failure = call.argument("body").fail(format!("body \"{}\" is rigid: it has no stresses", definition.name));
+                return Err(failure
+                    .hint("`sim.joint(name)`, `sim.contact(name)` and `sim.reaction(boundary)` tell what acts on it")
+                    .into());
+            }
+            if direction == [0.0; 3] {
+                return Err(normal.fail("the normal has no direction").hint("write one such as `[1.0, 0.0]`").into());
+            }
+            let (section, time) = handle.with(call, |simulation| (simulation.section_force(index, place, direction), simulation.time()))?;
+            let Some(section) = section else {
+                let failure = point.fail(format!("the plane does not part the cells of body \"{}\"", definition.name));
+                return Err(failure.hint("give a point within the undeformed body").into());
+            };
+            Ok(Dynamic::from(SectionHandle { body: definition.name.clone(), time, dimension, section }))
+        }),
+    }
+}
+
+fn property(name: &'static str, returns: &'static str, summary: &'static str, read: fn(&SectionHandle) -> Dynamic) -> Function {
+    Function {
+        name,
+        form: Form::Property(SectionHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns,
+        example: flight_example(&format!("sim.run_to(0.05);\nprint(sim.section_force(plate, [1.0, 0.5], [1.0, 0.0]).{name});")),
+        see_also: &["section_force"],
+        body: body(move |call| Ok(read(&call.receiver::<SectionHandle>()))),
+    }
+}
