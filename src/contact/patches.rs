@@ -224,7 +224,7 @@ impl Evaluation {
         }
     }
 
-    /// The same evaluation with room for all patches.
+    /// Copy of the evaluation with room for all contact elements.
     #[cfg(test)]
     pub(crate) fn with_room(self, patches: &Patches) -> Evaluation {
         let mut all = Evaluation::default();

@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use conserva::elements::CellKind;
+use conserva::elements::{CellKind, CellShape};
 use conserva::integrators;
 use conserva::materials;
 use conserva::script::{Function, Kind, Parameter, Registry, Session, Settings, Silent};
@@ -34,9 +34,20 @@ pub struct Catalogue {
 /// Obstacles that are in the plane alone, in space alone.
 const PLANE_OBSTACLES: [&str; 3] = ["rigid_disk", "rigid_ring", "rigid_polyline"];
 
-/// Methods of a model that every product uses, or that change nothing of a run.
-const OTHER_METHODS: [&str; 10] =
-    ["add_body", "add_contact", "add_coupling", "add_joint", "check", "name", "bodies", "initial_velocity", "tie", "add_self_contact"];
+/// Methods of a model that every product uses, or that change nothing of a run; bolts and reference couplings, which no product draws yet.
+const OTHER_METHODS: [&str; 11] = [
+    "add_body",
+    "add_bolt",
+    "add_contact",
+    "add_coupling",
+    "add_joint",
+    "check",
+    "name",
+    "bodies",
+    "initial_velocity",
+    "tie",
+    "add_self_contact",
+];
 
 /// Tasks: what a script lets the simulation do.
 const TASKS: [&str; 12] = [
@@ -107,7 +118,9 @@ impl Catalogue {
             rows[..=place].rotate_right(1);
             rows
         };
-        let cells = CellKind::ALL.iter().map(|kind| kind.name().to_string()).collect();
+        // Generators make no meshes of pyramids, and of wedges only sweeps of triangles.
+        let is_made = |kind: &&CellKind| !matches!(kind.row().cell_shape, CellShape::Wedge | CellShape::Pyramid);
+        let cells = CellKind::ALL.iter().filter(is_made).map(|kind| kind.name().to_string()).collect();
         let materials = materials::CATALOGUE.iter().chain(materials::LINEAR).map(|row| row.title()).collect();
         let enforcement = keys(&registry, "add_contact")
             .into_iter()

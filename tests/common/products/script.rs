@@ -16,9 +16,8 @@ pub use constants::{TOP, friction_law, obstacle};
 pub const SUPPORTS: [&str; 4] = ["fix", "prescribe", "add_symmetry", "add_periodic"];
 
 /// Force elements for which a script is known.
-pub const PARTS: [&str; 11] = [
+pub const PARTS: [&str; 10] = [
     "add_spring",
-    "add_bolt",
     "add_torsion_spring",
     "add_damper",
     "add_bushing",

@@ -34,7 +34,6 @@ impl Writer<'_> {
             "add_chamber" => {
                 "m.add_chamber(\"part\", #{ boundaries: a.boundary(\"inner\"), pressure: 1.0, exponent: 1.4, ambient: 1.0 });".into()
             }
-            "add_bolt" => format!("m.add_bolt(\"part\", #{{ {ends}, preload: 0.3, stiffness: 20.0, locked_at: 0.05 }});"),
             "add_mass" => format!("m.add_mass(\"part\", #{{ body: a, point: {corner}, mass: 0.05 }});"),
             "add_actuator" => format!("m.add_actuator(\"part\", #{{ {ends}, force: {} }});", self.amplitude(0.5)),
             "add_motor" => format!("m.add_motor(\"part\", #{{ from: a, to: \"ground\"{axis}, torque: {} }});", self.amplitude(0.1)),
