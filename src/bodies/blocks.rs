@@ -2,7 +2,7 @@
 //!
 //! Numbers of cells and history variables follow each other block by block, as the cells of the mesh do.
 
-use super::element_loop::{Advance, ElementLoop, FastestCell, Inverted, PointStress, Present, Step};
+use super::element_loop::{Advance, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Present, Step};
 use crate::integrators::Lumping;
 use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
@@ -138,7 +138,7 @@ impl<const D: usize> ElementLoop<D> for Blocks<D> {
         }
     }
 
-    fn visit_forces(&self, at: Present, field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+    fn visit_forces(&self, at: Present, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
         for ((first, _), (block, history)) in self.blocks.iter().zip(self.with_history(at.history)) {
             block.visit_forces(Present { history, ..at }, field, &mut |cell, forces| visit(first + cell, forces));
         }

@@ -17,7 +17,7 @@ use std::ops::Range;
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
 use super::consistent_mass::{MassRule, summed};
-use super::element_loop::{Advance, ElementLoop, FastestCell, Inverted, PointStress, Present, Step};
+use super::element_loop::{Advance, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Present, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
 use super::special::{Answer, Course, SpecialPoints};
@@ -480,7 +480,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         self.visit_points(at, visit);
     }
 
-    fn visit_forces(&self, at: Present, field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+    fn visit_forces(&self, at: Present, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
         self.visit_cell_forces(at, field, visit);
     }
 }

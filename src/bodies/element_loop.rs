@@ -91,6 +91,9 @@ pub struct PointStress<'a> {
     pub kept: Option<PointHistory>,
 }
 
+/// Force per mass at a point, from the nodes of a cell and the values of its shape functions there `[length/time^2]`.
+pub type ForcePerMass<'a> = dyn Fn(&[u32], &[f64]) -> [f64; 3] + 'a;
+
 /// Element loop over the cells of a body in `D` dimensions. Displacements and forces are flat, node after node, of the whole model.
 pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Node numbers (in the model) of the cells, one clique each.
@@ -154,7 +157,6 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress));
 
     /// Visits the forces of all cells: number of the cell, force of its stress on each of its nodes in the order of [`Self::cliques`],
-    /// against the motion as in the residual, less the force on its mass `[force]`. `field` is that force per mass at a point, from the
-    /// nodes of a cell and the values of its shape functions `[length/time^2]`.
-    fn visit_forces(&self, at: Present, field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], visit: &mut dyn FnMut(usize, &[[f64; 3]]));
+    /// against the motion as in the residual, less the force on its mass `[force]`, which follows from `field`.
+    fn visit_forces(&self, at: Present, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]]));
 }

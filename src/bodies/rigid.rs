@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::element_loop::{Advance, ElementLoop, FastestCell, Inverted, PointStress, Present, Step};
+use super::element_loop::{Advance, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Present, Step};
 use super::formulation::Formulation;
 use super::kinds::{Elements, Space};
 use super::physics::BodyCells;
@@ -311,7 +311,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
 
     fn visit_stresses(&self, _at: Present, _visit: &mut dyn FnMut(&PointStress)) {}
 
-    fn visit_forces(&self, _at: Present, _field: &dyn Fn(&[u32], &[f64]) -> [f64; 3], _visit: &mut dyn FnMut(usize, &[[f64; 3]])) {}
+    fn visit_forces(&self, _at: Present, _field: &ForcePerMass, _visit: &mut dyn FnMut(usize, &[[f64; 3]])) {}
 }
 
 #[cfg(test)]

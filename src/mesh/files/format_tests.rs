@@ -309,8 +309,8 @@ fn what_is_wrong_with_an_input_file_is_said_with_its_line() {
         assert_eq!(found.trim(), line, "{problem}");
         problem
     };
-    let name = || String::from("C3D15");
-    assert_eq!(problem("CPE4R", "C3D15", "*Element, type=C3D15, elset=Left"), UnsupportedType { name: name() });
+    let name = || String::from("C3D15V");
+    assert_eq!(problem("CPE4R", "C3D15V", "*Element, type=C3D15V, elset=Left"), UnsupportedType { name: name() });
     let missing = |keyword: &str, parameter| MissingParameter { keyword: keyword.into(), parameter };
     assert_eq!(problem("type=CPE4R, ", "", "*Element, elset=Left"), missing("ELEMENT", "TYPE"));
     assert_eq!(problem(", ELSET=again", "", "*ELSET"), missing("ELSET", "ELSET"));
