@@ -3,6 +3,7 @@
 //! Every file of a run passes through [`RunFiles`], which keeps it below the output directory and replaces it in one piece.
 
 mod axis;
+#[cfg(feature = "formats")]
 mod blocks;
 mod braille;
 pub mod checkpoint;
