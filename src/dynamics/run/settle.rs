@@ -392,6 +392,7 @@ where
             conditions,
             energy: self.system.strain_energy(start.u_0, start.memory).max(floor),
             tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
+            is_still: false,
             is_exact: false,
             at_least: 1,
             // A mechanism takes fewer factorizations by shorter steps.

@@ -115,6 +115,7 @@ where
                 conditions: &conditions,
                 energy,
                 tolerance: options.tolerance,
+                is_still: self.state.row.kinetic + self.state.row.strain.abs() <= tolerances::HARDLY_MOVED * energy,
                 is_exact,
                 at_least: 0,
                 is_patient: !may_be_halved,

@@ -64,6 +64,8 @@ pub struct Task<'a> {
     pub energy: f64,
     /// Relative energy tolerance of the residual.
     pub tolerance: f64,
+    /// True if the bodies have hardly any energy of their own, so that the round-off of contact forces exceeds the tolerance.
+    pub is_still: bool,
     /// Continue while the residual decreases, even below the tolerance.
     pub is_exact: bool,
     /// Least number of iterations: a step that starts at its own solution moves no energy, whatever its residual.
@@ -408,7 +410,7 @@ where
         record.energy = momentum.max(work.abs() + contact_work.abs()) / small;
         let positions = largest_size(&at.q_1).max(system.nodes.extent);
         let round_off = tolerances::CONTACT_ROUND_OFF * contact_forces * positions / small;
-        record.round_off = if task.start.is_at_rest() { 0.0 } else { round_off };
+        record.round_off = if task.is_still { round_off } else { 0.0 };
         record
     }
 

@@ -61,3 +61,6 @@ pub const ON_CONE: f64 = 1e-6;
 /// Round-off of gaps relative to positions: contact forces times this, times the size of the model, is an energy that no iteration
 /// reduces. Bodies at rest have less energy of their own in small steps (`tests/scripts/rigid_friction_in_space.rhai`).
 pub const CONTACT_ROUND_OFF: f64 = 4e-15;
+
+/// Energy of the bodies relative to the one that loads give them in a step, up to which they count as still.
+pub const HARDLY_MOVED: f64 = 1e-6;
