@@ -366,7 +366,7 @@ where
     fn measure(&self, at: &Linearization) -> Iteration {
         let (system, task, forces) = (&*self.system, self.task, &at.forces);
         let mut record = Iteration::default();
-        let (mut work, mut contact_forces) = (0.0, 0.0);
+        let mut work = 0.0;
         let (mut resultant, mut turning) = ([0.0; 3], [0.0; 3]);
         // One pass over the nodes: long vectors are not read twice.
         for node in 0..at.q_1.len() / D {
@@ -377,7 +377,6 @@ where
                     continue;
                 }
                 let r = forces.without_contact[k] - forces.contact[k];
-                contact_forces += forces.contact[k].abs();
                 unbalanced[i] = r;
                 if r.abs() > record.residual {
                     (record.residual, record.worst) = (r.abs(), k);
@@ -408,9 +407,12 @@ where
         (record.violation, record.worst_row, contact_work) = worst_violation(system, at, task.conditions, &self.dropped);
         let small = (task.tolerance * task.energy.max(forces.internal_work.abs())).max(LEAST_SQUARE);
         record.energy = momentum.max(work.abs() + contact_work.abs()) / small;
-        let positions = largest_size(&at.q_1).max(system.nodes.extent);
-        let round_off = tolerances::CONTACT_ROUND_OFF * contact_forces * positions / small;
-        record.round_off = if task.is_still { round_off } else { 0.0 };
+        if task.is_still {
+            let free = forces.contact.iter().zip(&system.supports.fixed).filter(|(_, is_fixed)| !**is_fixed);
+            let contact_forces: f64 = free.map(|(force, _)| force.abs()).sum();
+            let positions = largest_size(&at.q_1).max(system.nodes.extent);
+            record.round_off = tolerances::CONTACT_ROUND_OFF * contact_forces * positions / small;
+        }
         record
     }
 
