@@ -9,7 +9,7 @@ mod client;
 
 use client::{Editor, long_script};
 
-/// What is asked of the editor, with the number of the repetition.
+/// Request to the language server; the arguments are the client, the script, and the number of the repetition.
 type Ask = Box<dyn FnMut(&mut Editor, &Path, usize)>;
 
 /// Median and largest of some times `[ms]`.

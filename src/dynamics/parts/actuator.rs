@@ -55,14 +55,7 @@ impl Part for Actuator {
 
     fn linearize(&self, at: &Iterate, _memory: &[f64], sums: &mut Sums) -> Result<(), Refusal> {
         let force = value_of(&self.name, &self.force, at.time).map_err(Refusal::Load)?;
-        let (r, length) = self.line.vector(at.q_test);
-        if length == 0.0 {
-            return Ok(());
-        }
-        let (e, turning) = (r.map(|r| r / length), at.derivative.placement().share * force / length);
-        self.line.push(e.map(|e| force * e), sums.load);
-        let slope = |i: usize, j: usize| turning * (e[i] * e[j] - if i == j { 1.0 } else { 0.0 });
-        self.line.add_slope(at.weight, slope, sums);
+        self.line.push_apart(force, at, sums);
         Ok(())
     }
 
@@ -84,8 +77,6 @@ impl Part for Actuator {
 
     fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
         let force = value_of(&self.name, &self.force, at.time)?;
-        let ((r, length), (r_0, _), (r_1, _)) = (self.line.vector(at.q_test), self.line.vector(at.q_0), self.line.vector(at.q_1));
-        let moved: f64 = if length > 0.0 { (0..3).map(|i| r[i] / length * (r_1[i] - r_0[i])).sum() } else { 0.0 };
-        Ok(Remembered { memory: vec![force, force * moved], ..Remembered::default() })
+        Ok(Remembered { memory: vec![force, self.line.work_apart(force, at)], ..Remembered::default() })
     }
 }

@@ -102,13 +102,7 @@ impl Part for Bolt {
             linear_pull(self.law.stiffness, self.rest_length(memory), at.derivative, vectors).add(&self.line, at.weight, sums);
             return Ok(());
         }
-        let (force, (r, length)) = (-self.law.tension(at.time), self.line.vector(at.q_test));
-        if length > 0.0 {
-            let (e, turning) = (r.map(|r| r / length), at.derivative.placement().share * force / length);
-            self.line.push(e.map(|e| force * e), sums.load);
-            let slope = |i: usize, j: usize| turning * (e[i] * e[j] - if i == j { 1.0 } else { 0.0 });
-            self.line.add_slope(at.weight, slope, sums);
-        }
+        self.line.push_apart(-self.law.tension(at.time), at, sums);
         Ok(())
     }
 
@@ -141,9 +135,7 @@ impl Part for Bolt {
     fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
         let memory = if self.law.is_tightened(at.time) {
             let tension = self.law.tension(at.time);
-            let ((r, length), (r_0, _), (r_1, end)) = (self.line.vector(at.q_test), self.line.vector(at.q_0), self.line.vector(at.q_1));
-            let moved: f64 = if length > 0.0 { (0..3).map(|i| r[i] / length * (r_1[i] - r_0[i])).sum() } else { 0.0 };
-            vec![end, tension, 0.0, -tension * moved]
+            vec![self.line.vector(at.q_1).1, tension, 0.0, self.line.work_apart(-tension, at)]
         } else {
             vec![memory[0], memory[1], 1.0, 0.0]
         };

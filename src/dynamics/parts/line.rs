@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Numbering, Part, PartDefinition, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Sums};
 use crate::linear::{Block, Pattern};
 
 /// End of a line element.
@@ -210,8 +210,25 @@ impl Line {
         self.add_slope(weight, slope, sums);
     }
 
+    /// Adds a force along the line that pushes the ends apart (negative: pulls) to the loads, and its derivative; zero for ends that coincide.
+    pub fn push_apart(&self, force: f64, at: &Iterate, sums: &mut Sums) {
+        let (r, length) = self.vector(at.q_test);
+        if length > 0.0 {
+            let (e, turning) = (r.map(|r| r / length), at.derivative.placement().share * force / length);
+            self.push(e.map(|e| force * e), sums.load);
+            self.add_slope(at.weight, |i, j| turning * (e[i] * e[j] - if i == j { 1.0 } else { 0.0 }), sums);
+        }
+    }
+
+    /// Work in a step of a force that pushes the ends apart `[energy]`.
+    pub fn work_apart(&self, force: f64, at: &Iterate) -> f64 {
+        let ((r, length), (r_0, _), (r_1, _)) = (self.vector(at.q_test), self.vector(at.q_0), self.vector(at.q_1));
+        let moved: f64 = if length > 0.0 { (0..3).map(|i| r[i] / length * (r_1[i] - r_0[i])).sum() } else { 0.0 };
+        force * moved
+    }
+
     /// Adds a force on the head to nodal forces.
-    pub fn push(&self, force: [f64; 3], sum: &mut [f64]) {
+    fn push(&self, force: [f64; 3], sum: &mut [f64]) {
         for &(node, factor) in &self.nodes {
             for i in 0..self.dimension {
                 sum[node as usize * self.dimension + i] += factor * force[i];
@@ -220,7 +237,7 @@ impl Line {
     }
 
     /// Adds the derivative of a force that opposes the motion.
-    pub fn add_slope(&self, weight: f64, slope: impl Fn(usize, usize) -> f64, sums: &mut Sums) {
+    fn add_slope(&self, weight: f64, slope: impl Fn(usize, usize) -> f64, sums: &mut Sums) {
         let Some(values) = sums.tangent.as_deref_mut() else { return };
         let pairs = self.nodes.iter().flat_map(|(_, a)| self.nodes.iter().map(move |(_, b)| a * b));
         for (block, factor) in self.places.iter().zip(pairs) {
