@@ -210,7 +210,7 @@ impl Line {
         self.add_slope(weight, slope, sums);
     }
 
-    /// Adds a force along the line that pushes the ends apart (negative: pulls) to the loads, and its derivative; zero for ends that coincide.
+    /// Adds a force along the line that pushes the ends apart (negative: pulls) to the loads, and its derivative; zero for coinciding ends.
     pub fn push_apart(&self, force: f64, at: &Iterate, sums: &mut Sums) {
         let (r, length) = self.vector(at.q_test);
         if length > 0.0 {

@@ -8,8 +8,8 @@
 //! g = k/2 (1 - 2 L / (l_0 + l_1)),    f = 2 g r_mid,    df/dr_1 = g I + 4 T r_mid r_1^T,    T = k L / (2 l_1 (l_0 + l_1)^2)
 //! ```
 //!
-//! The work of this force equals the change of `V`. The forces on both ends are opposite and along `r_mid`: linear and angular momentum are conserved
-//! unless an end is on the ground.
+//! The work of this force equals the change of `V`. The forces on both ends are opposite and along `r_mid`: linear and angular momentum are
+//! conserved unless an end is on the ground.
 
 use super::force_laws::SpringLaw;
 use super::line::{Line, LineDefinition, LineElement};
