@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rhai::{Array, Dynamic, Map};
 
 use super::handle::SimulationHandle;
-use super::local_frames::{frame_of, frame_parameters};
+use super::local_frames::{Geometry, frame_of, frame_parameters};
 use crate::dynamics::{BodyFields, BodyTotals, CellPlaces, CellStress, LocalFrame, POINT_FIELDS, PointField, PointValue};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
@@ -236,7 +236,7 @@ fn parameters() -> Vec<Parameter> {
 fn chosen(call: &Call) -> Result<Chosen, Failure> {
     let (handle, name, options) = (call.receiver::<SimulationHandle>(), call.text("name")?, call.options("options")?);
     let (index, at) = (handle.body_index(call)?, options.text("at")?);
-    let (value, frame) = (named(&name), frame_of(&options, handle.0.model.model.dimension())?);
+    let (value, frame) = (named(&name), frame_of(&options, Geometry::of(&handle.0.model.model))?);
     let Some(places) = PLACES.iter().find(|row| row.0 == at).and_then(|row| row.1) else {
         return handle.with(call, |simulation| value.at_nodes(&simulation.fields()[index], &frame));
     };

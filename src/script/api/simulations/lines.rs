@@ -6,7 +6,7 @@ use rhai::{Array, Dynamic, Map};
 
 use super::fields::{at_shares, name_parameter, vector};
 use super::handle::SimulationHandle;
-use super::local_frames::{frame_of, frame_parameters};
+use super::local_frames::{Geometry, frame_of, frame_parameters};
 use crate::dynamics::{BodyFields, principal, von_mises};
 use crate::math::catalogue::Interval;
 use crate::math::norms::length;
@@ -25,7 +25,7 @@ use crate::script::language::parameter::{Absent, Kind, Parameter};
 pub struct LineHandle(Rc<Line>);
 
 struct Line {
-    dimension: usize,
+    geometry: Geometry,
     time: f64,
     fields: BodyFields,
     /// Undeformed points at equal distances.
@@ -41,10 +41,11 @@ impl Handle for LineHandle {
     const MAKER: &'static str = "take one of a simulation: `sim.along(body, from, to, 21)`";
 
     fn describe(&self) -> String {
-        let Line { points, shares, fields, time, dimension, length } = &*self.0;
+        let Line { points, shares, fields, time, geometry, length } = &*self.0;
+        let dimension = geometry.dimension();
         let outside = shares.iter().filter(|shares| shares.is_none()).count();
         let outside = if outside > 0 { format!(", {outside} of them outside of the body") } else { String::new() };
-        let [from, to] = [points.first(), points.last()].map(|point| point.map_or(String::new(), |x| vector_text(&x[..*dimension])));
+        let [from, to] = [points.first(), points.last()].map(|point| point.map_or(String::new(), |x| vector_text(&x[..dimension])));
         format!(
             "line through body \"{}\" at t = {} from {from} to {to}, length {}: {} points{outside}",
             fields.name,
@@ -85,7 +86,8 @@ fn along() -> Function {
             let handle = call.receiver::<SimulationHandle>();
             let index = handle.body_index(call)?;
             let (model, count) = (&handle.0.model.model, call.integer("count")? as usize);
-            let (mesh, dimension) = (model.bodies[index].mesh.clone(), model.dimension());
+            let (mesh, geometry) = (model.bodies[index].mesh.clone(), Geometry::of(model));
+            let dimension = geometry.dimension();
             let [from, to] = ["from", "to"].map(|name| call.argument(name));
             let (a, b) = (from.vector(dimension)?, to.vector(dimension)?);
             if a == b {
@@ -103,7 +105,7 @@ fn along() -> Function {
             }
             let (fields, time) = handle.with(call, |simulation| (simulation.fields().swap_remove(index), simulation.time()))?;
             let length = length(std::array::from_fn(|i| b[i] - a[i]));
-            Ok(Dynamic::from(LineHandle(Rc::new(Line { dimension, time, fields, points, shares, length }))))
+            Ok(Dynamic::from(LineHandle(Rc::new(Line { geometry, time, fields, points, shares, length }))))
         }),
     }
 }
@@ -142,8 +144,8 @@ fn field() -> Function {
         see_also: &["along", "linearized"],
         body: body(|call| {
             let (line, options) = (call.receiver::<LineHandle>().0, call.options("options")?);
-            let frame = frame_of(&options, line.dimension)?;
-            Ok(at_shares(&call.text("name")?, &line.fields, &frame, &line.shares, line.dimension).into())
+            let frame = frame_of(&options, line.geometry)?;
+            Ok(at_shares(&call.text("name")?, &line.fields, &frame, &line.shares, line.geometry.dimension()).into())
         }),
     }
 }

@@ -1,6 +1,6 @@
 //! Options that say to which axis and direction components of stresses and strains belong.
 
-use crate::dynamics::LocalFrame;
+use crate::dynamics::{LocalFrame, Model};
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -16,13 +16,47 @@ pub(super) fn frame_parameters() -> [Parameter; 3] {
     ]
 }
 
+/// Geometry of a model, which determines the axes that a local frame may have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Geometry {
+    /// Plane strain or plane stress: the axis is normal to the plane.
+    Plane,
+    /// Bodies of revolution: the axis is the second coordinate axis.
+    Revolution,
+    /// Bodies in space.
+    Space,
+}
+
+impl Geometry {
+    /// Geometry of a model.
+    pub(super) fn of(model: &Model) -> Self {
+        match model.dimension() {
+            _ if model.is_axisymmetric() => Geometry::Revolution,
+            2 => Geometry::Plane,
+            _ => Geometry::Space,
+        }
+    }
+
+    /// Number of coordinates.
+    pub(super) fn dimension(self) -> usize {
+        if self == Geometry::Space { 3 } else { 2 }
+    }
+}
+
 /// The local frame that options give.
 ///
 /// # Errors
-/// A vector of the wrong length or without a direction, or an axis in the plane.
-pub(super) fn frame_of(options: &Options, dimension: usize) -> Result<LocalFrame, Failure> {
-    let mut frame = LocalFrame::default();
+/// A vector of the wrong length or without a direction, an axis in the plane, or an axis or center of bodies of revolution.
+pub(super) fn frame_of(options: &Options, geometry: Geometry) -> Result<LocalFrame, Failure> {
+    let (mut frame, dimension) = (LocalFrame::default(), geometry.dimension());
     let [center, axis, direction] = ["center", "axis", "direction"].map(|name| options.argument(name));
+    if geometry == Geometry::Revolution {
+        frame.axis = [0.0, 1.0, 0.0];
+        if let Some(argument) = [&center, &axis].into_iter().find(|argument| argument.is_given()) {
+            let failure = argument.fail(format!("bodies of revolution have their own axis, and take no {}", argument.title()));
+            return Err(failure.hint("leave it out: radial is along x, axial along y, tangential around the axis"));
+        }
+    }
     if center.is_given() {
         frame.center = center.vector(dimension)?;
     }

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use rhai::Dynamic;
 
 use super::handle::SimulationHandle;
-use super::local_frames::{frame_of, frame_parameters};
+use super::local_frames::{Geometry, frame_of, frame_parameters};
 use super::plots::ascending;
 use crate::dynamics::BodyFields;
 use crate::math::catalogue::Interval;
@@ -148,7 +148,8 @@ fn refuse_empty_section(options: &Options, fields: &[BodyFields], shown: &Pictur
 
 /// Reads the options of pictures of a model.
 pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptions, Failure> {
-    let dimension = model.model.dimension();
+    let geometry = Geometry::of(&model.model);
+    let dimension = geometry.dimension();
     let text = |name: &str| {
         let argument = options.argument(name);
         if argument.is_given() { argument.text() } else { Ok(String::new()) }
@@ -165,7 +166,7 @@ pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptio
     let vectors = Vectors::ALL.iter().find(|row| row.0 == vectors).map(|row| row.2);
     let view = view(options, dimension)?;
     Ok(PictureOptions {
-        panels: panels(options, dimension)?,
+        panels: panels(options, geometry)?,
         title: String::new(),
         width: options.number("width")?,
         view,
@@ -181,7 +182,7 @@ pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptio
 }
 
 /// The fields with their ranges and units.
-fn panels(options: &Options, dimension: usize) -> Result<Vec<Panel>, Failure> {
+fn panels(options: &Options, geometry: Geometry) -> Result<Vec<Panel>, Failure> {
     let argument = options.argument("field");
     let value = if argument.is_given() { argument.value() } else { Dynamic::from("von_mises") };
     let names: Option<Vec<String>> = match value.clone().into_array() {
@@ -192,7 +193,7 @@ fn panels(options: &Options, dimension: usize) -> Result<Vec<Panel>, Failure> {
     let known = Field::names();
     let fields: Vec<Field> =
         names.iter().map(|name| Field::from_name(name).ok_or_else(|| argument.unknown_choice(name, &known))).collect::<Result<_, _>>()?;
-    let (ranges, frame) = (ranges(&options.argument("range"), fields.len())?, frame_of(options, dimension)?);
+    let (ranges, frame) = (ranges(&options.argument("range"), fields.len())?, frame_of(options, geometry)?);
     let argument = options.argument("unit");
     let units = if argument.is_given() { argument.text()? } else { String::new() };
     let units: Vec<&str> = units.split(',').map(str::trim).collect();

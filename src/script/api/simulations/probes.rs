@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic};
 use super::columns::Probe;
 use super::fields::{at_shares, name_parameter};
 use super::handle::{SimulationHandle, busy};
-use super::local_frames::{frame_of, frame_parameters};
+use super::local_frames::{Geometry, frame_of, frame_parameters};
 use crate::dynamics::{BodyDefinition, ProbeValues};
 use crate::script::api::examples::flight_example;
 use crate::script::api::models::handle::BodyHandle;
@@ -134,10 +134,10 @@ fn field() -> Function {
         body: body(|call| {
             let (handle, options) = (call.receiver::<ProbeHandle>(), call.options("options")?);
             let (simulation, probe, name) = (&handle.simulation, handle.probe(), call.text("name")?);
-            let dimension = simulation.0.model.model.dimension();
-            let frame = frame_of(&options, dimension)?;
+            let geometry = Geometry::of(&simulation.0.model.model);
+            let frame = frame_of(&options, geometry)?;
             let fields = simulation.with(call, |simulation| simulation.fields().swap_remove(probe.body))?;
-            let values = at_shares(&name, &fields, &frame, &[Some(vec![(probe.node as u32, 1.0)])], dimension);
+            let values = at_shares(&name, &fields, &frame, &[Some(vec![(probe.node as u32, 1.0)])], geometry.dimension());
             Ok(values.into_iter().next().unwrap_or_default())
         }),
     }
