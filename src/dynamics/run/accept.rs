@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::ledger::{LedgerRow, ProbeValues, heat, unexplained};
+use super::ledger::{LedgerRow, Reaction, heat, unexplained};
 use super::quantities::Touching;
 use super::slip_memory::{add_heat, slipped};
 use super::state::State;
@@ -132,17 +132,16 @@ where
         jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.pressing..]));
         let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &touched, slipped: &slipped };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
-        let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
-        let pushed = |k: usize| jump.as_ref().map_or(0.0, |jump| jump.impulse[k] / dt);
-        row.reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
-        row.reactions.extend(self.coupling_reactions(middle, &at, &lambda, start.time + dt)?);
-        (row.joints, row.probes) = (self.joints_after(start, &at, &lambda, &outside.drive_works), self.probes_after(&at.u_1, &v_1, dt));
+        row.reactions = self.reactions_after(start, &at, &lambda, jump.as_ref())?;
+        let accelerations = self.accelerations_to(&v_1, dt);
+        row.joints = self.joints_after(start, &at, &lambda, &outside.drive_works);
+        row.probes = self.probe_values(&at.u_1, &v_1, &accelerations);
         let state = State {
             drift: self.state.drift + row.energy_defect,
             row,
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),
-            accelerations: self.accelerations_to(&v_1, dt),
+            accelerations,
             velocities: v_1,
             lambda,
             penalty_gap,
@@ -163,14 +162,24 @@ where
         Ok(state)
     }
 
+    /// Reactions of supports and couplings in a step, with the impulses of its impact.
+    fn reactions_after(
+        &self,
+        start: &StepStart,
+        at: &Linearization,
+        lambda: &[f64],
+        jump: Option<&VelocityCorrection>,
+    ) -> Result<Vec<Reaction>, StepError> {
+        let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
+        let pushed = |k: usize| jump.map_or(0.0, |jump| jump.impulse[k] / start.dt());
+        let mut reactions = self.reactions(middle, |k| at.forces.without_contact[k] - at.forces.contact[k] + pushed(k));
+        reactions.extend(self.coupling_reactions(middle, at, lambda, start.time + start.dt())?);
+        Ok(reactions)
+    }
+
     /// Mean accelerations in a step from the present state to the velocities `v_1`.
     pub(super) fn accelerations_to(&self, v_1: &[f64], dt: f64) -> Vec<f64> {
         v_1.iter().zip(&self.state.velocities).map(|(v_1, v_0)| (v_1 - v_0) / dt).collect()
-    }
-
-    /// Values of the watched nodes after a step from the present state.
-    fn probes_after(&self, u_1: &[f64], v_1: &[f64], dt: f64) -> Vec<ProbeValues> {
-        self.probe_values(u_1, v_1, &self.accelerations_to(v_1, dt))
     }
 
     /// Potential energy at the end of a step, excluding the stored impact energy of active contacts.
