@@ -103,8 +103,10 @@ pub struct Pressed<'a> {
     pub law: &'a dyn FrictionLaw,
     /// Friction coefficient.
     pub coefficient: f64,
-    /// Multiplier of the normal constraint.
+    /// Normal force per weight that bounds friction: the multiplier of the normal constraint, of bilateral contacts its magnitude.
     pub normal: f64,
+    /// Derivative of `normal` with respect to the multiplier: 1, or -1 where a bilateral contact pulls.
+    pub sense: f64,
     /// Slip rate per slip.
     pub speed: f64,
     /// Multiplier per stress: 1, or a circumference in axisymmetric models.
@@ -271,7 +273,7 @@ impl SlipRow<'_> {
             // iterations move there.
             gradient: by * (self.film() + by_speed.max(-self.pressed.c)),
             diagonal: by,
-            normal: -by * sense * by_pressure,
+            normal: -by * sense * by_pressure * self.pressed.sense,
             right: by * (sense * (shear - by_pressure * self.pressed.normal) - self.film() * self.slip),
             compliance: self.pressed.compliance,
             ..Equation::OPEN
@@ -324,7 +326,7 @@ mod tests {
 
     fn row(law: &dyn FrictionLaw, normal: f64, lambda: f64, slip: f64) -> SlipRow<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
+        let pressed = Pressed { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipRow { pressed, lambda, slip, rest: 0.0, is_held: false }
     }
 

@@ -183,7 +183,7 @@ impl SlipVector<'_> {
                 acts: true,
                 gradient: gradient[i][i],
                 diagonal: diagonal[i][i],
-                normal: -pressing * e[i],
+                normal: -pressing * self.pressed.sense * e[i],
                 beside: [gradient[i][j], diagonal[i][j]],
                 right,
                 compliance,
@@ -218,7 +218,7 @@ mod tests {
 
     fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Pair, slip: Pair, rest: Pair) -> SlipVector<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = Pressed { law, coefficient, normal, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
+        let pressed = Pressed { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipVector { pressed, lambda, slip, rest }
     }
 

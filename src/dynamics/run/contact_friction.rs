@@ -70,7 +70,7 @@ pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, ar
     let (stride, nodes) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
     let multipliers = tangential.multipliers();
     let limit = |row: usize, pressure: f64| {
-        friction.law.limit(Sliding { coefficient: friction.coefficients[row], pressure: pressure.max(0.0), speed: 0.0 }).shear
+        friction.law.limit(Sliding { coefficient: friction.coefficients[row], pressure: pair.bearing(pressure), speed: 0.0 }).shear
     };
     let of = |(index, &pressure): (usize, &f64)| {
         let rows = index * stride..(index + 1) * stride;
@@ -118,7 +118,7 @@ fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
     let Some(friction) = &corners.pair.friction else { return Vec::new() };
     let groups = tangential.active.iter().step_by(tangential.count).zip(tangential.lambda.chunks_exact(tangential.count));
     let slides = |(row, (state, shear)): (usize, (&RowState, &[f64]))| {
-        let sliding = Sliding { coefficient: friction.coefficients[row], pressure: corners.lambda[row].max(0.0), speed: 0.0 };
+        let sliding = Sliding { coefficient: friction.coefficients[row], pressure: corners.pair.bearing(corners.lambda[row]), speed: 0.0 };
         let limit = friction.law.limit(sliding).shear;
         state.slides() || limit > 0.0 && size(shear) >= (1.0 - tolerances::ON_CONE) * limit
     };

@@ -62,10 +62,12 @@ impl<'a> SlipPlace<'a> {
         let first = self.rows.start;
         let local = pressing - pair.rows.start;
         let length = self.covered * pair.kernel.weights()[local];
+        let is_pulled = pair.law.is_bilateral() && lambda[pressing] < 0.0;
         let pressed = Pressed {
             law: &*friction.law,
             coefficient: friction.coefficients[local],
-            normal: lambda[pressing],
+            normal: if is_pulled { -lambda[pressing] } else { lambda[pressing] },
+            sense: if is_pulled { -1.0 } else { 1.0 },
             speed: if conditions.dt > 0.0 && length > 0.0 { 1.0 / (length * conditions.dt) } else { 0.0 },
             around,
             compliance: conditions.compliance[first],

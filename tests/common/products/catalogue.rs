@@ -34,12 +34,10 @@ pub struct Catalogue {
 /// Obstacles that are in the plane alone, in space alone.
 const PLANE_OBSTACLES: [&str; 3] = ["rigid_disk", "rigid_ring", "rigid_polyline"];
 
-/// Methods of a model that every product uses, or that change nothing of a run; bolts and reference couplings, which no product draws yet.
-const OTHER_METHODS: [&str; 11] = [
+/// Methods of a model that every product uses, or that change nothing of a run.
+const OTHER_METHODS: [&str; 9] = [
     "add_body",
-    "add_bolt",
     "add_contact",
-    "add_coupling",
     "add_joint",
     "check",
     "name",
@@ -118,8 +116,8 @@ impl Catalogue {
             rows[..=place].rotate_right(1);
             rows
         };
-        // Generators make no meshes of pyramids, and of wedges only sweeps of triangles.
-        let is_made = |kind: &&CellKind| !matches!(kind.row().cell_shape, CellShape::Wedge | CellShape::Pyramid);
+        // No generator makes a mesh of pyramids alone.
+        let is_made = |kind: &&CellKind| kind.row().cell_shape != CellShape::Pyramid;
         let cells = CellKind::ALL.iter().filter(is_made).map(|kind| kind.name().to_string()).collect();
         let materials = materials::CATALOGUE.iter().chain(materials::LINEAR).map(|row| row.title()).collect();
         let enforcement = keys(&registry, "add_contact")
@@ -291,4 +289,13 @@ pub fn is_plane(cell: &str) -> bool {
 /// True for elements of second order.
 pub fn is_quadratic(cell: &str) -> bool {
     CellKind::ALL.iter().any(|kind| kind.name() == cell && kind.is_quadratic())
+}
+
+/// Plane cells whose sweep gives wedges.
+pub fn wedge_section(cell: &str) -> Option<&'static str> {
+    match cell {
+        "wedge6" => Some("tri3"),
+        "wedge15" => Some("tri6"),
+        _ => None,
+    }
 }

@@ -219,7 +219,7 @@ fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
             / told::first(&ended.printed, "dt").first().copied().unwrap_or(numbers.dt * 1e-2)
     };
     let bound = |node: usize| {
-        let p = pressure[node].max(0.0);
+        let p = if product.is("enforcement", &["equality"]) { pressure[node].abs() } else { pressure[node].max(0.0) };
         match product.row("friction") {
             "number" => mu * p,
             "coulomb" => 1.2 * mu * p + film(node),
@@ -228,7 +228,7 @@ fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
             _ => 0.0,
         }
     };
-    if pressure.len() != shear.len() || product.is("enforcement", &["equality"]) {
+    if pressure.len() != shear.len() {
         return Vec::new();
     }
     let beyond = |node: usize| (shear[node].abs() - bound(node)) / most.max(f64::MIN_POSITIVE);

@@ -7,7 +7,7 @@ use conserva::elements::CellKind;
 use conserva::materials;
 
 use super::Named;
-use super::catalogue::{is_plane, is_quadratic};
+use super::catalogue::{is_plane, is_quadratic, wedge_section};
 use super::numbers::Numbers;
 
 pub use constants::{TOP, friction_law, obstacle};
@@ -16,8 +16,10 @@ pub use constants::{TOP, friction_law, obstacle};
 pub const SUPPORTS: [&str; 4] = ["fix", "prescribe", "add_symmetry", "add_periodic"];
 
 /// Force elements for which a script is known.
-pub const PARTS: [&str; 10] = [
+pub const PARTS: [&str; 12] = [
     "add_spring",
+    "add_bolt",
+    "add_coupling",
     "add_torsion_spring",
     "add_damper",
     "add_bushing",
@@ -187,47 +189,46 @@ impl<'a> Writer<'a> {
 
     /// Mesh of the body.
     fn mesh(&self) -> String {
-        let cell = self.product.row("cell");
-        let [width, height, depth] = SIZE;
-        let (gap, middle) = (self.gap, self.gap + RADII[1]);
-        let is_quadratic = is_quadratic(cell);
-        let turned = self.turns_mesh();
-        match (self.is_plane, self.is_round()) {
-            (true, false) => {
-                let cells = if is_quadratic { "[2, 1]" } else { "[4, 2]" };
-                let turn = if turned { format!(".rotate(PI(), [{MIDDLE:?}, {:?}])", gap + 0.5 * height) } else { String::new() };
-                format!(
-                    "rectangle(#{{ size: [{width:?}, {height:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}], \
-                     element: \"{cell}\" }}){turn}"
-                )
+        match wedge_section(self.product.row("cell")) {
+            Some(section) => {
+                let mesh = if self.is_round() { self.round_mesh(true, section) } else { self.box_mesh(true, section) };
+                let depth = SIZE[2];
+                format!("{mesh}.extrude(#{{ height: {depth:?}, layers: 1, wedges: true }}).translate([0.0, 0.0, 0.1])")
             }
-            (true, true) => {
-                let around = if is_quadratic { 8 } else { 12 };
-                let [inner, outer] = RADII;
-                format!(
-                    "ring(#{{ inner_radius: {inner:?}, outer_radius: {outer:?}, cells: [1, {around}], \
-                     center: [{MIDDLE:?}, {middle:?}], element: \"{cell}\" }})"
-                )
-            }
-            (false, false) => {
-                let cells = if is_quadratic { "[2, 1, 1]" } else { "[2, 2, 1]" };
-                let turn = if turned {
-                    format!(".rotate(PI(), [{MIDDLE:?}, {:?}, 0.5], [0.0, 0.0, 1.0])", gap + 0.5 * height)
-                } else {
-                    String::new()
-                };
-                format!(
-                    "block(#{{ size: [{width:?}, {height:?}, {depth:?}], cells: {cells}, origin: [{LEFT:?}, {gap:?}, 0.1], \
-                     element: \"{cell}\" }}){turn}"
-                )
-            }
-            (false, true) => {
-                let around = if is_quadratic { 4 } else { 8 };
-                format!(
-                    "sphere(#{{ radius: {:?}, cells: [1, {around}], center: [{MIDDLE:?}, {middle:?}, 0.5], element: \"{cell}\" }})",
-                    RADII[1]
-                )
-            }
+            None if self.is_round() => self.round_mesh(self.is_plane, self.product.row("cell")),
+            None => self.box_mesh(self.is_plane, self.product.row("cell")),
+        }
+    }
+
+    fn box_mesh(&self, is_plane: bool, cell: &str) -> String {
+        let ([width, height, depth], gap) = (SIZE, self.gap);
+        let (generator, size, origin, center, axis) = if is_plane {
+            ("rectangle", format!("[{width:?}, {height:?}]"), format!("[{LEFT:?}, {gap:?}]"), "", "")
+        } else {
+            ("block", format!("[{width:?}, {height:?}, {depth:?}]"), format!("[{LEFT:?}, {gap:?}, 0.1]"), ", 0.5", ", [0.0, 0.0, 1.0]")
+        };
+        let cells = match (is_plane, is_quadratic(cell)) {
+            (true, true) => "[2, 1]",
+            (true, false) => "[4, 2]",
+            (false, true) => "[2, 1, 1]",
+            (false, false) => "[2, 2, 1]",
+        };
+        let middle = gap + 0.5 * height;
+        let turn = if self.turns_mesh() { format!(".rotate(PI(), [{MIDDLE:?}, {middle:?}{center}]{axis})") } else { String::new() };
+        format!("{generator}(#{{ size: {size}, cells: {cells}, origin: {origin}, element: \"{cell}\" }}){turn}")
+    }
+
+    fn round_mesh(&self, is_plane: bool, cell: &str) -> String {
+        let ([inner, outer], middle) = (RADII, self.gap + RADII[1]);
+        if is_plane {
+            let around = if is_quadratic(cell) { 8 } else { 12 };
+            format!(
+                "ring(#{{ inner_radius: {inner:?}, outer_radius: {outer:?}, cells: [1, {around}], \
+                 center: [{MIDDLE:?}, {middle:?}], element: \"{cell}\" }})"
+            )
+        } else {
+            let around = if is_quadratic(cell) { 4 } else { 8 };
+            format!("sphere(#{{ radius: {outer:?}, cells: [1, {around}], center: [{MIDDLE:?}, {middle:?}, 0.5], element: \"{cell}\" }})")
         }
     }
 
@@ -290,13 +291,21 @@ impl<'a> Writer<'a> {
             return;
         }
         let cell = self.product.row("cell");
-        let is_quadratic = is_quadratic(cell);
-        let mesh = if self.is_plane {
-            let cells = if is_quadratic { "[3, 1]" } else { "[5, 2]" };
-            format!("rectangle(#{{ size: [1.8, 0.5], cells: {cells}, origin: [0.1, -0.5], element: \"{cell}\" }})")
-        } else {
-            let cells = if is_quadratic { "[2, 1, 1]" } else { "[3, 1, 2]" };
-            format!("block(#{{ size: [1.8, 0.5, 1.0], cells: {cells}, origin: [0.1, -0.5, 0.0], element: \"{cell}\" }})")
+        let cells = match (self.is_plane, is_quadratic(cell)) {
+            (true, true) => "[3, 1]",
+            (true, false) => "[5, 2]",
+            (false, true) => "[2, 1, 1]",
+            (false, false) => "[3, 1, 2]",
+        };
+        let mesh = match wedge_section(cell) {
+            Some(section) => format!(
+                "rectangle(#{{ size: [1.8, 0.5], cells: [3, 1], origin: [0.1, -0.5], element: \"{section}\" }})\
+                 .extrude(#{{ height: 1.0, layers: 1, wedges: true }})"
+            ),
+            None if self.is_plane => {
+                format!("rectangle(#{{ size: [1.8, 0.5], cells: {cells}, origin: [0.1, -0.5], element: \"{cell}\" }})")
+            }
+            None => format!("block(#{{ size: [1.8, 0.5, 1.0], cells: {cells}, origin: [0.1, -0.5, 0.0], element: \"{cell}\" }})"),
         };
         let mut options: Vec<String> = Vec::new();
         if self.is_plane && !self.is("plane", &["strain"]) {

@@ -59,7 +59,8 @@ fn add_contact() -> Function {
                     Parameter::new(
                         "equality",
                         Kind::Flag,
-                        "whether every covered node is closed and tension allowed (the bilateral constraints of the paper)",
+                        "whether every covered node is closed and tension allowed (the bilateral constraints of the paper); \
+                         its friction is bounded by the magnitude of the pressure, as in a guide that bears on either side",
                     )
                     .or(Absent::Flag(false)),
                 ]),

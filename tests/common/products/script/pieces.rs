@@ -14,6 +14,14 @@ impl Writer<'_> {
         let text = match self.product.row("part") {
             "none" => return,
             "add_spring" => format!("m.add_spring(\"part\", #{{ {ends}, stiffness: 5.0, rest_length: 0.9 }});"),
+            "add_bolt" => {
+                let locked = 0.5 * self.duration();
+                format!("m.add_bolt(\"part\", #{{ {ends}, preload: 0.1, stiffness: 5.0, locked_at: {locked:?} }});")
+            }
+            "add_coupling" => {
+                self.line(&format!("let grip = m.add_rigid_body(\"grip\", {}, #{{ density: 1.0 }});", self.block([-2.0, 2.0])));
+                "m.add_coupling(\"part\", #{ boundary: far, to: grip });".into()
+            }
             "add_torsion_spring" => {
                 format!("m.add_torsion_spring(\"part\", #{{ from: a, from_points: [{low}, {right}], to: \"ground\", stiffness: 2.0 }});")
             }
@@ -40,6 +48,15 @@ impl Writer<'_> {
             _ => UNKNOWN.into(),
         };
         self.line(&text);
+    }
+
+    /// A cell from a corner on, for a rigid body beside the model.
+    fn block(&self, [x, y]: [f64; 2]) -> String {
+        if self.is_plane {
+            format!("rectangle(#{{ size: [0.4, 0.4], cells: [1, 1], origin: [{x:?}, {y:?}] }})")
+        } else {
+            format!("block(#{{ size: [0.4, 0.4, 0.4], cells: [1, 1, 1], origin: [{x:?}, {y:?}, 0.0] }})")
+        }
     }
 
     /// The point of the joint at rest.
@@ -78,11 +95,7 @@ impl Writer<'_> {
         self.line(&format!("m.add_joint(\"joint\", #{{ {options} }});"));
         if self.is("joint", &["gear"]) {
             let axis = if self.is_plane { "" } else { ", axis: [0.0, 0.0, 1.0]" };
-            let (mesh, point) = if self.is_plane {
-                ("rectangle(#{ size: [0.4, 0.4], cells: [1, 1], origin: [4.0, 2.0] })", "[4.2, 2.2]")
-            } else {
-                ("block(#{ size: [0.4, 0.4, 0.4], cells: [1, 1, 1], origin: [4.0, 2.0, 0.0] })", "[4.2, 2.2, 0.2]")
-            };
+            let (mesh, point) = (self.block([4.0, 2.0]), if self.is_plane { "[4.2, 2.2]" } else { "[4.2, 2.2, 0.2]" });
             self.line(&format!("let wheel = m.add_rigid_body(\"wheel\", {mesh}, #{{ density: 1.0 }});"));
             self.line(&format!("m.add_joint(\"bearing\", #{{ kind: \"{turns}\", from: wheel, point: {point}{axis} }});"));
             self.line("m.add_gear(\"gear\", #{ joints: [\"joint\", \"bearing\"], ratio: 2.0 });");
