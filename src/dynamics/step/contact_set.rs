@@ -41,6 +41,8 @@ pub struct SlipPlace<'a> {
     friction: &'a FrictionRows,
     slip: &'a Evaluation,
     covered: f64,
+    /// -1 where a bilateral contact pulls at the iterate, so that its frozen linearization has one sign; 1 elsewhere.
+    sense: f64,
     around: f64,
     rests: &'a [f64],
     is_held: bool,
@@ -58,16 +60,15 @@ impl<'a> SlipPlace<'a> {
     }
 
     fn group(&self, conditions: &Conditions, slip: impl Fn(usize) -> f64, lambda: &[f64]) -> SlipGroup<'a> {
-        let &SlipPlace { pressing, pair, friction, around, rests, is_held, .. } = self;
+        let &SlipPlace { pressing, pair, friction, sense, around, rests, is_held, .. } = self;
         let first = self.rows.start;
         let local = pressing - pair.rows.start;
         let length = self.covered * pair.kernel.weights()[local];
-        let is_pulled = pair.law.is_bilateral() && lambda[pressing] < 0.0;
         let pressed = Pressed {
             law: &*friction.law,
             coefficient: friction.coefficients[local],
-            normal: if is_pulled { -lambda[pressing] } else { lambda[pressing] },
-            sense: if is_pulled { -1.0 } else { 1.0 },
+            normal: sense * lambda[pressing],
+            sense,
             speed: if conditions.dt > 0.0 && length > 0.0 { 1.0 / (length * conditions.dt) } else { 0.0 },
             around,
             compliance: conditions.compliance[first],
@@ -96,8 +97,9 @@ pub fn slips_at<'a, const D: usize>(equations: &'a Equations<D>, at: &'a Lineari
             let covered = slip.coverage[rows.start - friction.rows.start];
             let around = pair.node_of(pressing).map_or(1.0, |node| pair.circumference(node, &at.q_1));
             let exists = has_row(pair, evaluation, local) && covered > tolerances::SLIVER && around > 0.0;
+            let sense = if pair.law.is_bilateral() && at.lambda[pressing] < 0.0 { -1.0 } else { 1.0 };
             let (rests, is_held) = (&at.rests[first..end], at.held[first]);
-            SlipPlace { rows, pressing, pair, exists, friction, slip, covered, around, rests, is_held }
+            SlipPlace { rows, pressing, pair, exists, friction, slip, covered, sense, around, rests, is_held }
         })
     })
 }
