@@ -36,7 +36,7 @@ struct Direction {
 }
 
 /// Equations of a coupling, direction by direction.
-fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coupling) -> Vec<Direction> {
+fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coupling, start: &[f64]) -> Vec<Direction> {
     let first = |body: usize| bodies[body].nodes.start as u32;
     match &coupling.kind {
         CouplingKind::Plane { on, normal } => {
@@ -66,9 +66,8 @@ fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coup
         }
         CouplingKind::Reference { on, to, is_rigid } => {
             let Some(rigid) = &bodies[*to].rigid else { return Vec::new() };
-            let mesh = &model.bodies[on.body].mesh;
             let shares = |point: [f64; 3]| rigid.masters.iter().copied().zip(rigid.frame.shares(point));
-            let (weights, center) = weights_of(model, on);
+            let Weighted { weights, points, center } = weights_of(model, bodies, on, start);
             let equation = |i: usize, nodes: &[(u32, f64)], point: [f64; 3]| -> Terms {
                 let along = |by: f64| std::array::from_fn(|k| if k == i { by } else { 0.0 });
                 let own = nodes.iter().map(|&(node, share)| (first(on.body) + node, along(share)));
@@ -77,7 +76,7 @@ fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coup
             let direction = |i: usize| Direction {
                 along: std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 }),
                 equations: match is_rigid {
-                    true => weights.iter().map(|&(node, _)| equation(i, &[(node, 1.0)], mesh.points[node as usize])).collect(),
+                    true => weights.iter().zip(&points).map(|(&(node, _), &point)| equation(i, &[(node, 1.0)], point)).collect(),
                     false => vec![equation(i, &weights, center)],
                 },
                 offset: None,
@@ -87,23 +86,33 @@ fn directions<const D: usize>(model: &Model, bodies: &[Body<D>], coupling: &Coup
     }
 }
 
-/// Nodes of a boundary with their shares of its area, which add up to 1, and the centroid at rest.
-fn weights_of(model: &Model, on: &BodyBoundary) -> (Vec<(u32, f64)>, [f64; 3]) {
+/// Nodes of a boundary, in the numbering of the body, with their shares of its area, which add up to 1; their positions at the start, and
+/// the mean of these. A coupling is made at the start: with positions at rest, its forces would have a moment on bodies that start with
+/// displacements.
+struct Weighted {
+    weights: Vec<(u32, f64)>,
+    points: Vec<[f64; 3]>,
+    center: [f64; 3],
+}
+
+fn weights_of<const D: usize>(model: &Model, bodies: &[Body<D>], on: &BodyBoundary, start: &[f64]) -> Weighted {
     let body = &model.bodies[on.body];
     let areas = nodal_areas(&body.mesh, &on.boundary, body.formulation.plane);
     let whole: f64 = areas.iter().map(|(_, area)| area).sum();
     let weights: Vec<(u32, f64)> = areas.into_iter().map(|(node, area)| (node, area / whole)).collect();
-    let center = std::array::from_fn(|i| weights.iter().map(|&(node, share)| share * body.mesh.points[node as usize][i]).sum());
-    (weights, center)
+    let first = bodies[on.body].nodes.start;
+    let point = |&(node, _): &(u32, f64)| std::array::from_fn(|i| if i < D { start[(first + node as usize) * D + i] } else { 0.0 });
+    let points: Vec<[f64; 3]> = weights.iter().map(point).collect();
+    let center = std::array::from_fn(|i| weights.iter().zip(&points).map(|(&(_, share), point)| share * point[i]).sum());
+    Weighted { weights, points, center }
 }
 
-/// Equations of the mean rotation of a boundary with a rigid body: with the unit vectors `e_k` and the arms `r_a` at rest, turned by `R`,
-/// `sum_a w_a R (e_k x r_a) . x_a = sum_j R e_j . y_kj`, `y_kj = sum_a w_a (e_k x r_a)_j x_a`, over the size of the boundary.
-fn mean_rotation<const D: usize>(model: &Model, bodies: &[Body<D>], on: &BodyBoundary, rigid: &Carried, size: f64) -> PointConstraints {
-    let ((weights, center), first) = (weights_of(model, on), bodies[on.body].nodes.start as u32);
-    let points = &model.bodies[on.body].mesh.points;
-    let arm = |node: u32| Vector3::from(points[node as usize]) - Vector3::from(center);
-    let scale = weights.iter().map(|&(node, share)| share * arm(node).norm_squared()).sum::<f64>().sqrt();
+/// Equations of the mean rotation of a boundary with a rigid body: with the unit vectors `e_k` and the arms `r_a` at the start, turned by
+/// `R`, `sum_a w_a R (e_k x r_a) . x_a = sum_j R e_j . y_kj`, `y_kj = sum_a w_a (e_k x r_a)_j x_a`, over the size of the boundary.
+fn mean_rotation<const D: usize>(weighted: &Weighted, first: u32, rigid: &Carried, size: f64) -> PointConstraints {
+    let Weighted { weights, points, center } = weighted;
+    let arms: Vec<Vector3<f64>> = points.iter().map(|point| Vector3::from(*point) - Vector3::from(*center)).collect();
+    let scale = weights.iter().zip(&arms).map(|((_, share), arm)| share * arm.norm_squared()).sum::<f64>().sqrt();
     let mut kernel = PointConstraints::new(D, size);
     if scale == 0.0 {
         return kernel;
@@ -114,10 +123,10 @@ fn mean_rotation<const D: usize>(model: &Model, bodies: &[Body<D>], on: &BodyBou
         for j in 0..D {
             let unit: [f64; 3] = std::array::from_fn(|i| if i == j { 1.0 } else { 0.0 });
             let turned = rigid.masters.iter().copied().zip(rigid.frame.direction(unit)).collect();
-            let moment = |&(node, share): &(u32, f64)| (first + node, share * Vector3::ith(k, 1.0).cross(&arm(node))[j]);
+            let moment = |(&(node, share), arm): (&(u32, f64), &Vector3<f64>)| (first + node, share * Vector3::ith(k, 1.0).cross(arm)[j]);
             function.products.push((vectors.len(), vectors.len() + 1, 1.0 / scale));
             vectors.push(PointVector { parts: turned, offset: [0.0; 3] });
-            vectors.push(PointVector { parts: weights.iter().map(moment).collect(), offset: [0.0; 3] });
+            vectors.push(PointVector { parts: weights.iter().zip(&arms).map(moment).collect(), offset: [0.0; 3] });
         }
         functions.push(function);
     }
@@ -151,7 +160,7 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
             }
             _ => Vec::new(),
         };
-        for direction in directions(model, bodies, coupling) {
+        for direction in directions(model, bodies, coupling, start) {
             let offset = direction.offset.clone();
             let nodes = if pushed.is_empty() { direction.equations.iter().map(|terms| terms[0].0).collect() } else { Vec::new() };
             let frame = Equalities { is_driven: offset.is_some(), is_grounded: pushed.is_empty(), size, dimension: model.dimension() };
@@ -162,7 +171,8 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
         if let CouplingKind::Reference { on, to, is_rigid: false } = &coupling.kind
             && let Some(rigid) = &bodies[*to].rigid
         {
-            let kernel = mean_rotation(model, bodies, on, rigid, size);
+            let weighted = weights_of(model, bodies, on, start);
+            let kernel = mean_rotation::<D>(&weighted, bodies[on.body].nodes.start as u32, rigid, size);
             pairs.extend((!kernel.is_empty()).then(|| made([0.0; 3], Vec::new(), pushed.clone(), Box::new(kernel))));
         }
     }

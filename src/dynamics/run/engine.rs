@@ -126,6 +126,7 @@ where
             level: 0,
             pace: Pace::default(),
             drift: 0.0,
+            largest_force: 0.0,
             preferred: Preferred::default(),
             carried: 0.0,
             loads_ended: 0.0,

@@ -257,6 +257,8 @@ pub struct Measures<'a> {
     pub contacts: Vec<(&'a str, f64)>,
     /// Young's modulus times the size of the model: the strain energy at strains of order one `[energy]`.
     pub stiffness: f64,
+    /// Work that forces of the run's size do on the round-off of positions `[energy]`.
+    pub round_off: f64,
     /// Admissible relative energy defect of a step; `None` for an integrator that does not conserve energy.
     pub defect: Option<f64>,
     /// Name of the time integrator.
@@ -378,7 +380,7 @@ pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunF
     let mut scale = (FORCE_FLOOR * measures.stiffness).max(f64::MIN_POSITIVE);
     rows.visit(0, &mut |row| scale = scale.max(row.kinetic + row.strain.abs() + row.potential.abs()));
     // Round-off of positions moves forces by this much of the stiffness, and they work on displacements of the size that the energy has.
-    let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt();
+    let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt() + measures.round_off / scale;
     let seen = Gathered::of(rows, &last, scale, measures);
     let only = match measures.contacts[..] {
         [(name, _)] => Some(name.to_string()),
@@ -509,6 +511,7 @@ mod tests {
         Measures {
             contacts: vec![("race", 0.5), ("floor", 0.1)],
             stiffness: 1.0,
+            round_off: 0.0,
             defect: Some(1e-11),
             integrator: "midpoint",
             is_explicit: false,

@@ -32,6 +32,7 @@ use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::failure::Failure;
+use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
 /// Largest number of kinks within a step at which the step is divided.
@@ -259,9 +260,11 @@ where
     fn measures(&self) -> Measures<'_> {
         let system = &self.system;
         let conserves = self.options.integrator.promises.energy;
+        let reach = largest_size(&self.state.positions).max(system.nodes.extent);
         Measures {
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
             stiffness: system.nodes.stiffness() * system.nodes.extent.powi(2),
+            round_off: tolerances::WORK_ROUND_OFF * self.state.largest_force * reach,
             integrator: self.options.integrator.name,
             is_explicit: self.options.integrator.lumping().is_some(),
             is_static: self.options.integrator.is_static(),

@@ -62,5 +62,9 @@ pub const ON_CONE: f64 = 1e-6;
 /// reduces. Bodies at rest have less energy of their own in small steps (`tests/scripts/rigid_friction_in_space.rhai`).
 pub const CONTACT_ROUND_OFF: f64 = 4e-15;
 
+/// Work of a force relative to the force times the size of the model that is round-off of positions: what rests while large forces act on
+/// it has no other work (`tests/scripts/rest.rhai`).
+pub const WORK_ROUND_OFF: f64 = 2e-15;
+
 /// Energy of the bodies relative to the one that loads give them in a step, up to which they count as still.
 pub const HARDLY_MOVED: f64 = 1e-6;

@@ -35,17 +35,8 @@ pub struct Catalogue {
 const PLANE_OBSTACLES: [&str; 3] = ["rigid_disk", "rigid_ring", "rigid_polyline"];
 
 /// Methods of a model that every product uses, or that change nothing of a run.
-const OTHER_METHODS: [&str; 9] = [
-    "add_body",
-    "add_contact",
-    "add_joint",
-    "check",
-    "name",
-    "bodies",
-    "initial_velocity",
-    "tie",
-    "add_self_contact",
-];
+const OTHER_METHODS: [&str; 9] =
+    ["add_body", "add_contact", "add_joint", "check", "name", "bodies", "initial_velocity", "tie", "add_self_contact"];
 
 /// Tasks: what a script lets the simulation do.
 const TASKS: [&str; 12] = [
