@@ -168,10 +168,7 @@ where
         rows: &[usize],
         rates: &[f64],
     ) -> Result<(Responses, [Vec<f64>; 2]), Failure> {
-        let mut hold = vec![false; self.system.multipliers];
-        for pair in self.system.pairs.iter().filter(|pair| pair.law.is_bilateral()) {
-            pair.rows.clone().for_each(|row| hold[row] = !self.system.redundant[row]);
-        }
+        let hold = self.system.bilateral_rows(&solution.at.pairs, |_| true);
         let responses = self.system.responses(&solution.at, evaluated, &hold, rows)?;
         let mut held: Vec<f64> = rates.iter().zip(&hold).map(|(rate, hold)| if *hold { *rate } else { 0.0 }).collect();
         // What is driven goes as it is driven.

@@ -71,12 +71,10 @@ where
 
     /// Constraints of the filter: ties and joints and, with contact, constraints active or sticking at both ends of the step.
     fn closed_throughout(&self, solution: &Solution, with_contact: bool) -> Vec<bool> {
-        let mut hold = vec![false; self.system.multipliers];
+        let mut hold = self.system.bilateral_rows(&solution.at.pairs, |_| true);
         let is_closed = |row: usize| [&self.state.active, &solution.active].iter().all(|active| active[row] == RowState::Closed);
         for pair in &self.system.pairs {
-            if pair.law.is_bilateral() {
-                pair.rows.clone().for_each(|row| hold[row] = !self.system.redundant[row]);
-            } else if with_contact && pair.has_multipliers() {
+            if !pair.law.is_bilateral() && with_contact && pair.has_multipliers() {
                 pair.rows.clone().for_each(|row| hold[row] = is_closed(row));
                 let sticking = pair.tangential().filter(|(row, pressing)| pair.turn.is_none() && is_closed(*row) && hold[*pressing]);
                 let sticking: Vec<usize> = sticking.map(|(row, _)| row).collect();

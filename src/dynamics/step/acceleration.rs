@@ -32,11 +32,8 @@ where
     pub fn accelerations(&mut self, at: &Linearization, given: Vec<f64>) -> Result<Accelerations, Failure> {
         let clock = Instant::now();
         let unknowns = given.len();
-        let mut hold = vec![false; self.multipliers];
         // The forces of contacts that act in their own step alone are not remembered.
-        for pair in self.pairs.iter().filter(|pair| pair.law.is_bilateral() && !pair.acts_alone()) {
-            pair.rows.clone().for_each(|row| hold[row] = !self.redundant[row]);
-        }
+        let hold = self.bilateral_rows(&at.pairs, |pair| !pair.acts_alone());
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
         // Masses as large as gradients.

@@ -7,6 +7,7 @@ use super::iterate::Linearization;
 use super::newton::{Attempt, Increment};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::laws::{Equation, RowState};
+use crate::linear::LinearError;
 
 /// Largest number of active sets per linearization; if none of them is a solution, a new linearization is more effective than further sets.
 const MAX_SETS: usize = 30;
@@ -14,6 +15,9 @@ const MAX_SETS: usize = 30;
 /// Proximal term relative to the compliance of the constraint's node: small enough to cost few extra iterations, large enough to regularize
 /// nearly dependent gradients.
 const PROXIMAL: f64 = 0.1;
+
+/// Proximal term of conditions that depend on one another exactly: each iteration reduces what is missed to about this fraction.
+const PROXIMAL_OF_DEPENDENT: f64 = 1e-3;
 
 /// Growth of the proximal term in the next iteration if the present one does not suffice, its reduction if it does, and its largest value.
 /// The reduction is needed because the term limits the speed at which multipliers converge.
@@ -34,18 +38,26 @@ where
     pub(super) fn finish_set(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<Increment, Failure> {
         let begun = set.clone();
         let most = if self.proximal.is_some() && !self.task.is_patient { 1 } else { MAX_SETS };
-        let (is_solved, solution) = self.find_set(at, set, most, None)?;
-        self.is_damped = false;
-        if is_solved {
-            self.proximal = None;
-            return Ok(solution);
+        if !self.is_dependent {
+            match self.find_set(at, set, most, None) {
+                Ok((true, solution)) => {
+                    (self.is_damped, self.proximal) = (false, None);
+                    return Ok(solution);
+                }
+                Ok((false, _)) => {}
+                // Periodic pairs and joints connect nodes that an obstacle presses: their conditions depend on one another.
+                Err(Failure::Linear(LinearError::Singular { .. })) => self.is_dependent = true,
+                Err(failure) => return Err(failure),
+            }
+            *set = begun;
         }
-        *set = begun;
-        let factor = self.proximal.unwrap_or(PROXIMAL);
+        let first = if self.is_dependent { PROXIMAL_OF_DEPENDENT } else { PROXIMAL };
+        let factor = self.proximal.unwrap_or(first);
         let terms = self.proximal_terms(at, factor);
         let (is_solved, solution) = self.find_set(at, set, MAX_SETS, Some(&terms))?;
         self.is_damped = is_solved;
-        self.proximal = Some(if is_solved { factor / LESS_PROXIMAL } else { (MORE_PROXIMAL * factor).min(LARGEST_PROXIMAL) });
+        let least = if self.is_dependent { PROXIMAL_OF_DEPENDENT } else { 0.0 };
+        self.proximal = Some(if is_solved { (factor / LESS_PROXIMAL).max(least) } else { (MORE_PROXIMAL * factor).min(LARGEST_PROXIMAL) });
         Ok(solution)
     }
 

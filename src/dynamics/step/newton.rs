@@ -150,6 +150,8 @@ pub(super) struct Attempt<'a, const D: usize> {
     taken: f64,
     /// Proximal term of the multipliers over the compliance of their nodes, where no set solved the last linearisation without one.
     pub(super) proximal: Option<f64>,
+    /// True if the active conditions of a linearization depended on one another, so that the matrix was singular without a proximal term.
+    pub(super) is_dependent: bool,
     /// True if a set solved the last linearisation with a proximal term: such an increment goes a part of the way.
     pub(super) is_damped: bool,
     /// Tangential compliance of overconstrained nodes relative to its first value; decreases while the active set stays.
@@ -183,6 +185,7 @@ where
         first_limit: limit,
         taken: 1.0,
         proximal: None,
+        is_dependent: false,
         is_damped: false,
         yielding: 1.0,
         system,

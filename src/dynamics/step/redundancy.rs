@@ -22,33 +22,46 @@ impl<const D: usize> Equations<D> {
         if self.pairs.iter().all(|pair| !pair.kind.is_bilateral()) {
             return redundant;
         }
-        let (mut pivots, mut of_one_node): (BTreeMap<usize, Row>, BTreeMap<u32, usize>) = Default::default();
+        let (mut elimination, mut of_one_node) = (Elimination::default(), BTreeMap::<u32, usize>::new());
         for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
             // Nodes that are not tied may have entries of round-off, which would be taken for pivots.
             let is_covered = |(number, _): &(usize, Row)| evaluation.coverage[number - pair.rows.start] > ZERO_ROW;
-            for (number, mut row) in self.rows_of(pair, &evaluation).into_iter().filter(is_covered) {
-                // Of all its entries: what supports leave of a row may be round-off.
-                let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
-                row.retain(|&unknown, value| !self.supports.fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
-                let rest = reduced(row, size, &pivots);
-                let entry = rest.iter().map(|(&unknown, &value)| (unknown, value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-                match entry.filter(|(_, value)| value.abs() > DEPENDENT * size) {
-                    Some((unknown, value)) => {
-                        let node = unknown / D;
-                        if pair.kind == PairKind::Joint && rest.keys().all(|other| other / D == node) {
-                            *of_one_node.entry(node as u32).or_default() += 1;
-                        }
-                        pivots.insert(unknown, rest.into_iter().map(|(other, entry)| (other, entry / value)).collect());
-                    }
-                    None => redundant[number] = true,
+            for (number, row) in self.rows_of(pair, &evaluation).into_iter().filter(is_covered) {
+                let Some(rest) = elimination.take(row, &self.supports.fixed) else {
+                    redundant[number] = true;
+                    continue;
+                };
+                let node = rest.keys().next().map_or(0, |unknown| unknown / D);
+                if pair.kind == PairKind::Joint && rest.keys().all(|other| other / D == node) {
+                    *of_one_node.entry(node as u32).or_default() += 1;
                 }
             }
         }
         let is_fixed = |(&node, &rows): (&u32, &usize)| (rows >= self.supports.free_components::<D>(node)).then_some(node);
         self.drop_obstacles_at(&of_one_node.iter().filter_map(is_fixed).collect(), &mut redundant);
         redundant
+    }
+
+    /// True for each constraint of ties, joints and bilateral contacts that acts at an iterate and is independent of those before it; of
+    /// pairs that a condition takes. Contacts that hold a rigid body at more nodes than it has motions depend on one another.
+    pub fn bilateral_rows(&self, evaluations: &[Evaluation], takes: impl Fn(&ContactPair) -> bool) -> Vec<bool> {
+        let mut holds = vec![false; self.multipliers];
+        let pairs = || self.pairs.iter().zip(evaluations).filter(|(pair, _)| pair.law.is_bilateral() && takes(pair));
+        let needs_elimination = pairs().any(|(pair, _)| !pair.kind.is_bilateral());
+        let mut elimination = Elimination::default();
+        for (pair, evaluation) in pairs() {
+            for (row, coverage) in pair.rows.clone().zip(&evaluation.coverage) {
+                holds[row] = !self.redundant[row] && *coverage > ZERO_ROW;
+            }
+            if needs_elimination {
+                for (number, row) in self.rows_of(pair, evaluation) {
+                    holds[number] = holds[number] && elimination.take(row, &self.supports.fixed).is_some();
+                }
+            }
+        }
+        holds
     }
 
     /// Marks the rows of obstacles at some nodes.
@@ -76,6 +89,27 @@ impl<const D: usize> Equations<D> {
             }
         }
         rows
+    }
+}
+
+/// Elimination of constraint gradients one after another.
+#[derive(Default)]
+struct Elimination {
+    /// Remainders by their largest unknown, over its entry.
+    pivots: BTreeMap<usize, Row>,
+}
+
+impl Elimination {
+    /// Remainder of a constraint gradient without `fixed` unknowns, which becomes a pivot; `None` if the gradient depends on earlier ones.
+    fn take(&mut self, mut row: Row, fixed: &[bool]) -> Option<Row> {
+        // Of all its entries: what supports leave of a row may be round-off.
+        let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
+        row.retain(|&unknown, value| !fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
+        let rest = reduced(row, size, &self.pivots);
+        let entry = rest.iter().map(|(&unknown, &value)| (unknown, value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let (unknown, value) = entry.filter(|(_, value)| value.abs() > DEPENDENT * size)?;
+        self.pivots.insert(unknown, rest.iter().map(|(&other, &entry)| (other, entry / value)).collect());
+        Some(rest)
     }
 }
 
