@@ -44,7 +44,7 @@ pub fn case(seed: u64) -> Case {
             "back",
             "point: [0.0, 0.0, 0.0], normal: [0.0, 0.0, 1.0]",
             format!("[{v:.4e}, {:.4e}, 0.0]", 0.3 * v),
-            "from_point: [0.0, 0.25, 0.2], to: \"ground\", to_point: [-1.0, 0.25, 0.2]",
+            "from_point: [0.0, 0.0, 0.4], to: \"ground\", to_point: [-1.0, 0.0, 0.4]",
             "[0.0, 0.0, -10.0]",
         )
     } else {
@@ -53,7 +53,7 @@ pub fn case(seed: u64) -> Case {
             "bottom",
             "point: [0.0, 0.0], normal: [0.0, 1.0]",
             format!("[{v:.4e}, 0.0]"),
-            "from_point: [0.0, 0.2], to: \"ground\", to_point: [-1.0, 0.2]",
+            "from_point: [0.0, 0.4], to: \"ground\", to_point: [-1.0, 0.4]",
             "[0.0, -10.0]",
         )
     };
