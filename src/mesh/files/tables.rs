@@ -101,6 +101,8 @@ pub(super) struct Tables {
     pub has_beams: bool,
     /// Elements without a shape that are left out: how many of a type, and where the first stands.
     pub left_out: BTreeMap<String, (usize, Place)>,
+    /// Cells that lost the nodes in their faces: their count, and the number of the first.
+    pub without_face_nodes: Option<(usize, u64)>,
     /// Numbers in the file of nodes and elements that were numbered anew from 1; empty where numbers are those of the file.
     written_nodes: Vec<u64>,
     written_elements: Vec<u64>,
@@ -173,6 +175,26 @@ impl Tables {
             elements.nodes.extend(nodes);
         } else {
             elements.nodes.extend(order.iter().map(|&place| nodes[usize::from(place)]));
+        }
+    }
+
+    /// Shape of a cell that is read without the nodes in its faces and its middle, which stand last.
+    pub fn without_face_nodes(&mut self, kind: CellKind, number: u64) -> Option<(Shape, &'static [u8])> {
+        self.without_face_nodes.get_or_insert((0, number)).0 += 1;
+        Some((Shape::Cell(kind), &[]))
+    }
+
+    /// Takes the nodes in faces and middles from all cells if some are read without them, so that neighbors match.
+    pub fn match_face_nodes(&mut self) {
+        let Some((count, _)) = &mut self.without_face_nodes else { return };
+        for (kind, reduced) in [(CellKind::Hex27, CellKind::Hex20), (CellKind::Quad9, CellKind::Quad8)] {
+            let Some(elements) = self.elements.remove(&Shape::Cell(kind)) else { continue };
+            *count += elements.numbers.len();
+            let own = self.elements.entry(Shape::Cell(reduced)).or_default();
+            own.nodes.extend(elements.nodes.chunks_exact(kind.nodes()).flat_map(|nodes| &nodes[..reduced.nodes()]));
+            own.numbers.extend(elements.numbers);
+            own.places.extend(elements.places);
+            own.groups.extend(elements.groups);
         }
     }
 
