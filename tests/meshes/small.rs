@@ -7,7 +7,9 @@
 
 use std::path::{Path, PathBuf};
 
-use conserva::mesh::{MESH_ENDINGS, Deck, DeckBoundary, FileNote, Mesh, MeshError, ReadOptions, Shells, Structural, read_deck, read_mesh_with};
+use conserva::mesh::{
+    Deck, DeckBoundary, FileNote, MESH_ENDINGS, Mesh, MeshError, ReadOptions, Shells, Structural, read_deck, read_mesh_with,
+};
 
 const CLOSE: f64 = 1e-12;
 
@@ -20,7 +22,8 @@ struct Case {
 impl Case {
     fn new(path: PathBuf) -> Case {
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"));
-        let lines = text.lines().map(|line| line.trim_start_matches(['*', ' ', '#', '%', '$', '<', '!', '-']).trim_end_matches("-->").trim_end());
+        let lines =
+            text.lines().map(|line| line.trim_start_matches(['*', ' ', '#', '%', '$', '<', '!', '-']).trim_end_matches("-->").trim_end());
         let lines = lines.filter_map(|line| line.strip_prefix("expect: "));
         let expected = lines.map(|line| line.split_once(' ').map_or((line, ""), |(word, rest)| (word, rest)));
         Case { path, expected: expected.map(|(word, rest)| (word.into(), rest.into())).collect() }

@@ -112,9 +112,9 @@ fn fields_of(line: &str) -> (String, Vec<String>) {
     (name, (0..64 / width).map(|k| at(8 + width * k, 8 + width * (k + 1))).collect())
 }
 
-/// The cards of the bulk data, with lines that go on in one.
-fn cards(text: &str) -> Vec<Card> {
-    let mut cards: Vec<Card> = Vec::new();
+/// Hands on the cards of the bulk data one by one, with lines that go on in one.
+fn each_card(text: &str, mut take: impl FnMut(Card) -> Result<(), MeshError>) -> Result<(), MeshError> {
+    let mut last: Option<Card> = None;
     for (number, line) in (1..).zip(text.lines()) {
         let line = line.split('$').next().unwrap_or("").trim_end();
         if line.trim().is_empty() {
@@ -126,34 +126,35 @@ fn cards(text: &str) -> Vec<Card> {
             break;
         }
         if name.is_empty() || name.starts_with(['+', '*']) {
-            if let Some(card) = cards.last_mut() {
-                card.fields.extend(fields);
-            }
+            last.iter_mut().for_each(|card| card.fields.extend_from_slice(&fields));
         } else {
             // `BEGIN BULK` and lines before it are cards of no meaning
-            cards.push(Card { name: name.trim_end_matches('*').trim().into(), fields, at: Place::Line(number) });
+            let card = Card { name: name.trim_end_matches('*').trim().into(), fields, at: Place::Line(number) };
+            last.replace(card).map_or(Ok(()), &mut take)?;
         }
     }
-    cards
+    last.map_or(Ok(()), take)
 }
 
 /// The content of a file.
 pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
     let (mut tables, mut held) = (Tables::default(), BTreeMap::new());
-    for card in cards(utf8(content)?) {
-        match card.name.as_str() {
-            "GRID" => grid_point(&card, &mut tables)?,
-            "SPC" | "SPC1" => constraint(&card, &mut held)?,
-            name if name.starts_with("INCLUDE") => {
-                return card.refused("an included file (INCLUDE)".into(), "put the lines of the other file in the place of the card");
-            }
-            name => match CELLS.iter().find(|(known, ..)| *known == name) {
-                Some(&(_, first, second, is_shell)) => cell(&card, &mut tables, [first, second], is_shell)?,
-                None if STRUCTURAL.contains(&name) => tables.left_out.entry(name.into()).or_insert((0, card.at)).0 += 1,
-                None => {}
-            },
+    each_card(utf8(content)?, |card| match card.name.as_str() {
+        "GRID" => grid_point(&card, &mut tables),
+        "SPC" | "SPC1" => constraint(&card, &mut held),
+        name if name.starts_with("INCLUDE") => {
+            card.refused("an included file (INCLUDE)".into(), "put the lines of the other file in the place of the card")
         }
-    }
+        name => match CELLS.iter().find(|(known, ..)| *known == name) {
+            Some(&(_, first, second, is_shell)) => cell(&card, &mut tables, [first, second], is_shell),
+            None => {
+                if STRUCTURAL.contains(&name) {
+                    tables.left_out.entry(name.into()).or_insert((0, card.at)).0 += 1;
+                }
+                Ok(())
+            }
+        },
+    })?;
     tables.node_sets = held_nodes(held, &tables);
     Ok(tables)
 }

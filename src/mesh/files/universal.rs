@@ -31,7 +31,7 @@ enum Family {
 
 /// Shape of a finite element descriptor, its family, and the place of each node in the file; empty for equal orders.
 fn shape_of(descriptor: u64) -> Option<(Shape, Family, &'static [u8])> {
-    let cell = |kind, order| Some((Shape::Cell(kind), Family::Cell, order));
+    let cell = |kind, order: &'static [u8]| Some((Shape::Cell(kind), Family::Cell, order));
     match descriptor {
         11 | 21 | 22 => Some((Shape::Line(2), Family::Line, &[])),
         23 | 24 => Some((Shape::Line(3), Family::Line, &[0, 2, 1])),

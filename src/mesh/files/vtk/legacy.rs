@@ -34,7 +34,7 @@ pub(in crate::mesh::files) fn read(bytes: &[u8]) -> Result<Content, MeshError> {
                 return Err(FileError { at, problem: FileProblem::Form { found, cure } }.into());
             }
             "POINTS" => {
-                let points = file.numbers(3 * count(1)?, word(&words, 2))?.reals();
+                let points = file.numbers(count(1)?.saturating_mul(3), word(&words, 2))?.reals();
                 piece.get_or_insert_with(|| Piece::empty(at)).points = points;
             }
             "CELLS" => cells(&mut file, piece.get_or_insert_with(|| Piece::empty(at)), [count(1)?, count(2)?])?,
@@ -134,11 +134,11 @@ fn data(file: &mut File, words: &[&str], section: Section, piece: &mut Piece, co
         "LOOKUP_TABLE" => {
             // colors: bytes, or numbers from 0 to 1
             let count: usize = word(words, 2).parse().unwrap_or(0);
-            return file.numbers(4 * count, if file.is_binary { "unsigned_char" } else { "float" }).map(drop);
+            return file.numbers(count.saturating_mul(4), if file.is_binary { "unsigned_char" } else { "float" }).map(drop);
         }
         "COLOR_SCALARS" => {
             let count: usize = word(words, 2).parse().unwrap_or(1);
-            return file.numbers(count * tuples, if file.is_binary { "unsigned_char" } else { "float" }).map(drop);
+            return file.numbers(count.saturating_mul(tuples), if file.is_binary { "unsigned_char" } else { "float" }).map(drop);
         }
         "FIELD" => {
             let arrays: usize = word(words, 2).parse().map_err(|_| malformed(at, "the number of arrays", word(words, 2)))?;
@@ -169,7 +169,7 @@ fn data(file: &mut File, words: &[&str], section: Section, piece: &mut Piece, co
             file.at = before;
         }
     }
-    let numbers = file.numbers(components * tuples, kind)?;
+    let numbers = file.numbers(tuples.saturating_mul(components), kind)?;
     keep(&decoded(word(words, 1)), numbers, components);
     Ok(())
 }

@@ -120,7 +120,7 @@ impl<'a> File<'a> {
             .filter_map(|node| node.attribute("Name"))
             .for_each(|name| content.leave_out(name));
         Ok(Piece {
-            points: self.numbers(place, Some(3 * points))?.reals(),
+            points: self.numbers(place, Some(points.saturating_mul(3)))?.reals(),
             connectivity: of_cells("connectivity")?,
             ends: of_cells("offsets")?,
             types: of_cells("types")?,
