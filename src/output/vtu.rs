@@ -455,7 +455,10 @@ mod tests {
 
     #[test]
     fn a_frame_reads_back_as_the_meshes_of_its_bodies() {
-        for bodies in [[ring("outer ring", [1.0, 1.5], [2, 16]), ring("inner: 2", [0.5, 1.0], [1, 9])], [block([2, 1, 1], [1.0; 3]), block([1, 2, 3], [9.0; 3])]] {
+        for bodies in [
+            [ring("outer ring", [1.0, 1.5], [2, 16]), ring("inner: 2", [0.5, 1.0], [1, 9])],
+            [block([2, 1, 1], [1.0; 3]), block([1, 2, 3], [9.0; 3])],
+        ] {
             let mut bodies = bodies;
             bodies[1].name = "second".into();
             let mesh = read_mesh_bytes(&Frame::new(0.0, &bodies).encode()).unwrap();
