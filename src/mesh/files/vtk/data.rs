@@ -133,7 +133,8 @@ pub(super) fn of_base64(text: &[u8]) -> Result<Vec<u8>, String> {
     let mut rest = &clean[..];
     while !rest.is_empty() {
         let filling = rest.iter().position(|&byte| byte == b'=').unwrap_or(rest.len());
-        let end = filling.div_ceil(4).saturating_mul(4).min(rest.len());
+        // a piece has four characters at least, or filling without text would never end
+        let end = filling.div_ceil(4).max(1).saturating_mul(4).min(rest.len());
         STANDARD.decode_vec(&rest[..end], &mut bytes).map_err(|error| format!("it is no base64 text: {error}"))?;
         rest = &rest[end..];
     }
