@@ -94,7 +94,8 @@ fn read(content: &[u8], options: ReadOptions, includes: Includes) -> Result<(Mes
 }
 
 /// The mesh of a grid, with a note of the arrays that are no groups of cells.
-fn assemble_grid(grid: vtk::Content, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+fn assemble_grid(mut grid: vtk::Content, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+    grid.tables.turn_wedges();
     let (mesh, mut notes) = assemble(grid.tables, options)?;
     if !grid.left_out.is_empty() {
         notes.push(FileNote::Arrays(grid.left_out.into_iter().collect()));

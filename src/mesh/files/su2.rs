@@ -79,6 +79,7 @@ pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
             _ => {}
         }
     }
+    tables.turn_wedges();
     Ok(tables)
 }
 

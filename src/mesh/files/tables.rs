@@ -198,6 +198,20 @@ impl Tables {
         }
     }
 
+    /// Turns wedges whose first triangle looks away from the second, as VTK had them before version 9.6 and SU2 has them. Nodes must be
+    /// numbered from 0 in their order.
+    pub fn turn_wedges(&mut self) {
+        for kind in [CellKind::Wedge6, CellKind::Wedge15] {
+            let Some(elements) = self.elements.get_mut(&Shape::Cell(kind)) else { continue };
+            for nodes in elements.nodes.chunks_exact_mut(kind.nodes()) {
+                if is_inside_out(nodes, &self.points) {
+                    let before = nodes.to_vec();
+                    nodes.iter_mut().zip(TURNED_WEDGE).for_each(|(node, place)| *node = before[place]);
+                }
+            }
+        }
+    }
+
     /// Leaves out all elements of a shape that are no cells.
     pub fn leave_out_structural(&mut self, shape: Shape) {
         let Some(elements) = self.elements.get_mut(&shape) else { return };
@@ -263,6 +277,18 @@ impl Tables {
     pub fn name(&self, dimension: usize, group: u64) -> String {
         self.names.get(&(dimension, group)).cloned().unwrap_or_else(|| group.to_string())
     }
+}
+
+/// Places of the nodes of a wedge of either order whose triangles are met in the opposite sense.
+const TURNED_WEDGE: [usize; 15] = [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13];
+
+/// True if the first triangle of a wedge looks away from the second.
+fn is_inside_out(nodes: &[u64], points: &[[f64; 3]]) -> bool {
+    let point = |k: usize| usize::try_from(nodes[k]).ok().and_then(|node| points.get(node));
+    let (Some(a), Some(b), Some(c), Some(d)) = (point(0), point(1), point(2), point(3)) else { return false };
+    let [u, v, w] = [b, c, d].map(|end| [0, 1, 2].map(|i| end[i] - a[i]));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    (0..3).map(|i| normal[i] * w[i]).sum::<f64>() < 0.0
 }
 
 fn written(written: &[u64], number: u64) -> u64 {

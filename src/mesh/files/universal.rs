@@ -65,7 +65,7 @@ pub(super) fn begins(content: &[u8]) -> bool {
 
 /// The content of a file.
 pub(super) fn read(content: &[u8]) -> Result<Tables, MeshError> {
-    let mut file = File { lines: utf8(content)?.lines().collect(), at: 0, dataset: String::new(), begin: 0 };
+    let mut file = File { lines: utf8(content)?.lines().collect(), at: 0, dataset: String::new() };
     let (mut tables, mut elements, mut groups) = (Tables::default(), Vec::new(), Groups::default());
     while file.begin_dataset()? {
         match file.dataset.as_str() {
@@ -96,9 +96,8 @@ struct File<'a> {
     lines: Vec<&'a str>,
     /// Number of lines that are read.
     at: usize,
-    /// Number of the dataset, and its first line.
+    /// Number of the dataset.
     dataset: String,
-    begin: usize,
 }
 
 impl<'a> File<'a> {
@@ -118,7 +117,7 @@ impl<'a> File<'a> {
             }
         }
         let Some(number) = self.lines.get(self.at) else { return Ok(false) };
-        (self.at, self.begin) = (self.at + 1, self.at + 1);
+        self.at += 1;
         self.dataset = number.trim().into();
         Ok(true)
     }
@@ -126,9 +125,7 @@ impl<'a> File<'a> {
     /// The next line of the dataset; `None` at its end.
     fn record(&mut self) -> Result<Option<&'a str>, MeshError> {
         let Some(&line) = self.lines.get(self.at) else {
-            let section = format!("dataset {}", self.dataset);
-            let problem = FileProblem::Truncated { section, begin: Place::Line(self.begin), found: self.at - self.begin, announced: 0 };
-            return Err(FileError { at: self.place(), problem }.into());
+            return Err(malformed(self.place(), "the line -1 at the end of the dataset", "the end of the file"));
         };
         self.at += 1;
         Ok((line.trim() != MARK).then_some(line))

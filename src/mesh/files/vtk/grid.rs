@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::tables::{Shape, Tables};
-use crate::elements::{CellKind, CellShape};
+use crate::elements::CellKind;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
@@ -12,9 +12,6 @@ const MOST_GROUPS: usize = 256;
 
 /// Arrays whose numbers belong to single cells or to the work of filters.
 const NO_GROUPS: [&str; 4] = ["GlobalIds", "GlobalCellIds", "GlobalElementId", "ElementId"];
-
-/// Wedges of either order with the triangles in the opposite sense, in which VTK wrote them before version 9.6.
-const TURNED_WEDGE: [u8; 15] = [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13];
 
 /// Cells of a piece of a grid.
 pub(super) struct Piece {
@@ -130,19 +127,8 @@ impl Content {
             let found = format!("cell {number} of VTK type {vtk_type} with {} of them", nodes.len());
             return Err(FileError { at, problem: FileProblem::Malformed { expected: "as many nodes as the type has", found } }.into());
         }
-        let is_wedge = matches!(shape, Shape::Cell(kind) if kind.shape() == CellShape::Wedge);
-        let order = if is_wedge && self.is_inside_out(nodes) { &TURNED_WEDGE[..shape.nodes()] } else { order };
         self.tables.add_element(shape, number, groups, (nodes, order), at);
         Ok(())
-    }
-
-    /// True if the first triangle of a wedge looks away from the second.
-    fn is_inside_out(&self, nodes: &[u64]) -> bool {
-        let point = |k: usize| usize::try_from(nodes[k]).ok().and_then(|node| self.tables.points.get(node));
-        let (Some(a), Some(b), Some(c), Some(d)) = (point(0), point(1), point(2), point(3)) else { return false };
-        let [u, v, w] = [b, c, d].map(|end| [0, 1, 2].map(|i| end[i] - a[i]));
-        let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        (0..3).map(|i| normal[i] * w[i]).sum::<f64>() < 0.0
     }
 }
 
