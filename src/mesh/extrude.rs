@@ -88,8 +88,8 @@ impl Mesh {
     }
 
     /// The solid between this plane mesh at z = 0 and another one of the same cells at `height` `[length]`: every node goes straight to
-    /// its counterpart, in `layers` of which the last is `grading` times the first, of the cells of an extrusion. Boundaries and parts are those of this mesh, `bottom`
-    /// and `top`.
+    /// its counterpart, in `layers` of which the last is `grading` times the first, of the cells of an extrusion. Boundaries and parts are
+    /// those of this mesh, `bottom` and `top`.
     ///
     /// # Errors
     /// Errors of [`Mesh::extruded`]; meshes whose cells do not name the same nodes.

@@ -10,7 +10,7 @@ impl FileProblem {
             Unreadable { .. } => "check the path and the rights",
             NotText => "save the file again as ASCII or as binary: a text file must be UTF-8",
             OtherFormat { found } if found.contains("HDF5") || found.contains("NetCDF") => {
-                "convert it to VTU: `meshio convert part.med part.vtu` in a terminal, with the Python package meshio"
+                "convert it to VTU: `meshio convert name.med name.vtu` in a terminal, with the Python package meshio"
             }
             OtherFormat { .. } => {
                 "save it as Gmsh MSH 4.1 (`Mesh.MshFileVersion = 4.1;`), as an Abaqus or CalculiX input file (`.inp`), as VTU, VTK, \

@@ -23,8 +23,8 @@ impl Axis {
 
 impl Mesh {
     /// The plane mesh turned by `angle` `[rad]`, right-handed, about an axis in its plane, in `layers` of hexahedra, and over triangles of
-    /// wedges or of three tetrahedra each, of which the last is `grading` times the first. Its boundaries become sides, `start` is the plane mesh itself and `end` where it was turned to; a full turn closes and
-    /// has neither.
+    /// wedges or of three tetrahedra each, of which the last is `grading` times the first. Its boundaries become sides, `start` is the
+    /// plane mesh itself and `end` where it was turned to; a full turn closes and has neither.
     ///
     /// # Errors
     /// Cells of other kinds, an angle of 0 or of more than a full turn, layers of more than 120 degrees, an axis without direction, a mesh

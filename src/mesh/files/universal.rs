@@ -1,4 +1,4 @@
-//! Universal files of I-deas, NX, Salome and Gmsh (`.unv`): datasets of nodes (2411, 781), elements (2412) and groups (2435, 2452, 2467, 2477).
+//! Universal files of I-deas, NX, Salome and Gmsh (`.unv`): nodes (datasets 2411, 781), elements (2412), groups (2435, 2452, 2467, 2477).
 //!
 //! Groups of elements become parts and boundaries, groups of nodes boundaries. Cells of second order list their nodes around each face,
 //! corners and middles in turn. All other datasets are left out, units among them (I-deas, Universal Dataset Number 2411, 2412, 2467).
