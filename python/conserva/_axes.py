@@ -50,11 +50,12 @@ def polygons(positions, mesh, ax, **style):
     """Cells of a plane mesh at positions of their nodes."""
     from matplotlib.collections import PolyCollection
 
-    element = mesh.element
-    if element not in CORNERS_OF_PLANE:
+    blocks = mesh.blocks
+    if blocks[0][0] not in CORNERS_OF_PLANE:
         hint = "`to_pyvista()` shows bodies in space"
-        raise ScriptError("axes of Matplotlib show plane meshes alone", "C1020", [f"the cells are {element}"], [hint])
-    corners = positions[mesh.connectivity[:, : CORNERS[element]]][..., :2]
+        cause = f"the cells are {' and '.join(element for element, _ in blocks)}"
+        raise ScriptError("axes of Matplotlib show plane meshes alone", "C1020", [cause], [hint])
+    corners = [positions[cell][:, :2] for element, cells in blocks for cell in cells[:, : CORNERS[element]]]
     drawn = ax.add_collection(PolyCollection(corners, **style))
     ax.autoscale_view()
     ax.set_aspect("equal")
@@ -79,9 +80,9 @@ def picture(simulation, *, ax, field="von_mises", range=None, bodies=None, mesh=
     for body in bodies or simulation.bodies:
         values = np.asarray(simulation.field(field, body), dtype=float)
         values = values if values.ndim == 1 else np.linalg.norm(values, axis=1)
-        cells = body.mesh.connectivity[:, : CORNERS[body.mesh.element]]
+        means = [values[cells[:, : CORNERS[element]]].mean(axis=1) for element, cells in body.mesh.blocks if element in CORNERS]
         style = {"edgecolor": "#00000040" if mesh else "none", "linewidth": 0.3}
-        drawn.append(polygons(simulation.field("position", body), body.mesh, ax, array=values[cells].mean(axis=1), **style))
+        drawn.append(polygons(simulation.field("position", body), body.mesh, ax, array=np.concatenate(means or [values]), **style))
     least, greatest = range or (min(each.get_array().min() for each in drawn), max(each.get_array().max() for each in drawn))
     for each in drawn:
         each.set_clim(least, greatest)

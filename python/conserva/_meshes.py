@@ -16,9 +16,13 @@ MESHIO = {
     "hex8": "hexahedron",
     "hex20": "hexahedron20",
     "hex27": "hexahedron27",
+    "wedge6": "wedge",
+    "wedge15": "wedge15",
+    "pyr5": "pyramid",
+    "pyr13": "pyramid13",
 }
 ELEMENTS = {name: element for element, name in MESHIO.items()}
-CORNERS = {"tri3": 3, "tri6": 3, "quad4": 4, "quad8": 4, "quad9": 4, "tet4": 4, "tet10": 4, "hex8": 8, "hex20": 8, "hex27": 8}
+CORNERS = {"tri3": 3, "tri6": 3, "quad4": 4, "quad8": 4, "quad9": 4}
 # Mesh types of facets in meshio by the number of their nodes, in the plane and in space.
 FACETS = {2: {2: "line", 3: "line3"}, 3: {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}}
 FACET_CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
@@ -38,14 +42,29 @@ class MeshMethods(Object):
         return _core.positions(self._number)
 
     @property
+    def blocks(self):
+        """Pairs of a mesh type, such as ``quad4``, and node numbers of its cells, of the shape (cells, nodes of a cell); read-only views of
+        the memory of the mesh. Cells are numbered through, block after block."""
+        return _core.mesh(self._number)["blocks"]
+
+    def _only_block(self):
+        blocks = self.blocks
+        if len(blocks) == 1:
+            return blocks[0]
+        counts = " and ".join(f"{len(cells)} {element}" for element, cells in blocks)
+        hint = "use `blocks`, a pair of mesh type and node numbers for each kind of cells"
+        raise ScriptError("the mesh has cells of several types", "C1020", [f"it has {counts} cells"], [hint])
+
+    @property
     def connectivity(self):
-        """Node numbers of the cells, of the shape (cells, nodes of a cell); a read-only view of the memory of the mesh."""
-        return _core.mesh(self._number)["connectivity"]
+        """Node numbers of the cells of a mesh of one type, of the shape (cells, nodes of a cell); a read-only view of the memory of the
+        mesh."""
+        return self._only_block()[1]
 
     @property
     def element(self):
-        """Mesh type, such as ``quad4``."""
-        return _core.mesh(self._number)["element"]
+        """Mesh type of a mesh of one type, such as ``quad4``."""
+        return self._only_block()[0]
 
     def to_meshio(self):
         """The mesh as a ``meshio.Mesh``: parts and boundaries become cell sets, single nodes of boundaries point sets."""
@@ -53,16 +72,20 @@ class MeshMethods(Object):
         import numpy as np
 
         parts = _core.mesh(self._number)
-        blocks = [(MESHIO[parts["element"]], parts["connectivity"])]
-        named, points = [(name, 0, cells) for name, cells in parts["parts"].items()], {}
+        blocks = [(MESHIO[element], cells) for element, cells in parts["blocks"]]
+        starts = np.cumsum([0, *(len(cells) for _, cells in blocks)])
+        named, points = {}, {}
+        for name, cells in parts["parts"].items():
+            for place, (start, end) in enumerate(zip(starts, starts[1:])):
+                named.setdefault(name, {})[place] = cells[(cells >= start) & (cells < end)] - start
         for name, boundary in parts["boundaries"].items():
-            if len(boundary["facets"]):
-                named.append((name, len(blocks), np.arange(len(boundary["facets"]))))
-                blocks.append((FACETS[parts["dimension"]][boundary["facets"].shape[1]], boundary["facets"]))
+            for facets, _ in boundary["facets"]:
+                named.setdefault(name, {})[len(blocks)] = np.arange(len(facets))
+                blocks.append((FACETS[parts["dimension"]][facets.shape[1]], facets))
             if len(boundary["nodes"]):
                 points[name] = boundary["nodes"]
         empty = np.zeros(0, dtype=int)
-        sets = {name: [np.asarray(cells, dtype=int) if place == block else empty for place in range(len(blocks))] for name, block, cells in named}
+        sets = {name: [np.asarray(own.get(place, empty), dtype=int) for place in range(len(blocks))] for name, own in named.items()}
         return meshio.Mesh(np.array(self.positions), blocks, cell_sets=sets, point_sets=points)
 
     def to_pyvista(self):
@@ -71,7 +94,7 @@ class MeshMethods(Object):
         import numpy as np
         import pyvista
 
-        return pyvista.from_meshio(meshio.Mesh(np.array(self.positions), [(MESHIO[self.element], self.connectivity)]))
+        return pyvista.from_meshio(meshio.Mesh(np.array(self.positions), [(MESHIO[element], cells) for element, cells in self.blocks]))
 
     def plot(self, *, ax=None, **style):
         """Draws the cells of a plane mesh onto axes of Matplotlib; returns the axes."""
@@ -81,27 +104,29 @@ class MeshMethods(Object):
 
     def _repr_svg_(self):
         parts = _core.mesh(self._number)
-        return drawn(self.positions, parts) if parts["dimension"] == 2 and len(parts["connectivity"]) <= MOST_DRAWN else None
+        count = sum(len(cells) for _, cells in parts["blocks"])
+        return drawn(self.positions, parts["blocks"]) if parts["dimension"] == 2 and count <= MOST_DRAWN else None
 
     def __reduce__(self):
         parts = _core.mesh(self._number)
         boundaries = [(name, entry["sides"].tobytes(), entry["nodes"].tobytes()) for name, entry in parts["boundaries"].items()]
         named = [(name, cells.tobytes()) for name, cells in parts["parts"].items()]
-        return made, (parts["element"], self.positions.tobytes(), parts["connectivity"].tobytes(), named, boundaries)
+        blocks = [(element, cells.tobytes()) for element, cells in parts["blocks"]]
+        return made, (self.positions.tobytes(), blocks, named, boundaries)
 
 
-def made(element, positions, connectivity, parts, boundaries=(), facet_sets=(), node_sets=()):
+def made(positions, blocks, parts, boundaries=(), facet_sets=(), node_sets=()):
     """A mesh of arrays as bytes."""
-    return _core.make_mesh(element, positions, connectivity, list(parts), list(boundaries), list(facet_sets), list(node_sets))
+    return _core.make_mesh(positions, list(blocks), list(parts), list(boundaries), list(facet_sets), list(node_sets))
 
 
-def drawn(positions, parts):
+def drawn(positions, blocks):
     """The cells of a plane mesh as SVG."""
     x, y = positions[:, 0], positions[:, 1]
     left, width, top, height = x.min(), x.max() - x.min(), y.max(), y.max() - y.min()
     scale = 400 / max(width, height)
     px, py = (x - left) * scale + 2, (top - y) * scale + 2
-    corners = parts["connectivity"][:, : CORNERS[parts["element"]]]
+    corners = [cell for element, cells in blocks for cell in cells[:, : CORNERS[element]]]
     paths = "".join("M" + "L".join(f"{px[node]:.1f},{py[node]:.1f}" for node in cell) + "Z" for cell in corners)
     size = f'width="{width * scale + 4:.0f}" height="{height * scale + 4:.0f}"'
     return f'<svg xmlns="http://www.w3.org/2000/svg" {size}><path d="{paths}" fill="#dbe7f3" stroke="#33506d" stroke-width="0.7"/></svg>'
@@ -110,7 +135,7 @@ def drawn(positions, parts):
 def from_meshio(mesh):
     """A mesh of a ``meshio.Mesh``.
 
-    All cells must have one mesh type. Cell sets (and the tags ``gmsh:physical``) of cells become parts, those of their sides boundaries; a
+    Cells of one dimension may have several mesh types. Cell sets (and the tags ``gmsh:physical``) of cells become parts, those of their sides boundaries; a
     point set becomes the boundary of the sides all of whose corners it has, and of its other nodes. Plane cells whose nodes run clockwise
     are turned, nodes without cells are left out.
 
@@ -131,47 +156,51 @@ def from_meshio(mesh):
     """
     import numpy as np
 
-    kind, points, numbers = cells_of(mesh)
-    used, cells = np.unique(numbers, return_inverse=True)
-    cells = turned(points[used], cells.reshape(numbers.shape), kind)
+    points, blocks = cells_of(mesh)
+    used = np.unique(np.concatenate([cells.ravel() for _, _, cells in blocks]))
     place = np.full(len(points), -1)
     place[used] = np.arange(len(used))
-    sides_of = set(FACETS[2 if ELEMENTS[kind] in CORNERS_OF_PLANE else 3].values())
-    blocks = [block for block in mesh.cells if block.type == kind]
-    starts = dict(zip(map(id, blocks), np.cumsum([0, *(len(block.data) for block in blocks)])))
+    # Blocks of the mesh are in the order of their types, blocks of a type in that of the file.
+    first = np.cumsum([0, *(len(cells) for _, _, cells in blocks)])
+    starts = {id(block): start for (_, block, _), start in zip(blocks, first)}
+    cells_of_type = {}
+    for kind, _, cells in blocks:
+        cells_of_type.setdefault(ELEMENTS[kind], []).append(turned(points[used], place[cells], kind))
+    sides_of = set(FACETS[2 if ELEMENTS[blocks[0][0]] in CORNERS_OF_PLANE else 3].values())
     parts, sides, nodes = [], [], []
     for name, members in sets_of(mesh).items():
         members = [(block, entries) for block, entries in members if len(entries)]
-        own = [entries + starts[id(block)] for block, entries in members if block.type == kind]
-        facets = [np.asarray(block.data)[entries, : FACET_CORNERS[block.type]] for block, entries in members if block.type in sides_of]
+        own = [entries + starts[id(block)] for block, entries in members if id(block) in starts]
         if own:
             parts.append((name, as_bytes(np.concatenate(own))))
-        if facets:
-            sides.append((name, as_bytes(place[np.concatenate(facets)])))
+        for block, entries in members:
+            if block.type in sides_of:
+                corners = FACET_CORNERS[block.type]
+                sides.append((name, corners, as_bytes(place[np.asarray(block.data)[entries, :corners]])))
     for name, members in mesh.point_sets.items():
         known = place[np.asarray(members, dtype=int)]
         nodes.append((name, as_bytes(known[known >= 0])))
     positions = np.ascontiguousarray(points[used], dtype=float)
-    return made(ELEMENTS[kind], positions.tobytes(), as_bytes(cells), parts, (), sides, nodes)
+    made_of = [(element, as_bytes(np.concatenate(cells))) for element, cells in cells_of_type.items()]
+    return made(positions.tobytes(), made_of, parts, (), sides, nodes)
 
 
 CORNERS_OF_PLANE = {"tri3", "tri6", "quad4", "quad8", "quad9"}
 
 
 def cells_of(mesh):
-    """Mesh type in meshio, points in space, and node numbers of the cells of highest dimension."""
+    """Points in space, and the blocks of cells of highest dimension: mesh type in meshio, block, node numbers; ordered by their types."""
     import numpy as np
 
     known = [block for block in mesh.cells if block.type in ELEMENTS and len(block.data)]
     solid = [block for block in known if ELEMENTS[block.type] not in CORNERS_OF_PLANE]
     kinds = sorted({block.type for block in solid or known})
-    if len(kinds) != 1:
-        title = f"the mesh has cells of the types {', '.join(kinds)}" if kinds else "the mesh has no cells that are known here"
-        cause = f"a mesh has one type of {', '.join(ELEMENTS)}"
-        raise ScriptError(title, "C1020", [cause], ["make a body of each type and `tie` them" if kinds else "convert the cells first"])
+    if not kinds:
+        cause = f"a mesh has cells of {', '.join(ELEMENTS)}"
+        raise ScriptError("the mesh has no cells that are known here", "C1020", [cause], ["convert the cells first"])
     points = np.zeros((len(mesh.points), 3))
     points[:, : np.shape(mesh.points)[1]] = mesh.points
-    return kinds[0], points, np.concatenate([np.asarray(block.data) for block in known if block.type == kinds[0]])
+    return points, [(kind, block, np.asarray(block.data)) for kind in kinds for block in known if block.type == kind]
 
 
 def sets_of(mesh):

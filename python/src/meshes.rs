@@ -4,10 +4,10 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use conserva::elements::CellKind;
-use conserva::mesh::{Boundary, Facet, Mesh};
+use conserva::mesh::{Block, Boundary, Facet, Mesh};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::arrays::{array, shared};
 use crate::convert::to_python;
@@ -31,37 +31,38 @@ pub fn positions<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
     shared(arguments.py(), &mesh, |mesh| mesh.points.as_flattened(), mesh.points.len())
 }
 
-/// Kind of all cells, whose facets have one number of nodes, so that cells and facets are arrays with rows of one length.
-fn kind_of_arrays(py: Python, mesh: &Mesh) -> PyResult<CellKind> {
-    let is_even = |kind: &CellKind| kind.facets().iter().all(|facet| facet.len() == kind.facets()[0].len());
-    mesh.only_kind().filter(is_even).ok_or_else(|| {
-        let cause = format!("it has {}, whose cells or facets differ in their number of nodes", mesh.counted_cells());
-        script_error(
-            py,
-            "the mesh has no arrays of cells",
-            &cause,
-            "write the fields of a run, and read the VTU files with meshio or PyVista",
-        )
-    })
+/// Boundary as arrays: sides, single nodes, and for each number of nodes of a facet the facets with their places in the boundary.
+fn boundary_arrays<'py>(py: Python<'py>, mesh: &Mesh, boundary: &Boundary) -> PyResult<Bound<'py, PyDict>> {
+    let facets = &boundary.facets;
+    let sides: Vec<u32> = facets.iter().flat_map(|facet| [facet.cell, facet.local.into()]).collect();
+    let sizes: BTreeSet<usize> = facets.iter().map(|facet| mesh.facet_nodes(*facet).count()).collect();
+    let arrays = PyList::empty(py);
+    for size in sizes {
+        let own = || facets.iter().zip(0..).filter(|(facet, _)| mesh.facet_nodes(**facet).count() == size);
+        let nodes: Vec<u32> = own().flat_map(|(facet, _)| mesh.facet_nodes(*facet)).collect();
+        let places: Vec<u32> = own().map(|(_, place)| place).collect();
+        arrays.append((array(py, nodes, Some(places.len()))?, array(py, places, None)?))?;
+    }
+    let entry = PyDict::new(py);
+    entry.set_item("sides", array(py, sides, Some(facets.len()))?)?;
+    entry.set_item("facets", arrays)?;
+    entry.set_item("nodes", array(py, boundary.nodes.clone(), None)?)?;
+    Ok(entry)
 }
 
-/// `mesh(object)`: kind of its cells, node numbers of cells, boundaries, parts.
+/// `mesh(object)`: blocks of cells, each with its kind and node numbers; boundaries, parts.
 pub fn mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
     let (py, mesh) = (arguments.py(), mesh_of(arguments)?);
-    let kind = kind_of_arrays(py, &mesh)?;
     let entries = PyDict::new(py);
-    entries.set_item("element", kind.name())?;
     entries.set_item("dimension", mesh.dimension())?;
-    entries.set_item("connectivity", shared(py, &mesh, |mesh| &mesh.blocks[0].connectivity[..], mesh.cell_count())?)?;
+    let blocks = PyList::empty(py);
+    for (place, block) in mesh.blocks.iter().enumerate() {
+        blocks.append((block.kind.name(), shared(py, &mesh, |mesh| &mesh.blocks[place].connectivity[..], block.count())?))?;
+    }
+    entries.set_item("blocks", blocks)?;
     let boundaries = PyDict::new(py);
-    for Boundary { name, facets, nodes } in &mesh.boundaries {
-        let sides: Vec<u32> = facets.iter().flat_map(|facet| [facet.cell, facet.local.into()]).collect();
-        let facet_nodes: Vec<u32> = facets.iter().flat_map(|facet| mesh.facet_nodes(*facet)).collect();
-        let entry = PyDict::new(py);
-        entry.set_item("sides", array(py, sides, Some(facets.len()))?)?;
-        entry.set_item("facets", array(py, facet_nodes, Some(facets.len()))?)?;
-        entry.set_item("nodes", array(py, nodes.clone(), None)?)?;
-        boundaries.set_item(name, entry)?;
+    for boundary in &mesh.boundaries {
+        boundaries.set_item(&boundary.name, boundary_arrays(py, &mesh, boundary)?)?;
     }
     entries.set_item("boundaries", boundaries)?;
     let parts = PyDict::new(py);
@@ -72,23 +73,18 @@ pub fn mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>>
     Ok(entries.into_any())
 }
 
-/// `make_mesh(element, points, connectivity, parts, boundaries, facet_sets, node_sets)`: a mesh of arrays as bytes. Boundaries are pairs of
-/// cells and sides with single nodes; a facet set has the corners of facets, a node set the nodes of a boundary.
+/// `make_mesh(points, blocks, parts, boundaries, facet_sets, node_sets)`: a mesh of arrays as bytes. A block is a kind with the node numbers
+/// of its cells. Boundaries are pairs of cells and sides with single nodes; a facet set has the corners of facets, as many for each as it
+/// says, a node set the nodes of a boundary.
 pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, PyAny>> {
-    type Given = (String, Vec<u8>, Vec<u8>, Named, Vec<(String, Vec<u8>, Vec<u8>)>, Named, Named);
+    type Given = (Vec<u8>, Named, Named, Vec<(String, Vec<u8>, Vec<u8>)>, Vec<(String, usize, Vec<u8>)>, Named);
     let py = arguments.py();
-    let (element, points, connectivity, parts, boundaries, facet_sets, node_sets): Given = arguments.extract()?;
-    let Some(&kind) = CellKind::ALL.iter().find(|kind| kind.name() == element) else {
-        let cause = format!("the mesh types are {}", CellKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", "));
-        return Err(script_error(py, &format!("there is no mesh type `{element}`"), &cause, "convert the cells first"));
-    };
+    let (points, blocks, parts, boundaries, facet_sets, node_sets): Given = arguments.extract()?;
     let coordinates: Vec<f64> = points.as_chunks().0.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect();
     let points = coordinates.as_chunks().0.to_vec();
     let parts = parts.into_iter().map(|(name, cells)| (name, numbers(&cells))).collect();
-    let mut mesh = Mesh { parts, ..Mesh::new(kind, points, numbers(&connectivity)) };
-    if !mesh.blocks[0].connectivity.len().is_multiple_of(kind.nodes()) {
-        return Err(PyValueError::new_err(format!("a {element} has {} nodes", kind.nodes())));
-    }
+    let blocks = blocks.into_iter().map(|(element, cells)| block_of(py, &element, &cells)).collect::<PyResult<_>>()?;
+    let mut mesh = Mesh { points, blocks, boundaries: Vec::new(), parts };
     for (name, sides, nodes) in boundaries {
         let sides = numbers(&sides);
         let facets = sides.as_chunks().0.iter().map(|[cell, local]| Facet { cell: *cell, local: *local as u8 }).collect();
@@ -96,9 +92,12 @@ pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
     }
     if mesh.check().is_ok() && !(facet_sets.is_empty() && node_sets.is_empty()) {
         let sides = sides_by_corners(&mesh);
-        for (name, corners) in facet_sets {
-            let facets = facets_of(&sides, &numbers(&corners), facet_corners(kind));
-            mesh.boundaries.push(Boundary::of_facets(&name, facets.map_err(|missing| no_facet(py, &name, missing))?));
+        for (name, count, corners) in facet_sets {
+            let facets = facets_of(&sides, &numbers(&corners), count).map_err(|missing| no_facet(py, &name, missing))?;
+            match mesh.boundaries.iter_mut().find(|known| known.name == name) {
+                Some(known) => known.facets.extend(facets),
+                None => mesh.boundaries.push(Boundary::of_facets(&name, facets)),
+            }
         }
         for (name, nodes) in node_sets {
             let boundary = boundary_of_nodes(&sides, name, numbers(&nodes).into_iter().collect());
@@ -114,6 +113,19 @@ pub fn make_mesh<'py>(arguments: &Bound<'py, PyTuple>) -> PyResult<Bound<'py, Py
     to_python(py, &live, object)
 }
 
+/// A block of cells of a kind, whose node numbers are given as bytes.
+fn block_of(py: Python, element: &str, cells: &[u8]) -> PyResult<Block> {
+    let Some(&kind) = CellKind::ALL.iter().find(|kind| kind.name() == element) else {
+        let cause = format!("the mesh types are {}", CellKind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", "));
+        return Err(script_error(py, &format!("there is no mesh type `{element}`"), &cause, "convert the cells first"));
+    };
+    let connectivity = numbers(cells);
+    match connectivity.len().is_multiple_of(kind.nodes()) {
+        true => Ok(Block { kind, connectivity }),
+        false => Err(PyValueError::new_err(format!("a {element} has {} nodes", kind.nodes()))),
+    }
+}
+
 fn no_facet(py: Python, name: &str, nodes: Vec<u32>) -> PyErr {
     let title = format!("the set \"{name}\" has a facet that is no side of the hull");
     script_error(py, &title, &format!("no cell has the nodes {nodes:?} on the hull"), "leave the set out, or mend the mesh")
@@ -121,15 +133,6 @@ fn no_facet(py: Python, name: &str, nodes: Vec<u32>) -> PyErr {
 
 fn numbers(bytes: &[u8]) -> Vec<u32> {
     bytes.as_chunks().0.iter().map(|bytes| u32::from_ne_bytes(*bytes)).collect()
-}
-
-/// Number of corners of a facet, which are its first nodes.
-fn facet_corners(kind: CellKind) -> usize {
-    match (kind.dimension(), kind.facets().len()) {
-        (2, _) => 2,
-        (_, 4) => 3,
-        _ => 4,
-    }
 }
 
 /// Facets of the hull by their corners in ascending order.
@@ -149,7 +152,7 @@ fn facets_of(sides: &HashMap<Vec<u32>, Facet>, corners: &[u32], count: usize) ->
         key.sort_unstable();
         sides.get(&key).copied().ok_or(key)
     };
-    corners.chunks_exact(count).map(facet).collect()
+    corners.chunks_exact(count.max(1)).map(facet).collect()
 }
 
 /// The boundary of the facets all of whose corners are in a set, and of the nodes of the set that are on none of these facets.

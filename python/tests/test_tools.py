@@ -57,7 +57,7 @@ def test_pyvista_has_the_deformed_bodies(simulation, plate):
     assert sizes.sum() == pytest.approx(2.0, rel=1e-2) and grid.n_cells == 8
 
 
-@pytest.mark.parametrize("element", ["tri3", "tri6", "quad4", "quad8", "quad9", "tet4", "tet10", "hex8", "hex20", "hex27"])
+@pytest.mark.parametrize("element", ["tri3", "tri6", "quad4", "quad8", "quad9", "tet4", "tet10", "hex8", "hex20", "hex27", "wedge6", "wedge15", "pyr5", "pyr13"])
 def test_meshio_and_back_is_the_same_mesh(element):
     needs("meshio")
     make, size = (cs.rectangle, [2.0, 1.0]) if element in _meshes.CORNERS_OF_PLANE else (cs.block, [2.0, 1.0, 1.0])
@@ -66,6 +66,24 @@ def test_meshio_and_back_is_the_same_mesh(element):
     assert np.array_equal(again.positions, mesh.positions) and np.array_equal(again.connectivity, mesh.connectivity)
     given, found = (dict(line.split()[:1] + [line] for line in str(each).split(";")) for each in (mesh, again))
     assert given == found
+
+
+def test_meshes_of_several_types_are_blocks():
+    left = cs.rectangle(size=[1.0, 1.0], cells=[2, 2])
+    plane = left.join(cs.rectangle(size=[1.0, 1.0], cells=[2, 2], origin=[1.0, 0.0], element="tri3"))
+    solid = plane.extrude(height=0.5, layers=2)
+    assert [(element, cells.shape) for element, cells in plane.blocks] == [("quad4", (4, 4)), ("tri3", (8, 3))]
+    assert [(element, cells.shape) for element, cells in solid.blocks] == [("hex8", (8, 8)), ("wedge6", (16, 6))]
+    assert "svg" in plane._repr_svg_() and len(left.connectivity) == 4
+    with pytest.raises(cs.ScriptError, match="several types"):
+        solid.connectivity
+    again = pickle.loads(pickle.dumps(solid))
+    assert str(again) == str(solid) and np.array_equal(again.blocks[1][1], solid.blocks[1][1])
+    needs("meshio")
+    for mesh in (plane, solid, solid.with_elements("hex20")):
+        again = cs.from_meshio(mesh.to_meshio())
+        assert {element: cells.tolist() for element, cells in again.blocks} == {element: cells.tolist() for element, cells in mesh.blocks}
+        assert sorted(again.boundaries) == sorted(mesh.boundaries) and str(again.quality()) == str(mesh.quality())
 
 
 def test_sets_of_meshio_are_boundaries_and_parts():

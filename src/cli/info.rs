@@ -16,6 +16,7 @@ use super::drawn_files;
 use super::mesh_files;
 use super::process::exit_code;
 use crate::machine::files;
+use crate::mesh::MESH_ENDINGS;
 use crate::output::checkpoint::{Checkpoint, MAGIC};
 use crate::output::{
     FieldsRead, ReadError, RunFolder, Section, Table, read_fields, read_frames, read_parquet, read_rows, read_summary, read_table,
@@ -55,7 +56,7 @@ const KINDS: &[Kind] = &[
     Kind { name: "table (Parquet)", fits: |ending, head| ending == "parquet" || head.starts_with(b"PAR1"), describe: parquet_file },
     Kind { name: "summary of a run", fits: |ending, _| ending == "json", describe: summary_file },
     Kind { name: "series of fields (PVD)", fits: |ending, _| ending == "pvd", describe: series_file },
-    Kind { name: "fields (VTU)", fits: |ending, _| ending == "vtu", describe: fields_file },
+    Kind { name: "fields (VTU)", fits: |ending, head| ending == "vtu" && is_frame(head), describe: fields_file },
     Kind { name: "checkpoint", fits: |ending, head| ending == "checkpoint" || head.starts_with(MAGIC), describe: checkpoint_file },
     Kind { name: "log of a run", fits: |_, head| head.starts_with(b"{\"event\":"), describe: log_file },
     Kind { name: "report of a run", fits: |ending, _| ending == "html", describe: report_file },
@@ -67,10 +68,18 @@ const KINDS: &[Kind] = &[
     Kind { name: "script", fits: |ending, _| ending == "rhai", describe: script_file },
     Kind {
         name: "mesh",
-        fits: |ending, head| matches!(ending, "msh" | "inp") || head.starts_with(b"$MeshFormat") || head.starts_with(b"*"),
+        fits: |ending, head| MESH_ENDINGS.contains(&ending) || head.starts_with(b"$MeshFormat") || head.starts_with(b"*"),
         describe: mesh_files::mesh,
     },
 ];
+
+/// True for the first bytes of a frame of a run, with the name of its first part in a comment.
+fn is_frame(head: &[u8]) -> bool {
+    ["body", "obstacle", "contact"].iter().any(|kind| {
+        let comment = format!("<!-- {kind} 0: ");
+        head.windows(comment.len()).any(|window| window == comment.as_bytes())
+    })
+}
 
 /// Number of bytes at the start of a file by which its kind is determined.
 const HEAD: usize = 4096;

@@ -71,7 +71,7 @@ pub fn draw(path: &Path, kind: &str, picture: Option<PathBuf>) -> Result<PathBuf
     let error = |title: String| Diagnostic::error(Class::Script, title);
     if kind != "mesh" {
         let title = format!("\"{}\" is no mesh file, and only those are drawn", path.display());
-        return Err(Box::new(error(title).hint("name a `.msh` or `.inp` file, or leave out `--picture`")));
+        return Err(Box::new(error(title).hint("name a mesh file, such as `part.msh` or `part.inp`, or leave out `--picture`")));
     }
     let named = path.file_name().unwrap_or_default();
     let picture = picture.unwrap_or_else(|| Path::new(named).with_extension("png"));

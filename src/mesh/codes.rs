@@ -110,6 +110,8 @@ impl FileProblem {
             FileProblem::Included { .. } => "C0832",
             FileProblem::Shells { .. } => "C0833",
             FileProblem::Structural { .. } => "C0834",
+            FileProblem::Form { .. } => "C0835",
+            FileProblem::Undecodable { .. } => "C0836",
         }
     }
 }

@@ -88,12 +88,12 @@ impl Mesh {
     }
 
     /// The solid between this plane mesh at z = 0 and another one of the same cells at `height` `[length]`: every node goes straight to
-    /// its counterpart, in `layers` of which the last is `grading` times the first. Boundaries and parts are those of this mesh, `bottom`
-    /// and `top`.
+    /// its counterpart, in `layers` of which the last is `grading` times the first, of the cells of an extrusion. Boundaries and parts are
+    /// those of this mesh, `bottom` and `top`.
     ///
     /// # Errors
     /// Errors of [`Mesh::extruded`]; meshes whose cells do not name the same nodes.
-    pub fn lofted(&self, other: &Mesh, height: f64, layers: usize, grading: f64) -> Result<Mesh, MeshError> {
+    pub fn lofted(&self, other: &Mesh, height: f64, layers: usize, grading: f64, prisms: Prisms) -> Result<Mesh, MeshError> {
         positive("the height of a loft", height)?;
         at_least("along the height", layers, 1)?;
         if self.points.len() != other.points.len() || self.blocks != other.blocks {
@@ -102,7 +102,7 @@ impl Mesh {
         }
         limited(&[self.cell_count(), layers])?;
         let places = graded(layers, grading)?;
-        self.swept(&straight(layers), |row, node| {
+        self.swept(&Sweep { prisms, ..straight(layers) }, |row, node| {
             let (share, from, to) = (places[row], self.points[node], other.points[node]);
             let between = |i: usize| from[i] * (1.0 - share) + to[i] * share;
             [between(0), between(1), height * share]

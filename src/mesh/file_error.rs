@@ -118,6 +118,22 @@ pub enum FileProblem {
         /// The coordinate.
         value: f64,
     },
+    /// Content of a format that is not read.
+    #[error("the file has {found}, which is not read here")]
+    Form {
+        /// Description of the content.
+        found: String,
+        /// Remedy, one sentence.
+        cure: &'static str,
+    },
+    /// Data that cannot be decoded.
+    #[error("{what} cannot be read: {reason}")]
+    Undecodable {
+        /// Description of the data.
+        what: String,
+        /// Reason in words.
+        reason: String,
+    },
     /// Two nodes with one number.
     #[error("node {node} is there twice, first {first}")]
     DuplicateNode {

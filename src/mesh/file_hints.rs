@@ -9,13 +9,24 @@ impl FileProblem {
         match self {
             Unreadable { .. } => "check the path and the rights",
             NotText => "save the file again as ASCII or as binary: a text file must be UTF-8",
-            OtherFormat { .. } => "save it as Gmsh MSH 4.1 (`Mesh.MshFileVersion = 4.1;`) or as an Abaqus or CalculiX input file (`.inp`)",
+            OtherFormat { found } if found.contains("HDF5") || found.contains("NetCDF") => {
+                "convert it to VTU: `meshio convert name.med name.vtu` in a terminal, with the Python package meshio"
+            }
+            OtherFormat { .. } => {
+                "save it as Gmsh MSH 4.1 (`Mesh.MshFileVersion = 4.1;`), as an Abaqus or CalculiX input file (`.inp`), as VTU, VTK, \
+                 Medit `.mesh`, UNV, Nastran bulk data or SU2"
+            }
+            Form { cure, .. } => cure,
             NumberSize { .. } | ByteOrder => "the file is damaged: write it again, or as ASCII (`Mesh.Binary = 0;` in Gmsh)",
             Version { .. } => "save it with `Mesh.MshFileVersion = 4.1;` (or 2.2) in Gmsh",
             Truncated { .. } | MissingSection { .. } => "the file is incomplete: write or copy it again",
-            Count { .. } | RepeatedSection { .. } | DuplicateNode { .. } | MissingNode { .. } | UnknownEntity { .. } | Malformed { .. } => {
-                "the file is damaged or was edited by hand: write it again with the program that made it"
-            }
+            Count { .. }
+            | RepeatedSection { .. }
+            | DuplicateNode { .. }
+            | MissingNode { .. }
+            | UnknownEntity { .. }
+            | Malformed { .. }
+            | Undecodable { .. } => "the file is damaged or was edited by hand: write it again with the program that made it",
             DuplicateElement { .. } => "number the elements of a part without repetition",
             Coordinate { .. } => "give every node finite coordinates",
             DuplicateCell { .. } => "remove one of them; overlapping surfaces in Gmsh are meshed twice unless they are made coherent",

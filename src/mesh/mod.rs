@@ -57,7 +57,7 @@ pub use files::{
     Deck, DeckBoundary, DeckMaterial, DeckPair, DeckPart, DeckProperty, FileNote, Includes, ReadOptions, Shells, Structural, Triangles,
 };
 pub use files::{
-    below_folder_of, read_deck, read_deck_bytes, read_mesh, read_mesh_bytes, read_mesh_with, read_surface, read_surface_bytes,
+    MESH_ENDINGS, below_folder_of, read_deck, read_deck_bytes, read_mesh, read_mesh_bytes, read_mesh_with, read_surface, read_surface_bytes,
 };
 pub use generators::{block, graded_block, graded_rectangle, rectangle};
 pub use layers::Layers;
@@ -66,6 +66,7 @@ pub use plane::{cross, is_inside};
 pub use point_index::PointIndex;
 pub use polygon::{layered_polygon, polygon, polygon_of};
 pub use region::{layered_region, region};
+pub use revolve::Axis;
 pub use round::{arc, disk, graded_ring, half_disk, ring};
 pub use selection::SelectionError;
 pub use solids::{cylinder, hollow_sphere, rounded_block, sphere, torus, tube};

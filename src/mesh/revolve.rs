@@ -7,17 +7,30 @@ use super::sweep::{Prisms, Sweep};
 use super::{Mesh, MeshError};
 use crate::math::tolerances::SAME_PLACE;
 
+/// Axis in the plane of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis {
+    /// A point of the axis `[length]`.
+    pub center: [f64; 2],
+    /// Direction of the axis, of any length but 0.
+    pub along: [f64; 2],
+}
+
+impl Axis {
+    /// The axis of y.
+    pub const Y: Axis = Axis { center: [0.0; 2], along: [0.0, 1.0] };
+}
+
 impl Mesh {
-    /// The plane mesh turned by `angle` `[rad]`, right-handed, about the axis through `center` `[length]` along
-    /// `axis` in its plane, in `layers` of hexahedra, or of prisms cut into three tetrahedra each, of which the last is `grading` times the
-    /// first. Its boundaries become sides, `start` is the plane mesh itself and `end` where it was turned to; a full turn closes and
-    /// has neither.
+    /// The plane mesh turned by `angle` `[rad]`, right-handed, about an axis in its plane, in `layers` of hexahedra, and over triangles of
+    /// wedges or of three tetrahedra each, of which the last is `grading` times the first. Its boundaries become sides, `start` is the
+    /// plane mesh itself and `end` where it was turned to; a full turn closes and has neither.
     ///
     /// # Errors
     /// Cells of other kinds, an angle of 0 or of more than a full turn, layers of more than 120 degrees, an axis without direction, a mesh
     /// that is not wholly on one side of the axis, too many cells.
-    pub fn revolved(&self, angle: f64, layers: usize, center: [f64; 2], axis: [f64; 2], grading: f64) -> Result<Mesh, MeshError> {
-        let turn = angle.abs();
+    pub fn revolved(&self, angle: f64, layers: usize, about: Axis, grading: f64, prisms: Prisms) -> Result<Mesh, MeshError> {
+        let (turn, Axis { center, along: axis }) = (angle.abs(), about);
         if !(turn > 0.0 && turn <= TAU * (1.0 + SAME_PLACE)) {
             return Err(MeshError::Revolution { angle });
         }
@@ -45,7 +58,7 @@ impl Mesh {
             return Err(MeshError::OnAxis { at: [x, y] });
         }
         let turns: Vec<(f64, f64)> = graded(layers, grading)?.iter().map(|share| (angle * share).sin_cos()).collect();
-        let sweep = Sweep { layers, is_closed, is_backward: angle * side > 0.0, ends: ["start", "end"], prisms: Prisms::Cut };
+        let sweep = Sweep { layers, is_closed, is_backward: angle * side > 0.0, ends: ["start", "end"], prisms };
         self.swept(&sweep, |row, node| {
             let ([height, radius], (sine, cosine)) = (parts[node], turns[row]);
             let plane = |i: usize| center[i] + height * along[i] + radius * cosine * across[i];

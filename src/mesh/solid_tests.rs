@@ -184,7 +184,7 @@ fn a_loft_goes_from_one_section_to_the_other() {
     let square = rectangle([2.0, 2.0], [6, 6], [-1.0, -1.0]).unwrap();
     let round =
         square.clone().mapped(|[x, y, z]| Ok::<_, ()>([x * (1.0 - 0.5 * y * y).sqrt(), y * (1.0 - 0.5 * x * x).sqrt(), z])).unwrap();
-    let loft = square.lofted(&round, 3.0, 4, 1.0).unwrap();
+    let loft = square.lofted(&round, 3.0, 4, 1.0, Prisms::Cut).unwrap();
     assert_sound("loft", &loft, &["left", "right", "bottom", "top", "bottom_", "top_"], 0.1);
     assert!(relative(area(&loft, &["top_"]), round.measure()) < ROUND_OFF && relative(area(&loft, &["bottom_"]), 4.0) < ROUND_OFF);
     // sections between two of them have areas that are quadratic in the height (J. Simpson)
@@ -195,7 +195,7 @@ fn a_loft_goes_from_one_section_to_the_other() {
     let exact = 3.0 / 6.0 * (4.0 + 4.0 * middle.unwrap().measure() + round.measure());
     assert!(relative(loft.measure(), exact) < ROUND_OFF);
     let other = rectangle([2.0, 2.0], [6, 5], [-1.0, -1.0]).unwrap();
-    let error = square.lofted(&other, 3.0, 4, 1.0).unwrap_err();
+    let error = square.lofted(&other, 3.0, 4, 1.0, Prisms::Cut).unwrap_err();
     assert_eq!(
         error.to_string(),
         "the cells of the two meshes do not name the same nodes: 36 quad4 cells and 49 nodes, and 30 quad4 cells and 42 nodes"
@@ -209,7 +209,7 @@ fn a_mesh_turned_about_an_axis_has_the_volume_of_pappus() {
     for kind in [CellKind::Quad4, CellKind::Tri3] {
         let section = plate.with_cells(kind).unwrap();
         let least = if kind == CellKind::Quad4 { 0.9 } else { 0.05 };
-        let hoop = section.revolved(TAU, 40, [0.0; 2], [0.0, 1.0], 1.0).unwrap();
+        let hoop = section.revolved(TAU, 40, Axis::Y, 1.0, Prisms::Cut).unwrap();
         assert_sound("hoop", &hoop, &names, least);
         // 40 chords: the area of the polygon over that of the circle
         let chords = 20.0 * (TAU / 40.0).sin() / PI;
@@ -218,7 +218,7 @@ fn a_mesh_turned_about_an_axis_has_the_volume_of_pappus() {
         for angle in [1.0, -1.0] {
             for (center, axis) in [([0.0, 0.0], [0.0, 2.0]), ([5.0, 1.0], [0.0, 1.0]), ([0.0, -2.0], [1.0, 0.0]), ([9.0, 0.0], [1.0, -1.0])]
             {
-                let bend = section.revolved(angle, 12, center, axis, 2.0).unwrap();
+                let bend = section.revolved(angle, 12, Axis { center, along: axis }, 2.0, Prisms::Cut).unwrap();
                 assert_sound("bend", &bend, &["left", "right", "bottom", "top", "start", "end"], least);
                 let length: f64 = f64::hypot(axis[0], axis[1]);
                 let reach = ((2.5 - center[0]) * axis[1] - (1.5 - center[1]) * axis[0]).abs() / length;
@@ -230,16 +230,16 @@ fn a_mesh_turned_about_an_axis_has_the_volume_of_pappus() {
         }
     }
     // by the right hand about y: from x to -z
-    let quarter = plate.revolved(FRAC_PI_2, 3, [0.0; 2], [0.0, 1.0], 1.0).unwrap();
+    let quarter = plate.revolved(FRAC_PI_2, 3, Axis::Y, 1.0, Prisms::Cut).unwrap();
     let last = quarter.points[3 * plate.points.len()];
     assert!(last[0].abs() < 1e-15 && last[1] == 0.5 && last[2] == -2.0, "{last:?}");
-    assert!(matches!(plate.revolved(TAU, 2, [0.0; 2], [0.0, 1.0], 1.0), Err(MeshError::TooFewCells { least: 3, .. })));
-    assert!(matches!(plate.revolved(7.0, 9, [0.0; 2], [0.0, 1.0], 1.0), Err(MeshError::Revolution { .. })));
-    assert!(matches!(plate.revolved(0.0, 9, [0.0; 2], [0.0, 1.0], 1.0), Err(MeshError::Revolution { .. })));
-    assert!(matches!(plate.revolved(1.0, 9, [0.0; 2], [0.0; 2], 1.0), Err(MeshError::NoAxis { .. })));
-    assert!(matches!(plate.revolved(TAU, 9, [0.0; 2], [0.0, 1.0], 2.0), Err(MeshError::ClosedChange)));
+    assert!(matches!(plate.revolved(TAU, 2, Axis::Y, 1.0, Prisms::Cut), Err(MeshError::TooFewCells { least: 3, .. })));
+    assert!(matches!(plate.revolved(7.0, 9, Axis::Y, 1.0, Prisms::Cut), Err(MeshError::Revolution { .. })));
+    assert!(matches!(plate.revolved(0.0, 9, Axis::Y, 1.0, Prisms::Cut), Err(MeshError::Revolution { .. })));
+    assert!(matches!(plate.revolved(1.0, 9, Axis { center: [0.0; 2], along: [0.0; 2] }, 1.0, Prisms::Cut), Err(MeshError::NoAxis { .. })));
+    assert!(matches!(plate.revolved(TAU, 9, Axis::Y, 2.0, Prisms::Cut), Err(MeshError::ClosedChange)));
     for center in [2.0, 2.5, 3.0] {
-        let error = plate.revolved(1.0, 9, [center, 0.0], [0.0, 1.0], 1.0).unwrap_err();
+        let error = plate.revolved(1.0, 9, Axis { center: [center, 0.0], along: [0.0, 1.0] }, 1.0, Prisms::Cut).unwrap_err();
         assert!(matches!(error, MeshError::OnAxis { .. }), "{error}");
     }
 }
@@ -293,7 +293,7 @@ fn a_path_that_ends_at_its_start_closes() {
     let torus = section.extruded_along(&circle, Change::NONE).unwrap();
     assert_sound("circle", &torus, &["inner", "outer"], 0.7);
     // the same solid by revolution
-    let turned = ring(0.1, 0.2, [1, 8], [1.5, 0.0], 0.1).unwrap().revolved(TAU, 24, [0.0; 2], [0.0, 1.0], 1.0).unwrap();
+    let turned = ring(0.1, 0.2, [1, 8], [1.5, 0.0], 0.1).unwrap().revolved(TAU, 24, Axis::Y, 1.0, Prisms::Cut).unwrap();
     assert!(relative(torus.measure(), turned.measure()) < ROUND_OFF);
     // a knot in space (a trefoil): what the frame has turned by is spread over its length
     let trefoil = |steps: usize| -> Vec<[f64; 3]> {

@@ -8,7 +8,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use super::grid::{at_least, graded, grid, limited, positive};
-use super::{Boundary, Change, Facet, Mesh, MeshError, block, disk, graded_ring};
+use super::{Axis, Boundary, Change, Facet, Mesh, MeshError, Prisms, block, disk, graded_ring};
 use crate::elements::CellKind;
 
 /// A tube of hex8 cells along z, its bottom about `base` `[length]`, `cells` along the radius, around and along the height; boundaries
@@ -39,7 +39,7 @@ pub fn cylinder(radius: f64, height: f64, cells: [usize; 3], base: [f64; 3], gra
 pub fn torus(ring_radius: f64, section_radius: f64, cells: [usize; 3], center: [f64; 3]) -> Result<Mesh, MeshError> {
     positive("the radius of a torus", ring_radius)?;
     let section = disk(section_radius, [cells[0], cells[1]], [ring_radius, 0.0])?;
-    let mut torus = section.revolved(-std::f64::consts::TAU, cells[2], [0.0; 2], [0.0, 1.0], 1.0)?;
+    let mut torus = section.revolved(-std::f64::consts::TAU, cells[2], Axis::Y, 1.0, Prisms::Cut)?;
     for point in &mut torus.points {
         *point = [point[0], 0.0 - point[2], point[1]];
     }

@@ -349,6 +349,7 @@ mod tests {
     use super::*;
     use crate::contact::Obstacle;
     use crate::dynamics::NodeState;
+    use crate::mesh::read_mesh_bytes;
 
     /// The bytes of a named array, found by its offset in the text and inflated block by block.
     fn array(file: &[u8], name: &str) -> (usize, Vec<u8>) {
@@ -450,6 +451,23 @@ mod tests {
         assert_eq!([number(0), number(1), number(2), number(3), number(4)], [4.25, 0.0, 0.0, 2.25, 0.0]);
         let text = String::from_utf8_lossy(&file);
         assert!(text.contains("<!-- obstacle 0: stairs -->") && text.contains("<!-- obstacle 1: ground -->"));
+    }
+
+    #[test]
+    fn a_frame_reads_back_as_the_meshes_of_its_bodies() {
+        for bodies in [
+            [ring("outer ring", [1.0, 1.5], [2, 16]), ring("inner: 2", [0.5, 1.0], [1, 9])],
+            [block([2, 1, 1], [1.0; 3]), block([1, 2, 3], [9.0; 3])],
+        ] {
+            let mut bodies = bodies;
+            bodies[1].name = "second".into();
+            let mesh = read_mesh_bytes(&Frame::new(0.0, &bodies).encode()).unwrap();
+            assert_eq!(mesh.parts.len(), 2);
+            for body in &bodies {
+                let part = mesh.part(&body.name).unwrap();
+                assert_eq!((&part.points, &part.blocks), (&body.mesh.points, &body.mesh.blocks), "{}", body.name);
+            }
+        }
     }
 
     #[test]

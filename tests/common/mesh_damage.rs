@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use conserva::mesh::{ReadOptions, read_deck_bytes, read_mesh_bytes};
+use conserva::mesh::{MESH_ENDINGS, ReadOptions, read_deck_bytes, read_mesh_bytes};
 
 #[path = "splitmix.rs"]
 mod splitmix;
@@ -64,6 +64,15 @@ const STRANGE: &[&str] = &[
     "One.1",
     "INSTANCE=One",
     "$EndNodes",
+    "DATASET",
+    "FIELD",
+    "MARKER_TAG=",
+    "GRID",
+    "CHEXA",
+    "2467",
+    "format=\"binary\"",
+    "type=\"Float32\"",
+    "<!--",
     "$Elements",
     "\n",
     "\u{feff}",
@@ -78,7 +87,7 @@ pub fn originals() -> Vec<(PathBuf, Vec<u8>)> {
         let entries = std::fs::read_dir(tests.join(folder)).unwrap_or_else(|error| panic!("{folder}: {error}"));
         let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
         paths.sort();
-        paths.retain(|path| path.extension().is_some_and(|ending| ending == "msh" || ending == "inp"));
+        paths.retain(|path| path.extension().is_some_and(|ending| MESH_ENDINGS.iter().any(|known| ending == *known)));
         found.extend(paths.into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap_or_default())));
     }
     found

@@ -7,7 +7,9 @@
 
 use std::path::{Path, PathBuf};
 
-use conserva::mesh::{Deck, DeckBoundary, FileNote, Mesh, MeshError, ReadOptions, Shells, Structural, read_deck, read_mesh_with};
+use conserva::mesh::{
+    Deck, DeckBoundary, FileNote, MESH_ENDINGS, Mesh, MeshError, ReadOptions, Shells, Structural, read_deck, read_mesh_with,
+};
 
 const CLOSE: f64 = 1e-12;
 
@@ -20,7 +22,9 @@ struct Case {
 impl Case {
     fn new(path: PathBuf) -> Case {
         let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"));
-        let lines = text.lines().filter_map(|line| line.trim_start_matches(['*', ' ']).strip_prefix("expect: "));
+        let lines =
+            text.lines().map(|line| line.trim_start_matches(['*', ' ', '#', '%', '$', '<', '!', '-']).trim_end_matches("-->").trim_end());
+        let lines = lines.filter_map(|line| line.strip_prefix("expect: "));
         let expected = lines.map(|line| line.split_once(' ').map_or((line, ""), |(word, rest)| (word, rest)));
         Case { path, expected: expected.map(|(word, rest)| (word.into(), rest.into())).collect() }
     }
@@ -127,9 +131,9 @@ impl Case {
 fn each_construct_of_a_mesh_file_is_read_or_refused_as_its_file_says() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/small");
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut files: Vec<PathBuf> =
-        entries.filter(|path| path.extension().is_some_and(|ending| ending == "inp" || ending == "msh")).collect();
+    let is_mesh = |path: &PathBuf| path.extension().is_some_and(|ending| MESH_ENDINGS.iter().any(|known| ending == *known));
+    let mut files: Vec<PathBuf> = entries.filter(is_mesh).collect();
     files.sort();
-    assert!(files.len() >= 60);
+    assert!(files.len() >= 110);
     files.into_iter().for_each(|path| Case::new(path).check());
 }

@@ -15,6 +15,7 @@ use crate::mesh::{Boundary, Facet, Mesh, MeshError};
 
 /// The mesh of a file, and the changes made to the content.
 pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+    tables.match_face_nodes();
     settle_structural(&mut tables, options)?;
     let numbering = Numbering::new(&tables)?;
     let kinds = kinds_of(&tables)?;
@@ -43,6 +44,9 @@ pub(super) fn assemble(mut tables: Tables, options: ReadOptions) -> Result<(Mesh
     }
     if let Some(&first) = turned.iter().min() {
         notes.push(FileNote::Turned { count: turned.len(), first: tables.written_element(origins[first as usize].number) });
+    }
+    if let Some((count, first)) = tables.without_face_nodes {
+        notes.push(FileNote::FaceNodes { count, first });
     }
     if !completed.is_empty() {
         notes.push(FileNote::CornerSets(completed));

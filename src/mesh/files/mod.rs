@@ -1,4 +1,5 @@
-//! Mesh files: Gmsh (MSH 2.2 and 4.1, ASCII and binary) and input files of Abaqus and CalculiX, read; Gmsh 4.1 ASCII, written.
+//! Mesh files: Gmsh (MSH 2.2 and 4.1, ASCII and binary), input files of Abaqus and CalculiX, VTU and legacy VTK, Medit, universal files,
+//! bulk data of Nastran, SU2, read; Gmsh 4.1 ASCII, written.
 //!
 //! A reader of a format fills tables of nodes, elements and groups; `assembly.rs` makes a mesh of them. Groups of cells become parts,
 //! groups one dimension below become boundaries; their elements are matched to facets of cells by their node sets, so that orientation
@@ -9,13 +10,19 @@
 mod abaqus;
 mod assembly;
 mod gmsh;
+mod medit;
+mod nastran;
 mod numbering;
 mod options;
 mod read;
 mod sets;
+mod su2;
 mod surfaces;
 mod tables;
 mod text;
+mod universal;
+mod vtk;
+mod words;
 mod write;
 
 #[cfg(test)]
@@ -25,5 +32,5 @@ mod gmsh_tests;
 
 pub use abaqus::{Deck, DeckBoundary, DeckMaterial, DeckPair, DeckPart, DeckProperty, below_folder_of};
 pub use options::{FileNote, Includes, ReadOptions, Shells, Structural};
-pub use read::{read_deck, read_deck_bytes, read_mesh, read_mesh_bytes, read_mesh_with};
+pub use read::{MESH_ENDINGS, read_deck, read_deck_bytes, read_mesh, read_mesh_bytes, read_mesh_with};
 pub use surfaces::{Triangles, read_surface, read_surface_bytes};

@@ -57,6 +57,15 @@ pub enum FileNote {
     CornerSets(Vec<String>),
     /// An instance without cells was left out.
     WithoutCells(String),
+    /// Nodes in faces and middles of cells were left out.
+    FaceNodes {
+        /// Number of these cells and facets.
+        count: usize,
+        /// Number of the first wedge or pyramid of them in the file.
+        first: u64,
+    },
+    /// Arrays of results were left out: their names.
+    Arrays(Vec<String>),
 }
 
 impl FileNote {
@@ -68,6 +77,8 @@ impl FileNote {
             FileNote::LongLines { .. } => "C0853",
             FileNote::CornerSets(_) => "C0854",
             FileNote::WithoutCells(_) => "C0855",
+            FileNote::FaceNodes { .. } => "C0856",
+            FileNote::Arrays(_) => "C0857",
         }
     }
 }
@@ -87,6 +98,14 @@ impl std::fmt::Display for FileNote {
                 write!(out, "{count} {have} more numbers than nodes, first element {first}; the last numbers are left out")
             }
             FileNote::WithoutCells(name) => write!(out, "the instance \"{name}\" has no solid or plane cells and is left out"),
+            FileNote::FaceNodes { count, first } => {
+                let have = if *count == 1 { "cell or facet is" } else { "cells and facets are" };
+                write!(
+                    out,
+                    "{count} {have} read without the nodes in faces and middles, as wedges and pyramids have none here; first {first}"
+                )
+            }
+            FileNote::Arrays(names) => write!(out, "arrays that are no groups of cells are left out: {}", names.join(", ")),
             FileNote::CornerSets(names) => {
                 let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
                 write!(out, "sets of corner nodes are taken as the whole faces that have these corners: {}", names.join(", "))

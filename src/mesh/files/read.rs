@@ -6,10 +6,13 @@ use super::abaqus::Deck;
 use super::assembly::assemble;
 use super::options::{FileNote, Includes, ReadOptions};
 use super::text::format_of;
-use super::{abaqus, gmsh};
+use super::{abaqus, gmsh, medit, nastran, su2, universal, vtk};
 use crate::machine::files;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::{Mesh, MeshError};
+
+/// Usual endings of the names of mesh files that are read.
+pub const MESH_ENDINGS: [&str; 9] = ["msh", "inp", "vtu", "vtk", "mesh", "unv", "bdf", "nas", "su2"];
 
 /// Reads a mesh file; see [`read_mesh_bytes`]. Files below its folder may be included.
 ///
@@ -47,7 +50,7 @@ pub fn read_deck_bytes(content: &[u8], options: ReadOptions) -> Result<Deck, Mes
 fn deck(content: &[u8], options: ReadOptions, includes: Includes) -> Result<Deck, MeshError> {
     match first_byte(content) {
         Some(b'*') => abaqus::read_deck(content, options, includes),
-        Some(b'$') => Err(other_format("a Gmsh file, which has no materials and instances")),
+        Some(b'$') => Err(other_format("a file without materials and instances")),
         _ => Err(other_format(format_of(content))),
     }
 }
@@ -64,8 +67,8 @@ fn content_of(path: &Path) -> Result<Vec<u8>, MeshError> {
     })
 }
 
-/// The mesh that the content of a file describes, whose format shows in its first character: Gmsh, Abaqus or CalculiX. It includes no
-/// other files.
+/// The mesh that the content of a file describes, whose format shows in how it begins: Gmsh, Abaqus or CalculiX, VTK (XML or legacy),
+/// Medit, universal file, bulk data of Nastran, SU2. It includes no other files.
 ///
 /// # Errors
 /// Another format or version, incomplete or contradictory content, cells of kinds that are not read or of several kinds, cells that are
@@ -75,11 +78,29 @@ pub fn read_mesh_bytes(content: &[u8]) -> Result<Mesh, MeshError> {
 }
 
 fn read(content: &[u8], options: ReadOptions, includes: Includes) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+    let begins =
+        |with: &str| content.trim_ascii_start().strip_prefix("\u{feff}".as_bytes()).unwrap_or(content).starts_with(with.as_bytes());
     match first_byte(content) {
-        Some(b'$') => assemble(gmsh::read(content)?, options),
         Some(b'*') => abaqus::read_whole(content, options, includes),
+        Some(b'<') => assemble_grid(vtk::read_xml(content)?, options),
+        Some(b'#') if begins("# vtk") => assemble_grid(vtk::read_legacy(content)?, options),
+        _ if medit::begins(content) => assemble(medit::read(content)?, options),
+        _ if su2::begins(content) => assemble(su2::read(content)?, options),
+        _ if universal::begins(content) => assemble(universal::read(content)?, options),
+        _ if nastran::begins(content) => assemble(nastran::read(content)?, options),
+        Some(b'$') => assemble(gmsh::read(content)?, options),
         _ => Err(other_format(format_of(content))),
     }
+}
+
+/// The mesh of a grid, with a note of the arrays that are no groups of cells.
+fn assemble_grid(mut grid: vtk::Content, options: ReadOptions) -> Result<(Mesh, Vec<FileNote>), MeshError> {
+    grid.tables.turn_wedges();
+    let (mesh, mut notes) = assemble(grid.tables, options)?;
+    if !grid.left_out.is_empty() {
+        notes.push(FileNote::Arrays(grid.left_out.into_iter().collect()));
+    }
+    Ok((mesh, notes))
 }
 
 /// The first byte behind spaces, by which formats are told apart.

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use super::text::shortened;
+use super::text::{shortened, utf8};
 use crate::machine::files;
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
@@ -38,11 +38,7 @@ pub fn read_surface_bytes(content: &[u8]) -> Result<Triangles, MeshError> {
     if let Some(count) = binary_count(content) {
         return Ok(binary_stl(content, count));
     }
-    let text = std::str::from_utf8(content).map_err(|error| {
-        let line = content[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count() + 1;
-        FileError { at: Place::Line(line), problem: FileProblem::NotText }
-    })?;
-    let text = text.trim_start_matches('\u{feff}');
+    let text = utf8(content)?;
     if text.trim_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case("solid")) {
         text_stl(text)
     } else if text.lines().any(|line| line.starts_with("v ")) {

@@ -101,6 +101,8 @@ pub(super) struct Tables {
     pub has_beams: bool,
     /// Elements without a shape that are left out: how many of a type, and where the first stands.
     pub left_out: BTreeMap<String, (usize, Place)>,
+    /// Cells that lost the nodes in their faces: their count, and the number of the first.
+    pub without_face_nodes: Option<(usize, u64)>,
     /// Numbers in the file of nodes and elements that were numbered anew from 1; empty where numbers are those of the file.
     written_nodes: Vec<u64>,
     written_elements: Vec<u64>,
@@ -176,6 +178,40 @@ impl Tables {
         }
     }
 
+    /// Shape of a cell that is read without the nodes in its faces and its middle, which stand last.
+    pub fn without_face_nodes(&mut self, kind: CellKind, number: u64) -> Option<(Shape, &'static [u8])> {
+        self.without_face_nodes.get_or_insert((0, number)).0 += 1;
+        Some((Shape::Cell(kind), &[]))
+    }
+
+    /// Takes the nodes in faces and middles from all cells if some are read without them, so that neighbors match.
+    pub fn match_face_nodes(&mut self) {
+        let Some((count, _)) = &mut self.without_face_nodes else { return };
+        for (kind, reduced) in [(CellKind::Hex27, CellKind::Hex20), (CellKind::Quad9, CellKind::Quad8)] {
+            let Some(elements) = self.elements.remove(&Shape::Cell(kind)) else { continue };
+            *count += elements.numbers.len();
+            let own = self.elements.entry(Shape::Cell(reduced)).or_default();
+            own.nodes.extend(elements.nodes.chunks_exact(kind.nodes()).flat_map(|nodes| &nodes[..reduced.nodes()]));
+            own.numbers.extend(elements.numbers);
+            own.places.extend(elements.places);
+            own.groups.extend(elements.groups);
+        }
+    }
+
+    /// Turns wedges whose first triangle looks away from the second, as VTK had them before version 9.6 and SU2 has them. Nodes must be
+    /// numbered from 0 in their order.
+    pub fn turn_wedges(&mut self) {
+        for kind in [CellKind::Wedge6, CellKind::Wedge15] {
+            let Some(elements) = self.elements.get_mut(&Shape::Cell(kind)) else { continue };
+            for nodes in elements.nodes.chunks_exact_mut(kind.nodes()) {
+                if is_inside_out(nodes, &self.points) {
+                    let before = nodes.to_vec();
+                    nodes.iter_mut().zip(TURNED_WEDGE).for_each(|(node, place)| *node = before[place]);
+                }
+            }
+        }
+    }
+
     /// Leaves out all elements of a shape that are no cells.
     pub fn leave_out_structural(&mut self, shape: Shape) {
         let Some(elements) = self.elements.get_mut(&shape) else { return };
@@ -241,6 +277,18 @@ impl Tables {
     pub fn name(&self, dimension: usize, group: u64) -> String {
         self.names.get(&(dimension, group)).cloned().unwrap_or_else(|| group.to_string())
     }
+}
+
+/// Places of the nodes of a wedge of either order whose triangles are met in the opposite sense.
+const TURNED_WEDGE: [usize; 15] = [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13];
+
+/// True if the first triangle of a wedge looks away from the second.
+fn is_inside_out(nodes: &[u64], points: &[[f64; 3]]) -> bool {
+    let point = |k: usize| usize::try_from(nodes[k]).ok().and_then(|node| points.get(node));
+    let (Some(a), Some(b), Some(c), Some(d)) = (point(0), point(1), point(2), point(3)) else { return false };
+    let [u, v, w] = [b, c, d].map(|end| [0, 1, 2].map(|i| end[i] - a[i]));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    (0..3).map(|i| normal[i] * w[i]).sum::<f64>() < 0.0
 }
 
 fn written(written: &[u64], number: u64) -> u64 {

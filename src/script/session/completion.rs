@@ -12,7 +12,7 @@ use rhai::{AST, Array, Dynamic, Engine, Map, Scope};
 use super::cursor::{Cursor, Level, PieceKind};
 use super::help::topics;
 use crate::dynamics::LedgerRow;
-use crate::mesh::Mesh;
+use crate::mesh::{MESH_ENDINGS, Mesh};
 use crate::output::{Field, VIEWS};
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::models::handle::{BodyHandle, ModelHandle};
@@ -283,7 +283,7 @@ impl Words<'_> {
     fn in_string(&self, cursor: &Cursor, written: &str) -> Vec<String> {
         let string = cursor.pieces.len() - 1;
         if string.checked_sub(1).is_some_and(|before| cursor.kind(before) == Some(PieceKind::Name) && cursor.slice(before) == "import") {
-            return self.files(written, ".rhai").into_iter().map(|name| name.trim_end_matches(".rhai").to_string()).collect();
+            return self.files(written, &["rhai"]).into_iter().map(|name| name.trim_end_matches(".rhai").to_string()).collect();
         }
         if let Some(columns) = self.columns_at(cursor, string) {
             return columns;
@@ -310,7 +310,7 @@ impl Words<'_> {
         };
         match function.name {
             "help" => self.registry.functions().iter().map(|function| function.name.to_string()).chain(topics()).collect(),
-            "read_mesh" => self.files(written, ".msh"),
+            "read_mesh" => self.files(written, &MESH_ENDINGS),
             "boundary" => match mesh_of(&receiver()) {
                 Some(mesh) => boundaries(&mesh),
                 None => self.meshes().iter().flat_map(|(_, mesh)| boundaries(mesh)).collect(),
@@ -377,7 +377,7 @@ impl Words<'_> {
     }
 
     /// Returns files with an extension, and folders, below the session's folder, with paths as written in a script.
-    fn files(&self, written: &str, ending: &str) -> Vec<String> {
+    fn files(&self, written: &str, endings: &[&str]) -> Vec<String> {
         let folder = written.rfind('/').map_or("", |slash| &written[..=slash]);
         let Ok(entries) = std::fs::read_dir(self.home.join(folder)) else { return Vec::new() };
         let mut names: Vec<String> = entries
@@ -387,7 +387,7 @@ impl Words<'_> {
                 match entry.path().is_dir() {
                     _ if name.starts_with('.') => None,
                     true => Some(format!("{folder}{name}/")),
-                    false => name.ends_with(ending).then(|| format!("{folder}{name}")),
+                    false => name.rsplit('.').next().is_some_and(|ending| endings.contains(&ending)).then(|| format!("{folder}{name}")),
                 }
             })
             .collect();

@@ -14,6 +14,7 @@ use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
 use super::worker::start_worker;
 use crate::machine::files;
+use crate::mesh::MESH_ENDINGS;
 use crate::output::checkpoint::Checkpoint;
 use crate::output::{COMPLETED, RunLock};
 use crate::script::api::files::failures::output_failure;
@@ -90,7 +91,7 @@ pub struct Outline {
 /// A file that cannot be read or is not text.
 pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
-    if MESHES.contains(&&*ending) && path.is_file() {
+    if MESH_ENDINGS.contains(&&*ending) && path.is_file() {
         let (error, name) = (Diagnostic::error(Class::Script, format!("{} is a mesh, not a script", path.display())), path.display());
         let hint = format!("read it in a script: `let mesh = read_mesh(\"{name}\");`; `conserva info {name}` describes it");
         return Err(Box::new(error.hint(hint)));
@@ -100,9 +101,6 @@ pub fn read_script(path: &Path) -> Result<String, Box<Diagnostic>> {
         Box::new(refused.hint("check the path of the script; one that comes through a pipe must be kept in a file first"))
     })
 }
-
-/// Endings of mesh files.
-const MESHES: [&str; 4] = ["msh", "inp", "vtu", "vtk"];
 
 /// An engine with its scope and its host.
 pub struct Session {

@@ -66,8 +66,12 @@ impl<'a> Data<'a> {
         self.text.ends_with(',')
     }
 
-    /// Returns the error of a malformed line.
+    /// Returns the error of a malformed line, or of one with the value of a parameter of the deck, such as `<length>`.
     pub fn malformed<T>(&self, expected: &'static str) -> Result<T, MeshError> {
+        if self.text.contains('<') && self.text.contains('>') {
+            let problem = FileProblem::Keyword { keyword: "PARAMETER".into(), reason: "nodes, elements or sets take values from it" };
+            return Err(FileError { at: self.at, problem }.into());
+        }
         Err(FileError { at: self.at, problem: FileProblem::Malformed { expected, found: shortened(self.text) } }.into())
     }
 

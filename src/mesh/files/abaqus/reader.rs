@@ -22,7 +22,6 @@ const REFUSED: &[(&str, &str)] = &[
     ("ELGEN", "it makes elements from others"),
     ("ELCOPY", "it makes elements from others"),
     ("SYSTEM", "it gives nodes in coordinates of their own"),
-    ("PARAMETER", "it computes values of the file"),
 ];
 
 /// Scope that keywords refer to.

@@ -32,7 +32,13 @@ pub(in crate::mesh::files) fn number_of(shape: Shape) -> u64 {
 
 /// Keeps an element whose nodes are the numbers that are left of its entry.
 pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, groups: u32, mut entry: Entry) -> Result<(), MeshError> {
-    let Some(shape) = shape_of(gmsh_type) else {
+    // prisms of 18 and pyramids of 14 nodes, whose last ones lie in their faces
+    let known = match gmsh_type {
+        13 => tables.without_face_nodes(CellKind::Wedge15, number).map(|(shape, _)| (shape, 3)),
+        14 => tables.without_face_nodes(CellKind::Pyr13, number).map(|(shape, _)| (shape, 1)),
+        _ => shape_of(gmsh_type).map(|shape| (shape, 0)),
+    };
+    let Some((shape, in_faces)) = known else {
         return entry.fail(FileProblem::UnsupportedCell { element: number, kind: kind_name(gmsh_type) });
     };
     // more than any of them has
@@ -41,6 +47,7 @@ pub(super) fn add_element(tables: &mut Tables, gmsh_type: u64, number: u64, grou
     for node in &mut *nodes {
         *node = entry.node(ELEMENT)?;
     }
+    (0..in_faces).try_for_each(|_| entry.node(ELEMENT).map(drop))?;
     entry.end(ELEMENT)?;
     let order = shape.row().map_or(&[][..], |row| row.gmsh_order);
     tables.add_element(shape, number, groups, (nodes, order), entry.place());
@@ -73,8 +80,6 @@ pub(super) fn read_names(source: &mut Source, tables: &mut Tables) -> Result<(),
 
 fn kind_name(gmsh_type: u64) -> String {
     let known = match gmsh_type {
-        13 => "prism of 18 nodes (second order, nodes in its faces)",
-        14 => "pyramid of 14 nodes (second order, a node in its base)",
         21 => "10-node triangle (third order)",
         26 => "4-node line (third order)",
         29 => "20-node tetrahedron (third order)",

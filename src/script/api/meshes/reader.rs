@@ -28,9 +28,11 @@ fn reader() -> Function {
         name: "read_mesh",
         form: Form::Function,
         topic: Topic::Meshes,
-        summary: "a mesh from a Gmsh file (MSH 2.2 or 4.1, ASCII or binary), whose physical groups are parts and boundaries, or from an \
-                  Abaqus or CalculiX input file (`.inp`), whose sets of elements are parts, and surfaces and sets of nodes boundaries; \
-                  several instances are parts, too, and their sets have names such as `\"Block-1.top\"`",
+        summary: "a mesh from a file. Gmsh (MSH 2.2 or 4.1, ASCII or binary): physical groups are parts and boundaries. Abaqus or \
+                  CalculiX (`.inp`): sets of elements are parts, surfaces and sets of nodes boundaries; several instances are parts, \
+                  too, and their sets have names such as `\"Block-1.top\"`. VTU and legacy VTK: arrays of whole numbers of cells are \
+                  parts such as `\"ref 1\"`, and `read_mesh` gives the bodies of frames of a run back by their names. Medit (`.mesh`), \
+                  UNV, Nastran bulk data, SU2: references, groups, properties and markers are parts and boundaries",
         parameters: vec![
             Parameter::new("path", Kind::Text, "the file, below the script's folder or a folder that `--allow-read` names"),
             Parameter::new("options", Kind::Options(reading_parameters()), "how it is read").or(Absent::Means("its defaults")),
@@ -89,6 +91,7 @@ pub fn notes_warned(call: &Call, path: &str, notes: &[FileNote]) {
         let warning = warning.label(format!("in the file \"{path}\""));
         call.host.warn(match note {
             FileNote::Skipped(_) => warning.hint("`skip: \"error\"` refuses a file with such elements"),
+            FileNote::Arrays(_) => warning.hint("fields of results are read by other programs, such as PyVista and meshio"),
             FileNote::WithoutCells(_) => warning.hint("a rigid body is an obstacle here, such as `rigid_sphere` or `rigid_surface`"),
             _ => warning,
         });

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::handle::{MeshHandle, made};
 use crate::math::catalogue::Interval;
-use crate::mesh::{Change, Prisms};
+use crate::mesh::{Axis, Change, Prisms};
 use crate::script::language::arguments::{Arguments, Options};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
@@ -82,7 +82,7 @@ fn extrude() -> Function {
         body: body(|call| {
             let mesh = call.receiver::<MeshHandle>().mesh();
             let options = call.options("options")?;
-            let prisms = if options.flag("wedges")? { Prisms::Kept } else { Prisms::Cut };
+            let prisms = prisms_of(&options)?;
             let change = Change { twist: options.number("twist")?, scale: scale_of(&options)?, prisms };
             let path = options.argument("path");
             if path.is_given() {
@@ -110,6 +110,11 @@ fn extrude() -> Function {
     }
 }
 
+/// Returns the cells over triangles.
+fn prisms_of(options: &Options) -> Result<Prisms, Failure> {
+    Ok(if options.flag("wedges")? { Prisms::Kept } else { Prisms::Cut })
+}
+
 /// Returns a factor for both directions, or one for each.
 fn scale_of(options: &Options) -> Result<[f64; 2], Failure> {
     let argument = options.argument("scale");
@@ -128,8 +133,8 @@ fn revolve() -> Function {
         name: "revolve",
         form: Form::Method(MeshHandle::receiver()),
         topic: Topic::Meshes,
-        summary: "the plane mesh turned about an axis in its plane as a solid one: hexahedra from quadrilaterals, tetrahedra from \
-                  triangles (wedges beside quadrilaterals); its boundaries become sides, with `start` and `end` (`start_`, \
+        summary: "the plane mesh turned about an axis in its plane as a solid one: hexahedra from quadrilaterals, tetrahedra or \
+                  wedges from triangles; its boundaries become sides, with `start` and `end` (`start_`, \
                   `end_` where the plane mesh has these names) unless the turn is a full one. The mesh must be on one side of the axis",
         parameters: vec![Parameter::new(
             "options",
@@ -140,6 +145,7 @@ fn revolve() -> Function {
                 Parameter::new("center", Kind::Vector, "a point `[x, y]` of the axis").of("length").or(Absent::Means("[0, 0]")),
                 Parameter::new("axis", Kind::Vector, "the direction `[x, y]` of the axis").of("1").or(Absent::Means("[0, 1]")),
                 growth("the last cell over the first, around"),
+                wedges(),
             ]),
             "turn and layers",
         )],
@@ -162,8 +168,9 @@ fn revolve() -> Function {
                 let [x, y, _] = argument.vector(2)?;
                 Ok([x, y])
             };
-            let (center, axis) = (vector("center", [0.0; 2])?, vector("axis", [0.0, 1.0])?);
-            made(call, move || mesh.revolved(angle, layers, center, axis, grading))
+            let (center, along) = (vector("center", [0.0; 2])?, vector("axis", [0.0, 1.0])?);
+            let prisms = prisms_of(&options)?;
+            made(call, move || mesh.revolved(angle, layers, Axis { center, along }, grading, prisms))
         }),
     }
 }
@@ -183,6 +190,7 @@ fn loft() -> Function {
                     Parameter::number("height", "length", Interval::Positive, "how far above it is, along z"),
                     layers("the number of cells along the height"),
                     growth("the last cell over the first, along the height"),
+                    wedges(),
                 ]),
                 "height and layers",
             ),
@@ -197,7 +205,8 @@ fn loft() -> Function {
             let (mesh, top) = (call.receiver::<MeshHandle>().mesh(), call.handle::<MeshHandle>("top")?.mesh());
             let options = call.options("options")?;
             let (height, layers, grading) = (options.number("height")?, options.integer("layers")? as usize, options.number("grading")?);
-            made(call, move || mesh.lofted(&top, height, layers, grading))
+            let prisms = prisms_of(&options)?;
+            made(call, move || mesh.lofted(&top, height, layers, grading, prisms))
         }),
     }
 }
