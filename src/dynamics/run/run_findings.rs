@@ -9,6 +9,7 @@ use super::ledger::LedgerRow;
 use super::rows::Rows;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
+use crate::linear::TakenOver;
 use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LEAP, LOST, PASSING, SLIDING};
 
@@ -53,6 +54,8 @@ pub enum RunFindingKind {
     CoarseCells,
     /// A large part of the work was discarded, in failed attempts and undone steps; the value is the share of the factorizations.
     Discarded,
+    /// The direct solver took matrices over from the iterative one; the value is their number, 0 if no matrix of the run suits iteration.
+    TakenOver,
 }
 
 impl RunFindingKind {
@@ -79,6 +82,7 @@ impl RunFindingKind {
             RunFindingKind::BeyondTable => "C0619",
             RunFindingKind::CoarseCells => "C0617",
             RunFindingKind::Discarded => "C0618",
+            RunFindingKind::TakenOver => "C0632",
         }
     }
 
@@ -107,6 +111,7 @@ impl RunFindingKind {
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
         ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
+        ("solver_taken_over", "the direct solver took over from the iterative one: the number of matrices without convergence"),
     ];
 
     /// Stable name of the kind.
@@ -125,6 +130,7 @@ impl RunFindingKind {
             RunFindingKind::TooFast(_) => "motion_too_fast",
             RunFindingKind::Failures(_) => "failed_steps",
             RunFindingKind::Discarded => "work_discarded",
+            RunFindingKind::TakenOver => "solver_taken_over",
             RunFindingKind::Turned => "turned",
             RunFindingKind::Crushed => "crushed",
             RunFindingKind::BeyondTable => "beyond_table",
@@ -174,6 +180,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::BeyondTable => write!(out, "a hardening table ends before the plastic strain does"),
             RunFindingKind::CoarseCells => write!(out, "stresses are not accurate, and stiffness may not be"),
             RunFindingKind::Discarded => write!(out, "much of the work was for nothing"),
+            RunFindingKind::TakenOver => write!(out, "the direct solver took over from the iterative one"),
         }
     }
 }
@@ -219,6 +226,7 @@ impl RunFinding {
             RunFindingKind::Discarded => {
                 "results are right, and only time is lost; a smaller dt helps, or facets of about the same size on both sides of a contact"
             }
+            RunFindingKind::TakenOver => "results are right, and only time and memory are lost; choose the direct solver from the start",
         }
     }
 
@@ -275,6 +283,8 @@ pub struct Measures<'a> {
     /// Number of factorizations, and the part in failed attempts and undone steps.
     pub factorizations: usize,
     pub discarded: usize,
+    /// Matrices that the direct solver took over from the iterative one.
+    pub taken_over: TakenOver,
 }
 
 /// Value with the step and the time of its row.
@@ -438,7 +448,21 @@ pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunF
         let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
         found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
     }
+    found.extend(taken_over(measures.taken_over, &last));
     found
+}
+
+/// Finding on matrices that the direct solver took over from the iterative one.
+fn taken_over(taken_over: TakenOver, last: &LedgerRow) -> Option<RunFinding> {
+    let TakenOver { unconverged, is_unsuited } = taken_over;
+    let explanation = match unconverged {
+        0 if !is_unsuited => return None,
+        0 => "the model has unknowns without a coarse representation, such as those of rigid bodies".to_owned(),
+        1 => "the iteration did not converge for one matrix".to_owned(),
+        count => format!("the iteration did not converge for {count} matrices"),
+    };
+    let (kind, value) = (RunFindingKind::TakenOver, f64::from(unconverged));
+    Some(RunFinding { kind, contact: None, value, limit: 0.0, step: last.step, time: last.time, explanation })
 }
 
 /// Findings on halved steps, and on steps that could not be halved further.
@@ -518,6 +542,7 @@ mod tests {
             refused: &[],
             factorizations: 1000,
             discarded: 10,
+            taken_over: TakenOver::default(),
         }
     }
 
@@ -603,7 +628,7 @@ mod tests {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
             BeyondTable, CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved,
-            PassedObstacle, PassedThrough, PositiveContactWork, ReserveHeld, TooFast, Turned,
+            PassedObstacle, PassedThrough, PositiveContactWork, ReserveHeld, TakenOver, TooFast, Turned,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Leap, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
@@ -616,6 +641,7 @@ mod tests {
             CoarseCells,
             Failures("divergence"),
             Discarded,
+            TakenOver,
         ]);
         let names: Vec<&str> = kinds.map(RunFindingKind::name).collect();
         assert_eq!(names, RunFindingKind::ALL.iter().map(|(name, _)| *name).collect::<Vec<_>>());
