@@ -44,22 +44,16 @@ pub(super) struct Hierarchy<const D: usize, const M: usize> {
     first: Option<Box<Level<D, M>>>,
     rest: Vec<Level<M, M>>,
     bottom: PartialPivLu<f64>,
-    nodes: usize,
-    /// Unknowns of each level.
-    pub sizes: Vec<usize>,
 }
 
 impl<const D: usize, const M: usize> Hierarchy<D, M> {
     /// Builds the levels of a matrix with its near-null vectors, one column each.
     pub fn new(matrix: BlockMatrix<D, D>, modes: &[Block<D, M>], workers: &Workers) -> Self {
-        let nodes = matrix.rows();
-        let mut sizes = vec![D * nodes];
-        if D * nodes <= SMALL {
-            return Hierarchy { first: None, rest: Vec::new(), bottom: dense(&matrix), nodes, sizes };
+        if D * matrix.rows() <= SMALL {
+            return Hierarchy { first: None, rest: Vec::new(), bottom: dense(&matrix) };
         }
         let mut threshold = STRONG;
         let (first, mut coarse, mut modes) = Level::new(matrix, modes, threshold, workers);
-        sizes.push(M * coarse.rows());
         let mut rest: Vec<Level<M, M>> = Vec::new();
         while M * coarse.rows() > SMALL && rest.len() < MOST_LEVELS {
             threshold *= 0.5;
@@ -67,12 +61,11 @@ impl<const D: usize, const M: usize> Hierarchy<D, M> {
             let (level, next, coarse_modes) = Level::new(coarse, &modes, threshold, workers);
             rest.push(level);
             (coarse, modes) = (next, coarse_modes);
-            sizes.push(M * coarse.rows());
-            if coarse.rows() == 0 || coarse.rows() == before {
+                if coarse.rows() == 0 || coarse.rows() == before {
                 break;
             }
         }
-        Hierarchy { first: Some(Box::new(first)), rest, bottom: dense(&coarse), nodes, sizes }
+        Hierarchy { first: Some(Box::new(first)), rest, bottom: dense(&coarse) }
     }
 
     /// Bytes of all levels.
@@ -99,7 +92,6 @@ impl<const D: usize, const M: usize> Hierarchy<D, M> {
         }
         first.ascend(&solution, workers);
         x.copy_from_slice(&first.vectors[1]);
-        debug_assert_eq!(x.len(), self.nodes);
     }
 }
 

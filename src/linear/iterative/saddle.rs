@@ -119,11 +119,6 @@ impl<const D: usize, const M: usize> Saddle<D, M> {
         self.hierarchy.bytes() + self.entries.iter().map(|entries| size_of_val(&entries[..])).sum::<usize>()
     }
 
-    /// Unknowns of each level.
-    pub fn sizes(&self) -> &[usize] {
-        &self.hierarchy.sizes
-    }
-
     /// `x :=` preconditioner applied to `b`, both for the scaled matrix.
     pub fn apply(&mut self, b: &[f64], x: &mut [f64], workers: &Workers) {
         let Saddle { hierarchy, firsts, unknowns, entries, groups, right, solution, multipliers } = self;
