@@ -47,21 +47,21 @@ pub(super) struct Hierarchy<const D: usize, const M: usize> {
 }
 
 impl<const D: usize, const M: usize> Hierarchy<D, M> {
-    /// Builds the levels of a matrix with its near-null vectors, one column each.
-    pub fn new(matrix: BlockMatrix<D, D>, modes: &[Block<D, M>], workers: &Workers) -> Self {
+    /// Builds the levels of a matrix with its near-null vectors, one column each. Nodes of different bodies share no aggregate.
+    pub fn new(matrix: BlockMatrix<D, D>, modes: &[Block<D, M>], mut bodies: Vec<u32>, workers: &Workers) -> Self {
         if D * matrix.rows() <= SMALL {
             return Hierarchy { first: None, rest: Vec::new(), bottom: dense(&matrix) };
         }
         let mut threshold = STRONG;
-        let (first, mut coarse, mut modes) = Level::new(matrix, modes, threshold, workers);
+        let (first, mut coarse, mut modes) = Level::new(matrix, modes, &mut bodies, threshold, workers);
         let mut rest: Vec<Level<M, M>> = Vec::new();
         while M * coarse.rows() > SMALL && rest.len() < MOST_LEVELS {
             threshold *= 0.5;
             let before = coarse.rows();
-            let (level, next, coarse_modes) = Level::new(coarse, &modes, threshold, workers);
+            let (level, next, coarse_modes) = Level::new(coarse, &modes, &mut bodies, threshold, workers);
             rest.push(level);
             (coarse, modes) = (next, coarse_modes);
-                if coarse.rows() == 0 || coarse.rows() == before {
+            if coarse.rows() == 0 || coarse.rows() == before {
                 break;
             }
         }
@@ -96,15 +96,19 @@ impl<const D: usize, const M: usize> Hierarchy<D, M> {
 }
 
 impl<const N: usize, const M: usize> Level<N, M> {
-    /// A level, the matrix of the next one, and its near-null vectors.
+    /// A level, the matrix of the next one, and its near-null vectors; `bodies` become those of the next level.
     fn new(
         matrix: BlockMatrix<N, N>,
         modes: &[Block<N, M>],
+        bodies: &mut Vec<u32>,
         threshold: f64,
         workers: &Workers,
     ) -> (Self, BlockMatrix<M, M>, Vec<Block<M, M>>) {
         let smoother = Smoother::new(&matrix, workers);
-        let (of, count) = aggregates(&matrix, threshold);
+        let (of, count) = aggregates(&matrix, bodies, threshold);
+        let mut coarse_bodies = vec![NONE; count];
+        of.iter().zip(&*bodies).filter(|(a, _)| **a != NONE).for_each(|(&a, &body)| coarse_bodies[a as usize] = body);
+        *bodies = coarse_bodies;
         let (values, coarse_modes) = tentative(&of, count, modes);
         let prolongation = smoothed(&matrix, &smoother, &of, &values, workers);
         let restriction = prolongation.transposed(count);

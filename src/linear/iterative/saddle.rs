@@ -10,7 +10,8 @@
 //! in which every constraint yields by about the compliance of its own nodes: `u = (K - B E^-1 C)^-1 (f - B E^-1 g)` by a V-cycle, and
 //! `lambda = E^-1 (g - C u)`. Eigenvalues of the preconditioned matrix are those of `S / (S + E)` with `S = -C K^-1 B`, which is of size `w`
 //! for the roughest multipliers and larger for all others: they are in an interval that does not depend on the mesh. Multipliers couple
-//! with few others (the normal and tangential ones of a node), so `E` is inverted by groups. Aggregates reach across surfaces in contact.
+//! with few others (the normal and tangential ones of a node), so `E` is inverted by groups. Aggregates do not reach across surfaces in
+//! contact, because sides slide on each other.
 
 use super::blocks::{BlockMatrix, TOGETHER, frobenius, in_parts, inverse, times};
 use super::hierarchy::Hierarchy;
@@ -101,7 +102,8 @@ impl<const D: usize, const M: usize> Saddle<D, M> {
         let groups = groups_of(matrix, &multipliers, &place, &entries, &compliances);
         let augmented = augmented(matrix, &nodes, &place, &entries, &groups, workers);
         let modes = modes_of(matrix, &nodes, &augmented);
-        let hierarchy = Hierarchy::new(augmented, &modes, workers);
+        let bodies = bodies_of(&augmented, &entries);
+        let hierarchy = Hierarchy::new(augmented, &modes, bodies, workers);
         Some(Saddle {
             hierarchy,
             firsts: nodes.iter().map(|&v| pattern.first_unknown(v as usize)).collect(),
@@ -278,6 +280,34 @@ fn augmented<const D: usize>(
             part.push_row(row.drain(..));
         }
     })
+}
+
+/// Body of every node: nodes that are connected without constraints. Two nodes of one constraint may be on either side of it, and the
+/// geometric stiffness of contact forces couples them; nodes of one body are connected through its inside, too.
+fn bodies_of<const D: usize>(augmented: &BlockMatrix<D, D>, entries: &[Vec<Entry<D>>]) -> Vec<u32> {
+    let mut rows: Vec<Vec<u32>> = vec![Vec::new(); augmented.rows()];
+    for (r, entries) in entries.iter().enumerate() {
+        entries.iter().for_each(|entry| rows[entry.node as usize].push(r as u32));
+    }
+    let share_a_row = |i: usize, j: usize| rows[i].iter().any(|row| rows[j].binary_search(row).is_ok());
+    let (mut of, mut count, mut waiting) = (vec![NONE; augmented.rows()], 0, Vec::new());
+    for start in 0..of.len() {
+        if of[start] != NONE {
+            continue;
+        }
+        of[start] = count;
+        waiting.push(start);
+        while let Some(i) = waiting.pop() {
+            for &j in augmented.row(i).0 {
+                if of[j as usize] == NONE && !share_a_row(i, j as usize) {
+                    of[j as usize] = count;
+                    waiting.push(j as usize);
+                }
+            }
+        }
+        count += 1;
+    }
+    of
 }
 
 /// Rigid motions of the nodes in scaled unknowns, zero in unknowns without couplings.
