@@ -9,7 +9,6 @@ use super::ledger::LedgerRow;
 use super::rows::Rows;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::large_motion::{LargeMotion, MotionKind};
-use crate::linear::TakenOver;
 use crate::math::digits::{percent, three_digits};
 use crate::math::tolerances::{APPROACH, CAME_THROUGH, CONSERVED, DEPTH, EQUAL, FORCE_FLOOR, GIVEN, HALVED, LEAP, LOST, PASSING, SLIDING};
 
@@ -283,8 +282,6 @@ pub struct Measures<'a> {
     /// Number of factorizations, and the part in failed attempts and undone steps.
     pub factorizations: usize,
     pub discarded: usize,
-    /// Matrices that the direct solver took over from the iterative one.
-    pub taken_over: TakenOver,
 }
 
 /// Value with the step and the time of its row.
@@ -448,21 +445,7 @@ pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunF
         let (kind, step, time) = (RunFindingKind::Discarded, last.step, last.time);
         found.push(RunFinding { kind, contact: None, value: share, limit: DISCARDED, step, time, explanation });
     }
-    found.extend(taken_over(measures.taken_over, &last));
     found
-}
-
-/// Finding on matrices that the direct solver took over from the iterative one.
-fn taken_over(taken_over: TakenOver, last: &LedgerRow) -> Option<RunFinding> {
-    let TakenOver { unconverged, is_unsuited } = taken_over;
-    let explanation = match unconverged {
-        0 if !is_unsuited => return None,
-        0 => "the model has unknowns without a coarse representation, such as those of rigid bodies".to_owned(),
-        1 => "the iteration did not converge for one matrix".to_owned(),
-        count => format!("the iteration did not converge for {count} matrices"),
-    };
-    let (kind, value) = (RunFindingKind::TakenOver, f64::from(unconverged));
-    Some(RunFinding { kind, contact: None, value, limit: 0.0, step: last.step, time: last.time, explanation })
 }
 
 /// Findings on halved steps, and on steps that could not be halved further.
@@ -542,7 +525,6 @@ mod tests {
             refused: &[],
             factorizations: 1000,
             discarded: 10,
-            taken_over: TakenOver::default(),
         }
     }
 

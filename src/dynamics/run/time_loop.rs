@@ -271,7 +271,6 @@ where
             refused: self.halvings.refused(),
             factorizations: system.counters.factorizations,
             discarded: system.counters.discarded,
-            taken_over: system.taken_over(),
         }
     }
 

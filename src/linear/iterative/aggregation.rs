@@ -1,13 +1,10 @@
 //! Aggregates of strongly coupled nodes, and the prolongation that reproduces near-null vectors on each of them.
 
 use super::blocks::{Block, BlockMatrix, frobenius};
+use crate::math::tolerances::AGGREGATE_DEPENDENT;
 
 /// Aggregate of a node without strong couplings.
 pub(super) const NONE: u32 = u32::MAX;
-
-/// Relative length below which a near-null vector of an aggregate depends on those before it. A node alone has no rotations, nodes on one
-/// line none about it.
-const DEPENDENT: f64 = 1e-6;
 
 /// Divides nodes into aggregates: neighborhoods of strongly coupled nodes that do not overlap; nodes between join the neighborhood to
 /// which they are coupled most strongly (Vanek, Mandel and Brezina 1996, algorithm 2). Nodes couple strongly if
@@ -92,7 +89,7 @@ pub(super) fn tentative<const N: usize, const M: usize>(
                 }
             }
             let after = length(&values);
-            let is_dependent = after <= DEPENDENT * before;
+            let is_dependent = after <= AGGREGATE_DEPENDENT * before;
             coarse[a][m][m] = if is_dependent { 0.0 } else { after };
             let factor = if is_dependent { 0.0 } else { 1.0 / after };
             members.iter().for_each(|&i| values[i].iter_mut().for_each(|row| row[m] *= factor));

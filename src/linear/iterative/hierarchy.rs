@@ -1,8 +1,8 @@
 //! Smoothed aggregation: a hierarchy of coarser matrices, and its V-cycle.
 //!
 //! Near-null vectors (rigid motions) are reproduced exactly by the prolongation `P = (I - omega D^-1 A) P_0`, where `P_0` is constant on
-//! aggregates; the coarse matrix is `P^T A P` (Vanek, Mandel and Brezina, Computing 56, 1996). A level with `N` unknowns a node has `M` on the next
-//! one, one for each near-null vector, and `M` on all levels below.
+//! aggregates; the coarse matrix is `P^T A P` (Vanek, Mandel and Brezina, Computing 56, 1996). Nodes of the finest level have `D` unknowns,
+//! those of all others `M`, one for each near-null vector.
 
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
