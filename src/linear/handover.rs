@@ -33,8 +33,8 @@ impl SolverChoice {
     }
 }
 
-/// Number of unknowns in space from which [`SolverChoice::Auto`] iterates: twice that at which both take equal time, as measured in
-/// `docs/performance.md`.
+/// Number of unknowns in space from which [`SolverChoice::Auto`] iterates. Both take equal time at some ten thousand in a block
+/// (`docs/performance.md`); contact takes more iterations, and factors serve several active sets.
 pub const ITERATED: usize = 100_000;
 
 /// Number of matrices without convergence after which the iteration is no longer tried.
