@@ -29,7 +29,7 @@ pub(super) struct Krylov {
 impl Krylov {
     /// Adds to `x` the correction that makes the residual smallest, for the residual `r`, until it is as small as `goal` in the Euclidean
     /// norm, or after [`RESTART`] vectors, or `most`. Returns the number of vectors. `r` is scratch afterwards.
-    pub fn cycle(&mut self, system: &mut impl System, r: &mut Vec<f64>, x: &mut [f64], goal: f64, most: usize, workers: &Workers) -> usize {
+    pub fn cycle(&mut self, system: &mut impl System, r: &mut [f64], x: &mut [f64], goal: f64, most: usize, workers: &Workers) -> usize {
         let unknowns = r.len();
         let size = dot(r, r, workers).sqrt();
         if size == 0.0 || !size.is_finite() {

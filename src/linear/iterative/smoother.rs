@@ -19,6 +19,15 @@ const SAFETY: f64 = 1.1;
 /// Length of the parts of a sum.
 const PART: usize = 4096;
 
+/// Vector from which smoothing starts.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Start {
+    /// Zero, whose residual is the right-hand side.
+    Zero,
+    /// The solution at hand.
+    Solution,
+}
+
 /// Smoother of one level.
 pub(super) struct Smoother<const N: usize> {
     /// Inverse diagonal blocks `D^-1`.
@@ -60,21 +69,21 @@ impl<const N: usize> Smoother<N> {
         });
     }
 
-    /// Improves `x` as a solution for the right-hand side `b`; `is_zero` if `x` is zero. `r`, `d` are scratch.
+    /// Improves `x`, which is zero if `start` says so, as a solution for the right-hand side `b`. `r` and `d` are scratch.
     pub fn smooth(
         &self,
         matrix: &BlockMatrix<N, N>,
         b: &[[f64; N]],
         x: &mut [[f64; N]],
         [r, d]: [&mut Vec<[f64; N]>; 2],
-        is_zero: bool,
+        start: Start,
         workers: &Workers,
     ) {
         let (middle, half) = (0.5 * self.largest * (1.0 + 1.0 / RATIO), 0.5 * self.largest * (1.0 - 1.0 / RATIO));
         let sigma = middle / half;
         let mut rho = 1.0 / sigma;
         for step in 0..DEGREE {
-            if step == 0 && is_zero {
+            if step == 0 && start == Start::Zero {
                 r.copy_from_slice(b);
             } else {
                 matrix.multiply(-1.0, x, b, r, workers);
