@@ -18,7 +18,7 @@ use super::multifrontal::Multifrontal;
 use super::ordering::{Order, alternatives, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
-use super::scaling::{all_finite, largest, reciprocal, reciprocal_root};
+use super::scaling::{all_finite, largest, spread, vertex_scales};
 use super::symbolic::Symbolic;
 use super::watch::Watch;
 use crate::machine::memory;
@@ -57,6 +57,24 @@ pub struct Work {
     pub structures: usize,
     /// Nested dissections.
     pub dissections: usize,
+    /// Hierarchies of coarser matrices made by the iterative solver.
+    pub hierarchies: usize,
+    /// Iterations of the iterative solver.
+    pub iterations: usize,
+}
+
+impl Work {
+    /// Sum of two counts.
+    pub(super) fn and(self, other: Work) -> Work {
+        Work {
+            factorizations: self.factorizations + other.factorizations,
+            operations: self.operations + other.operations,
+            structures: self.structures + other.structures,
+            dissections: self.dissections + other.dissections,
+            hierarchies: self.hierarchies + other.hierarchies,
+            iterations: self.iterations + other.iterations,
+        }
+    }
 }
 
 /// Factorization of a sequence of matrices: the order of elimination is kept while it is good, the structure while the pattern is
@@ -241,6 +259,11 @@ impl Factorization {
         (size_of::<f64>() * (self.symbolic.factors + waiting.handed + waiting.buffer + threads * waiting.of_task)) as u64
     }
 
+    /// Number of unknowns.
+    pub(super) fn unknowns(&self) -> usize {
+        self.pattern.unknowns()
+    }
+
     /// Order of elimination in use.
     pub fn order(&self) -> &EliminationOrder {
         &self.order
@@ -310,7 +333,8 @@ impl Factorization {
         self.work.operations += self.symbolic.operations;
         self.account.uses += 1;
         self.account.wasted += (self.symbolic.operations - self.order.best).max(0.0);
-        self.equilibrate(values);
+        vertex_scales(&self.pattern, values, &mut self.vertex_scale);
+        spread(&self.pattern, &self.vertex_scale, &mut self.scale);
         // Its factors take several times the memory of the others, and the next matrix rarely needs them.
         self.fallback = None;
         self.fallen_back = false;
@@ -323,36 +347,6 @@ impl Factorization {
         }
         self.watch.ended();
         if self.watch.is_interrupted() { Err(LinearError::Interrupted) } else { Ok(()) }
-    }
-
-    fn equilibrate(&mut self, values: &[f64]) {
-        let pattern = &self.pattern;
-        let own_block = |v: usize| {
-            let (block, size) = (pattern.block(v as u32, v as u32), pattern.size(v));
-            largest((0..size).flat_map(|k| &values[block.at(0, k)..][..size]).copied())
-        };
-        for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
-            self.vertex_scale[v] = reciprocal_root(own_block(v));
-        }
-        // A carried node is scaled as the nodes that carry it, so that its other constraints have responses of order one. Without that,
-        // pivots in the rows of contacts between rigid bodies are 1e-12 in small steps.
-        for v in (0..pattern.vertices()).filter(|&v| pattern.is_carried(v)) {
-            let rows = pattern.neighbors(v).iter().filter(|&&u| pattern.anchor(u as usize) == Some(v as u32));
-            let others = rows.flat_map(|&u| pattern.neighbors(u as usize)).map(|&w| w as usize);
-            let carriers = others.filter(|&w| !pattern.is_multiplier(w) && !pattern.is_carried(w));
-            self.vertex_scale[v] = carriers.map(|w| self.vertex_scale[w]).fold(self.vertex_scale[v], f64::min);
-        }
-        for v in (0..pattern.vertices()).filter(|&v| pattern.is_multiplier(v)) {
-            let nodes = pattern.neighbors(v).iter().zip(pattern.column_blocks(v)).filter(|(u, _)| !pattern.is_multiplier(**u as usize));
-            let constraint = largest(nodes.flat_map(|(&u, block)| {
-                let (scale, rows) = (self.vertex_scale[u as usize], pattern.size(u as usize));
-                (0..pattern.size(v)).flat_map(move |k| values[block.at(0, k)..][..rows].iter().map(move |value| scale * value))
-            }));
-            self.vertex_scale[v] = if constraint > 0.0 { reciprocal(constraint) } else { reciprocal_root(own_block(v)) };
-        }
-        for v in 0..pattern.vertices() {
-            self.scale[pattern.first_unknown(v)..][..pattern.size(v)].fill(self.vertex_scale[v]);
-        }
     }
 
     /// Solves with the last factorised values, which are given again for the residual; `right` becomes the solution.

@@ -2,7 +2,8 @@
 //!
 //! The matrix belongs to a graph: one vertex per node with its coordinates, and one per group of constraints with its multipliers. Its
 //! pattern is symmetric, its values are not. The position of each block is looked up once in the [`Pattern`]; assembly adds entries to a
-//! flat array of values. A [`LinearSolver`] solves with these values; [`Factorization`] implements it.
+//! flat array of values. A [`LinearSolver`] solves with these values: [`Factorization`] directly, a folder of its own by iteration, and
+//! [`solver_of`] chooses.
 
 mod aligned;
 mod assembly;
@@ -13,7 +14,9 @@ mod factorization;
 #[cfg(test)]
 mod fixtures;
 mod fronts;
+mod handover;
 mod inertia;
+mod iterative;
 mod lanczos;
 #[cfg(test)]
 mod large_tests;
@@ -41,6 +44,7 @@ mod watch;
 
 pub use error::LinearError;
 pub use factorization::{Factorization, Work};
+pub use handover::{ITERATED, SolverChoice, TakenOver, solver_of};
 pub use lanczos::{Lanczos, Operator, Ritz, product};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern, Role, Vertex};

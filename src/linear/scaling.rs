@@ -1,5 +1,7 @@
 //! Scales that are powers of two, so that scaling causes no round-off, and norms of vectors.
 
+use super::pattern::Pattern;
+
 /// Exponent of the largest power of two not above `x > 0`.
 fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 - 1023
@@ -11,12 +13,12 @@ fn power_of_two(n: i32) -> f64 {
 }
 
 /// A power of two near `1/sqrt(x)`; 1 for zero.
-pub(super) fn reciprocal_root(x: f64) -> f64 {
+fn reciprocal_root(x: f64) -> f64 {
     if x > 0.0 { power_of_two(-exponent(x).div_euclid(2)) } else { 1.0 }
 }
 
 /// A power of two near `1/x`; 1 for zero.
-pub(super) fn reciprocal(x: f64) -> f64 {
+fn reciprocal(x: f64) -> f64 {
     if x > 0.0 { power_of_two(-exponent(x)) } else { 1.0 }
 }
 
@@ -35,4 +37,38 @@ pub(super) fn all_finite(values: &[f64]) -> bool {
         }
     }
     sums.iter().sum::<f64>() + rest.iter().map(|x| 0.0 * x).sum::<f64>() == 0.0
+}
+
+/// Scale of every vertex: brings the diagonal block of a node, and the constraint of a multiplier, to entries of order one.
+pub(super) fn vertex_scales(pattern: &Pattern, values: &[f64], scales: &mut [f64]) {
+    let own_block = |v: usize| {
+        let (block, size) = (pattern.block(v as u32, v as u32), pattern.size(v));
+        largest((0..size).flat_map(|k| &values[block.at(0, k)..][..size]).copied())
+    };
+    for v in (0..pattern.vertices()).filter(|&v| !pattern.is_multiplier(v)) {
+        scales[v] = reciprocal_root(own_block(v));
+    }
+    // A carried node is scaled as the nodes that carry it, so that its other constraints have responses of order one. Without that,
+    // pivots in the rows of contacts between rigid bodies are 1e-12 in small steps.
+    for v in (0..pattern.vertices()).filter(|&v| pattern.is_carried(v)) {
+        let rows = pattern.neighbors(v).iter().filter(|&&u| pattern.anchor(u as usize) == Some(v as u32));
+        let others = rows.flat_map(|&u| pattern.neighbors(u as usize)).map(|&w| w as usize);
+        let carriers = others.filter(|&w| !pattern.is_multiplier(w) && !pattern.is_carried(w));
+        scales[v] = carriers.map(|w| scales[w]).fold(scales[v], f64::min);
+    }
+    for v in (0..pattern.vertices()).filter(|&v| pattern.is_multiplier(v)) {
+        let nodes = pattern.neighbors(v).iter().zip(pattern.column_blocks(v)).filter(|(u, _)| !pattern.is_multiplier(**u as usize));
+        let constraint = largest(nodes.flat_map(|(&u, block)| {
+            let (scale, rows) = (scales[u as usize], pattern.size(u as usize));
+            (0..pattern.size(v)).flat_map(move |k| values[block.at(0, k)..][..rows].iter().map(move |value| scale * value))
+        }));
+        scales[v] = if constraint > 0.0 { reciprocal(constraint) } else { reciprocal_root(own_block(v)) };
+    }
+}
+
+/// Scale of every unknown.
+pub(super) fn spread(pattern: &Pattern, vertex_scales: &[f64], scales: &mut [f64]) {
+    for v in 0..pattern.vertices() {
+        scales[pattern.first_unknown(v)..][..pattern.size(v)].fill(vertex_scales[v]);
+    }
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::elimination_order::{Account, EliminationOrder};
 use super::error::LinearError;
 use super::factorization::{Factorization, Work};
+use super::handover::TakenOver;
 use super::pattern::Pattern;
 use super::watch::Watch;
 
@@ -16,7 +17,12 @@ pub struct SolverMemory {
     pub(super) order: Option<EliminationOrder>,
     /// Cost counters of the order.
     pub(super) account: Account,
+    /// Matrices that the direct solver took over from the iterative one.
+    pub(super) taken_over: TakenOver,
 }
+
+/// Number of substitutions of the direct solver that are tried before a factorization.
+pub(super) const SUBSTITUTIONS: usize = 64;
 
 impl SolverMemory {
     /// Size of the data in bytes that is not shared with `before`.
@@ -38,17 +44,35 @@ pub trait LinearSolver: Send {
     /// The system does not fit into memory.
     fn analyse(&mut self, pattern: &Pattern) -> Result<(), LinearError>;
 
+    /// Sets the positions of the nodes at the start of a step: as many numbers for each of the leading vertices as it has unknowns. They
+    /// determine the rigid motions that an iterative solver represents on coarse levels.
+    fn locate(&mut self, _positions: &[f64]) {}
+
     /// Factorizes the matrix with these values.
     ///
     /// # Errors
     /// Values that are not finite, lack of memory, an interrupt.
     fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError>;
 
-    /// Solves with the last factored values, which are given again; `right` becomes the solution. Returns the backward error.
+    /// Factorizes the matrix with these values so that its inertia is available.
     ///
     /// # Errors
-    /// The matrix is singular, or the solution is not accurate.
-    fn solve(&mut self, values: &[f64], right: &mut [f64]) -> Result<f64, LinearError>;
+    /// Values that are not finite, lack of memory, an interrupt.
+    fn factorize_directly(&mut self, values: &[f64]) -> Result<(), LinearError> {
+        self.factorize(values)
+    }
+
+    /// Solves with the last factored values, which are given again; `rights`, right-hand sides one after another, become the solutions.
+    /// Returns the largest backward error.
+    ///
+    /// # Errors
+    /// The matrix is singular, or a solution is not accurate.
+    fn solve(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError>;
+
+    /// Number of right-hand sides whose solution costs about as much as another factorization with one.
+    fn substitutions_for_a_factorization(&self) -> usize {
+        SUBSTITUTIONS
+    }
 
     /// Estimated null vector of a singular matrix, one number per unknown.
     fn near_null_vector(&self) -> Option<&[f64]>;
@@ -67,6 +91,11 @@ pub trait LinearSolver: Send {
     /// Returns the counters of the work done by this solver.
     fn work(&self) -> Work;
 
+    /// Returns the matrices that a direct solver took over from an iterative one.
+    fn taken_over(&self) -> TakenOver {
+        TakenOver::default()
+    }
+
     /// Bytes of the factors.
     fn bytes(&self) -> usize;
 
@@ -83,8 +112,12 @@ impl LinearSolver for Factorization {
         self.factorize(values)
     }
 
-    fn solve(&mut self, values: &[f64], right: &mut [f64]) -> Result<f64, LinearError> {
-        self.solve(values, right)
+    fn solve(&mut self, values: &[f64], rights: &mut [f64]) -> Result<f64, LinearError> {
+        let mut worst = 0.0f64;
+        for right in rights.chunks_exact_mut(self.unknowns()) {
+            worst = worst.max(Factorization::solve(self, values, right)?);
+        }
+        Ok(worst)
     }
 
     fn near_null_vector(&self) -> Option<&[f64]> {
@@ -96,7 +129,7 @@ impl LinearSolver for Factorization {
     }
 
     fn memory(&self) -> SolverMemory {
-        SolverMemory { order: Some(self.order().clone()), account: self.account() }
+        SolverMemory { order: Some(self.order().clone()), account: self.account(), taken_over: TakenOver::default() }
     }
 
     fn recall(&mut self, memory: &SolverMemory) {

@@ -322,6 +322,10 @@ pub const LINEAR_RESIDUAL: f64 = 1e-8;
 /// indicates a numerically singular matrix.
 pub const LINEAR_UNSOLVED: f64 = 1e-3;
 
+/// Relative length below which a near-null vector restricted to an aggregate depends on those before it: a single node has no rotations,
+/// nodes on one line have none about it.
+pub const AGGREGATE_DEPENDENT: f64 = 1e-6;
+
 /// Fraction of a tie's offset carried by an interior node, relative to nodal weights, below which it is round-off of positions and the tie
 /// couples the surfaces only.
 pub const TIE_OFFSET: f64 = 1e-12;

@@ -9,6 +9,7 @@ use std::time::Duration;
 use serde::{Serialize, Serializer};
 
 use crate::dynamics::{BodyDefinition, EnergyAccount, Halving, LedgerRow, Model, PhaseTimes, Rows, RunFinding, Statistics};
+use crate::linear::Work;
 
 /// Name of the file.
 pub const SUMMARY: &str = "summary.json";
@@ -41,6 +42,10 @@ pub struct Summary {
     pub halvings: usize,
     /// Numeric factorizations.
     pub factorizations: usize,
+    /// Linear solver: `direct`, `iterative`, or both where the direct one took over.
+    pub solver: &'static str,
+    /// Iterations of the iterative solver.
+    pub solver_iterations: usize,
     /// Wall-clock time by phase.
     pub wall_seconds: WallSeconds,
     /// Largest resident memory of the process, if the system reports it.
@@ -77,6 +82,8 @@ pub const KEYS: &[(&str, &str)] = &[
     ("newton_iterations", "the Newton iterations, those of refused steps included"),
     ("halvings", "halvings of steps that were tried"),
     ("factorizations", "the number of numeric factorizations"),
+    ("solver", "the linear solver: `direct`, `iterative`, or `iterative, direct` where the direct one had to take over"),
+    ("solver_iterations", "the iterations of the iterative solver since the program was started"),
     ("wall_seconds", "an object: where the time went, `total` and its parts [s]"),
     ("peak_memory_bytes", "the largest resident memory of the process, where the system tells"),
     ("energy_drift", "the largest change of the total energy since the loads ended, relative to the largest energy since then"),
@@ -157,6 +164,13 @@ impl Summary {
         self.newton_iterations = statistics.newton_iterations;
         self.halvings = statistics.halvings;
         self.factorizations = statistics.factorizations;
+        let Work { factorizations, iterations, .. } = statistics.linear;
+        self.solver = match (iterations, factorizations) {
+            (0, _) => "direct",
+            (_, 0) => "iterative",
+            _ => "iterative, direct",
+        };
+        self.solver_iterations = iterations;
     }
 
     /// Sets the drifts.
@@ -394,6 +408,8 @@ mod tests {
           "newton_iterations": 1600,
           "halvings": 1,
           "factorizations": 1601,
+          "solver": "direct",
+          "solver_iterations": 0,
           "wall_seconds": {
             "total": 1.0,
             "assembly": 0.0,

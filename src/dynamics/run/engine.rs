@@ -84,7 +84,7 @@ where
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
         check_integrator(model, &options.integrator, options.control.is_some())?;
-        let mut system = System::<D>::new(model, options.threads, &options.integrator)?;
+        let mut system = System::<D>::new(model, options.threads, &options.integrator, options.solver)?;
         system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.equations.move_obstacles(0.0, 0.0);

@@ -46,6 +46,7 @@ pub mod settle;
 mod settle_progress;
 pub mod simulation;
 pub mod slip_memory;
+mod solver_findings;
 pub mod stable_step;
 pub mod state;
 pub mod steps;

@@ -9,7 +9,7 @@ use super::pace::StepControl;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::counters::PhaseTimes;
 use crate::integrators::Scheme;
-use crate::linear::Work;
+use crate::linear::{SolverChoice, TakenOver, Work};
 
 /// Options of the integration of a model.
 #[derive(Clone, Debug)]
@@ -22,6 +22,8 @@ pub struct Options {
     pub control: Option<StepControl>,
     /// Newton's tolerance: the energy that the residual can still move, relative to the energy scale.
     pub tolerance: f64,
+    /// Linear solver; results agree within Newton's tolerance.
+    pub solver: SolverChoice,
     /// Accept overlapping bodies: `settle` then does not check that bodies without contact forces are apart.
     pub accepts_overlap: bool,
     /// Largest number of halvings of a step.
@@ -45,6 +47,7 @@ impl Options {
             dt,
             control: None,
             tolerance,
+            solver: SolverChoice::default(),
             accepts_overlap: false,
             max_halvings: 7,
             reach: 1.0,
@@ -89,6 +92,8 @@ pub struct Statistics {
     pub discarded: usize,
     /// Work of the linear solver, including factorizations of refused steps.
     pub linear: Work,
+    /// Matrices that the direct solver took over from the iterative one.
+    pub taken_over: TakenOver,
     /// Evaluations of residual and tangent of all cells.
     pub assemblies: usize,
     /// Cells of all bodies.

@@ -53,6 +53,8 @@ pub enum RunFindingKind {
     CoarseCells,
     /// A large part of the work was discarded, in failed attempts and undone steps; the value is the share of the factorizations.
     Discarded,
+    /// The direct solver took matrices over from the iterative one; the value is their number, 0 if no matrix of the run suits iteration.
+    TakenOver,
 }
 
 impl RunFindingKind {
@@ -79,6 +81,7 @@ impl RunFindingKind {
             RunFindingKind::BeyondTable => "C0619",
             RunFindingKind::CoarseCells => "C0617",
             RunFindingKind::Discarded => "C0618",
+            RunFindingKind::TakenOver => "C0632",
         }
     }
 
@@ -107,6 +110,7 @@ impl RunFindingKind {
         ("coarse_cells", "cells are too coarse for the stress at rest: its estimated error over its size, of the worst body"),
         ("failed_steps", "steps were halved where Newton's method failed: halvings for this cause per accepted step"),
         ("work_discarded", "more than a third of the work went into attempts that failed: its share of the factorizations"),
+        ("solver_taken_over", "the direct solver took over from the iterative one: the number of matrices without convergence"),
     ];
 
     /// Stable name of the kind.
@@ -125,6 +129,7 @@ impl RunFindingKind {
             RunFindingKind::TooFast(_) => "motion_too_fast",
             RunFindingKind::Failures(_) => "failed_steps",
             RunFindingKind::Discarded => "work_discarded",
+            RunFindingKind::TakenOver => "solver_taken_over",
             RunFindingKind::Turned => "turned",
             RunFindingKind::Crushed => "crushed",
             RunFindingKind::BeyondTable => "beyond_table",
@@ -174,6 +179,7 @@ impl std::fmt::Display for RunFinding {
             RunFindingKind::BeyondTable => write!(out, "a hardening table ends before the plastic strain does"),
             RunFindingKind::CoarseCells => write!(out, "stresses are not accurate, and stiffness may not be"),
             RunFindingKind::Discarded => write!(out, "much of the work was for nothing"),
+            RunFindingKind::TakenOver => write!(out, "the direct solver took over from the iterative one"),
         }
     }
 }
@@ -219,6 +225,7 @@ impl RunFinding {
             RunFindingKind::Discarded => {
                 "results are right, and only time is lost; a smaller dt helps, or facets of about the same size on both sides of a contact"
             }
+            RunFindingKind::TakenOver => "results are right, and only time and memory are lost; choose the direct solver from the start",
         }
     }
 
@@ -606,7 +613,7 @@ mod tests {
         use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
             BeyondTable, CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved,
-            PassedObstacle, PassedThrough, PositiveContactWork, ReserveHeld, TooFast, Turned,
+            PassedObstacle, PassedThrough, PositiveContactWork, ReserveHeld, TakenOver, TooFast, Turned,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Leap, Depth, EnergyTaken, ReserveHeld];
         let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
@@ -619,6 +626,7 @@ mod tests {
             CoarseCells,
             Failures("divergence"),
             Discarded,
+            TakenOver,
         ]);
         let names: Vec<&str> = kinds.map(RunFindingKind::name).collect();
         assert_eq!(names, RunFindingKind::ALL.iter().map(|(name, _)| *name).collect::<Vec<_>>());

@@ -18,6 +18,7 @@ use super::report::FailureReport;
 use super::rows::Rows;
 use super::run_findings::{RunFinding, RunFindingKind, run_findings};
 use super::section_force::SectionForce;
+use super::solver_findings::taken_over;
 use super::stable_step::StableStep;
 use super::state::State;
 use super::steps::Steps;
@@ -367,6 +368,7 @@ impl Simulation {
         found.extend(self.passed_obstacle());
         found.extend(self.excessive());
         found.extend(self.coarse());
+        found.extend(taken_over(self.statistics().taken_over, self.row()));
         found
     }
 

@@ -288,6 +288,7 @@ where
             factorizations: self.system.counters.factorizations,
             discarded: self.system.counters.discarded,
             linear: self.system.work(),
+            taken_over: self.system.taken_over(),
             assemblies: self.system.counters.assemblies,
             cells: self.system.bodies.iter().map(|body| body.elements.cliques().len()).sum(),
             factor_bytes: self.system.factor_bytes(),

@@ -27,9 +27,6 @@ use crate::dynamics::parts::contact_pair::RowBlock;
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::laws::Equation;
 
-/// Largest number of changed constraints before the matrix is factorized again; each change costs a substitution.
-const MOST_CHANGES: usize = 64;
-
 /// Newton's system of one iterate, factorized with one active set.
 pub struct Frozen {
     /// Equations of the active set in the factors, and of the present set.
@@ -104,14 +101,17 @@ where
     pub fn rows_with(&mut self, frozen: &mut Frozen, start: &StepStart, at: &Linearization, rows: &ConstraintRows) -> Option<RowValues> {
         let changed: Vec<usize> = (0..self.multipliers).filter(|&row| rows.0[row] != frozen.rows.0[row]).collect();
         let fresh: Vec<usize> = changed.iter().copied().filter(|row| !frozen.answers.contains_key(row)).collect();
-        if frozen.answers.len() + fresh.len() > MOST_CHANGES {
+        if frozen.answers.len() + fresh.len() > self.matrix.solver.substitutions_for_a_factorization() {
             return None;
         }
-        for row in fresh {
-            let mut right = vec![0.0; frozen.right.len()];
-            self.add_brought(frozen, start.shares(), at, &BTreeMap::from([(row, 1.0)]), &mut right);
-            self.substitute(&at.tangent, &mut right).ok()?;
-            frozen.answers.insert(row, self.row_values([&at.pairs, &at.slips], &right));
+        let unknowns = frozen.right.len();
+        let mut rights = vec![0.0; unknowns * fresh.len()];
+        for (row, right) in fresh.iter().zip(rights.chunks_exact_mut(unknowns)) {
+            self.add_brought(frozen, start.shares(), at, &BTreeMap::from([(*row, 1.0)]), right);
+        }
+        self.substitute(&at.tangent, &mut rights).ok()?;
+        for (row, right) in fresh.into_iter().zip(rights.chunks_exact(unknowns)) {
+            frozen.answers.insert(row, self.row_values([&at.pairs, &at.slips], right));
         }
         if changed.is_empty() {
             frozen.amounts.clear();

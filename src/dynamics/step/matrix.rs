@@ -6,7 +6,7 @@
 use super::constraint_rows::ConstraintRows;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
-use crate::linear::{Factorization, LinearError, LinearSolver, Pattern, Vertex};
+use crate::linear::{LinearError, LinearSolver, Pattern, SolverChoice, Vertex, solver_of};
 use crate::math::workers::Workers;
 
 /// The matrix of a model's steps.
@@ -26,12 +26,12 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Matrix with a pattern; block places are found by [`Self::place`].
+    /// Matrix with a pattern, and the solver of a choice; block places are found by [`Self::place`].
     ///
     /// # Errors
     /// The pattern is too large.
-    pub fn new(pattern: Pattern, workers: &Workers) -> Result<Self, LinearError> {
-        let solver = Box::new(Factorization::new(&pattern)?.with_workers(workers));
+    pub fn new(pattern: Pattern, choice: SolverChoice, positions: &[f64], workers: &Workers) -> Result<Self, LinearError> {
+        let solver = solver_of(choice, &pattern, positions, workers)?;
         Ok(Matrix { pattern, solver, generation: 0, is_stale: false, identities: Vec::new(), zeros: Vec::new(), diagonals: Vec::new() })
     }
 

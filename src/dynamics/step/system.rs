@@ -33,7 +33,7 @@ use crate::dynamics::parts::rigid_bodies::point_pairs;
 use crate::dynamics::parts::step_damping::StepDamping;
 use crate::dynamics::parts::supports::Supports;
 use crate::integrators::Scheme;
-use crate::linear::{Block, LinearError, Pattern, Watch, Work};
+use crate::linear::{Block, LinearError, Pattern, SolverChoice, TakenOver, Watch, Work};
 use crate::machine::memory::Shortage;
 use crate::math::workers::Workers;
 
@@ -76,7 +76,7 @@ where
     ///
     /// # Errors
     /// A model that cannot be simulated.
-    pub fn new(model: &Model, threads: usize, integrator: &Scheme) -> Result<Self, ModelError> {
+    pub fn new(model: &Model, threads: usize, integrator: &Scheme, solver: SolverChoice) -> Result<Self, ModelError> {
         model.check()?;
         let lumping = integrator.lumping();
         let (mut bodies, reference) = bodies_of(model, integrator)?;
@@ -115,7 +115,8 @@ where
         loads.extend(varying_gravity(model, &nodes.nodal_mass));
         let workers = Workers::new(threads);
         pairs.iter_mut().for_each(|pair| pair.kernel.share_among(&workers));
-        let matrix = Matrix::new(pattern, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
+        let matrix =
+            Matrix::new(pattern, solver, &nodes.reference, &workers).map_err(|error| ModelError::TooLarge { reason: error.to_string() })?;
         let equations = Equations {
             nodes,
             supports,
@@ -152,6 +153,11 @@ impl<const D: usize> System<D> {
     /// Work counters of the linear solver.
     pub fn work(&self) -> Work {
         self.matrix.solver.work()
+    }
+
+    /// Matrices that the direct solver took over from the iterative one.
+    pub fn taken_over(&self) -> TakenOver {
+        self.matrix.solver.taken_over()
     }
 
     /// Bytes of the factors.
@@ -220,6 +226,7 @@ impl<const D: usize> System<D> {
     /// The equations do not fit into memory.
     pub fn begin_deep_step(&mut self, outlook: &Outlook, depths: &[f64]) -> Result<(), LinearError> {
         let changed = self.find_candidates(outlook, depths);
+        self.matrix.solver.locate(outlook.q);
         if changed || self.matrix.is_stale {
             let clock = Instant::now();
             self.ensure_patches().map_err(|shortage| LinearError::out_of_memory(self.nodes.reference.len(), shortage))?;

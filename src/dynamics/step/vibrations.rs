@@ -127,7 +127,7 @@ where
         let clock = Instant::now();
         self.factorizations += 1;
         self.system.counters.factorizations += 1;
-        self.system.matrix.solver.factorize(&self.values).map_err(Failure::Linear)?;
+        self.system.matrix.solver.factorize_directly(&self.values).map_err(Failure::Linear)?;
         self.system.counters.times.factorization += clock.elapsed();
         Ok(())
     }

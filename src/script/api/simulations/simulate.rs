@@ -17,6 +17,7 @@ use super::modes::warn_of_damping;
 use super::step_control::{STEP_SIZE, StepSize, step_size};
 use crate::contact::Finding;
 use crate::dynamics::{LedgerRow, Model, Options, RedundantConstraints, Simulation};
+use crate::linear::SolverChoice;
 use crate::materials::Weakness;
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::NEWTON_ENERGY;
@@ -68,6 +69,13 @@ fn simulate() -> Function {
                         "Newton's tolerance: the energy that the residual can still move, relative to the energy scale",
                     )
                     .or(Absent::Number(NEWTON_ENERGY)),
+                    Parameter::new(
+                        "solver",
+                        Kind::Choice(&["auto", "direct", "iterative"]),
+                        "how linear systems are solved: by a factorization, by iteration (GMRES with algebraic multigrid), or by iteration \
+                         from 100 000 unknowns on in space",
+                    )
+                    .or(Absent::Text("auto")),
                     Parameter::new("max_halvings", Kind::Integer, "how often a step that fails may be halved")
                         .within(Interval::Closed(0.0, 50.0))
                         .or(Absent::Integer(7)),
@@ -120,6 +128,8 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     let size = StepSize::of(&options.argument("dt"))?;
     let mut kernel = Options::new(&integrator, 0.0);
     kernel.tolerance = options.number("tolerance")?;
+    let solver = options.text("solver")?;
+    kernel.solver = SolverChoice::ALL.into_iter().find(|(name, _)| *name == solver).map_or(SolverChoice::Auto, |(_, choice)| choice);
     kernel.max_halvings = options.integer("max_halvings")? as usize;
     kernel.threads = call.host.settings.threads;
     kernel.interrupt = Some(call.host.settings.interrupt.clone());

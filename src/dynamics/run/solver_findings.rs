@@ -1,0 +1,18 @@
+//! Findings on the linear solver of a run.
+
+use super::ledger::LedgerRow;
+use super::run_findings::{RunFinding, RunFindingKind};
+use crate::linear::TakenOver;
+
+/// Finding on matrices that the direct solver took over from the iterative one.
+pub(super) fn taken_over(taken_over: TakenOver, last: &LedgerRow) -> Option<RunFinding> {
+    let TakenOver { unconverged, is_unsuited } = taken_over;
+    let explanation = match unconverged {
+        0 if !is_unsuited => return None,
+        0 => "the model has unknowns without a coarse representation, such as those of rigid bodies".to_owned(),
+        1 => "the iteration did not converge for one matrix".to_owned(),
+        count => format!("the iteration did not converge for {count} matrices"),
+    };
+    let (kind, value) = (RunFindingKind::TakenOver, f64::from(unconverged));
+    Some(RunFinding { kind, contact: None, value, limit: 0.0, step: last.step, time: last.time, explanation })
+}

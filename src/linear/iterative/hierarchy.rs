@@ -1,0 +1,269 @@
+//! Smoothed aggregation: a hierarchy of coarser matrices, and its V-cycle.
+//!
+//! Near-null vectors (rigid motions) are reproduced exactly by the prolongation `P = (I - omega D^-1 A) P_0`, where `P_0` is constant on
+//! aggregates; the coarse matrix is `P^T A P` (Vanek, Mandel and Brezina, Computing 56, 1996). Nodes of the finest level have `D` unknowns,
+//! those of all others `M`, one for each near-null vector.
+
+use faer::Mat;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+
+use super::aggregation::{NONE, aggregates, tentative};
+use super::blocks::{Block, BlockMatrix, TOGETHER, add_product, in_parts};
+use super::smoother::{Smoother, Start};
+use crate::math::workers::Workers;
+
+/// Numerator of the damping `omega` of the prolongation smoother, over the largest eigenvalue of `D^-1 A`: the best for model problems.
+const DAMPING: f64 = 4.0 / 3.0;
+
+/// Relative size of couplings that are strong, on the finest level; half on each of the next.
+const STRONG: f64 = 0.08;
+
+/// Number of unknowns that a dense factorization solves directly.
+const SMALL: usize = 1200;
+
+/// Largest number of levels.
+const MOST_LEVELS: usize = 20;
+
+/// Number of coarse rows that a thread computes at a time.
+const COARSE_ROWS: usize = 64;
+
+/// One level with its way to the next.
+struct Level<const N: usize, const M: usize> {
+    matrix: BlockMatrix<N, N>,
+    smoother: Smoother<N>,
+    prolongation: BlockMatrix<N, M>,
+    restriction: BlockMatrix<M, N>,
+    /// Right-hand side, solution, and scratch of this level.
+    vectors: [Vec<[f64; N]>; 4],
+    /// Correction of the next level, prolonged.
+    coarse: Vec<[f64; M]>,
+}
+
+/// The levels of a matrix with `D` unknowns a node and `M` near-null vectors.
+pub(super) struct Hierarchy<const D: usize, const M: usize> {
+    first: Option<Box<Level<D, M>>>,
+    rest: Vec<Level<M, M>>,
+    bottom: PartialPivLu<f64>,
+}
+
+impl<const D: usize, const M: usize> Hierarchy<D, M> {
+    /// Builds the levels of a matrix with its near-null vectors, one column each. Nodes of different bodies share no aggregate.
+    pub fn new(matrix: BlockMatrix<D, D>, modes: &[Block<D, M>], mut bodies: Vec<u32>, workers: &Workers) -> Self {
+        if D * matrix.rows() <= SMALL {
+            return Hierarchy { first: None, rest: Vec::new(), bottom: dense(&matrix) };
+        }
+        let mut threshold = STRONG;
+        let (first, mut coarse, mut modes) = Level::new(matrix, modes, &mut bodies, threshold, workers);
+        let mut rest: Vec<Level<M, M>> = Vec::new();
+        while M * coarse.rows() > SMALL && rest.len() < MOST_LEVELS {
+            threshold *= 0.5;
+            let before = coarse.rows();
+            let (level, next, coarse_modes) = Level::new(coarse, &modes, &mut bodies, threshold, workers);
+            rest.push(level);
+            (coarse, modes) = (next, coarse_modes);
+            if coarse.rows() == 0 || coarse.rows() == before {
+                break;
+            }
+        }
+        Hierarchy { first: Some(Box::new(first)), rest, bottom: dense(&coarse) }
+    }
+
+    /// Bytes of all levels.
+    pub fn bytes(&self) -> usize {
+        self.first.as_ref().map_or(0, |level| level.bytes()) + self.rest.iter().map(Level::bytes).sum::<usize>()
+    }
+
+    /// `x :=` one V-cycle for the right-hand side `b`.
+    pub fn cycle(&mut self, b: &[[f64; D]], x: &mut [[f64; D]], workers: &Workers) {
+        let Some(first) = &mut self.first else {
+            return solve_dense(&self.bottom, b, x);
+        };
+        first.vectors[0].copy_from_slice(b);
+        let mut right = first.descend(workers);
+        for level in &mut self.rest {
+            std::mem::swap(&mut level.vectors[0], &mut right);
+            right = level.descend(workers);
+        }
+        let mut solution = vec![[0.0; M]; right.len()];
+        solve_dense(&self.bottom, &right, &mut solution);
+        for level in self.rest.iter_mut().rev() {
+            level.ascend(&solution, workers);
+            solution.clone_from(&level.vectors[1]);
+        }
+        first.ascend(&solution, workers);
+        x.copy_from_slice(&first.vectors[1]);
+    }
+}
+
+impl<const N: usize, const M: usize> Level<N, M> {
+    /// A level, the matrix of the next one, and its near-null vectors; `bodies` become those of the next level.
+    fn new(
+        matrix: BlockMatrix<N, N>,
+        modes: &[Block<N, M>],
+        bodies: &mut Vec<u32>,
+        threshold: f64,
+        workers: &Workers,
+    ) -> (Self, BlockMatrix<M, M>, Vec<Block<M, M>>) {
+        let smoother = Smoother::new(&matrix, workers);
+        let (of, count) = aggregates(&matrix, bodies, threshold);
+        let mut coarse_bodies = vec![NONE; count];
+        of.iter().zip(&*bodies).filter(|(a, _)| **a != NONE).for_each(|(&a, &body)| coarse_bodies[a as usize] = body);
+        *bodies = coarse_bodies;
+        let (values, coarse_modes) = tentative(&of, count, modes);
+        let prolongation = smoothed(&matrix, &smoother, &of, &values, workers);
+        let restriction = prolongation.transposed(count);
+        let coarse = galerkin(&matrix, &prolongation, &restriction, workers);
+        let rows = matrix.rows();
+        let level = Level {
+            matrix,
+            smoother,
+            prolongation,
+            restriction,
+            vectors: std::array::from_fn(|_| vec![[0.0; N]; rows]),
+            coarse: vec![[0.0; M]; count],
+        };
+        (level, coarse, coarse_modes)
+    }
+
+    fn bytes(&self) -> usize {
+        self.matrix.bytes() + self.prolongation.bytes() + self.restriction.bytes() + size_of_val(&self.smoother.inverse[..])
+    }
+
+    /// Smooths from zero; returns the right-hand side of the next level.
+    fn descend(&mut self, workers: &Workers) -> Vec<[f64; M]> {
+        let Level { matrix, smoother, restriction, vectors: [b, x, r, d], coarse, .. } = self;
+        x.fill([0.0; N]);
+        smoother.smooth(matrix, b, x, [r, d], Start::Zero, workers);
+        matrix.multiply(-1.0, x, b, r, workers);
+        coarse.fill([0.0; M]);
+        let mut right = vec![[0.0; M]; coarse.len()];
+        restriction.multiply(1.0, r, coarse, &mut right, workers);
+        right
+    }
+
+    /// Adds the correction of the next level, and smooths.
+    fn ascend(&mut self, correction: &[[f64; M]], workers: &Workers) {
+        let Level { matrix, smoother, prolongation, vectors: [b, x, r, d], .. } = self;
+        prolongation.multiply(1.0, correction, x, r, workers);
+        std::mem::swap(x, r);
+        smoother.smooth(matrix, b, x, [r, d], Start::Solution, workers);
+    }
+}
+
+/// Prolongation `(I - omega D^-1 A) P_0`.
+fn smoothed<const N: usize, const M: usize>(
+    matrix: &BlockMatrix<N, N>,
+    smoother: &Smoother<N>,
+    of: &[u32],
+    values: &[Block<N, M>],
+    workers: &Workers,
+) -> BlockMatrix<N, M> {
+    let omega = DAMPING / smoother.largest;
+    let row = |i: usize, row: &mut Vec<(u32, Block<N, M>)>| {
+        row.clear();
+        let (columns, blocks) = matrix.row(i);
+        for (&j, block) in columns.iter().zip(blocks).filter(|(j, _)| of[**j as usize] != NONE) {
+            let a = of[j as usize];
+            let place = row.iter().position(|(other, _)| *other == a).unwrap_or_else(|| {
+                row.push((a, [[0.0; M]; N]));
+                row.len() - 1
+            });
+            add_product(&mut row[place].1, block, &values[j as usize]);
+        }
+        for (a, sum) in row.iter_mut() {
+            let mut scaled = [[0.0; M]; N];
+            add_product(&mut scaled, &smoother.inverse[i], sum);
+            *sum = scaled.map(|row| row.map(|x| -omega * x));
+            if of[i] == *a {
+                sum.iter_mut().flatten().zip(values[i].iter().flatten()).for_each(|(x, value)| *x += value);
+            }
+        }
+        row.sort_unstable_by_key(|(a, _)| *a);
+    };
+    in_parts(matrix.rows(), TOGETHER, workers, |rows, part| {
+        let mut own = Vec::new();
+        for i in rows {
+            row(i, &mut own);
+            part.push_row(own.drain(..));
+        }
+    })
+}
+
+/// Coarse matrix `P^T A P`, row by row. Rows and columns of near-null vectors that an aggregate lacks get a unit diagonal.
+fn galerkin<const N: usize, const M: usize>(
+    matrix: &BlockMatrix<N, N>,
+    prolongation: &BlockMatrix<N, M>,
+    restriction: &BlockMatrix<M, N>,
+    workers: &Workers,
+) -> BlockMatrix<M, M> {
+    let (fine, coarse) = (matrix.rows(), restriction.rows());
+    in_parts(coarse, COARSE_ROWS, workers, |rows, part| {
+        // Place of a fine node, and of a coarse one, in the row at hand.
+        let (mut fine_place, mut coarse_place) = (vec![NONE; fine], vec![NONE; coarse]);
+        let (mut half, mut sums): (Vec<(u32, Block<M, N>)>, Vec<(u32, Block<M, M>)>) = (Vec::new(), Vec::new());
+        for row in rows {
+            half.clear();
+            sums.clear();
+            let (nodes, weights) = restriction.row(row);
+            for (&i, weight) in nodes.iter().zip(weights) {
+                let (columns, blocks) = matrix.row(i as usize);
+                for (&j, block) in columns.iter().zip(blocks) {
+                    let place = place_of(&mut fine_place[j as usize], &mut half, j, [[0.0; N]; M]);
+                    add_product(&mut half[place].1, weight, block);
+                }
+            }
+            for (j, product) in &half {
+                fine_place[*j as usize] = NONE;
+                let (columns, blocks) = prolongation.row(*j as usize);
+                for (&a, block) in columns.iter().zip(blocks) {
+                    let place = place_of(&mut coarse_place[a as usize], &mut sums, a, [[0.0; M]; M]);
+                    add_product(&mut sums[place].1, product, block);
+                }
+            }
+            for (a, sum) in &mut sums {
+                coarse_place[*a as usize] = NONE;
+                if *a as usize == row {
+                    for m in 0..M {
+                        if sum[m][m] == 0.0 {
+                            sum[m][m] = 1.0;
+                        }
+                    }
+                }
+            }
+            sums.sort_unstable_by_key(|(a, _)| *a);
+            part.push_row(sums.drain(..));
+        }
+    })
+}
+
+/// Place of an item in a list, to which it is added if it is not there yet.
+#[inline(always)]
+fn place_of<B>(place: &mut u32, list: &mut Vec<(u32, B)>, item: u32, zero: B) -> usize {
+    if *place == NONE {
+        *place = list.len() as u32;
+        list.push((item, zero));
+    }
+    *place as usize
+}
+
+/// Dense factors of a small matrix; zero rows get a unit diagonal.
+fn dense<const N: usize>(matrix: &BlockMatrix<N, N>) -> PartialPivLu<f64> {
+    let mut full = Mat::<f64>::zeros(N * matrix.rows(), N * matrix.rows());
+    for row in 0..matrix.rows() {
+        let (columns, blocks) = matrix.row(row);
+        for (&column, block) in columns.iter().zip(blocks) {
+            for i in 0..N {
+                for k in 0..N {
+                    full[(N * row + i, N * column as usize + k)] = block[i][k];
+                }
+            }
+        }
+    }
+    full.partial_piv_lu()
+}
+
+fn solve_dense<const N: usize>(factors: &PartialPivLu<f64>, b: &[[f64; N]], x: &mut [[f64; N]]) {
+    let right = Mat::from_fn(N * b.len(), 1, |i, _| b[i / N][i % N]);
+    let solution = factors.solve(&right);
+    x.iter_mut().flatten().enumerate().for_each(|(i, x)| *x = solution[(i, 0)]);
+}

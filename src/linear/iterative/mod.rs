@@ -1,0 +1,180 @@
+//! Iterative solver: GMRES with smoothed aggregation as preconditioner, refined on the true residual.
+//!
+//! A solution has the backward error to which the direct solver is refined ([`tolerances::LINEAR_REFINED`]), so that Newton's method and
+//! the ledger do not depend on the choice. Memory and time grow with the number of unknowns, not with a power of it. The hierarchy is made
+//! anew for every matrix and depends on nothing else than the matrix and the positions of the nodes.
+
+mod aggregation;
+mod blocks;
+mod hierarchy;
+mod krylov;
+mod saddle;
+mod smoother;
+#[cfg(test)]
+mod tests;
+
+use krylov::{Krylov, RESTART, System};
+use saddle::{Saddle, Scaled};
+
+use super::error::LinearError;
+use super::pattern::Pattern;
+use super::scaling::{all_finite, largest, spread, vertex_scales};
+use super::watch::Watch;
+use crate::math::tolerances;
+use crate::math::workers::Workers;
+
+/// Largest number of iterations of one solve.
+const MOST_ITERATIONS: usize = 600;
+
+/// Reduction of the residual by one cycle above which the iteration is given up.
+const SLOW: f64 = 0.5;
+
+/// Why a system is not solved by iteration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Refusal {
+    /// The matrix has unknowns for which there is no preconditioner.
+    Unsuited,
+    /// The residual did not fall far enough.
+    NotConverged,
+    /// An error that another solver has, too.
+    Error(LinearError),
+}
+
+/// Preconditioners for two and three coordinates a node.
+enum Preconditioner {
+    Plane(Box<Saddle<2, 3>>),
+    Space(Box<Saddle<3, 6>>),
+}
+
+/// The iterative solver.
+#[derive(Default)]
+pub(super) struct Iterative {
+    preconditioner: Option<Preconditioner>,
+    krylov: Krylov,
+    /// Scales of the vertices, and of the unknowns.
+    vertex_scale: Vec<f64>,
+    scale: Vec<f64>,
+    /// Iterations of all solves.
+    pub iterations: usize,
+}
+
+impl Iterative {
+    /// Makes the preconditioner of a matrix.
+    pub fn prepare(&mut self, pattern: &Pattern, positions: &[f64], values: &[f64], workers: &Workers) -> Result<(), Refusal> {
+        self.preconditioner = None;
+        if !all_finite(values) {
+            return Err(Refusal::Error(LinearError::NotFinite));
+        }
+        self.vertex_scale.resize(pattern.vertices(), 1.0);
+        self.scale.resize(pattern.unknowns(), 1.0);
+        vertex_scales(pattern, values, &mut self.vertex_scale);
+        spread(pattern, &self.vertex_scale, &mut self.scale);
+        let matrix = Scaled { pattern, values, scales: &self.vertex_scale, positions };
+        let made = workers.together(|| match (0..pattern.vertices()).find(|&v| !pattern.is_multiplier(v)).map(|v| pattern.size(v)) {
+            Some(2) => Saddle::new(&matrix, workers).map(|saddle| Preconditioner::Plane(Box::new(saddle))),
+            Some(3) => Saddle::new(&matrix, workers).map(|saddle| Preconditioner::Space(Box::new(saddle))),
+            _ => None,
+        });
+        self.preconditioner = made;
+        if self.preconditioner.is_some() { Ok(()) } else { Err(Refusal::Unsuited) }
+    }
+
+    /// Solves with the matrix of the last preconditioner; `right` becomes the solution. Returns the backward error, as that of the direct
+    /// solver.
+    pub fn solve(
+        &mut self,
+        pattern: &Pattern,
+        values: &[f64],
+        right: &mut [f64],
+        workers: &Workers,
+        watch: &Watch,
+    ) -> Result<f64, Refusal> {
+        let Iterative { preconditioner: Some(preconditioner), krylov, scale, iterations, .. } = self else {
+            return Err(Refusal::Unsuited);
+        };
+        let b: Vec<f64> = right.iter().zip(&*scale).map(|(b, scale)| b * scale).collect();
+        let size = largest(b.iter().copied());
+        if size == 0.0 {
+            return Ok(0.0);
+        }
+        if !size.is_finite() {
+            return Err(Refusal::Error(LinearError::NotFinite));
+        }
+        let mut system = ScaledSystem { pattern, values, scale, preconditioner, scratch: vec![0.0; b.len()], workers, watch };
+        let (mut x, mut r) = (vec![0.0; b.len()], b.clone());
+        // Size of the solution, from its first estimate.
+        system.precondition(&b, &mut x);
+        let mut solution = largest(x.iter().copied());
+        x.fill(0.0);
+        let (mut done, mut last) = (0, size);
+        loop {
+            let goal = 0.5 * tolerances::LINEAR_REFINED * (solution + size);
+            let count = workers.together(|| krylov.cycle(&mut system, &mut r, &mut x, goal, MOST_ITERATIONS - done, workers));
+            done += count;
+            *iterations += count;
+            if system.is_interrupted() {
+                return Err(Refusal::Error(LinearError::Interrupted));
+            }
+            system.multiply(&x, &mut r);
+            r.iter_mut().zip(&b).for_each(|(r, b)| *r = b - *r);
+            solution = largest(x.iter().copied());
+            let residual = largest(r.iter().copied());
+            let error = residual / (solution + size);
+            if error <= tolerances::LINEAR_REFINED && residual <= tolerances::LINEAR_UNSOLVED * size {
+                right.iter_mut().zip(x.iter().zip(&*system.scale)).for_each(|(right, (x, scale))| *right = x * scale);
+                return Ok(error);
+            }
+            let is_slow = count == RESTART && residual > SLOW * last || count == 0;
+            if is_slow || residual.is_nan() || done >= MOST_ITERATIONS {
+                return Err(Refusal::NotConverged);
+            }
+            last = residual;
+        }
+    }
+
+    /// Bytes of the hierarchy and of the vectors of an iteration.
+    pub fn bytes(&self) -> usize {
+        let levels = match &self.preconditioner {
+            Some(Preconditioner::Plane(saddle)) => saddle.bytes(),
+            Some(Preconditioner::Space(saddle)) => saddle.bytes(),
+            None => 0,
+        };
+        levels + self.krylov.bytes()
+    }
+
+    /// Frees the hierarchy and the vectors.
+    pub fn clear(&mut self) {
+        self.preconditioner = None;
+        self.krylov.clear();
+    }
+}
+
+/// The scaled matrix with its preconditioner.
+struct ScaledSystem<'a> {
+    pattern: &'a Pattern,
+    values: &'a [f64],
+    scale: &'a [f64],
+    preconditioner: &'a mut Preconditioner,
+    scratch: Vec<f64>,
+    workers: &'a Workers,
+    watch: &'a Watch,
+}
+
+impl System for ScaledSystem<'_> {
+    fn multiply(&mut self, x: &[f64], y: &mut [f64]) {
+        self.scratch.iter_mut().zip(x.iter().zip(self.scale)).for_each(|(scaled, (x, scale))| *scaled = x * scale);
+        self.pattern.multiply_into(self.values, &self.scratch, y);
+        y.iter_mut().zip(self.scale).for_each(|(y, scale)| *y *= scale);
+    }
+
+    fn precondition(&mut self, x: &[f64], y: &mut [f64]) {
+        match self.preconditioner {
+            Preconditioner::Plane(saddle) => saddle.apply(x, y, self.workers),
+            Preconditioner::Space(saddle) => saddle.apply(x, y, self.workers),
+        }
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.watch.is_interrupted()
+    }
+}
