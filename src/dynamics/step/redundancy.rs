@@ -22,26 +22,36 @@ impl<const D: usize> Equations<D> {
         if self.pairs.iter().all(|pair| !pair.kind.is_bilateral()) {
             return redundant;
         }
-        let (mut elimination, mut of_one_node) = (Elimination::default(), BTreeMap::<u32, usize>::new());
-        for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
-            let mut evaluation = Evaluation::default();
-            pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
-            // Nodes that are not tied may have entries of round-off, which would be taken for pivots.
-            let is_covered = |(number, _): &(usize, Row)| evaluation.coverage[number - pair.rows.start] > ZERO_ROW;
-            for (number, row) in self.rows_of(pair, &evaluation).into_iter().filter(is_covered) {
-                let Some(rest) = elimination.take(row, &self.supports.fixed) else {
-                    redundant[number] = true;
-                    continue;
-                };
-                let node = rest.keys().next().map_or(0, |unknown| unknown / D);
-                if pair.kind == PairKind::Joint && rest.keys().all(|other| other / D == node) {
-                    *of_one_node.entry(node as u32).or_default() += 1;
-                }
+        let mut of_one_node: BTreeMap<u32, usize> = BTreeMap::new();
+        self.eliminate(&self.nodes.reference, |pair, number, rest| {
+            let Some(rest) = rest else {
+                redundant[number] = true;
+                return;
+            };
+            let node = rest.keys().next().map_or(0, |unknown| unknown / D);
+            if pair.kind == PairKind::Joint && rest.keys().all(|other| other / D == node) {
+                *of_one_node.entry(node as u32).or_default() += 1;
             }
-        }
+        });
         let is_fixed = |(&node, &rows): (&u32, &usize)| (rows >= self.supports.free_components::<D>(node)).then_some(node);
         self.drop_obstacles_at(&of_one_node.iter().filter_map(is_fixed).collect(), &mut redundant);
         redundant
+    }
+
+    /// Eliminates the constraints of ties and joints at the positions `q`; `visit` gets each constraint with its remainder, or `None` for
+    /// one that depends on earlier ones and on supports.
+    fn eliminate(&self, q: &[f64], mut visit: impl FnMut(&ContactPair, usize, Option<&Row>)) -> Elimination<'_> {
+        let mut elimination = Elimination::new(&self.supports.fixed);
+        for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
+            // Nodes that are not tied may have entries of round-off, which would be taken for pivots.
+            let is_covered = |(number, _): &(usize, Row)| evaluation.coverage[number - pair.rows.start] > ZERO_ROW;
+            for (number, row) in self.rows_of(pair, &evaluation).into_iter().filter(is_covered) {
+                visit(pair, number, elimination.take(row).as_ref());
+            }
+        }
+        elimination
     }
 
     /// True for each constraint of ties, joints and bilateral contacts that acts at an iterate and is independent of those before it; of
@@ -50,18 +60,38 @@ impl<const D: usize> Equations<D> {
         let mut holds = vec![false; self.multipliers];
         let pairs = || self.pairs.iter().zip(evaluations).filter(|(pair, _)| pair.law.is_bilateral() && takes(pair));
         let needs_elimination = pairs().any(|(pair, _)| !pair.kind.is_bilateral());
-        let mut elimination = Elimination::default();
+        let mut elimination = Elimination::new(&self.supports.fixed);
         for (pair, evaluation) in pairs() {
             for (row, coverage) in pair.rows.clone().zip(&evaluation.coverage) {
                 holds[row] = !self.redundant[row] && *coverage > ZERO_ROW;
             }
             if needs_elimination {
                 for (number, row) in self.rows_of(pair, evaluation) {
-                    holds[number] = holds[number] && elimination.take(row, &self.supports.fixed).is_some();
+                    holds[number] = holds[number] && elimination.take(row).is_some();
                 }
             }
         }
         holds
+    }
+
+    /// Stop or cable whose gap at the positions `q` is at most `near` of its size, and whose coordinate constraints and supports determine.
+    pub fn determined_stop(&self, q: &[f64], near: f64) -> Option<&ContactPair> {
+        let is_stop = |pair: &&ContactPair| pair.kind == PairKind::Joint && !pair.law.is_bilateral();
+        let closed = self.pairs.iter().filter(is_stop).filter_map(|pair| {
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
+            let is_near = |row: &usize| evaluation.gap[row - pair.rows.start] <= near * pair.kernel.facet_size();
+            let rows: Vec<Row> =
+                self.rows_of(pair, &evaluation).into_iter().filter(|(number, _)| is_near(number)).map(|(_, row)| row).collect();
+            (!rows.is_empty()).then_some((pair, rows))
+        });
+        let closed: Vec<(&ContactPair, Vec<Row>)> = closed.collect();
+        if closed.is_empty() {
+            return None;
+        }
+        let elimination = self.eliminate(q, |_, _, _| {});
+        let is_determined = |rows: Vec<Row>| rows.into_iter().any(|row| elimination.remainder(row).1.is_none());
+        closed.into_iter().find_map(|(pair, rows)| is_determined(rows).then_some(pair))
     }
 
     /// Marks the rows of obstacles at some nodes.
@@ -92,22 +122,33 @@ impl<const D: usize> Equations<D> {
     }
 }
 
-/// Elimination of constraint gradients one after another.
-#[derive(Default)]
-struct Elimination {
+/// Elimination of constraint gradients one after another, without supported unknowns.
+struct Elimination<'a> {
+    /// True for each supported unknown.
+    fixed: &'a [bool],
     /// Remainders by their largest unknown, over its entry.
     pivots: BTreeMap<usize, Row>,
 }
 
-impl Elimination {
-    /// Remainder of a constraint gradient without `fixed` unknowns, which becomes a pivot; `None` if the gradient depends on earlier ones.
-    fn take(&mut self, mut row: Row, fixed: &[bool]) -> Option<Row> {
+impl<'a> Elimination<'a> {
+    fn new(fixed: &'a [bool]) -> Self {
+        Elimination { fixed, pivots: BTreeMap::new() }
+    }
+
+    /// Remainder of a constraint gradient without supported unknowns and pivots, and its largest entry; `None` for a dependent constraint.
+    fn remainder(&self, mut row: Row) -> (Row, Option<(usize, f64)>) {
         // Of all its entries: what supports leave of a row may be round-off.
         let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
-        row.retain(|&unknown, value| !fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
+        row.retain(|&unknown, value| !self.fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
         let rest = reduced(row, size, &self.pivots);
         let entry = rest.iter().map(|(&unknown, &value)| (unknown, value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        let (unknown, value) = entry.filter(|(_, value)| value.abs() > DEPENDENT * size)?;
+        (rest, entry.filter(|(_, value)| value.abs() > DEPENDENT * size))
+    }
+
+    /// Makes the remainder of a constraint gradient a pivot, and returns it; `None` for a dependent constraint.
+    fn take(&mut self, row: Row) -> Option<Row> {
+        let (rest, entry) = self.remainder(row);
+        let (unknown, value) = entry?;
         self.pivots.insert(unknown, rest.iter().map(|(&other, &entry)| (other, entry / value)).collect());
         Some(rest)
     }
