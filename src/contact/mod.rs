@@ -18,7 +18,9 @@ mod clearance;
 mod combinations;
 #[cfg(test)]
 mod contract;
+mod curve_contact;
 mod depth;
+mod exact;
 mod faces;
 mod facet_shape;
 mod felt;
@@ -67,6 +69,8 @@ mod window;
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces, facing_away, looks_away};
 pub use clearance::{Clearance, Nearest};
+pub use curve_contact::CurveContact;
+pub use exact::ExactShape;
 pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
 pub use geared::Geared;

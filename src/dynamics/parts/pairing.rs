@@ -4,8 +4,8 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::bodies::Frame;
 use crate::contact::{
-    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners,
-    RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
+    ContactKernel, CornersInSpace, CurveContact, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes,
+    RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -40,7 +40,7 @@ pub fn contact_pairs(
     };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
-    let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of)).collect();
+    let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of).or_else(|| made.between_nodes(of))).collect();
     pairs.extend(corners);
     pairs.extend(rolling);
     pairs.extend(points);
@@ -108,7 +108,9 @@ impl Pairing<'_> {
     /// Contact representation of the surfaces of a contact in space; obstacles have none.
     fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
-        SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3))
+        let exact = exact_shapes(interaction);
+        let seen = SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
+        seen.of_exact(exact.each_ref().map(Option::as_ref))
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
@@ -144,7 +146,9 @@ impl Pairing<'_> {
             Partner::Surfaces(_) | Partner::Itself => {
                 let others = facets_of_all(interaction.primary(), self.facets);
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
+                let exact = exact_shapes(interaction);
                 let seen = self.middles.seen([&facets, &others], self.reference, rows).of_shape(interaction.facet_shape(2));
+                let seen = seen.of_exact(exact.each_ref().map(Option::as_ref));
                 let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
@@ -248,6 +252,24 @@ impl Pairing<'_> {
         Some(self.held(pair, interaction, false))
     }
 
+    /// Pair of the curves of a deformable body between its nodes that touch the obstacle of contact `of` in the plane.
+    fn between_nodes(&self, of: usize) -> Option<ContactPair> {
+        let interaction = &self.model.interactions[of];
+        let (on, is_rigid) = (&interaction.secondary, self.model.bodies[interaction.secondary.body].rigid.is_some());
+        let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { return None };
+        let is_curved = self.model.dimension() == 2 && interaction.facet_shape(2) == FacetShape::Curved;
+        let is_taken =
+            matches!(interaction.enforcement, Enforcement::Penalty { .. }) || interaction.equality || self.model.is_axisymmetric();
+        if is_rigid || !is_curved || is_taken {
+            return None;
+        }
+        let kernel = CurveContact::new(&(self.facets)(on), shape, self.reference)?;
+        let mut pair = self.pair(&interaction.name, PairKind::Obstacle, on.body, Box::new(kernel));
+        (pair.motion, pair.turn, pair.corners) = (motion.clone(), turn.clone(), Some(CornersOf { pair: of, slack: 0.0 }));
+        pair.augmentation = Some(tolerances::CORNER_AUGMENTATION);
+        Some(self.held(pair, interaction, false))
+    }
+
     /// Pairs of the corner constraints of contacts, for penetration that their weighted gaps do not detect.
     fn corners(&self, pairs: &[ContactPair]) -> Vec<ContactPair> {
         let has_corners = |of: usize| pairs[of].is_unilateral();
@@ -293,9 +315,12 @@ impl Pairing<'_> {
                     add(of, PairKind::Obstacle, interaction.secondary.body, slack, seen.on_nodes(Box::new(kernel)));
                 }
             }
-            for (on, against) in cornered(interaction) {
+            let exact = exact_shapes(interaction);
+            for Cornered { on, against, is_primary } in cornered(interaction) {
+                let shapes = if is_primary { [&exact[1], &exact[0]] } else { [&exact[0], &exact[1]] };
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
                 let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes).of_shape(interaction.facet_shape(2));
+                let seen = seen.of_exact(shapes.map(Option::as_ref));
                 let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
                 let is_nodal = pairs[of].kernel.is_nodal();
                 if let Some(kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal) {
@@ -307,15 +332,27 @@ impl Pairing<'_> {
     }
 }
 
+/// Exact shapes of the secondary and of the primary side.
+fn exact_shapes(interaction: &Interaction) -> [Option<ExactShape>; 2] {
+    interaction.shapes.each_ref().map(|shape| shape.as_ref().and_then(ExactShape::new))
+}
+
+/// Side of a contact whose corners may penetrate the other side.
+struct Cornered<'a> {
+    on: &'a [BodyBoundary],
+    against: &'a [BodyBoundary],
+    is_primary: bool,
+}
+
 /// Sides of a contact between deformable bodies whose corners may penetrate the other side: all but sides with nodal constraints.
-fn cornered(interaction: &Interaction) -> Vec<(&[BodyBoundary], &[BodyBoundary])> {
+fn cornered(interaction: &Interaction) -> Vec<Cornered<'_>> {
     let (secondary, primary) = (std::slice::from_ref(&interaction.secondary), interaction.primary());
     let mut sides = Vec::new();
     if !interaction.method.is_nodal {
-        sides.push((secondary, primary));
+        sides.push(Cornered { on: secondary, against: primary, is_primary: false });
     }
     match interaction.partner {
-        Partner::Surfaces(_) => sides.push((primary, secondary)),
+        Partner::Surfaces(_) => sides.push(Cornered { on: primary, against: secondary, is_primary: true }),
         Partner::Itself => {}
         Partner::Obstacle { .. } | Partner::Tied { .. } => sides.clear(),
     }
