@@ -229,6 +229,22 @@ fn nothing_runs_and_nothing_hangs() {
     assert_eq!(editor.quit(), Some(0));
 }
 
+#[test]
+fn messages_of_500_lines_come_within_200_ms() {
+    let (folder, mut editor) = started("quick");
+    let (file, text) = (folder.join("long.rhai"), long_script(500));
+    editor.open(&file, &text);
+    let mut time = |number: usize| {
+        let clock = std::time::Instant::now();
+        assert_eq!(editor.change(&file, &format!("{text}// {number}\n")), Vec::<Value>::new());
+        clock.elapsed().as_millis()
+    };
+    let mut times: Vec<u128> = (0..16).map(&mut time).collect();
+    times.sort_unstable();
+    // Of other programs on the machine some answers know nothing.
+    assert!(times[4] < 200, "{times:?} ms");
+}
+
 /// Characters, words and brackets that seldom stand there.
 const PIECES: [&str; 24] = [
     "(",

@@ -52,7 +52,7 @@ pub struct Arguments {
 }
 
 /// Time without a message after which checks begin `[s]`: keys that are typed quickly cause one check.
-const CALM: Duration = Duration::from_millis(30);
+const CALM: Duration = Duration::from_millis(5);
 
 /// Runs the server until the editor ends it; returns the exit code.
 pub fn serve(arguments: Arguments) -> u8 {

@@ -2,7 +2,7 @@
 
 use rhai::Dynamic;
 
-use super::handle::{MeshHandle, made, vector_or_zero};
+use super::handle::{MeshHandle, made_of, vector_or_zero};
 use super::kinds::{PLANE, SOLID, element, kind_of};
 use super::layers;
 use crate::math::catalogue::Interval;
@@ -50,7 +50,9 @@ fn rectangle() -> Function {
             let origin = vector_or_zero(&options, "origin", 2)?;
             let grading = ratios(&options, 2)?;
             let (size, origin) = ([size[0], size[1]], [origin[0], origin[1]]);
-            made(call, move || mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]])?.with_cells(kind))
+            made_of(call, &cells.clone(), move || {
+                mesh::graded_rectangle(size, pair(&cells), origin, [grading[0], grading[1]])?.with_cells(kind)
+            })
         }),
     }
 }
@@ -81,7 +83,9 @@ fn block() -> Function {
             let (size, cells) = (options.argument("size").numbers_of(3)?, options.argument("cells").counts(3)?);
             let origin = vector_or_zero(&options, "origin", 3)?;
             let (size, grading) = ([size[0], size[1], size[2]], ratios(&options, 3)?);
-            made(call, move || mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading)?.with_cells(kind))
+            made_of(call, &cells.clone(), move || {
+                mesh::graded_block(size, [cells[0], cells[1], cells[2]], origin, grading)?.with_cells(kind)
+            })
         }),
     }
 }
@@ -118,7 +122,7 @@ fn ring() -> Function {
             let cells = options.argument("cells").counts(2)?;
             let (center, start) = (vector_or_zero(&options, "center", 2)?, options.number("start_angle")?);
             let (center, grading) = ([center[0], center[1]], options.number("grading")?);
-            made(call, move || {
+            made_of(call, &cells.clone(), move || {
                 mesh::graded_ring(inner, outer, pair(&cells), center, start, grading)?.with_round_cells(kind, Round::About(center))
             })
         }),
@@ -157,7 +161,7 @@ fn arc() -> Function {
             let cells = options.argument("cells").counts(2)?;
             let (angles, grading) = ([options.number("start_angle")?, options.number("end_angle")?], ratios(&options, 2)?);
             let [x, y, _] = vector_or_zero(&options, "center", 2)?;
-            made(call, move || {
+            made_of(call, &cells.clone(), move || {
                 let arc = mesh::arc([inner, outer], angles, pair(&cells), [x, y], [grading[0], grading[1]])?;
                 arc.with_round_cells(kind, Round::About([x, y]))
             })
@@ -189,7 +193,9 @@ fn disk() -> Function {
             let kind = kind_of(&options)?;
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
             let [x, y, _] = vector_or_zero(&options, "center", 2)?;
-            made(call, move || mesh::disk(radius, pair(&cells), [x, y])?.with_round_cells(kind, Round::On([x, y], radius)))
+            made_of(call, &cells.clone(), move || {
+                mesh::disk(radius, pair(&cells), [x, y])?.with_round_cells(kind, Round::On([x, y], radius))
+            })
         }),
     }
 }
@@ -280,7 +286,9 @@ fn half_disk() -> Function {
             let (radius, cells) = (options.number("radius")?, options.argument("cells").counts(2)?);
             let (center, finest) = (vector_or_zero(&options, "center", 2)?, options.optional_number("finest")?);
             let center = [center[0], center[1]];
-            made(call, move || mesh::half_disk(radius, pair(&cells), center, finest)?.with_round_cells(kind, Round::On(center, radius)))
+            made_of(call, &cells.clone(), move || {
+                mesh::half_disk(radius, pair(&cells), center, finest)?.with_round_cells(kind, Round::On(center, radius))
+            })
         }),
     }
 }

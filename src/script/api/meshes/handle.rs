@@ -102,6 +102,19 @@ pub fn made(call: &Call, make: impl FnOnce() -> Result<Mesh, MeshError> + Send +
     mesh_value(call, call.host.watched(make)?)
 }
 
+/// Number of cells up to which a mesh takes less time than a thread of its own, which a busy machine starts late.
+const FEW_CELLS: f64 = 5e3;
+
+/// Makes a mesh with so many cells along its directions: few at once, many as by [`made`].
+pub fn made_of(
+    call: &Call,
+    cells: &[usize],
+    make: impl FnOnce() -> Result<Mesh, MeshError> + Send + 'static,
+) -> Result<Dynamic, Box<EvalAltResult>> {
+    let count: f64 = cells.iter().map(|&count| count as f64).product();
+    if count <= FEW_CELLS { mesh_value(call, make()) } else { made(call, make) }
+}
+
 /// Components of a vector option, or zeros.
 pub fn vector_or_zero(options: &impl Arguments, name: &str, dimension: usize) -> Result<[f64; 3], Failure> {
     let argument = options.argument(name);

@@ -1,7 +1,7 @@
 //! Meshes of round solids, from a few numbers.
 
 use super::generators::{grading, radii_in_order, ratios};
-use super::handle::{MeshHandle, made, vector_or_zero};
+use super::handle::{MeshHandle, made_of, vector_or_zero};
 use super::kinds::{SOLID, element, kind_of};
 use crate::math::catalogue::Interval;
 use crate::mesh::{self, Round};
@@ -76,7 +76,7 @@ fn tube() -> Function {
             let (kind, radii, height) = (kind_of(&options)?, radii(&options)?, options.number("height")?);
             let (cells, base) = (counts(&options, "cells")?, vector_or_zero(&options, "base", 3)?);
             let [radial, along, _] = ratios(&options, 2)?;
-            made(call, move || {
+            made_of(call, &cells, move || {
                 let round = Round::About([base[0], base[1]]);
                 mesh::tube(radii, height, cells, base, [radial, along])?.with_round_cells(kind, round)
             })
@@ -102,7 +102,7 @@ fn cylinder() -> Function {
             let (kind, radius, height) = (kind_of(&options)?, options.number("radius")?, options.number("height")?);
             let (cells, base) = (counts(&options, "cells")?, vector_or_zero(&options, "base", 3)?);
             let grading = options.number("grading")?;
-            made(call, move || {
+            made_of(call, &cells, move || {
                 let round = Round::On([base[0], base[1]], radius);
                 mesh::cylinder(radius, height, cells, base, grading)?.with_round_cells(kind, round)
             })
@@ -129,7 +129,9 @@ fn sphere() -> Function {
             let options = call.options("options")?;
             let (kind, radius, cells) = (kind_of(&options)?, options.number("radius")?, counts(&options, "cells")?);
             let (center, grading) = (vector_or_zero(&options, "center", 3)?, options.number("grading")?);
-            made(call, move || mesh::sphere(radius, cells, center, grading)?.with_round_cells(kind, Round::OnBlock([center; 2], radius)))
+            made_of(call, &cells, move || {
+                mesh::sphere(radius, cells, center, grading)?.with_round_cells(kind, Round::OnBlock([center; 2], radius))
+            })
         }),
         ..generator("sphere", "a solid sphere with the boundary `outer`: six blocks of layers round a core, without poles", options)
     }
@@ -150,7 +152,9 @@ fn hollow_sphere() -> Function {
             let options = call.options("options")?;
             let (kind, radii, cells) = (kind_of(&options)?, radii(&options)?, counts(&options, "cells")?);
             let (center, grading) = (vector_or_zero(&options, "center", 3)?, options.number("grading")?);
-            made(call, move || mesh::hollow_sphere(radii, cells, center, grading)?.with_round_cells(kind, Round::AboutPoint(center)))
+            made_of(call, &cells, move || {
+                mesh::hollow_sphere(radii, cells, center, grading)?.with_round_cells(kind, Round::AboutPoint(center))
+            })
         }),
         ..generator("hollow_sphere", "a hollow sphere with the boundaries `inner` and `outer`: six blocks, without poles", options)
     }
@@ -170,7 +174,9 @@ fn torus() -> Function {
             let options = call.options("options")?;
             let (kind, ring, section) = (kind_of(&options)?, options.number("ring_radius")?, options.number("section_radius")?);
             let (cells, center) = (counts(&options, "cells")?, vector_or_zero(&options, "center", 3)?);
-            made(call, move || mesh::torus(ring, section, cells, center)?.with_round_cells(kind, Round::Ring(center, [ring, section])))
+            made_of(call, &cells, move || {
+                mesh::torus(ring, section, cells, center)?.with_round_cells(kind, Round::Ring(center, [ring, section]))
+            })
         }),
         ..generator("torus", "a solid ring about the z axis with the boundary `outer`, such as an O-ring", options)
     }
@@ -194,7 +200,7 @@ fn rounded_block() -> Function {
             let (cells, origin) = (counts(&options, "cells")?, vector_or_zero(&options, "origin", 3)?);
             let around = [options.integer("layers")? as usize, options.integer("edge_cells")? as usize];
             let size = [size[0], size[1], size[2]];
-            made(call, move || {
+            made_of(call, &[&cells[..], &around].concat(), move || {
                 let within = [[0, 1, 2].map(|i| origin[i] + radius), [0, 1, 2].map(|i| origin[i] + size[i] - radius)];
                 let mesh = mesh::rounded_block(size, radius, cells, around, origin)?;
                 mesh.with_round_cells(kind, Round::OnBlock(within, radius))
