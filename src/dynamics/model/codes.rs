@@ -58,7 +58,7 @@ impl StepError {
             StepError::StillOverlaps { .. } => "C0507",
             StepError::Interrupted { .. } => "C0508",
             StepError::OutOfMemory { .. } => "C0509",
-            StepError::Contradiction { .. } => "C0511",
+            StepError::Contradiction { .. } | StepError::Blocked { .. } | StepError::Jammed { .. } => "C0511",
         }
     }
 }

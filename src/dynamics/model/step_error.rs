@@ -45,6 +45,28 @@ pub enum StepError {
         /// Residual of the violated equation `[length]`.
         gap: f64,
     },
+    /// A stop or a taut cable that supports, drives and other joints move on.
+    #[error("joint \"{joint}\" has come to its stop at t = {time}, and what is held, prescribed or driven moves it beyond")]
+    Blocked {
+        /// Name of the joint.
+        joint: String,
+        /// Time of the last step.
+        time: f64,
+    },
+    /// A node that friction locks: held in one direction, it neither sticks to the other side nor slides off it.
+    #[error("friction of contact \"{contact}\" locks node {node} of body \"{body}\", which is held in one direction, at t = {time}")]
+    Jammed {
+        /// Name of the contact.
+        contact: String,
+        /// Name of the body.
+        body: String,
+        /// Number of the node in the body's mesh.
+        node: usize,
+        /// Time of the last step.
+        time: f64,
+        /// Coefficient of friction above which the node is locked.
+        limit: f64,
+    },
     /// A coefficient of friction failed.
     #[error("the friction of contact \"{contact}\" failed at t = {time}")]
     Friction {
@@ -167,6 +189,14 @@ impl StepError {
                  a pair alike, and a mechanism does not start at a dead center"
                     .into()
             }
+            StepError::Blocked { .. } => {
+                "let the motion end before the stop, or leave the joint more room; a force in place of a prescribed motion lets the stop hold"
+                    .into()
+            }
+            StepError::Jammed { limit, .. } => format!(
+                "it could only slide with a coefficient of friction below {}: lower the friction, or leave the node free",
+                three_digits(*limit)
+            ),
             StepError::Friction { .. } => "let the coefficient be a finite number, 0 or more, everywhere and at every time".into(),
             StepError::NotConverged { remedy, .. } => remedy.to_string(),
             StepError::TooLong { stable, .. } => format!("take steps of {} or less", three_digits(0.9 * stable)),

@@ -2,7 +2,7 @@
 
 use super::diagnosis::{Evidence, rigid_motion_of};
 use super::engine::Engine;
-use super::report::{FailureReport, TryReport};
+use super::report::{FailureCause, FailureReport, TryReport};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::remedy::Ease;
 use crate::dynamics::model::step_error::StepError;
@@ -11,6 +11,9 @@ use crate::dynamics::step::newton::Trace;
 
 /// Relative part of a damped step that may deviate from a rigid motion described as such: bodies deform where they touch.
 const MOSTLY: f64 = 0.3;
+
+/// Gap of a stop, relative to the size of the joined bodies, below which a step that fails has met it.
+const AT_STOP: f64 = 0.001;
 
 impl<const D: usize> Engine<D>
 where
@@ -45,7 +48,15 @@ where
             false => Ease::SupportsAndLoads,
         };
         let (cause, remedy) = (report.explanation(), report.remedy(ease));
+        let is_singular = matches!(report.cause, FailureCause::SingularSystem { .. });
+        let is_cycling = matches!(report.cause, FailureCause::CyclingContact { .. });
         self.failure = Some((report, self.trace.u_1.clone()));
+        if is_singular && let Some(stop) = self.system.determined_stop(&self.state.positions, AT_STOP) {
+            return StepError::Blocked { joint: stop.name.clone(), time };
+        }
+        if is_cycling && let Some(jammed) = self.jammed() {
+            return jammed;
+        }
         StepError::NotConverged { time, step, dt, halvings, cause, remedy }
     }
 

@@ -24,6 +24,7 @@ pub mod harmonic;
 pub mod impact;
 pub mod increments;
 mod initial_velocities;
+mod jammed;
 pub mod joint_loads;
 pub mod judging;
 pub mod ledger;

@@ -22,33 +22,69 @@ impl<const D: usize> Equations<D> {
         if self.pairs.iter().all(|pair| !pair.kind.is_bilateral()) {
             return redundant;
         }
-        let (mut pivots, mut of_one_node): (BTreeMap<usize, Row>, BTreeMap<u32, usize>) = Default::default();
-        for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
-            let mut evaluation = Evaluation::default();
-            pair.kernel.evaluate(Derivative::AT_END, &self.nodes.reference, &vec![0.0; pair.rows.len()], &mut evaluation);
-            // Nodes that are not tied may have entries of round-off, which would be taken for pivots.
-            let is_covered = |(number, _): &(usize, Row)| evaluation.coverage[number - pair.rows.start] > ZERO_ROW;
-            for (number, mut row) in self.rows_of(pair, &evaluation).into_iter().filter(is_covered) {
-                // Of all its entries: what supports leave of a row may be round-off.
-                let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
-                row.retain(|&unknown, value| !self.supports.fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
-                let rest = reduced(row, size, &pivots);
-                let entry = rest.iter().map(|(&unknown, &value)| (unknown, value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-                match entry.filter(|(_, value)| value.abs() > DEPENDENT * size) {
-                    Some((unknown, value)) => {
-                        let node = unknown / D;
-                        if pair.kind == PairKind::Joint && rest.keys().all(|other| other / D == node) {
-                            *of_one_node.entry(node as u32).or_default() += 1;
-                        }
-                        pivots.insert(unknown, rest.into_iter().map(|(other, entry)| (other, entry / value)).collect());
-                    }
-                    None => redundant[number] = true,
+        let mut of_one_node: BTreeMap<u32, usize> = BTreeMap::new();
+        self.eliminate(&self.nodes.reference, |pair, number, pivot| match pivot {
+            Some((unknown, rest)) => {
+                let node = unknown / D;
+                if pair.kind == PairKind::Joint && rest.keys().all(|other| other / D == node) {
+                    *of_one_node.entry(node as u32).or_default() += 1;
                 }
             }
-        }
+            None => redundant[number] = true,
+        });
         let is_fixed = |(&node, &rows): (&u32, &usize)| (rows >= self.supports.free_components::<D>(node)).then_some(node);
         self.drop_obstacles_at(&of_one_node.iter().filter_map(is_fixed).collect(), &mut redundant);
         redundant
+    }
+
+    /// Eliminates the constraints that hold in both directions at the positions `q`, without the supported unknowns; returns the pivot rows.
+    /// `visit` gets each constraint with its pivot unknown and remainder, or `None` for one that depends on earlier ones and on supports.
+    fn eliminate(&self, q: &[f64], mut visit: impl FnMut(&ContactPair, usize, Option<(usize, &Row)>)) -> BTreeMap<usize, Row> {
+        let mut pivots: BTreeMap<usize, Row> = BTreeMap::new();
+        for pair in self.pairs.iter().filter(|pair| pair.kind.is_bilateral() && pair.law.is_bilateral()) {
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
+            // Nodes that are not tied may have entries of round-off, which would be taken for pivots.
+            let is_covered = |(number, _): &(usize, Row)| evaluation.coverage[number - pair.rows.start] > ZERO_ROW;
+            for (number, row) in self.rows_of(pair, &evaluation).into_iter().filter(is_covered) {
+                let (rest, entry) = self.remainder(row, &pivots);
+                visit(pair, number, entry.map(|(unknown, _)| (unknown, &rest)));
+                if let Some((unknown, value)) = entry {
+                    pivots.insert(unknown, rest.into_iter().map(|(other, entry)| (other, entry / value)).collect());
+                }
+            }
+        }
+        pivots
+    }
+
+    /// Remainder of a constraint gradient without supported unknowns and pivots, and its largest entry; `None` for a dependent constraint.
+    fn remainder(&self, mut row: Row, pivots: &BTreeMap<usize, Row>) -> (Row, Option<(usize, f64)>) {
+        // Of all its entries: what supports leave of a row may be round-off.
+        let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
+        row.retain(|&unknown, value| !self.supports.fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
+        let rest = reduced(row, size, pivots);
+        let entry = rest.iter().map(|(&unknown, &value)| (unknown, value)).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        (rest, entry.filter(|(_, value)| value.abs() > DEPENDENT * size))
+    }
+
+    /// Stop or cable whose gap at the positions `q` is at most `near` of its size, and whose coordinate constraints and supports determine.
+    pub fn determined_stop(&self, q: &[f64], near: f64) -> Option<&ContactPair> {
+        let is_stop = |pair: &&ContactPair| pair.kind == PairKind::Joint && !pair.law.is_bilateral();
+        let closed = self.pairs.iter().filter(is_stop).filter_map(|pair| {
+            let mut evaluation = Evaluation::default();
+            pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
+            let is_near = |row: &usize| evaluation.gap[row - pair.rows.start] <= near * pair.kernel.facet_size();
+            let rows: Vec<Row> =
+                self.rows_of(pair, &evaluation).into_iter().filter(|(number, _)| is_near(number)).map(|(_, row)| row).collect();
+            (!rows.is_empty()).then_some((pair, rows))
+        });
+        let closed: Vec<(&ContactPair, Vec<Row>)> = closed.collect();
+        if closed.is_empty() {
+            return None;
+        }
+        let pivots = self.eliminate(q, |_, _, _| {});
+        let is_determined = |rows: Vec<Row>| rows.into_iter().any(|row| self.remainder(row, &pivots).1.is_none());
+        closed.into_iter().find_map(|(pair, rows)| is_determined(rows).then_some(pair))
     }
 
     /// Marks the rows of obstacles at some nodes.

@@ -26,6 +26,8 @@ impl SimulationHandle {
             StepError::StillOverlaps { depth, facets, at, .. } => call.fail(title).cause(overlap_text(depth, facets, &at)).hint(hint),
             StepError::OutOfMemory { .. }
             | StepError::Contradiction { .. }
+            | StepError::Blocked { .. }
+            | StepError::Jammed { .. }
             | StepError::TurnsFar { .. }
             | StepError::TooLong { .. }
             | StepError::RanAway { .. } => Failure::new(Class::Numerics, title).hint(hint),
