@@ -124,6 +124,16 @@ impl Geared {
         sum(&rest) + TAU * sum(&|term| term.turns)
     }
 
+    /// Change of the constraint function from `q_0` to `q_1`, without whole turns: accurate relative to the change of the coordinates.
+    pub fn change(&self, q_0: &[f64], q_1: &[f64]) -> f64 {
+        let [z_0, z_1] = [q_0, q_1].map(|q| self.inner.gap(q));
+        let of = |term: &Term| match term.is_angle {
+            true => turned(pair(&z_0, term), pair(&z_1, term)),
+            false => z_1[term.first] - z_0[term.first],
+        };
+        self.terms.iter().map(|term| term.factor * of(term)).sum()
+    }
+
     /// Weight of each function in the gradient of a step that ends at `z`, and derivatives of the weight.
     fn weights(&self, is_mean: bool, z: &[f64]) -> Vec<(f64, [f64; 2])> {
         let of = |term: &Term| -> Vec<(f64, [f64; 2])> {

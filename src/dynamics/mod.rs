@@ -11,7 +11,7 @@ pub use model::definitions::{BodyDefinition, Growth, InitialDisplacement, Initia
 pub use model::error::ModelError;
 pub use model::held::Held;
 pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, Interaction, Partner, PlaceFunction};
-pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointKind};
+pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointFriction, JointKind};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
 pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
@@ -37,7 +37,7 @@ pub use parts::torsion::TorsionDefinition;
 pub use run::buckling::{Buckling, BucklingError};
 pub use run::energy_account::EnergyAccount;
 pub use run::fields::{
-    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointLoad, NodeState, PlacedObstacle,
+    BodyFields, BodyTotals, CellPlaces, CellStress, ContactFields, ContactSurface, JointFrictionLoad, JointLoad, NodeState, PlacedObstacle,
     RedundantConstraints, pressure, von_mises,
 };
 pub use run::halvings::Halving;

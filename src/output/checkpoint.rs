@@ -25,7 +25,7 @@ use crate::math::simd::instructions;
 /// First bytes of a checkpoint.
 pub const MAGIC: &[u8; 12] = b"conserva\0ckp";
 /// Version of the format.
-pub const FORMAT: u32 = 13;
+pub const FORMAT: u32 = 14;
 /// Bytes before the content.
 const HEADER: usize = MAGIC.len() + 4 + 8 + 4;
 /// Extension of the files beside checkpoints that keep results of studies' points ([`PointLog`](super::PointLog)).

@@ -102,6 +102,7 @@ impl Case {
                     ends,
                     drive: None,
                     limits: None,
+                    friction: None,
                 });
                 builder.set_initial_velocity(1, [0.0; 3], [0.0; 3]);
                 builder.model.gravity = [0.0, -self.speed, 0.0];

@@ -153,7 +153,7 @@ fn joints_of_a_resumed_run_are_those_of_their_time() {
         let m = model("pendulum");
         let rod = m.add_rigid_body("rod", rectangle(#{ size: [1.0, 0.1], cells: [2, 2], origin: [0.0, -0.05] }), #{ density: 1.0 });
         m.gravity([0.0, -9.81]);
-        m.add_joint("pin", #{ kind: "point", from: rod, point: [0.0, 0.0] });
+        m.add_joint("pin", #{ kind: "point", from: rod, point: [0.0, 0.0], friction: 0.2, radius: 0.01, friction_moment: 0.01 });
         m.add_motor("motor", #{ from: rod, to: "ground", torque: |t| sin(20.0 * t) });
         let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.001 });
         let sum = 0.0;

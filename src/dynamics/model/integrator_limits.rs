@@ -62,6 +62,9 @@ fn check_backward(model: &Model, chooses_size: bool) -> Result<(), ModelError> {
     if let Some(interaction) = model.interactions.iter().find(|interaction| interaction.friction.is_some()) {
         return refused(format!("friction of contact \"{}\"", interaction.name), reason);
     }
+    if let Some(joint) = model.joints.iter().find(|joint| joint.friction.is_some()) {
+        return refused(format!("friction of joint \"{}\"", joint.name), reason);
+    }
     if let Some(interaction) = model.interactions.iter().find(|interaction| interaction.update.is_some_and(|rule| *rule == GAP)) {
         return refused(format!("the update rule `gap` of contact \"{}\"", interaction.name), reason);
     }

@@ -18,6 +18,9 @@ const NODE_REMEDY: &str = "tie a boundary of the body that deforms to the other 
 const DRIVE_REMEDY: &str = "what a drive prescribes begins with what the joint is at rest, 0 for angles and travels, and limits contain \
                             that; hinges have an angle, sliders and slots a travel, links and cables a distance";
 
+const FRICTION_REMEDY: &str = "hinges (in the plane of the kind \"point\"), sliders and slots have friction; for other motions use a \
+                               damper beside the joint";
+
 impl Model {
     /// Node of a body nearest to a point in the initial configuration, and its distance `[length]`.
     pub fn nearest_node(&self, body: usize, point: [f64; 3]) -> (u32, f64) {
@@ -154,8 +157,29 @@ impl Model {
             return unsound(format!("a cable has a length, and this one has {longest}"));
         }
         self.check_coordinate(joint)?;
+        self.check_friction(joint)?;
         if joint.kind == JointKind::Link && length(joint.distance()) <= tolerances::JOINT_APART * self.extent() {
             return unsound("both of its points are the same, and a link has a length".into());
+        }
+        Ok(())
+    }
+
+    /// Checks the friction of a joint.
+    fn check_friction(&self, joint: &JointDefinition) -> Result<(), ModelError> {
+        let unsound =
+            |reason: String| Err(ModelError::Unsound { what: "joint", name: joint.name.clone(), reason, remedy: FRICTION_REMEDY });
+        let Some(friction) = &joint.friction else { return Ok(()) };
+        let (kind, coordinate) = (joint.kind.name(), joint.kind.coordinate(self.dimension()));
+        if joint.kind.reactions(self.dimension()) == 0 {
+            return unsound(format!("it has friction, and a {kind} has neither one free angle nor a free travel"));
+        }
+        self.check_directions(joint).or_else(unsound)?;
+        let values = [friction.coefficient, friction.radius, friction.preload, friction.constant];
+        if let Some(value) = values.into_iter().find(|value| !(value.is_finite() && *value >= 0.0)) {
+            return unsound(format!("its friction has the value {value}, and all of them are finite and not negative"));
+        }
+        if coordinate == Some(Coordinate::Angle) && friction.coefficient > 0.0 && friction.radius == 0.0 {
+            return unsound("its friction coefficient has no lever arm: the radius of the bearing is 0".into());
         }
         Ok(())
     }

@@ -82,6 +82,16 @@ impl JointKind {
         }
     }
 
+    /// Number of leading constraints that are components of the transverse reaction, perpendicular to the free motion; 0 without a free
+    /// angle or displacement.
+    pub fn reactions(self, dimension: usize) -> usize {
+        match self.coordinate(dimension) {
+            Some(Coordinate::Angle) => dimension,
+            Some(Coordinate::Travel) => dimension - 1,
+            Some(Coordinate::Distance) | None => 0,
+        }
+    }
+
     /// Name of the kind of joint.
     pub fn name(self) -> &'static str {
         match self {
@@ -124,6 +134,34 @@ impl JointKind {
     }
 }
 
+/// Dry friction of the coordinate of a joint. The magnitude `L` of a friction force, or of a friction moment with the radius `r` of an angle
+/// (1 for a displacement), is at most
+///
+/// ```text
+/// L = mu r (|R| + P) + M
+/// ```
+///
+/// with the transverse reaction `R` of the joint, the preload `P` and the friction `M` that does not depend on the reaction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointFriction {
+    /// Friction coefficient `mu`.
+    pub coefficient: f64,
+    /// Radius `r` of the bearing surface of an angle `[length]`.
+    pub radius: f64,
+    /// Preload `P`: normal force in addition to the reaction `[force]`.
+    pub preload: f64,
+    /// Constant friction `M`: a force or, of an angle, a moment.
+    pub constant: f64,
+}
+
+impl JointFriction {
+    /// Largest friction per reaction, and without reaction, in the dimensions of the coordinate.
+    pub fn limit(&self, coordinate: Coordinate) -> [f64; 2] {
+        let by_reaction = self.coefficient * if coordinate == Coordinate::Angle { self.radius } else { 1.0 };
+        [by_reaction, by_reaction * self.preload + self.constant]
+    }
+}
+
 /// An exact joint: constraints, no stiffness.
 #[derive(Clone)]
 pub struct JointDefinition {
@@ -137,6 +175,8 @@ pub struct JointDefinition {
     pub drive: Option<Amplitude>,
     /// Minimum and maximum of the coordinate; `None` without stops.
     pub limits: Option<[f64; 2]>,
+    /// Dry friction of the coordinate; `None` without friction.
+    pub friction: Option<JointFriction>,
 }
 
 impl JointDefinition {

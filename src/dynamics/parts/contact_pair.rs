@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use super::force_shares::ForceShares;
 use super::friction_rows::FrictionRows;
-use super::laws::{Bilateral, Equation, Penalty, RowLaw, Unilateral};
+use super::joint_reaction::JointReaction;
+use super::laws::{Bilateral, Equation, Penalty, Reaction, RowLaw, Unilateral};
 use super::time_values::value_of;
-use crate::contact::{ContactKernel, Evaluation, Patches};
+use crate::contact::{ContactKernel, Coulomb, Evaluation, Patches};
 use crate::dynamics::model::amplitude::Amplitude;
-use crate::dynamics::model::interactions::Interaction;
+use crate::dynamics::model::interactions::{Coefficient, Friction, Interaction};
 use crate::dynamics::model::joints::Coordinate;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
@@ -32,6 +33,8 @@ pub enum PairKind {
     Rigidity,
     /// Constraints of a joint.
     Joint,
+    /// Friction of a joint.
+    JointFriction,
     /// Equations between nodes.
     Coupling(Arc<CoupledNodes>),
 }
@@ -44,7 +47,7 @@ impl PairKind {
 
     /// True if the constraints connect points: rigid bodies, joints and couplings, which are no interactions of the model.
     pub fn is_of_points(&self) -> bool {
-        matches!(self, PairKind::Rigidity | PairKind::Joint | PairKind::Coupling(_))
+        matches!(self, PairKind::Rigidity | PairKind::Joint | PairKind::JointFriction | PairKind::Coupling(_))
     }
 }
 
@@ -86,6 +89,8 @@ pub struct ContactPair {
     pub drive: Option<(Coordinate, Amplitude)>,
     /// Indices of the two joints that a gear couples.
     pub geared: Option<[usize; 2]>,
+    /// Limit of a joint's friction.
+    pub reaction: Option<JointReaction>,
     /// Mean velocity of the obstacle in this step.
     pub obstacle_velocity: [f64; 3],
     /// Constraint functions.
@@ -174,6 +179,7 @@ impl ContactPair {
             turn: None,
             drive: None,
             geared: None,
+            reaction: None,
             obstacle_velocity: [0.0; 3],
             update: &GAP,
             restitution: None,
@@ -195,6 +201,13 @@ impl ContactPair {
         let tangents = self.kernel.patches().dimension() - 1;
         let of = |friction| FrictionRows::new(friction, self.kernel.rows(), tangents, self.c);
         self.friction = interaction.friction.as_ref().map(of);
+    }
+
+    /// Adds the tangential constraint of a joint, whose friction is at most `limit`.
+    pub fn rub(&mut self, limit: JointReaction) {
+        let friction = Friction { law: Arc::new(Coulomb::default()), coefficient: Coefficient::Constant(1.0) };
+        self.friction = Some(FrictionRows::new(&friction, 1, 1, self.c));
+        (self.law, self.reaction) = (&Reaction, Some(limit));
     }
 
     /// Factor from length in the section at a node to area: 1 in the plane, the circumference in an axisymmetric model `[length]`.
@@ -336,7 +349,8 @@ impl ContactPair {
             // Constraints outside of all contact elements have matrix rows, too.
             for (local, row) in self.rows.clone().enumerate() {
                 clique.clear();
-                clique.extend(std::iter::once(row).chain(friction.group(local)).map(|row| (nodes + row) as u32));
+                let components = self.reaction.iter().flat_map(|reaction| reaction.rows.clone());
+                clique.extend(std::iter::once(row).chain(friction.group(local)).chain(components).map(|row| (nodes + row) as u32));
                 visit(&clique);
             }
         }
@@ -358,6 +372,7 @@ impl ContactPair {
             }
         }
         self.places = places;
+        self.reaction.iter_mut().for_each(|reaction| reaction.place(pattern, nodes, self.rows.start));
         if let Some(friction) = &mut self.friction {
             let block = |row: usize, column: usize| pattern.block((nodes + row) as u32, (nodes + column) as u32);
             friction.couplings = friction.rows.clone().map(|slip| block(slip, self.rows.start + friction.pressing(slip))).collect();

@@ -15,9 +15,10 @@
 
 use super::body::Body;
 use super::joint_ends::{End, across};
+use super::joint_reaction::JointReaction;
 use crate::contact::{DrivenFunction, Geared, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::definitions::Model;
-use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointKind};
+use crate::dynamics::model::joints::{Coordinate, JointDefinition, JointFriction, JointKind};
 
 /// Free coordinate of a joint in the numbering of the model.
 pub struct FreeMotion {
@@ -66,6 +67,13 @@ impl FreeMotion {
             Coordinate::Travel => dot(0, 1) - self.rest,
             Coordinate::Distance => dot(0, 0).sqrt(),
         }
+    }
+
+    /// Limit of the friction of the coordinate, whose joint has `components` components of the transverse reaction.
+    pub fn limit_of(&self, components: usize, friction: &JointFriction, is_driven: bool) -> JointReaction {
+        let arm = if self.coordinate == Coordinate::Angle { self.size } else { 1.0 };
+        let limit = friction.limit(self.coordinate).map(|limit| limit / arm);
+        JointReaction::new(components, limit, self.is_grounded, is_driven)
     }
 
     /// Adds the constraint that prescribes the coordinate.

@@ -21,6 +21,7 @@ pub mod friction_rows;
 #[cfg(test)]
 mod in_step;
 pub mod joint_ends;
+pub mod joint_reaction;
 pub mod laws;
 pub mod line;
 pub mod loads;

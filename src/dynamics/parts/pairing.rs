@@ -44,10 +44,12 @@ pub fn contact_pairs(
     pairs.extend(corners);
     pairs.extend(rolling);
     pairs.extend(points);
-    let mut first = 0;
+    let (mut first, mut joint) = (0, 0);
     for pair in &mut pairs {
         pair.rows = first..first + pair.rows.end;
-        first = pair.rows.end;
+        // The friction of a joint follows the joint.
+        pair.reaction.iter_mut().for_each(|reaction| reaction.rows = joint..joint + reaction.rows.len());
+        (joint, first) = (first, pair.rows.end);
     }
     for friction in pairs.iter_mut().filter_map(|pair| pair.friction.as_mut()) {
         friction.rows = first..first + friction.rows.end;

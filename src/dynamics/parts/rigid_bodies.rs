@@ -13,7 +13,7 @@ use super::contact_pair::{ContactPair, PairKind};
 use super::free_motion::{FreeMotion, geared};
 use super::joint_ends::{End, across, node_vector};
 use super::laws::Unilateral;
-use crate::contact::{ContactKernel, PointConstraints, PointFunction, PointVector};
+use crate::contact::{ContactKernel, JointSlip, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::boundaries::inner_nodes;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::interactions::{BodyBoundary, Partner};
@@ -43,6 +43,11 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
     }
     used
 }
+
+/// Multiplier per slip of a joint's friction relative to weight over size, and its tolerance relative to that of the joint: with 1 and 1
+/// residuals of friction would have to be less than the round-off of forces.
+const OF_WEIGHT: f64 = 10.0;
+const OF_JOINT: f64 = 1000.0;
 
 /// Constraints of rigid bodies and joints: for each body its rigidity and its tied nodes, then for each joint its constraints and its
 /// stops.
@@ -80,6 +85,18 @@ pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference:
         pairs.extend(pair.map(|mut pair| {
             pair.drive = joint.drive.clone().and_then(|drive| Some((joint.kind.coordinate(D)?, drive)));
             if matches!(joint.kind, JointKind::Cable(_)) { one_sided(pair) } else { pair }
+        }));
+        let friction = FreeMotion::new(model, bodies, joint, size).zip(joint.friction);
+        pairs.extend(friction.map(|(free, friction)| {
+            let limit = free.limit_of(joint.kind.reactions(D), &friction, joint.drive.is_some());
+            let kernel = JointSlip::new(geared(std::slice::from_ref(&free), 1.0, size));
+            let mut pair = made(&joint.name, PairKind::JointFriction, body, size, Box::new(kernel));
+            // Forces of fast machines exceed those of the weight by orders of magnitude, and so does their round-off.
+            pair.c = OF_WEIGHT * (model.modulus(body) * size.powi(D as i32 - 2)).max(limit.constant / size);
+            pair.gap_tolerance *= OF_JOINT;
+            pair.closed = pair.closed.max(OF_WEIGHT * pair.gap_tolerance);
+            pair.rub(limit);
+            pair
         }));
         let stops = of_points(&joint.name, PairKind::Joint, body, size, stops(model, bodies, joint, size));
         pairs.extend(stops.map(one_sided));

@@ -124,8 +124,9 @@ where
         row.potential = self.potential(&at, &penalty_gap, &memory) + row.reserve;
         row.load_work = outside.work(&at.moved);
         row.contact_work = self.contact_work(start, &lambda, conditions, jump.as_ref(), row.reserve);
+        row.joints = self.joints_after(start, &at, &lambda, &outside.drive_works);
         let frictional = self.friction_work(&at, &lambda, jump.as_ref());
-        row.friction_work = frictional.iter().sum::<f64>() + 0.0; // no zero with a sign
+        row.book_friction(&frictional);
         row.energy_defect = row.total() - old.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&lambda, &active));
@@ -134,7 +135,6 @@ where
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
         row.reactions = self.reactions_after(start, &at, &lambda, jump.as_ref())?;
         let accelerations = self.accelerations_to(&v_1, dt);
-        row.joints = self.joints_after(start, &at, &lambda, &outside.drive_works);
         row.probes = self.probe_values(&at.u_1, &v_1, &accelerations);
         let state = State {
             drift: self.state.drift + row.energy_defect,
@@ -279,16 +279,21 @@ where
             let none = vec![0.0; lambda.len()];
             obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, lambda, &mut obstacles);
         }
-        for block in system.blocks(&at.pairs, &at.slips).filter(|block| block.is_slip() && block.pair.kind == PairKind::Obstacle) {
+        let is_grounded = |pair: &ContactPair| pair.reaction.as_ref().is_some_and(|reaction| reaction.is_grounded);
+        let is_outside = |block: &RowBlock| block.is_slip() && (block.pair.kind == PairKind::Obstacle || is_grounded(block.pair));
+        for block in system.blocks(&at.pairs, &at.slips).filter(is_outside) {
+            let mut work = 0.0;
             for row in block.live_rows() {
                 for (k, entry) in row.unknowns::<D>() {
                     let force = lambda[row.row] * block.evaluation.gradient_bar[entry];
                     obstacles[k] += force;
-                    obstacle_work += force * at.moved[k];
+                    work += force * at.moved[k];
                 }
             }
-            // Of that the slip is friction's, the rest that of the obstacle's motion.
-            obstacle_work -= block.work(lambda);
+            if block.pair.kind == PairKind::Obstacle {
+                // Of that the slip is friction's, the rest that of the obstacle's motion.
+                obstacle_work += work - block.work(lambda);
+            }
         }
         let (prescribed_work, slip_moment) =
             if system.supports.prescribed.is_empty() { Default::default() } else { self.prescribed_work(motion, at, v_1) };
@@ -329,7 +334,7 @@ where
             false => lagging * closing(&|pair| !pair.acts_alone()) + alone * closing(&ContactPair::acts_alone),
         };
         // A potential of other pairs than at the end of the step before is a different potential.
-        let found = if system.pairs.iter().any(|pair| !pair.has_multipliers()) && !conditions.end_point {
+        let found = if system.pairs.iter().any(|pair| !pair.penalties.is_empty()) && !conditions.end_point {
             system.nodes.potential_energy(start.q_0)
                 + system.penalty_energy(&conditions.gap_n)
                 + system.stored_energy(start.pose(), &self.state.memory)

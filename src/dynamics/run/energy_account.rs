@@ -18,8 +18,10 @@ pub struct EnergyAccount {
     pub loads: f64,
     /// Work of contact, never positive: the loss by update rules.
     pub contact: f64,
-    /// Work of friction, negative: heat.
+    /// Work of friction in contacts, negative: heat.
     pub friction: f64,
+    /// Work of friction in joints, negative: heat.
+    pub joint_friction: f64,
     /// Dissipation of viscous materials, negative.
     pub viscosity: f64,
     /// Dissipation of plastic flow, negative.
@@ -41,10 +43,11 @@ pub struct EnergyAccount {
 impl EnergyAccount {
     /// Energy account of a run with the rows `rows`.
     pub fn of<R: Rows + ?Sized>(rows: &R) -> Self {
-        let of_row: [fn(&LedgerRow) -> f64; 9] = [
+        let of_row: [fn(&LedgerRow) -> f64; 10] = [
             |row| row.load_work,
             |row| row.contact_work,
-            |row| row.friction_work,
+            |row| row.friction_work - row.joint_friction,
+            |row| row.joint_friction,
             |row| row.dissipation - row.damping - row.numerical - row.impact - row.plastic,
             |row| row.plastic,
             |row| row.damping,
@@ -52,7 +55,7 @@ impl EnergyAccount {
             |row| row.impact,
             |row| row.energy_defect,
         ];
-        let mut sums = [std::iter::empty::<f64>().sum::<f64>(); 9];
+        let mut sums = [std::iter::empty::<f64>().sum::<f64>(); 10];
         let (mut ends, mut scale) = (None, NO_ENERGY);
         rows.visit(0, &mut |row| {
             scale = f64::max(scale, row.kinetic + row.strain.abs() + row.potential.abs());
@@ -62,9 +65,9 @@ impl EnergyAccount {
             ends = Some([ends.map_or(row.total(), |[start, _]: [f64; 2]| start), row.total()]);
         });
         let Some([start, end]) = ends else { return EnergyAccount::default() };
-        let [loads, contact, friction, viscosity, plastic, damping, numerical, impacts, integrator] = sums;
+        let [loads, contact, friction, joint_friction, viscosity, plastic, damping, numerical, impacts, integrator] = sums;
         let [viscosity, plastic, damping, numerical, impacts] = [-viscosity, -plastic, -damping, -numerical, -impacts];
-        let known = loads + contact + friction + viscosity + plastic + damping + numerical + impacts + integrator;
+        let known = loads + contact + friction + joint_friction + viscosity + plastic + damping + numerical + impacts + integrator;
         let otherwise = end - start - known;
         EnergyAccount {
             start,
@@ -72,6 +75,7 @@ impl EnergyAccount {
             loads,
             contact,
             friction,
+            joint_friction,
             viscosity,
             plastic,
             damping,
@@ -89,6 +93,7 @@ impl EnergyAccount {
             ("loads", self.loads),
             ("contact", self.contact),
             ("friction", self.friction),
+            ("friction of joints", self.joint_friction),
             ("viscosity", self.viscosity),
             ("plastic flow", self.plastic),
             ("dampers", self.damping),

@@ -167,6 +167,17 @@ pub struct JointLoad {
     pub coordinate: Option<(Coordinate, f64)>,
     /// Work of the drive in the last step; `None` without a drive `[energy]`.
     pub work: Option<f64>,
+    /// Friction in the last step; `None` for a joint without friction.
+    pub friction: Option<JointFrictionLoad>,
+}
+
+/// Friction of a joint in a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointFrictionLoad {
+    /// Friction along the coordinate on the second body, mean over the step: a force or, of an angle, a moment.
+    pub force: f64,
+    /// Work in the step, never positive `[energy]`.
+    pub work: f64,
 }
 
 /// Redundant constraints of a tie or a joint, which depend on other constraints and on supports and are omitted.

@@ -72,10 +72,10 @@ where
     }
 
     /// Ratios of tangential to normal impulses in a velocity jump: as in this step or, for a constraint that has opened, as in the previous
-    /// step. Rotating obstacles have none.
+    /// step. Rotating obstacles and joints have none.
     fn ratios(&self, solution: &Solution) -> Vec<f64> {
         let mut ratios = vec![0.0; self.system.multipliers];
-        for pair in self.system.pairs.iter().filter(|pair| pair.turn.is_none()) {
+        for pair in self.system.pairs.iter().filter(|pair| pair.turn.is_none() && pair.reaction.is_none()) {
             for (row, pressing) in pair.tangential() {
                 let lambda = if solution.active[pressing].is_closed() { &solution.at.lambda } else { &self.state.lambda };
                 if lambda[pressing] > 0.0 {

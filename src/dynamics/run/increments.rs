@@ -13,7 +13,7 @@ use super::ledger::LedgerRow;
 use super::options::SettleReport;
 use super::settle::STRIDE;
 use super::settle_progress::Care;
-use super::slip_memory::{SlipMemory, friction_work};
+use super::slip_memory::{SlipMemory, friction_work, joint_friction};
 use super::state::{Clock, State};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
@@ -53,6 +53,10 @@ where
             *slipped = before.iter().map(|memory| SlipMemory { slip: 0.0, ..*memory }).collect();
         }
         let frictional = friction_work(&self.system, &before, slipped);
+        for (pair, work) in joint_friction(&self.system, &before, slipped) {
+            let own = self.model.joints.iter().zip(&mut row.joints).filter(|(joint, _)| joint.name == pair.name);
+            own.for_each(|(_, totals)| totals.friction_work = work);
+        }
         row.contacts.iter_mut().zip(&frictional).for_each(|(contact, work)| contact.friction_work = *work);
         // What the step before did is not done again; from another time it is a step of its own.
         *row = LedgerRow {
@@ -60,7 +64,6 @@ where
             dt: time - from,
             load_work: 0.0,
             contact_work: 0.0,
-            friction_work: frictional.iter().sum::<f64>() + 0.0,
             damping: 0.0,
             energy_defect: 0.0,
             momentum_defect: 0.0,
@@ -70,6 +73,7 @@ where
             halvings: 0,
             ..std::mem::take(row)
         };
+        row.book_friction(&frictional);
         row.book_flow_at_rest(&row_before);
         Ok(report)
     }

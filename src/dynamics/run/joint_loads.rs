@@ -1,7 +1,7 @@
 //! Forces and moments of joints.
 
 use super::engine::Engine;
-use super::fields::JointLoad;
+use super::fields::{JointFrictionLoad, JointLoad};
 use super::ledger::JointTotals;
 use crate::bodies::{Elements, Space};
 use crate::contact::Evaluation;
@@ -15,6 +15,9 @@ use crate::integrators::Derivative;
 use crate::math::norms::largest_size;
 use crate::math::tolerances;
 
+/// Evaluations of the normal and of the tangential constraints of all pairs.
+type Evaluated<'a> = [&'a [Evaluation]; 2];
+
 impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
@@ -26,26 +29,27 @@ where
         let joint = &self.model.joints[index];
         let (q, row) = (&self.state.positions, &self.state.row);
         let known = row.joints.get(index);
-        let JointTotals { force, moment, value, .. } =
+        let JointTotals { force, moment, value, friction, friction_work, .. } =
             known.copied().unwrap_or_else(|| JointTotals { value: self.joint_value(joint, q, 0.0), ..JointTotals::default() });
         // After damped steps to an equilibrium the clock begins anew.
         let share = if self.state.clock.count == 0 { 1.0 } else { self.options.integrator.derivative.placement().share };
         let coordinate = joint.kind.coordinate(D).map(|coordinate| (coordinate, value));
         let work = joint.drive.as_ref().map(|_| known.map_or(0.0, |known| known.work));
         let time = row.time - (1.0 - share) * row.dt;
-        Some(JointLoad { force, moment, time, place: self.anchor_place(&joint.ends[1], q)?, coordinate, work })
+        let friction = joint.friction.map(|_| JointFrictionLoad { force: friction, work: friction_work });
+        Some(JointLoad { force, moment, time, place: self.anchor_place(&joint.ends[1], q)?, coordinate, work, friction })
     }
 
     /// Forces of all joints in a step that ends at the iterate `at`, at the configuration where the forces act.
     pub(super) fn joints_after(&self, start: &StepStart, at: &Linearization, lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
         let share = start.derivative().placement().share;
         let acting: Vec<f64> = start.q_0.iter().zip(&at.q_1).map(|(q_0, q_1)| q_0 + share * (q_1 - q_0)).collect();
-        self.joint_totals(&at.q_1, (&acting, &at.pairs), lambda, works)
+        self.joint_totals(&at.q_1, (&acting, [&at.pairs, &at.slips]), lambda, works)
     }
 
     /// Forces of all joints with the multipliers of a step; `acting`: configuration and evaluations at which forces act, `q`: positions at
     /// its end for the coordinates, `works`: work of the drives in this step.
-    pub(super) fn joint_totals(&self, q: &[f64], acting: (&[f64], &[Evaluation]), lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
+    pub(super) fn joint_totals(&self, q: &[f64], acting: (&[f64], Evaluated), lambda: &[f64], works: &[f64]) -> Vec<JointTotals> {
         let mut works = works.iter();
         let known = &self.state.row.joints;
         let of = |(index, joint): (usize, &JointDefinition)| {
@@ -63,15 +67,20 @@ where
     }
 
     /// Force and moment of a joint in a step; with the gradients of the step they equal the momentum change of its bodies.
-    fn joint_total(&self, joint: &JointDefinition, (q, pairs): (&[f64], &[Evaluation]), lambda: &[f64]) -> JointTotals {
+    fn joint_total(&self, joint: &JointDefinition, (q, [pairs, slips]): (&[f64], Evaluated), lambda: &[f64]) -> JointTotals {
         let held = joint.ends[1].body.map_or(0..0, |body| self.system.bodies[body].nodes.clone());
         let place = self.anchor_place(&joint.ends[1], q).unwrap_or_default();
         let mut total = JointTotals::default();
-        let is_own = |pair: &ContactPair| pair.kind == PairKind::Joint && pair.name == joint.name;
-        for (pair, evaluation) in self.system.pairs.iter().zip(pairs).filter(|(pair, _)| is_own(pair)) {
-            for row in pair.live_rows(evaluation) {
+        let is_own = |pair: &ContactPair| matches!(pair.kind, PairKind::Joint | PairKind::JointFriction) && pair.name == joint.name;
+        for block in self.system.blocks(pairs, slips).filter(|block| is_own(block.pair)) {
+            if block.is_slip() {
+                let is_angle = joint.kind.coordinate(D) == Some(Coordinate::Angle);
+                let arm = if is_angle { block.pair.kernel.facet_size() } else { 1.0 };
+                (total.friction, total.friction_work) = (arm * lambda[block.rows.start], block.work(lambda) + 0.0);
+            }
+            for row in block.live_rows() {
                 let pressure = lambda[row.row];
-                let gradients = evaluation.gradient_bar[row.gradient.clone()].chunks_exact(D);
+                let gradients = block.evaluation.gradient_bar[row.gradient.clone()].chunks_exact(D);
                 for (&node, gradient) in row.nodes.iter().zip(gradients).filter(|(node, _)| held.contains(&(**node as usize))) {
                     let force: [f64; D] = std::array::from_fn(|i| pressure * gradient[i]);
                     let arm: [f64; D] = std::array::from_fn(|i| q[node as usize * D + i] - place[i]);

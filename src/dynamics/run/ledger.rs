@@ -31,8 +31,10 @@ pub struct LedgerRow {
     pub load_work: f64,
     /// Work of contact in this step that the update rule loses or gains on purpose `[energy]`.
     pub contact_work: f64,
-    /// Work of friction in this step `[energy]`, never positive: heat.
+    /// Work of friction in contacts and joints in this step `[energy]`, never positive: heat.
     pub friction_work: f64,
+    /// Part of the friction work in joints `[energy]`, never positive.
+    pub joint_friction: f64,
     /// Energy dissipated in this step by viscous materials, dampers and drag, by plastic flow, by the time integrator's algorithmic
     /// dissipation, and in impacts of rigid bodies by restitution `[energy]`, never negative.
     pub dissipation: f64,
@@ -179,6 +181,10 @@ pub struct JointTotals {
     pub value: f64,
     /// Work of the drive in the step `[energy]`.
     pub work: f64,
+    /// Friction along the coordinate on its second body, included in force and moment: a force or, of an angle, a moment.
+    pub friction: f64,
+    /// Work of friction in the step `[energy]`, never positive.
+    pub friction_work: f64,
 }
 
 impl JointTotals {
@@ -187,14 +193,16 @@ impl JointTotals {
         let mut names = Reaction::columns(dimension);
         names.extend(joint.kind.coordinate(dimension).map(Coordinate::name));
         names.extend(joint.drive.as_ref().map(|_| "work"));
+        names.extend(joint.friction.iter().flat_map(|_| ["friction", "friction_work"]));
         names
     }
 
-    /// Values of the joint's columns: force, moment, coordinate, work of the drive.
+    /// Values of the joint's columns: force, moment, coordinate, work of the drive, friction and its work.
     pub fn values(&self, joint: &JointDefinition, dimension: usize) -> Vec<f64> {
         let mut values = Reaction { force: self.force, moment: self.moment }.values(dimension);
         values.extend(joint.kind.coordinate(dimension).map(|_| self.value));
         values.extend(joint.drive.as_ref().map(|_| self.work));
+        values.extend(joint.friction.iter().flat_map(|_| [self.friction, self.friction_work]));
         values
     }
 }
@@ -248,6 +256,12 @@ impl LedgerRow {
         self.plastic_work.iter_mut().zip(heat).for_each(|(sum, heat)| *sum += heat);
     }
 
+    /// Books the work of friction in each contact, and in the joints.
+    pub(super) fn book_friction(&mut self, contacts: &[f64]) {
+        self.joint_friction = self.joints.iter().map(|joint| joint.friction_work).sum::<f64>() + 0.0; // no zero with a sign
+        self.friction_work = contacts.iter().sum::<f64>() + self.joint_friction;
+    }
+
     /// Books all that plastic flow has turned into heat since the row `before` as the dissipation of one step at rest.
     pub(super) fn book_flow_at_rest(&mut self, before: &LedgerRow) {
         let total = |row: &LedgerRow| row.plastic_work.iter().sum::<f64>() + 0.0; // no zero with a sign
@@ -288,6 +302,7 @@ impl LedgerRow {
             return;
         }
         let sums = |row: &LedgerRow| [row.load_work, row.contact_work, row.friction_work, row.dissipation, row.damping, row.energy_defect];
+        self.joint_friction += before.joint_friction;
         self.numerical += before.numerical;
         self.impact += before.impact;
         self.plastic += before.plastic;
@@ -314,7 +329,9 @@ impl LedgerRow {
         };
         for (now, then) in self.joints.iter_mut().zip(&before.joints) {
             mean_of_all([&mut now.force, &mut now.moment], [then.force, then.moment]);
+            mean(&mut now.friction, then.friction);
             now.work += then.work;
+            now.friction_work += then.friction_work;
         }
         for (now, then) in self.reactions.iter_mut().zip(&before.reactions) {
             mean_of_all([&mut now.force, &mut now.moment], [then.force, then.moment]);

@@ -86,13 +86,13 @@ macro_rules! packed {
     };
 }
 
-packed!(LedgerRow: step time dt kinetic strain potential reserve load_work contact_work friction_work dissipation damping numerical impact
-    plastic energy_defect momentum angular_momentum momentum_defect angular_momentum_defect newton_iterations factorizations halvings active
+packed!(LedgerRow: step time dt kinetic strain potential reserve load_work contact_work friction_work joint_friction dissipation damping numerical
+    impact plastic energy_defect momentum angular_momentum momentum_defect angular_momentum_defect newton_iterations factorizations halvings active
     max_penetration contacts reactions plastic_work parts joints probes);
 packed!(ContactTotals: active force normal_force area pressure penetration friction_work sliding);
 packed!(Reaction: force moment);
 packed!(PartTotals: readings dissipated);
-packed!(JointTotals: force moment value work);
+packed!(JointTotals: force moment value work friction friction_work);
 packed!(ProbeValues: displacement velocity acceleration);
 
 impl LedgerRow {
@@ -122,7 +122,7 @@ mod tests {
         row.contacts = vec![ContactTotals { active: 3, force: three(1.0), sliding: 2, friction_work: -1.0, ..ContactTotals::default() }; 2];
         row.reactions = vec![Reaction { force: three(4.0), moment: three(5.0) }];
         row.parts = vec![PartTotals { readings: vec![1.0, 2.0], dissipated: 3.0 }, PartTotals::default()];
-        row.joints = vec![JointTotals { force: three(6.0), moment: three(7.0), value: 1.5, work: 2.5 }];
+        row.joints = vec![JointTotals { force: three(6.0), moment: three(7.0), value: 1.5, work: 2.5, friction: 3.5, friction_work: -4.5 }];
         row.probes = vec![ProbeValues { displacement: three(8.0), velocity: three(9.0), acceleration: three(10.0) }; 3];
         row
     }

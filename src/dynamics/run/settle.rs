@@ -151,7 +151,7 @@ where
         let reaction = |k: usize| at.forces.whole(at.forces.residual(k));
         let mut reactions = self.reactions(|k| q[k], reaction);
         reactions.extend(self.coupling_reactions(|k| q[k], &at, lambda, self.state.row.time)?);
-        let joints = self.joint_totals(q, (q, &at.pairs), lambda, &[]);
+        let joints = self.joint_totals(q, (q, [&at.pairs, &at.slips]), lambda, &[]);
         self.system.recycle(at);
         Arc::make_mut(&mut self.state).accelerations.fill(0.0);
         let probes = self.probe_values(&self.state.displacements, &self.state.velocities, &self.state.accelerations);

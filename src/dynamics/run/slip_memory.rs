@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Evaluation;
+use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Linearization;
@@ -59,6 +60,17 @@ pub fn add_heat(slipped: &mut [SlipMemory], work: &[f64]) {
 pub fn friction_work<const D: usize>(equations: &Equations<D>, before: &[SlipMemory], after: &[SlipMemory]) -> Vec<f64> {
     let taken = |row: usize| before[row - equations.pressing].heat - after[row - equations.pressing].heat;
     equations.by_contact(|_, pair| pair.tangential().map(|(row, _)| taken(row)).sum())
+}
+
+/// Constraint blocks of joints with friction, and its work between two states of the accumulated slips `[energy]`.
+pub fn joint_friction<'a, const D: usize>(
+    equations: &'a Equations<D>,
+    before: &'a [SlipMemory],
+    after: &'a [SlipMemory],
+) -> impl Iterator<Item = (&'a ContactPair, f64)> {
+    let taken = move |row: usize| before[row - equations.pressing].heat - after[row - equations.pressing].heat;
+    let joints = equations.pairs.iter().filter(|pair| pair.kind == PairKind::JointFriction);
+    joints.map(move |pair| (pair, pair.tangential().map(|(row, _)| taken(row)).sum::<f64>() + 0.0))
 }
 
 /// Tangential constraints of a pair.

@@ -139,6 +139,7 @@ where
                     slip.drop_tangent();
                 }
             }
+            pair.reaction.iter().for_each(|reaction| evaluation.gap[0] = reaction.limit(lambda));
         }
     }
 
@@ -308,6 +309,9 @@ where
             }
         }
         held.extend(sizes.iter().map(|[all, free]| *free <= tolerances::HELD_ROW * all));
+        for pair in self.pairs.iter().filter(|pair| pair.reaction.as_ref().is_some_and(|reaction| reaction.is_driven)) {
+            pair.tangential().for_each(|(row, _)| held[row - self.pressing] = true);
+        }
     }
 
     /// Computes the slips for which the slip rates of tangential constraints vanish at the end of the step: 0 at rest.

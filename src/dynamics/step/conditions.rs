@@ -81,8 +81,10 @@ impl<const D: usize> Equations<D> {
     /// Inverse augmentation of every constraint in a step, by the stiffness of the constraints.
     pub fn compliance(&self, stiffness: &[f64]) -> Vec<f64> {
         // A tangential constraint in the plane may be that of a plane of symmetry or of a periodic pair, too.
-        let eases_slips = D == 3 || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
-        if self.pairs.iter().all(|pair| pair.augmentation.is_none() && !(eases_slips && pair.friction.is_some())) {
+        let eases_all = D == 3 || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
+        // Joints of a loop that all stick share its load in no determined way.
+        let eases_slips = |pair: &ContactPair| pair.friction.is_some() && (eases_all || pair.kind == PairKind::JointFriction);
+        if self.pairs.iter().all(|pair| pair.augmentation.is_none() && !eases_slips(pair)) {
             return vec![0.0; self.multipliers];
         }
         let mut compliance = stiffness.to_vec();
@@ -92,7 +94,7 @@ impl<const D: usize> Equations<D> {
         }
         self.copy_to_slips(&mut compliance);
         // Supports may keep a slip from one direction, along no row.
-        for pair in self.pairs.iter().filter(|pair| eases_slips && pair.augmentation.is_none()) {
+        for pair in self.pairs.iter().filter(|pair| pair.augmentation.is_none() && eases_slips(pair)) {
             for (row, pressing) in pair.tangential() {
                 compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[pressing]);
             }

@@ -36,9 +36,12 @@ where
     pub fn write_system(&mut self, start: &StepStart, at: &mut Linearization, rows: &ConstraintRows) -> Result<Vec<f64>, Failure> {
         self.complete_tangent(start, at)?;
         let clock = Instant::now();
-        let Linearization { forces, pairs, slips, tangent, .. } = at;
+        let Linearization { forces, pairs, slips, tangent, lambda, .. } = at;
         let pattern = &self.matrix.pattern;
         self.equations.write_constraints(pattern, [pairs, slips], rows, start.shares(), |pair| &pair.gradient_bar, tangent);
+        for pair in &self.equations.pairs {
+            pair.reaction.iter().for_each(|reaction| reaction.couple(&rows.0[pair.rows.start], lambda, tangent));
+        }
         let mut right: Vec<f64> = forces.without_contact.iter().map(|r| -r).collect();
         right.extend(rows.0.iter().map(|row| row.right));
         if !self.given.is_empty() {

@@ -196,7 +196,10 @@ pub fn constraint_rows<const D: usize>(
         for row in pair.rows.clone().filter(|&row| set[row].is_closed()) {
             let mut at_iterate = conditions.row(pair, row, evaluation.gap[row - pair.rows.start], at.lambda[row]);
             at_iterate.compliance = conditions.eased(row, yielding);
-            rows.0[row] = pair.law.equation(&at_iterate);
+            rows.0[row] = match &pair.reaction {
+                Some(reaction) => reaction.equation(&at.lambda, conditions.stiffness[row]),
+                None => pair.law.equation(&at_iterate),
+            };
         }
     }
     let held = rows_of_nodes(equations, set);

@@ -221,7 +221,7 @@ where
                     if holds && evaluation.coverage[local] > tolerances::SLIVER {
                         rows.0[row] = Equation::held(0.0, 0.0);
                     }
-                } else {
+                } else if pair.reaction.is_none() {
                     let Equation { acts, diagonal, .. } = pair.law.equation(&at_rest(pair, row, evaluation.gap[local]));
                     if acts {
                         rows.0[row] = Equation::held(-diagonal, 0.0);

@@ -150,6 +150,12 @@ impl Motion {
             let scale = joint.kind.coordinate(dimension).map_or(1.0, |coordinate| units.length.powi(coordinate.lengths()));
             joint.drive = joint.drive.as_ref().map(|drive| self.amplitude(drive, scale));
             joint.limits = joint.limits.map(|limits| limits.map(|limit| scale * limit));
+            if let Some(friction) = &mut joint.friction {
+                let energy = self.energy(dimension);
+                friction.radius *= units.length;
+                friction.preload *= energy / units.length;
+                friction.constant *= energy / scale;
+            }
             if let JointKind::Cable(longest) = &mut joint.kind {
                 *longest *= units.length;
             }

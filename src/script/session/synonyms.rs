@@ -5,7 +5,7 @@ const SYNONYMS: &[(&[&str], &[&str])] = &[
     (&["quasi-static", "quasistatic", "static", "equilibrium", "load step", "increment"], &["settle"]),
     (&["dirichlet", "displacement boundary", "imposed displacement", "encastre", "clamp"], &["fix", "prescribe"]),
     (&["neumann", "surface load"], &["traction", "pressure", "force"]),
-    (&["friction", "coulomb", "stick-slip"], &["add_contact", "coulomb", "friction_curve"]),
+    (&["friction", "coulomb", "stick-slip"], &["add_contact", "coulomb", "friction_curve", "add_joint"]),
     (&["roller"], &["fix"]),
     (&["symmetry"], &["add_symmetry", "fix"]),
     (&["periodic", "representative volume", "rve"], &["add_periodic"]),

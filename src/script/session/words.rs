@@ -30,7 +30,7 @@ const COLUMNS: &[(&str, &str)] = &[
         "the work of contact between bodies in this step, which the update rule gap loses on purpose; never positive in motion; in statics \
          the trapezoidal rule, of either sign [energy]",
     ),
-    ("friction_work", "the work of friction in this step, what it turns into heat; never positive [energy]"),
+    ("friction_work", "the work of friction in contacts and joints in this step, what it turns into heat; never positive [energy]"),
     (
         "dissipation",
         "the heat of viscous materials, dampers and drag and the loss of impacts of rigid bodies in this step, never negative [energy]",

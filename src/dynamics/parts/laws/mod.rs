@@ -3,11 +3,13 @@
 mod bilateral;
 mod law;
 mod penalty;
+mod reaction;
 mod unilateral;
 
 pub use bilateral::Bilateral;
 pub use law::{Equation, Row, RowLaw, RowStart, RowState};
 pub use penalty::Penalty;
+pub use reaction::Reaction;
 pub use unilateral::Unilateral;
 
 #[cfg(test)]

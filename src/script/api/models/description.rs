@@ -1,6 +1,7 @@
 //! Description of a model in words, as `print` shows it.
 
 use super::data::ModelData;
+use super::joint_friction::friction_text;
 use crate::contact::{FacetShape, Obstacle, ObstacleInSpace};
 use crate::dynamics::{
     Amplitude, BodyBoundary, BodyDefinition, Coordinate, Coupling, CouplingKind, Gear, Interaction, JointKind, Model, Partner,
@@ -41,7 +42,8 @@ pub fn describe_model(data: &ModelData) -> String {
         let drive = joint.drive.as_ref().map_or(String::new(), |drive| format!(", {what} {}", drive.describe()));
         let limits = joint.limits.map_or(String::new(), |[least, largest]| format!(", {what} from {least} to {largest}"));
         let names = joined(&names.collect::<Vec<_>>(), "and");
-        format!("  joint \"{}\": {} of {names} at {at}{drive}{limits}", joint.name, joint.kind.name())
+        let friction = joint.friction.map_or(String::new(), |friction| format!(", {}", friction_text(&friction)));
+        format!("  joint \"{}\": {} of {names} at {at}{drive}{limits}{friction}", joint.name, joint.kind.name())
     }));
     lines.extend(model.parts.iter().map(|part| format!("  {}", part.describe())));
     lines.extend(describe_contacts(model));

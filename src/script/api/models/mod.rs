@@ -19,6 +19,7 @@ pub mod frames;
 pub mod gears;
 pub mod growth;
 pub mod handle;
+pub mod joint_friction;
 pub mod loads;
 pub mod masses;
 pub mod motors;

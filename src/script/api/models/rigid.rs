@@ -7,6 +7,7 @@ use super::building::refuse_or_warn_of_surface;
 use super::change::change;
 use super::ends::GROUND;
 use super::handle::{BodyHandle, ModelHandle};
+use super::joint_friction::{friction_of, friction_options};
 use crate::bodies::{Formulation, Inertia};
 use crate::dynamics::{Anchor, BodyDefinition, JointDefinition, JointKind, Model, ModelError};
 use crate::materials::{Material, NeoHookean};
@@ -156,7 +157,7 @@ const KINDS: [&str; 7] = ["point", "hinge", "slider", "slot", "weld", "link", "c
 
 /// The keys of a joint.
 fn joint_options() -> Vec<Parameter> {
-    vec![
+    let mut all = vec![
         Parameter::new(
             "kind",
             Kind::Choice(&KINDS),
@@ -190,7 +191,9 @@ fn joint_options() -> Vec<Parameter> {
              link the distances between which it is free",
         )
         .or(Absent::Means("none")),
-    ]
+    ];
+    all.extend(friction_options());
+    all
 }
 
 /// Function `add_joint` of scripts.
@@ -232,7 +235,8 @@ pub fn add_joint() -> Function {
             }
             let argument = options.argument("drive");
             let drive = if argument.is_given() { Some(amplitude_of(&argument)?) } else { None };
-            let mut joint = JointDefinition { name, kind, ends, drive, limits: limits_of(&options)? };
+            let mut joint = JointDefinition { name, kind, ends, drive, limits: limits_of(&options)?, friction: None };
+            joint.friction = friction_of(&options, &joint, dimension)?;
             set_length(&options, &mut joint)?;
             change(call, &model, |data| data.model.joints.push(joint))?;
             Ok(Dynamic::UNIT)

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic};
 
 use super::handle::SimulationHandle;
-use crate::dynamics::JointLoad;
+use crate::dynamics::{JointFrictionLoad, JointLoad};
 use crate::script::api::examples::plate_example;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::{brief, brief_vector};
@@ -64,7 +64,39 @@ pub fn functions() -> Vec<Function> {
         coordinate("travel", "how far `from` has moved in a slider or a slot `[length]`"),
         coordinate("distance", "the distance of both points of a link or a cable `[length]`"),
         work(),
+        rubbed(
+            "friction",
+            "friction of the joint on `from` along its angle or travel, a mean over the last step: a moment or a force",
+            |of| of.force,
+        ),
+        rubbed(
+            "friction_work",
+            "work of the joint's friction in the last step, part of the ledger's `friction_work`, never positive `[energy]`",
+            |of| of.work,
+        ),
     ]
+}
+
+/// Function `name` of scripts: a value of the friction of a joint.
+fn rubbed(name: &'static str, summary: &'static str, read: fn(JointFrictionLoad) -> f64) -> Function {
+    Function {
+        name,
+        form: Form::Property(JointHandle::receiver()),
+        topic: Topic::Results,
+        summary,
+        parameters: Vec::new(),
+        returns: "float",
+        example: rod_example("swing", "kind: \"point\", friction_moment: 0.5", name),
+        see_also: &["joint", "add_joint"],
+        body: body(move |call| {
+            let joint = call.receiver::<JointHandle>();
+            let failure = || {
+                call.fail(format!("joint \"{}\" has no friction", joint.name))
+                    .hint("`add_joint` gives it friction: `friction`, `friction_moment`, `friction_force`")
+            };
+            Ok(joint.load.friction.map(read).ok_or_else(failure)?.into())
+        }),
+    }
 }
 
 /// Returns the property of a joint for a coordinate.

@@ -21,6 +21,7 @@ use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
 use crate::script::api::files::writing::path_parameter;
 use crate::script::api::models::description::{describe_obstacle, prescribed};
+use crate::script::api::models::joint_friction::friction_text;
 use crate::script::api::parameters::Overrides;
 use crate::script::api::remedies::explained;
 use crate::script::language::arguments::Arguments;
@@ -203,7 +204,8 @@ fn joints(model: &Model) -> Vec<Vec<String>> {
         let axis = joint.kind.direction().map(|axis| format!(", along {}", brief_vector(&axis[..dimension]))).unwrap_or_default();
         let drive = joint.drive.as_ref().map(|drive| format!("driven: {}", drive.describe()));
         let limits = joint.limits.map(|limits| format!("limits {}", brief_vector(&limits)));
-        let moved: Vec<String> = drive.into_iter().chain(limits).collect();
+        let friction = joint.friction.map(|friction| friction_text(&friction));
+        let moved: Vec<String> = drive.into_iter().chain(limits).chain(friction).collect();
         let at = format!("{}{axis}", brief_vector(&from.point[..dimension]));
         vec![joint.name.clone(), kind, end(from.body), end(to.body), at, moved.join(", ")]
     };
