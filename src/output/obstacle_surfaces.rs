@@ -55,7 +55,7 @@ impl ObstacleSurface {
                 let center = middle - normal * normal.dot(&(middle - point));
                 Grid::over([PIECES, PIECES], [[-far, far]; 2], false, |s, t| center + u * s + v * t)
             }
-            ObstacleInSpace::Sphere { center, radius, is_hollow } => {
+            ObstacleInSpace::Sphere { center, radius, is_hollow, .. } => {
                 let center = Vector::from(*center);
                 let (pole, angle) = part(middle - center, Vector::z(), far / radius);
                 let [u, v] = across(pole);
@@ -178,7 +178,7 @@ mod tests {
         for is_hollow in [false, true] {
             let sign = if is_hollow { -1.0 } else { 1.0 };
             cases.extend([
-                (ObstacleInSpace::Sphere { center, radius: 0.7, is_hollow }, Box::new(move |x| out(center, x) * sign) as Outward),
+                (ObstacleInSpace::Sphere { center, radius: 0.7, axis, is_hollow }, Box::new(move |x| out(center, x) * sign) as Outward),
                 (ObstacleInSpace::Cylinder { point: center, axis, radius: 40.0, is_hollow }, Box::new(move |x| away(x) * sign)),
                 (ObstacleInSpace::Cone { tip: center, axis, angle: 0.3, is_hollow }, Box::new(move |x| away(x) * sign)),
                 (

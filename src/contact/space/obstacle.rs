@@ -46,6 +46,8 @@ pub enum ObstacleInSpace {
         center: [f64; 3],
         /// Radius `[length]`.
         radius: f64,
+        /// Direction of the axis through the center about which it rotates.
+        axis: [f64; 3],
         /// True if bodies are inside.
         is_hollow: bool,
     },
@@ -147,6 +149,7 @@ pub(in crate::contact) enum Shape {
     Sphere {
         center: Vector3<f64>,
         radius: f64,
+        axis: Vector3<f64>,
         sign: f64,
     },
     Revolved {
@@ -262,8 +265,8 @@ impl Shape {
         let sign = |is_hollow: bool| if is_hollow { -1.0 } else { 1.0 };
         match obstacle {
             ObstacleInSpace::Plane { point, normal } => Shape::Plane { point: Vector3::from(*point), normal: unit(normal) },
-            ObstacleInSpace::Sphere { center, radius, is_hollow } => {
-                Shape::Sphere { center: Vector3::from(*center), radius: *radius, sign: sign(*is_hollow) }
+            ObstacleInSpace::Sphere { center, radius, axis, is_hollow } => {
+                Shape::Sphere { center: Vector3::from(*center), radius: *radius, axis: unit(axis), sign: sign(*is_hollow) }
             }
             ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
                 let profile = Profile::Cylinder { radius: *radius, sign: sign(*is_hollow) };
@@ -321,10 +324,15 @@ impl Shape {
         rho > inner[0] && z.abs() > inner[1]
     }
 
-    /// Motion of points that stick to the obstacle, for a displacement `shift` and a rotation angle about its axis; `end` is the
-    /// translation at the end of the step.
+    /// Motion of points that stick to the obstacle, for a displacement `shift` and a rotation angle about its axis (of a plane its normal);
+    /// `end` is the translation at the end of the step.
     pub fn carrier(&self, (shift, angle): ([f64; 3], f64), end: [f64; 3]) -> Carrier {
-        let Shape::Revolved { origin, axis, .. } = self else { return Carrier { shift, ..Carrier::default() } };
+        let (origin, axis) = match self {
+            Shape::Revolved { origin, axis, .. } => (origin, axis),
+            Shape::Sphere { center, axis, .. } => (center, axis),
+            Shape::Plane { point, normal } => (point, normal),
+            _ => return Carrier { shift, ..Carrier::default() },
+        };
         let center = origin + Vector3::from(end) - Vector3::from(shift) * 0.5;
         Carrier { shift, turn: (axis * (2.0 * (0.5 * angle).tan())).into(), center: center.into() }
     }
@@ -349,7 +357,7 @@ impl Shape {
             Shape::Plane { point, normal } => {
                 Distance { gap: normal.dot(&(x - point)), normal: *normal, curvature: Matrix3::zeros(), covered: true }
             }
-            Shape::Sphere { center, radius, sign } => {
+            Shape::Sphere { center, radius, sign, .. } => {
                 let r = x - center;
                 let length = r.norm();
                 let n = r.try_normalize(0.0).unwrap_or_default();

@@ -336,7 +336,7 @@ mod tests {
         ];
         for is_hollow in [false, true] {
             all.extend([
-                ObstacleInSpace::Sphere { center, radius: 0.7, is_hollow },
+                ObstacleInSpace::Sphere { center, radius: 0.7, axis: [0.0, 0.0, 1.0], is_hollow },
                 ObstacleInSpace::Cylinder { point: center, axis, radius: 0.7, is_hollow },
                 ObstacleInSpace::Cone { tip: center, axis, angle: 0.6, is_hollow },
                 ObstacleInSpace::Torus { center, axis, radius: 1.2, tube: 0.4, is_hollow },
@@ -475,8 +475,8 @@ mod tests {
         let (origin, up) = ([0.0; 3], [0.0, 0.0, 2.0]);
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} {b}");
         near(gap(ObstacleInSpace::Plane { point: [5.0, 5.0, 1.0], normal: up }, [7.0, 0.0, 1.5]), 0.5);
-        near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, is_hollow: false }, [2.0, 3.0, 6.0]), 4.0);
-        near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, is_hollow: true }, [0.0, 1.0, 0.0]), 2.0);
+        near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, axis: [0.0, 0.0, 1.0], is_hollow: false }, [2.0, 3.0, 6.0]), 4.0);
+        near(gap(ObstacleInSpace::Sphere { center: origin, radius: 3.0, axis: [0.0, 0.0, 1.0], is_hollow: true }, [0.0, 1.0, 0.0]), 2.0);
         near(gap(ObstacleInSpace::Cylinder { point: origin, axis: up, radius: 3.0, is_hollow: false }, [3.0, 4.0, 9.0]), 2.0);
         let cylinder = ObstacleInSpace::FiniteCylinder { center: origin, axis: up, radius: 3.0, length: 4.0, edge: 1.0 };
         near(gap(cylinder.clone(), [3.0, 4.0, 0.5]), 2.0);

@@ -510,7 +510,7 @@ mod tests {
     fn obstacles() -> Vec<ObstacleInSpace> {
         let (axis, tilted, is_hollow) = ([0.0, 0.0, 1.0], [0.6, 1.0, 0.1], false);
         vec![
-            ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, is_hollow },
+            ObstacleInSpace::Sphere { center: [0.4, 0.1, 0.0], radius: 0.4, axis: [0.0, 0.0, 1.0], is_hollow },
             ObstacleInSpace::Cylinder { point: [0.5, 0.5, 0.0], axis: tilted, radius: 0.4, is_hollow },
             ObstacleInSpace::FiniteCylinder { center: [0.3, 0.5, 0.0], axis: [0.1, 0.2, 1.0], radius: 0.4, length: 0.9, edge: 0.004 },
             ObstacleInSpace::Cone { tip: [0.4, 0.1, 0.4], axis: [0.1, 0.2, -1.0], angle: 0.7, is_hollow },

@@ -331,7 +331,7 @@ mod tests {
         let below = Surface::in_space(FACETS.iter().map(|facet| &facet[..]));
         let (point, axis) = ([0.9, 1.1, 0.15], [0.1, 1.0, 0.05]);
         let rod = ObstacleInSpace::Cylinder { point, axis, radius: 0.2, is_hollow: false };
-        let ball = ObstacleInSpace::Sphere { center: [0.8, 1.3, 1.9], radius: 2.0, is_hollow: false };
+        let ball = ObstacleInSpace::Sphere { center: [0.8, 1.3, 1.9], radius: 2.0, axis: [0.0, 0.0, 1.0], is_hollow: false };
         let mut kernels: Vec<Box<dyn ContactKernel>> = vec![Box::new(RigidInSpace::new(below.clone(), &ball, &base()))];
         let edges = RoundInSpace::new(&below, &rod, &base(), 1.0);
         kernels.extend(edges.map(|kernel| Box::new(kernel) as Box<dyn ContactKernel>));

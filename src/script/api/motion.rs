@@ -269,8 +269,8 @@ impl Motion {
         let (length, at, along) = (self.units.length, |point: &[f64; 3]| self.point(*point), |vector: &[f64; 3]| self.vector(*vector, 1.0));
         match obstacle {
             ObstacleInSpace::Plane { point, normal } => ObstacleInSpace::Plane { point: at(point), normal: along(normal) },
-            ObstacleInSpace::Sphere { center, radius, is_hollow } => {
-                ObstacleInSpace::Sphere { center: at(center), radius: length * radius, is_hollow: *is_hollow }
+            ObstacleInSpace::Sphere { center, radius, axis, is_hollow } => {
+                ObstacleInSpace::Sphere { center: at(center), radius: length * radius, axis: along(axis), is_hollow: *is_hollow }
             }
             ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
                 ObstacleInSpace::Cylinder { point: at(point), axis: along(axis), radius: length * radius, is_hollow: *is_hollow }

@@ -46,11 +46,13 @@ pub enum Moves {
     InSpace,
     /// Along x, y and z, and rotating about its axis.
     AboutAxis,
+    /// Along x, y and z, and in space rotating about its normal.
+    AboutNormal,
 }
 
 impl Moves {
     fn is_in_space(self) -> bool {
-        matches!(self, Moves::InSpace | Moves::AboutAxis)
+        matches!(self, Moves::InSpace | Moves::AboutAxis | Moves::AboutNormal)
     }
 }
 
@@ -61,6 +63,10 @@ fn motion_parameter(moves: Moves) -> Parameter {
     let about = match moves {
         Moves::Round => Some("the angle by which it has turned about its center, counter-clockwise, over time: friction feels it"),
         Moves::AboutAxis => Some("the angle by which it has turned about its axis, as a right-handed screw, over time: friction feels it"),
+        Moves::AboutNormal => Some(
+            "the angle by which it has turned in space about the normal through `point`, as a right-handed screw, over time: friction feels it, \
+             as on a turntable",
+        ),
         _ => None,
     };
     if let Some(angle) = about {
@@ -110,7 +116,12 @@ pub fn shape(
             };
             let along_z = if moves.is_in_space() { over_time("z")? } else { None };
             let motion = [over_time("x")?, over_time("y")?, along_z];
-            let turn = if matches!(moves, Moves::Round | Moves::AboutAxis) { over_time("angle")? } else { None };
+            let turns = matches!(moves, Moves::Round | Moves::AboutAxis | Moves::AboutNormal);
+            let turn = if turns { over_time("angle")? } else { None };
+            if turn.is_some() && moves == Moves::AboutNormal && !matches!(obstacle, Obstacle::InSpace(_)) {
+                let failure = nested.argument("angle").fail("a border of the plane does not turn about its normal");
+                return Err(failure.hint("leave it out, or take a rigid body whose boundary is moved with `prescribe`").into());
+            }
             if motion[2].is_some() && !matches!(obstacle, Obstacle::InSpace(_)) {
                 let argument = nested.argument("z");
                 let failure = argument.fail("an obstacle of the plane does not move along z");
@@ -149,7 +160,7 @@ fn rigid_plane() -> Function {
             point("point", "a point of its border, of 2 or, in space, of 3 numbers"),
             Parameter::new("normal", Kind::Vector, "the outward normal of its border, of any length: bodies are on that side").of("1"),
         ],
-        Moves::InSpace,
+        Moves::AboutNormal,
         "let ground = rigid_plane(#{ point: [0.0, 0.0], normal: [0.0, 1.0] });",
         |options| {
             let (argument, point) = (options.argument("normal"), options.argument("point"));

@@ -42,12 +42,19 @@ fn rigid_sphere() -> Function {
     shape(
         "rigid_sphere",
         "a rigid sphere as the other side of a contact of bodies in space",
-        vec![point("center", "its center"), radius("its radius"), inside("whether bodies are inside of it, as in a bowl")],
-        Moves::InSpace,
+        vec![
+            point("center", "its center"),
+            radius("its radius"),
+            axis("the axis through its center about which it turns").or(Absent::Means("along z")),
+            inside("whether bodies are inside of it, as in a bowl"),
+        ],
+        Moves::AboutAxis,
         "let bowl = rigid_sphere(#{ center: [0.0, 0.0, 2.0], radius: 2.0, inside: true });",
         |options| {
             let (center, radius) = (options.argument("center").vector(3)?, options.number("radius")?);
-            in_space(ObstacleInSpace::Sphere { center, radius, is_hollow: options.flag("inside")? })
+            let about = options.argument("axis");
+            let axis = if about.is_given() { direction(&about)? } else { [0.0, 0.0, 1.0] };
+            in_space(ObstacleInSpace::Sphere { center, radius, axis, is_hollow: options.flag("inside")? })
         },
     )
 }

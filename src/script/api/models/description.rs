@@ -136,7 +136,7 @@ fn describe_in_space(shape: &ObstacleInSpace) -> String {
     };
     match shape {
         ObstacleInSpace::Plane { point, normal } => format!("plane through {} with normal {}", vector_text(point), vector_text(normal)),
-        ObstacleInSpace::Sphere { center, radius, is_hollow } => {
+        ObstacleInSpace::Sphere { center, radius, is_hollow, .. } => {
             format!("{} around {}", round("sphere", radius, is_hollow), vector_text(center))
         }
         ObstacleInSpace::Cylinder { point, axis, radius, is_hollow } => {
