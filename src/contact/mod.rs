@@ -18,7 +18,6 @@ mod clearance;
 mod combinations;
 #[cfg(test)]
 mod contract;
-mod curve_contact;
 mod depth;
 mod exact;
 mod faces;
@@ -69,7 +68,6 @@ mod window;
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces, facing_away, looks_away};
 pub use clearance::{Clearance, Nearest};
-pub use curve_contact::CurveContact;
 pub use exact::ExactShape;
 pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};

@@ -170,46 +170,6 @@ impl<'a> FacetCurves<'a> {
         }
     }
 
-    /// Length of a curved facet times the angle by which the curve turns over it `[length]`; `None` for straight facets.
-    pub(super) fn bend(&self, facet: usize) -> Option<f64> {
-        let Profile([_, rise, ..]) = self.profile(facet);
-        let turn = 2.0 * rise.atan();
-        (turn != 0.0).then(|| turn.abs() * self.length(facet as u32))
-    }
-
-    /// Derivatives of the curve with respect to the facet coordinate at both ends of a curved facet, as combinations of nodes (model
-    /// numbers). For a cubic arc of a circle they have the length `l/cos^2(a/2)`, with the angle `a` to the facet; at an end without a
-    /// neighbor the derivative is that of a parabola.
-    pub(super) fn tangents(&self, facet: usize) -> Option<[Vec<(u32, f64)>; 2]> {
-        if !self.is_curved(facet) {
-            return None;
-        }
-        let (length, ends) = (self.length(facet as u32), self.surface.facets()[facet]);
-        let neighbors = self.surface.neighbors(facet);
-        let at_end = |end: usize| {
-            let Turn::Smooth(turn) = self.turns[self.surface.local_facets()[facet][end] as usize] else { return None };
-            let other = neighbors[end].filter(|&other| self.is_curved(other as usize))?;
-            let (next, far) = (self.length(other), self.surface.facets()[other as usize][end]);
-            let angle = turn * length / (length + next);
-            // The mean of both unit vectors along the facets, weighted by the other's length, is tangent to the circle through three nodes.
-            let mean = next * angle.cos() + length * (turn - angle).cos();
-            let by = length / (mean * (0.5 * angle).cos().powi(2));
-            let [own, beside] = [by * next / length, by * length / next];
-            let sign = if end == 0 { 1.0 } else { -1.0 };
-            Some(vec![(ends[0], -own), (ends[1], own), (ends[end], sign * beside), (far, -sign * beside)])
-        };
-        let mirrored = |of: &Vec<(u32, f64)>| -> Vec<(u32, f64)> {
-            let chord = [(ends[0], -2.0), (ends[1], 2.0)];
-            chord.into_iter().chain(of.iter().map(|&(node, share)| (node, -share))).collect()
-        };
-        match [at_end(0), at_end(1)] {
-            [Some(a), Some(b)] => Some([a, b]),
-            [Some(a), None] => Some([a.clone(), mirrored(&a)]),
-            [None, Some(b)] => Some([mirrored(&b), b]),
-            [None, None] => None,
-        }
-    }
-
     /// Height profiles of all facets.
     pub fn profiles(&self) -> Vec<Profile> {
         (0..self.surface.count()).map(|facet| self.profile(facet)).collect()

@@ -26,9 +26,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::profiles::{Profile, profiles};
 use crate::contact::combinations::Combinations;
-use crate::contact::exact::ExactShape;
 use crate::contact::faces::{self, Vector};
 use crate::contact::facet_shape::FacetShape;
+use crate::contact::felt::HeightInSpace;
 use crate::contact::kernel::ContactKernel;
 use crate::contact::on_curves::OnCurves;
 use crate::contact::surface::{Sides, Surface};
@@ -108,7 +108,7 @@ impl<'a> SeenInSpace<'a> {
     }
 
     /// Replaces the height profiles of sides with exact shapes, unless facets are flat by choice.
-    pub fn of_exact(mut self, shapes: [Option<&ExactShape>; 2]) -> Self {
+    pub fn of_exact<H: HeightInSpace>(mut self, shapes: [Option<&H>; 2]) -> Self {
         for ((surface, profiles), shape) in [&self.secondary, &self.primary].into_iter().zip(&mut self.profiles).zip(shapes) {
             let Some(shape) = shape else { continue };
             for (facet, profile) in profiles.iter_mut().enumerate() {
@@ -258,7 +258,7 @@ fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
 }
 
 /// Height profile of a shape over a facet between the points `q`; `None` where the facet does not represent the shape.
-fn exact_profile(shape: &ExactShape, nodes: &[u32], q: &[f64]) -> Option<Profile> {
+fn exact_profile(shape: &impl HeightInSpace, nodes: &[u32], q: &[f64]) -> Option<Profile> {
     let (normal, count) = (faces::normal(nodes, q), nodes.len());
     let height = |x: Vector| shape.height_in_space(x, normal);
     let corners: Vec<f64> = nodes.iter().map(|&node| height(faces::at(node, q))).collect::<Option<_>>()?;
@@ -497,7 +497,6 @@ mod tests {
                     let (faces, q) = cylinder(count, size, is_alternating);
                     let [mean, square, most] = errors(&faces, &q);
                     let segment = (std::f64::consts::FRAC_PI_4 / f64::from(count)).powi(2);
-                    println!("{count} {size}: {mean:.2e} {square:.2e} {most:.2e} of {segment:.2e}");
                     assert!(mean.abs() < 2e-3 * segment && square < 5e-3 * segment && most < 0.02 * segment, "{count} {size}");
                 }
             }

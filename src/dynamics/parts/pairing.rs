@@ -4,7 +4,7 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::bodies::Frame;
 use crate::contact::{
-    ContactKernel, CornersInSpace, CurveContact, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes,
+    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes,
     RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
@@ -40,7 +40,7 @@ pub fn contact_pairs(
     };
     let mut pairs = made.contacts();
     let corners = made.corners(&pairs);
-    let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of).or_else(|| made.between_nodes(of))).collect();
+    let rolling: Vec<ContactPair> = (0..pairs.len()).filter_map(|of| made.rolling(of)).collect();
     pairs.extend(corners);
     pairs.extend(rolling);
     pairs.extend(points);
@@ -249,24 +249,6 @@ impl Pairing<'_> {
             _ => self.pair(&interaction.name, PairKind::Obstacle, body, kernel),
         };
         (pair.motion, pair.turn, pair.corners) = (motion.clone(), turn.clone(), Some(CornersOf { pair: of, slack: 0.0 }));
-        Some(self.held(pair, interaction, false))
-    }
-
-    /// Pair of the curves of a deformable body between its nodes that touch the obstacle of contact `of` in the plane.
-    fn between_nodes(&self, of: usize) -> Option<ContactPair> {
-        let interaction = &self.model.interactions[of];
-        let (on, is_rigid) = (&interaction.secondary, self.model.bodies[interaction.secondary.body].rigid.is_some());
-        let Partner::Obstacle { shape, motion, turn } = &interaction.partner else { return None };
-        let is_curved = self.model.dimension() == 2 && interaction.facet_shape(2) == FacetShape::Curved;
-        let is_taken =
-            matches!(interaction.enforcement, Enforcement::Penalty { .. }) || interaction.equality || self.model.is_axisymmetric();
-        if is_rigid || !is_curved || is_taken {
-            return None;
-        }
-        let kernel = CurveContact::new(&(self.facets)(on), shape, self.reference)?;
-        let mut pair = self.pair(&interaction.name, PairKind::Obstacle, on.body, Box::new(kernel));
-        (pair.motion, pair.turn, pair.corners) = (motion.clone(), turn.clone(), Some(CornersOf { pair: of, slack: 0.0 }));
-        pair.augmentation = Some(tolerances::CORNER_AUGMENTATION);
         Some(self.held(pair, interaction, false))
     }
 

@@ -64,7 +64,7 @@ pub fn facets_parameter() -> Parameter {
         "facets",
         Kind::Choice(&["curved", "straight"]),
         "the geometry between nodes: the curve, or curved surface, through them, or straight lines and flat facets; on obstacles, whether \
-         arcs, spheres and cylinders of a rigid body, in the plane curves of deformable ones, roll as round or node by node",
+         arcs, spheres and cylinders of a rigid body roll as round or node by node",
     )
     .or(Absent::Means("`\"curved\"`, with `node_to_segment()` in the plane `\"straight\"`"))
 }
