@@ -19,6 +19,7 @@ mod combinations;
 #[cfg(test)]
 mod contract;
 mod depth;
+mod exact;
 mod faces;
 mod facet_shape;
 mod felt;
@@ -66,6 +67,7 @@ mod window;
 pub use averaged::{AVERAGED_MORTAR, AveragedMortar};
 pub use checks::{Finding, NamedSurface, check_surfaces, facing_away, looks_away};
 pub use clearance::{Clearance, Nearest};
+pub use exact::ExactShape;
 pub use facet_shape::FacetShape;
 pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
 pub use geared::Geared;

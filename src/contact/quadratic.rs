@@ -26,6 +26,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::combinations::Combinations;
+use super::exact::ExactShape;
 use super::facet_shape::FacetShape;
 use super::kernel::ContactKernel;
 use super::on_curves::OnCurves;
@@ -152,6 +153,17 @@ impl Seen<'_> {
                 let Some((curves, ..)) = &self.on_curves else { return between_nodes };
                 facets.iter().zip(between_nodes).map(|(facet, profile)| curves.profiles.get(facet).copied().unwrap_or(profile)).collect()
             });
+        }
+        self
+    }
+
+    /// Replaces the height profiles of sides with exact shapes.
+    pub fn of_exact(mut self, shapes: [Option<&ExactShape>; 2]) -> Self {
+        let at = |point: u32| [self.reference[2 * point as usize], self.reference[2 * point as usize + 1]];
+        for ((facets, profiles), shape) in [&self.secondary, &self.primary].into_iter().zip(&mut self.profiles).zip(shapes) {
+            for (facet, profile) in facets.iter().zip(profiles) {
+                *profile = shape.and_then(|shape| shape.profile(facet.map(at))).unwrap_or(*profile);
+            }
         }
         self
     }

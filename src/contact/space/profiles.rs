@@ -12,6 +12,7 @@
 //! Spheres and circles are exact solutions. With too few neighbors at a border, `t` and `k` have minimum norm. Along an edge `e` of a facet
 //! with the normal `n` from node `i` to node `j` the angles `sin a = e.(n - n_i)/|e|` and `e.(n_j - n)/|e|` have the mean `a`, at most
 //! twice the smaller one and zero for different signs: an isolated kink is not taken for curvature. At a border one angle stands for both.
+//! Faces of second order have normals of their own at all their nodes, which need no neighbors.
 //! The sagitta `s_e = |e| a (1 + 2 a^2/15 + ..)/4` preserves the area of the circular segment. The height is quadratic over the facet with
 //! the mean `sum_e s_e/3`, and constant in facet coordinates, so that the surface moves with the facet.
 
@@ -162,18 +163,21 @@ struct Facets<'a> {
     smooth: f64,
     /// Surface normals at nodes around which all facets continue smoothly.
     at_nodes: Vec<Option<Vector>>,
+    /// Normals of faces of second order at the corners of their facets; empty for faces of first order.
+    of_faces: &'a [Option<[Vector; 4]>],
 }
 
-/// Height profiles of the facets of a surface between the points `seen`, which represent points of the curve at `truth`.
-pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64]) -> Vec<Profile> {
-    let facets = Facets::new(surface, truth, SMOOTH);
+/// Height profiles of the facets of a surface between the points `seen`, which represent points of the curve at `truth`. `of_faces`:
+/// normals of faces of second order at the corners of their facets, empty for faces of first order.
+pub fn profiles(surface: &Surface, seen: &[f64], truth: &[f64], of_faces: &[Option<[Vector; 4]>]) -> Vec<Profile> {
+    let facets = Facets { of_faces, ..Facets::new(surface, truth, SMOOTH) };
     (0..surface.count()).map(|facet| facets.profile(facet, seen)).collect()
 }
 
 impl<'a> Facets<'a> {
     fn new(surface: &'a Surface, q: &'a [f64], smooth: f64) -> Self {
         let normals: Vec<Vector> = (0..surface.count()).map(|facet| faces::normal(surface.facet(facet), q)).collect();
-        let mut facets = Facets { surface, q, normals, smooth, at_nodes: vec![None; surface.nodes().len()] };
+        let mut facets = Facets { surface, q, normals, smooth, at_nodes: vec![None; surface.nodes().len()], of_faces: &[] };
         let of_node = |node: usize| {
             let around: Vec<usize> = surface.adjacent_facets(node).iter().map(|&facet| facet as usize).collect();
             let is_smooth = |&one: &usize| around.iter().all(|&other| facets.normals[one].dot(&facets.normals[other]) >= smooth);
@@ -198,8 +202,16 @@ impl<'a> Facets<'a> {
         [place + 1, place + nodes.len() - 1].map(|k| faces::at(nodes[k % nodes.len()], self.q) - faces::at(node, self.q))
     }
 
+    /// Normal at corner `k` of a facet of the face of second order to which the facet belongs.
+    fn of_face(&self, facet: usize, k: usize) -> Option<Vector> {
+        self.of_faces.get(facet)?.map(|corners| corners[k])
+    }
+
     /// Surface normal at corner `k` of a facet.
     fn normal(&self, facet: usize, k: usize) -> Vector {
+        if let Some(normal) = self.of_face(facet, k) {
+            return normal;
+        }
         let node = self.surface.local_facet(facet)[k] as usize;
         self.at_nodes[node].unwrap_or_else(|| self.fitted(self.surface.facet(facet)[k], &self.around(facet, k).collect::<Vec<_>>()))
     }
@@ -247,6 +259,9 @@ impl<'a> Facets<'a> {
         let around: Vec<usize> = self.around(facet, k).collect();
         let goes_on = |r: &Vector| r.dot(&way) > ONWARDS * r.norm() * way.norm();
         let sine = || way.dot(&(self.normal(facet, k) - self.normals[facet])) / way.norm();
+        if self.of_face(facet, k).is_some() {
+            return Some(sine().clamp(-1.0, 1.0).asin());
+        }
         self.ring(self.surface.facet(facet)[k], &around).iter().any(goes_on).then(|| sine().clamp(-1.0, 1.0).asin())
     }
 

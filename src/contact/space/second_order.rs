@@ -28,10 +28,11 @@ use super::profiles::{Profile, profiles};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
 use crate::contact::facet_shape::FacetShape;
+use crate::contact::felt::HeightInSpace;
 use crate::contact::kernel::ContactKernel;
 use crate::contact::on_curves::OnCurves;
 use crate::contact::surface::{Sides, Surface};
-use crate::elements::face_points;
+use crate::elements::{CellKind, face_points};
 use crate::math::tolerances;
 use crate::mesh::{flat_pieces, pieces_of};
 
@@ -70,7 +71,7 @@ impl<'a> SeenInSpace<'a> {
         let of = |pieces: &[Vec<u32>]| Surface::in_space(pieces.iter().map(|piece| &piece[..]));
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
-            let profiles = [&secondary, &primary].map(|surface| profiles(surface, reference, reference));
+            let profiles = [&secondary, &primary].map(|surface| profiles(surface, reference, reference, &[]));
             return SeenInSpace {
                 secondary,
                 primary,
@@ -92,7 +93,8 @@ impl<'a> SeenInSpace<'a> {
         let behind = |(face, node): (&Vec<u32>, &u32)| vec![proxies.point_of[node]; proxies.pieces(face).len()];
         let inner = sides[1].iter().zip(inner).flat_map(behind).collect();
         let truth = proxies.nodes(&seen, reference);
-        let profiles = [&secondary, &primary].map(|surface| profiles(surface, &seen, &truth));
+        let normals = sides.map(|faces| faces.iter().flat_map(|face| corner_normals(face, reference)).collect::<Vec<_>>());
+        let profiles = [(&secondary, &normals[0]), (&primary, &normals[1])].map(|(surface, of)| profiles(surface, &seen, &truth, of));
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
         SeenInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, on_faces }
     }
@@ -101,6 +103,17 @@ impl<'a> SeenInSpace<'a> {
     pub fn of_shape(mut self, shape: FacetShape) -> Self {
         if shape == FacetShape::Straight {
             self.profiles.iter_mut().flatten().for_each(|profile| *profile = Profile::default());
+        }
+        self
+    }
+
+    /// Replaces the height profiles of sides with exact shapes, unless facets are flat by choice.
+    pub fn of_exact<H: HeightInSpace>(mut self, shapes: [Option<&H>; 2]) -> Self {
+        for ((surface, profiles), shape) in [&self.secondary, &self.primary].into_iter().zip(&mut self.profiles).zip(shapes) {
+            let Some(shape) = shape else { continue };
+            for (facet, profile) in profiles.iter_mut().enumerate() {
+                *profile = exact_profile(shape, surface.facet(facet), &self.reference).unwrap_or(*profile);
+            }
         }
         self
     }
@@ -215,6 +228,52 @@ struct Proxies {
     faces: Vec<Vec<u32>>,
     /// Integrals over the faces of the shape functions that multiply each edge's offset.
     wanted: Vec<f64>,
+}
+
+/// Normals of a face of second order at the corners of its facets, in the order of [`Proxies::pieces`]; `None` for faces of first order and
+/// where the face has no normal.
+fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
+    let pieces = flat_pieces(if face.len() == 8 { 9 } else { face.len() });
+    if face.len() <= 4 {
+        return vec![None; pieces.len()];
+    }
+    let row = CellKind::of_face(face.len()).row();
+    let center = (face.len() == 8).then_some([0.0; 3]);
+    let normal = |xi: [f64; 3]| {
+        let mut tangents = [Vector::zeros(); 2];
+        for (&node, slopes) in face.iter().zip((row.gradients)(xi)) {
+            (0..2).for_each(|i| tangents[i] += faces::at(node, q) * slopes[i]);
+        }
+        tangents[0].cross(&tangents[1]).try_normalize(0.0)
+    };
+    let normals: Vec<Option<Vector>> = row.node_places.iter().copied().chain(center).map(normal).collect();
+    let of_piece = |piece: &&[usize]| {
+        let mut corners = [Vector::zeros(); 4];
+        for (corner, &node) in corners.iter_mut().zip(*piece) {
+            *corner = normals[node]?;
+        }
+        Some(corners)
+    };
+    pieces.iter().map(of_piece).collect()
+}
+
+/// Height profile of a shape over a facet between the points `q`; `None` where the facet does not represent the shape.
+fn exact_profile(shape: &impl HeightInSpace, nodes: &[u32], q: &[f64]) -> Option<Profile> {
+    let (normal, count) = (faces::normal(nodes, q), nodes.len());
+    let height = |x: Vector| shape.height_in_space(x, normal);
+    let corners: Vec<f64> = nodes.iter().map(|&node| height(faces::at(node, q))).collect::<Option<_>>()?;
+    // Three halves of the mean height over the chord of the curve along a side, by Boole's rule.
+    let sagitta = |k: usize| {
+        let [from, to] = [nodes[k], nodes[(k + 1) % count]].map(|node| faces::at(node, q));
+        let [a, b] = [corners[k], corners[(k + 1) % count]];
+        let inner = [(0.25, 32.0), (0.5, 12.0), (0.75, 32.0)].map(|(s, weight)| height(from.lerp(&to, s)).map(|z| weight * z));
+        let mean = (7.0 * (a + b) + inner.into_iter().sum::<Option<f64>>()?) / 90.0;
+        Some(1.5 * (mean - 0.5 * (a + b)))
+    };
+    let sagittas: Vec<f64> = (0..count).map(sagitta).collect::<Option<_>>()?;
+    let least = tolerances::STRAIGHT * (faces::at(nodes[1], q) - faces::at(nodes[0], q)).norm();
+    let is_flat = corners.iter().chain(&sagittas).all(|height| height.abs() < least);
+    Some(if is_flat { Profile::default() } else { Profile::new(&corners, &sagittas) })
 }
 
 /// Number of corners of a face.
@@ -378,6 +437,69 @@ impl Proxies {
                 point.weight * x.hypot(y).hypot(z) * point.shapes[8]
             };
             center.raised = face_points(9).iter().map(of_point).sum::<f64>() / areas[self.center_of[&center.nodes] as usize];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::space::profiles::{derivatives, value};
+
+    /// Faces of six nodes on a quarter cylinder of radius 1, `count` around and two along, with alternating diagonals.
+    fn cylinder(count: u32, size: f64, is_alternating: bool) -> (Vec<Vec<u32>>, Vec<f64>) {
+        let (across, along) = (2 * count + 1, 5);
+        let angle = |i: u32| std::f64::consts::FRAC_PI_2 * f64::from(i) / f64::from(2 * count);
+        let q =
+            (0..along).flat_map(|j| (0..across).flat_map(move |i| [angle(i).cos(), angle(i).sin(), 0.5 * size * f64::from(j)])).collect();
+        let node = |i: u32, j: u32| across * j + i;
+        let mut faces = Vec::new();
+        for (i, j) in (0..count).flat_map(|i| [0, 1].map(|j| (2 * i, 2 * j))) {
+            let at = |[a, b]: [u32; 2]| node(i + a, j + b);
+            let triangle = |corners: [[u32; 2]; 3]| {
+                let middle = |a: usize, b: usize| std::array::from_fn(|k| (corners[a][k] + corners[b][k]) / 2);
+                [corners[0], corners[1], corners[2], middle(0, 1), middle(1, 2), middle(2, 0)].map(at).to_vec()
+            };
+            if is_alternating && (i / 2 + j / 2) % 2 == 1 {
+                faces.extend([triangle([[0, 0], [2, 0], [0, 2]]), triangle([[2, 0], [2, 2], [0, 2]])]);
+            } else {
+                faces.extend([triangle([[0, 0], [2, 0], [2, 2]]), triangle([[0, 0], [2, 2], [0, 2]])]);
+            }
+        }
+        (faces, q)
+    }
+
+    /// Errors of the curved surface: mean, root mean square, largest.
+    fn errors(faces: &[Vec<u32>], q: &[f64]) -> [f64; 3] {
+        let seen = SeenInSpace::new([faces, &[]], q);
+        let (mut sum, mut square, mut most, mut count) = (0.0, 0.0, 0.0f64, 0.0);
+        for facet in 0..seen.secondary.count() {
+            let nodes = seen.secondary.facet(facet);
+            let normal = faces::normal(nodes, &seen.reference);
+            for l in [[0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8], [0.4, 0.5, 0.1], [0.1, 0.4, 0.5], [0.5, 0.1, 0.4], [1.0 / 3.0; 3]]
+            {
+                let height = value(&derivatives(seen.profiles[0][facet].form(0), &l), &l);
+                let flat: Vector = (0..3).map(|k| faces::at(nodes[k], &seen.reference) * l[k]).sum();
+                let place = flat + normal * height;
+                let off = place.x.hypot(place.y) - 1.0;
+                (sum, square, most, count) = (sum + off, square + off * off, most.max(off.abs()), count + 1.0);
+            }
+        }
+        [sum / count, (square / count).sqrt(), most]
+    }
+
+    /// Closed form: faces of six nodes have the cylinder's shape up to their borders, whatever the diagonals.
+    #[test]
+    fn triangles_of_second_order_follow_cylinders() {
+        for is_alternating in [false, true] {
+            for count in [5, 7, 12] {
+                for size in [0.1, 0.4] {
+                    let (faces, q) = cylinder(count, size, is_alternating);
+                    let [mean, square, most] = errors(&faces, &q);
+                    let segment = (std::f64::consts::FRAC_PI_4 / f64::from(count)).powi(2);
+                    assert!(mean.abs() < 2e-3 * segment && square < 5e-3 * segment && most < 0.02 * segment, "{count} {size}");
+                }
+            }
         }
     }
 }

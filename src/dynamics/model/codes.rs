@@ -40,6 +40,8 @@ impl ModelError {
             ModelError::InvertedCell { .. } => "C0129",
             ModelError::NoRestitution { .. } => "C0136",
             ModelError::OpenEquality { .. } => "C0143",
+            ModelError::NoShape { .. } => "C0147",
+            ModelError::OffShape { .. } => "C0148",
         }
     }
 }

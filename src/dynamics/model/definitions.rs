@@ -419,6 +419,7 @@ impl Model {
             }
         }
         self.interactions.iter().try_for_each(|interaction| self.check_restitution(interaction))?;
+        self.interactions.iter().try_for_each(|interaction| self.check_shapes(interaction))?;
         self.check_joints()?;
         self.check_couplings()?;
         self.check_repeated()

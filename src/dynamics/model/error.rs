@@ -234,6 +234,34 @@ pub enum ModelError {
         /// Secondary `body.boundary` of the contact.
         boundary: String,
     },
+    /// Exact shape that a contact cannot use.
+    #[error("contact \"{contact}\" takes no exact shape: {reason}")]
+    NoShape {
+        /// Name of the contact.
+        contact: String,
+        /// Reason.
+        reason: &'static str,
+        /// Suggested remedy.
+        remedy: &'static str,
+    },
+    /// Node of a boundary that does not lie on the exact shape of the boundary.
+    #[error(
+        "node {node} of \"{boundary}\" at ({}) is {} off the exact shape of contact \"{contact}\"",
+        place.iter().copied().map(three_digits).collect::<Vec<_>>().join(", "),
+        three_digits(*distance)
+    )]
+    OffShape {
+        /// Name of the contact.
+        contact: String,
+        /// Name of the boundary, `body.boundary`.
+        boundary: String,
+        /// Number of the node in its mesh.
+        node: u32,
+        /// Position of the node.
+        place: Vec<f64>,
+        /// Distance of the node from the shape `[length]`.
+        distance: f64,
+    },
     /// Formulation that is incompatible with a body.
     #[error("body \"{body}\": {source}")]
     Formulation {
@@ -365,7 +393,10 @@ impl ModelError {
             ModelError::BreaksSymmetry { .. } => {
                 "keep to motions along the axis, the second direction, and to loads that are even around it".into()
             }
-            ModelError::NoRestitution { remedy, .. } => (*remedy).into(),
+            ModelError::NoRestitution { remedy, .. } | ModelError::NoShape { remedy, .. } => (*remedy).into(),
+            ModelError::OffShape { .. } => {
+                "compare its center, axis and radius with the mesh; all nodes of the side lie on the shape, middles of edges, too".into()
+            }
             ModelError::OpenEquality { .. } => {
                 "let the sides touch at the start wherever they are opposite each other, name only the part of the boundary that touches, \
                  or take a contact that only presses"

@@ -60,7 +60,8 @@ impl Model {
                 found.retain(|finding| !matches!(finding, Finding::FacingAway { .. }));
             }
             add(name, found);
-            if let Partner::Surfaces(primary) = partner {
+            let is_exact = interaction.shapes.iter().any(Option::is_some);
+            if let (false, Partner::Surfaces(primary)) = (is_exact, partner) {
                 add(name, press_fits(secondary, primary, interaction.facet_shape(2)));
             }
             add(name, self.away_from_obstacle(&self.interactions[index]).into_iter().collect());
@@ -113,7 +114,8 @@ impl Model {
                     untied(name, &tied, reach)
                 }
                 Partner::Surfaces(primary) => {
-                    let is_coarse = |on: &BodyBoundary| if is_flat(secondary) && is_flat(on) { coarse(secondary, on) } else { None };
+                    let may_be_coarse = interaction.shapes.iter().all(Option::is_none) && is_flat(secondary);
+                    let is_coarse = |on: &BodyBoundary| if may_be_coarse && is_flat(on) { coarse(secondary, on) } else { None };
                     away(secondary, primary).into_iter().chain(primary.iter().filter_map(is_coarse)).collect()
                 }
                 Partner::Obstacle { .. } => self.away_from_obstacle(interaction).into_iter().collect(),

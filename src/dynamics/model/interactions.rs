@@ -83,6 +83,8 @@ pub struct Interaction {
     pub method: &'static ContactMethod,
     /// Geometry of the facets of both sides; `None`: default of the method ([`Interaction::facet_shape`]).
     pub facets: Option<FacetShape>,
+    /// Exact shapes of the secondary and of the primary side; `None`: the curve, or curved surface, through the nodes.
+    pub shapes: [Option<Obstacle>; 2],
     /// Update rule; `None`: default of the time integrator ([`default_rule`](super::update_rules::default_rule)).
     pub update: Option<&'static UpdateRule>,
     /// Enforcement of the constraints.
@@ -130,6 +132,7 @@ impl Interaction {
             partner,
             method: &MORTAR,
             facets: None,
+            shapes: [None, None],
             update: None,
             enforcement: Enforcement::Multiplier,
             equality: false,
@@ -163,10 +166,10 @@ impl Interaction {
         }
     }
 
-    /// Geometry of the facets of both sides: curved by default; straight for node-to-segment contact in the plane, which rarely has an
-    /// equilibrium between curves at rest.
+    /// Geometry of the facets of both sides: curved by default; straight for node-to-segment contact in the plane without exact shapes,
+    /// which rarely has an equilibrium between curves at rest.
     pub fn facet_shape(&self, dimension: usize) -> FacetShape {
-        let is_straight = self.method.is_nodal && dimension == 2;
+        let is_straight = self.method.is_nodal && dimension == 2 && self.shapes.iter().all(Option::is_none);
         self.facets.unwrap_or(if is_straight { FacetShape::Straight } else { FacetShape::Curved })
     }
 

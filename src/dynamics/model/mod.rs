@@ -24,6 +24,7 @@ pub mod part;
 pub mod prescription;
 pub mod remedy;
 pub mod repeated;
+mod shape_checks;
 pub mod step_error;
 pub mod unpaired;
 pub mod update_rules;

@@ -4,8 +4,8 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::bodies::Frame;
 use crate::contact::{
-    ContactKernel, CornersInSpace, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact, RigidCorners,
-    RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
+    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes,
+    RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -106,7 +106,9 @@ impl Pairing<'_> {
     /// Contact representation of the surfaces of a contact in space; obstacles have none.
     fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
-        SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3))
+        let exact = exact_shapes(interaction);
+        let seen = SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
+        seen.of_exact(exact.each_ref().map(Option::as_ref))
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {
@@ -142,7 +144,9 @@ impl Pairing<'_> {
             Partner::Surfaces(_) | Partner::Itself => {
                 let others = facets_of_all(interaction.primary(), self.facets);
                 let rows = if interaction.method.is_nodal { RowsOf::Nodes } else { RowsOf::Facets };
+                let exact = exact_shapes(interaction);
                 let seen = self.middles.seen([&facets, &others], self.reference, rows).of_shape(interaction.facet_shape(2));
+                let seen = seen.of_exact(exact.each_ref().map(Option::as_ref));
                 let kernel = (interaction.method.kernel)(&seen.secondary, &seen.primary, &seen.reference);
                 self.pair(name, PairKind::Surfaces, secondary.body, seen.on_nodes(kernel))
             }
@@ -291,9 +295,12 @@ impl Pairing<'_> {
                     add(of, PairKind::Obstacle, interaction.secondary.body, slack, seen.on_nodes(Box::new(kernel)));
                 }
             }
-            for (on, against) in cornered(interaction) {
+            let exact = exact_shapes(interaction);
+            for Cornered { on, against, is_primary } in cornered(interaction) {
+                let shapes = if is_primary { [&exact[1], &exact[0]] } else { [&exact[0], &exact[1]] };
                 let [own, others] = [on, against].map(|side| facets_of_all(side, self.facets));
                 let seen = self.middles.seen([&own, &others], self.reference, RowsOf::Nodes).of_shape(interaction.facet_shape(2));
+                let seen = seen.of_exact(shapes.map(Option::as_ref));
                 let sides: [&[[u32; 2]]; 2] = [&seen.secondary, &seen.primary];
                 let is_nodal = pairs[of].kernel.is_nodal();
                 if let Some(kernel) = NodeToSegment::of_corners(sides, &seen.reference, size(of), is_nodal) {
@@ -305,15 +312,27 @@ impl Pairing<'_> {
     }
 }
 
+/// Exact shapes of the secondary and of the primary side.
+fn exact_shapes(interaction: &Interaction) -> [Option<ExactShape>; 2] {
+    interaction.shapes.each_ref().map(|shape| shape.as_ref().and_then(ExactShape::new))
+}
+
+/// Side of a contact whose corners may penetrate the other side.
+struct Cornered<'a> {
+    on: &'a [BodyBoundary],
+    against: &'a [BodyBoundary],
+    is_primary: bool,
+}
+
 /// Sides of a contact between deformable bodies whose corners may penetrate the other side: all but sides with nodal constraints.
-fn cornered(interaction: &Interaction) -> Vec<(&[BodyBoundary], &[BodyBoundary])> {
+fn cornered(interaction: &Interaction) -> Vec<Cornered<'_>> {
     let (secondary, primary) = (std::slice::from_ref(&interaction.secondary), interaction.primary());
     let mut sides = Vec::new();
     if !interaction.method.is_nodal {
-        sides.push((secondary, primary));
+        sides.push(Cornered { on: secondary, against: primary, is_primary: false });
     }
     match interaction.partner {
-        Partner::Surfaces(_) => sides.push((primary, secondary)),
+        Partner::Surfaces(_) => sides.push(Cornered { on: primary, against: secondary, is_primary: true }),
         Partner::Itself => {}
         Partner::Obstacle { .. } | Partner::Tied { .. } => sides.clear(),
     }

@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use rhai::Dynamic;
 
-use crate::contact::{ContactMethod, FacetShape, METHODS, MORTAR};
+use super::obstacles::ObstacleHandle;
+use crate::contact::{ContactMethod, FacetShape, METHODS, MORTAR, Obstacle};
 use crate::dynamics::{Enforcement, UPDATE_RULES, UpdateRule};
 use crate::math::catalogue::Interval;
 use crate::script::language::arguments::{Arguments, Options};
@@ -72,6 +73,39 @@ pub fn facets_parameter() -> Parameter {
 pub fn facets_of(options: &Options) -> Result<Option<FacetShape>, Failure> {
     let shape = |word: String| if word == "straight" { FacetShape::Straight } else { FacetShape::Curved };
     if options.argument("facets").is_given() { options.text("facets").map(shape).map(Some) } else { Ok(None) }
+}
+
+/// The options `secondary_shape` and `primary_shape`.
+pub fn shape_parameters() -> [Parameter; 2] {
+    let secondary = "the exact shape of the secondary side, given as the obstacle with that border: `rigid_disk` or `rigid_ring` for a \
+                     circle, `rigid_plane`, `rigid_sphere`, `rigid_cylinder`, `rigid_cone`, `rigid_torus`; all nodes of the side lie on it";
+    let primary = "the exact shape of the primary side, as `secondary_shape`";
+    [("secondary_shape", secondary), ("primary_shape", primary)].map(|(name, summary)| {
+        Parameter::new(name, Kind::Handle(ObstacleHandle::NAME), summary).or(Absent::Means("the curve through the nodes"))
+    })
+}
+
+/// Exact shapes of both sides named in the options. An obstacle as partner has a shape already.
+pub fn shapes_of(options: &Options, has_obstacle: bool) -> Result<[Option<Obstacle>; 2], Failure> {
+    let mut shapes = [None, None];
+    for (shape, name) in shapes.iter_mut().zip(["secondary_shape", "primary_shape"]) {
+        let argument = options.argument(name);
+        if !argument.is_given() {
+            continue;
+        }
+        if has_obstacle {
+            let failure = argument.fail(format!("{} has no meaning for a rigid obstacle", argument.title()));
+            let failure = failure.cause("contact with an obstacle is at the nodes of the body, and the obstacle is exact");
+            return Err(failure.hint("leave the option out"));
+        }
+        let ObstacleHandle { obstacle, motion, turn } = argument.handle::<ObstacleHandle>()?;
+        if motion.iter().any(Option::is_some) || turn.is_some() {
+            let failure = argument.fail(format!("{} moves", argument.title()));
+            return Err(failure.hint("leave the motion out: the shape belongs to the undeformed body, and moves with it"));
+        }
+        *shape = Some(obstacle);
+    }
+    Ok(shapes)
 }
 
 /// The options `update`, `penalty` and `augmented_lagrange`.

@@ -6,7 +6,7 @@
 use rhai::{Array, Dynamic};
 
 use super::friction::{friction_of, friction_parameter};
-use super::methods::{facets_of, facets_parameter, method_of, method_parameter, rule_parameters, rules_of};
+use super::methods::{facets_of, facets_parameter, method_of, method_parameter, rule_parameters, rules_of, shape_parameters, shapes_of};
 use super::obstacles::ObstacleHandle;
 use crate::dynamics::{BodyBoundary, Interaction, Partner};
 use crate::math::catalogue::Interval;
@@ -29,6 +29,7 @@ pub fn functions() -> Vec<Function> {
 
 fn add_contact() -> Function {
     let [update, penalty, augmented] = rule_parameters();
+    let [secondary_shape, primary_shape] = shape_parameters();
     Function {
         name: "add_contact",
         form: Form::Method(ModelHandle::receiver()),
@@ -51,6 +52,8 @@ fn add_contact() -> Function {
                     ),
                     method_parameter(),
                     facets_parameter(),
+                    secondary_shape,
+                    primary_shape,
                     update,
                     penalty,
                     augmented,
@@ -78,6 +81,7 @@ fn add_contact() -> Function {
             let secondary = secondary_of(call, &options.argument("secondary"), &model)?;
             let partner = partner_of(call, &options.argument("primary"), &model)?;
             let (method, facets) = (method_of(&options)?, facets_of(&options)?);
+            let shapes = shapes_of(&options, matches!(partner, Partner::Obstacle { .. }))?;
             let ((update, enforcement), equality) = (rules_of(&options)?, options.flag("equality")?);
             let has_curves = {
                 let model = &model.0.borrow().model;
@@ -92,7 +96,7 @@ fn add_contact() -> Function {
             }
             let (friction, restitution) = (friction_of(&options)?, options.optional_number("restitution")?);
             let interaction =
-                Interaction { name, secondary, partner, method, facets, update, enforcement, equality, friction, restitution };
+                Interaction { name, secondary, partner, method, facets, shapes, update, enforcement, equality, friction, restitution };
             add(call, &model, interaction)?;
             Ok(Dynamic::UNIT)
         }),

@@ -101,7 +101,11 @@ fn describe_contacts(model: &Model) -> impl Iterator<Item = String> {
             }
             Partner::Tied { to, .. } => format!("  tie \"{name}\": secondary {secondary}, primary {}", named(to)),
         };
-        let facets = if interaction.facets == Some(FacetShape::Straight) { ", with straight facets" } else { "" };
+        let facets = match (&interaction.facets, &interaction.shapes) {
+            (Some(FacetShape::Straight), _) => ", with straight facets",
+            (_, [None, None]) => "",
+            _ => ", with exact shapes",
+        };
         let friction = if friction.is_some() { ", with friction" } else { "" };
         let restitution = restitution.map_or_else(String::new, |restitution| format!(", restitution {}", number_text(restitution)));
         format!("{line}{facets}{friction}{restitution}")
