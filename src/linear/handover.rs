@@ -1,12 +1,10 @@
 //! Iterative solver in front of the direct one, which takes over where the iteration fails.
 
-use serde::{Deserialize, Serialize};
-
 use super::error::LinearError;
 use super::factorization::{Factorization, Work};
 use super::iterative::{Iterative, Refusal};
 use super::pattern::Pattern;
-use super::solver::{LinearSolver, SolverMemory};
+use super::solver::{LinearSolver, SolverMemory, TakenOver};
 use super::watch::Watch;
 use crate::math::workers::Workers;
 
@@ -39,15 +37,6 @@ pub const ITERATED: usize = 100_000;
 
 /// Number of matrices without convergence after which the iteration is no longer tried.
 const PATIENCE: u32 = 3;
-
-/// Matrices that the direct solver had to take over.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TakenOver {
-    /// Matrices for which the iteration did not converge.
-    pub unconverged: u32,
-    /// True if matrices have unknowns without a preconditioner, such as those of rigid bodies.
-    pub is_unsuited: bool,
-}
 
 /// Iterative solver with the direct one behind.
 pub struct Handover {

@@ -44,9 +44,9 @@ mod watch;
 
 pub use error::LinearError;
 pub use factorization::{Factorization, Work};
-pub use handover::{ITERATED, SolverChoice, TakenOver, solver_of};
+pub use handover::{ITERATED, SolverChoice, solver_of};
 pub use lanczos::{Lanczos, Operator, Ritz, product};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern, Role, Vertex};
-pub use solver::{LinearSolver, SolverMemory};
+pub use solver::{LinearSolver, SolverMemory, TakenOver};
 pub use watch::Watch;

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use super::elimination_order::{Account, EliminationOrder};
 use super::error::LinearError;
 use super::factorization::{Factorization, Work};
-use super::handover::TakenOver;
 use super::pattern::Pattern;
 use super::watch::Watch;
 
@@ -19,6 +18,15 @@ pub struct SolverMemory {
     pub(super) account: Account,
     /// Matrices that the direct solver took over from the iterative one.
     pub(super) taken_over: TakenOver,
+}
+
+/// Matrices that the direct solver had to take over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TakenOver {
+    /// Matrices for which the iteration did not converge.
+    pub unconverged: u32,
+    /// True if matrices have unknowns without a preconditioner, such as those of rigid bodies.
+    pub is_unsuited: bool,
 }
 
 /// Number of substitutions of the direct solver that are tried before a factorization.

@@ -200,7 +200,8 @@ fn galerkin<const N: usize, const M: usize>(
     in_parts(coarse, COARSE_ROWS, workers, |rows, part| {
         // Place of a fine node, and of a coarse one, in the row at hand.
         let (mut fine_place, mut coarse_place) = (vec![NONE; fine], vec![NONE; coarse]);
-        let (mut half, mut sums): (Vec<(u32, Block<M, N>)>, Vec<(u32, Block<M, M>)>) = (Vec::new(), Vec::new());
+        let mut half: Vec<(u32, Block<M, N>)> = Vec::new();
+        let mut sums: Vec<(u32, Block<M, M>)> = Vec::new();
         for row in rows {
             half.clear();
             sums.clear();

@@ -8,7 +8,7 @@ pub(super) const RESTART: usize = 50;
 /// Length of the parts of a sum.
 const PART: usize = 8192;
 
-/// What an iteration needs: products with the matrix, and the preconditioner.
+/// Linear system of an iteration: products with the matrix, and the preconditioner.
 pub(super) trait System {
     /// `y := A x`.
     fn multiply(&mut self, x: &[f64], y: &mut [f64]);

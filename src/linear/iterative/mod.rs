@@ -121,7 +121,7 @@ impl Iterative {
             let residual = largest(r.iter().copied());
             let error = residual / (solution + size);
             if error <= tolerances::LINEAR_REFINED && residual <= tolerances::LINEAR_UNSOLVED * size {
-                right.iter_mut().zip(x.iter().zip(&*system.scale)).for_each(|(right, (x, scale))| *right = x * scale);
+                right.iter_mut().zip(x.iter().zip(system.scale)).for_each(|(right, (x, scale))| *right = x * scale);
                 return Ok(error);
             }
             let is_slow = count == RESTART && residual > SLOW * last || count == 0;

@@ -175,7 +175,6 @@ fn solutions_are_those_of_the_direct_solver() {
         let (count, x) = iterated(&model, 1);
         let off = difference(&model, &x);
         assert!(off < 1e-10, "{counts:?}, {poisson}, {blocks} blocks: off by {off:.1e}");
-        println!("{counts:?}, {poisson}, {blocks} blocks, {is_standard}: {count} iterations");
         assert!(count <= most, "{counts:?}, {poisson}, {blocks} blocks: {count} iterations");
     }
 }
