@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use conserva::output::Dimension;
 use conserva::script::{
-    Absent, Dimension, Entry, Explanation, Form, Function, Kind, PAGES, Parameter, Reference, Session, Settings, Silent, explanations,
+    Absent, Entry, Explanation, Form, Function, Kind, PAGES, Parameter, Reference, Session, Settings, Silent, explanations,
 };
 
 fn session() -> Session {

@@ -224,9 +224,10 @@ fn run_folder(path: &Path) -> Result<Facts, Box<Diagnostic>> {
 
 /// Describes a summary by the entries for users.
 fn summary_facts(summary: Option<&Value>) -> Facts {
-    const SHOWN: [&str; 16] = [
+    const SHOWN: [&str; 17] = [
         "script",
         "parameters",
+        "units",
         "version",
         "outcome",
         "bodies",

@@ -234,7 +234,7 @@ impl Observer for JsonLog {
     fn advanced(&self, progress: &Progress) {
         self.console.advanced(progress);
         let mut keys = vec![("simulation", progress.model.into())];
-        keys.extend(LedgerRow::columns(progress.dimension).into_iter().map(|name| (name, column(progress.row, name))));
+        keys.extend(LedgerRow::columns(progress.dimension).into_iter().map(|of| (of.name, column(progress.row, of.name))));
         self.tell("step", &keys);
     }
 

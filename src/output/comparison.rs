@@ -5,7 +5,7 @@
 //! the components of one force, of one momentum, and so on: a component that should be zero consists of round-off. Wall-clock times and
 //! memory are not compared.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde::Serialize;
@@ -18,6 +18,8 @@ use super::reading::frames::read_frames;
 use super::reading::table::read_table;
 use super::summary::{COMPLETED, NOT_CONSERVING};
 use super::table::{Column, Table};
+use super::units::{Scale, Unit, read_units};
+use crate::math::tolerances::SAME_MOMENT;
 
 /// Tolerance of a comparison, and the columns and fields that are left out.
 #[derive(Clone, Debug, Default)]
@@ -198,10 +200,24 @@ fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<C
     let [first, second] = runs.each_ref().map(RunFolder::outcome);
     let unfinished = Some(first).filter(|first| *first == second && first != COMPLETED && first != NOT_CONSERVING);
     let mut found = Comparison { entries: entries(runs, exactness), unfinished, ..Comparison::default() };
+    let units = [read_units(&runs[0].path)?, read_units(&runs[1].path)?];
+    let declared = units.each_ref().map(|units| units.as_ref().map_or(Value::Null, |units| units.declared.join(", ").into()));
+    let clock = match &units {
+        [Some(first), Some(second)] => ratio(second.units.get("time"), first.units.get("time")),
+        _ => None,
+    };
+    if let [first, second] = declared
+        && first != second
+    {
+        found.entries.push(EntryDifference { name: "units".into(), first, second, counts: false });
+    }
     let histories = [0, 1].map(|run| runs[run].file("history.csv"));
     if let [Some(first), Some(second)] = &histories {
-        let tables = [read_table(first)?.table, read_table(second)?.table];
-        compare_tables(&tables, exactness, &mut found);
+        let mut tables = [read_table(first)?.table, read_table(second)?.table];
+        if let [Some(to), Some(from)] = &units {
+            convert(&mut tables[1], &from.columns, &to.columns);
+        }
+        compare_tables(&tables, clock.is_some(), exactness, &mut found);
         if found.rows[2] == 0 && found.rows[..2].iter().all(|&rows| rows > 0) {
             let hint = "give runs of the same model over the same time";
             return Err(ReadError::new(second, format!("has no time in common with \"{}\"", first.display()), hint));
@@ -212,12 +228,28 @@ fn compare_simulations(runs: &[RunFolder; 2], exactness: &Exactness) -> Result<C
     for name in SERIES {
         let series = [0, 1].map(|run| runs[run].file(name));
         if let [Some(first), Some(second)] = &series {
-            compare_frames(name, [first, second], exactness, &mut found)?;
+            compare_frames(name, [first, second], clock, exactness, &mut found)?;
         } else if let Some(lacking) = lacking(&series) {
             found.missing.push(format!("the {lacking} run has no {name}"));
         }
     }
     Ok(found)
+}
+
+/// Size of a unit relative to another one; `None` of equal units, and where one is not known.
+fn ratio(from: Option<&String>, to: Option<&String>) -> Option<Scale> {
+    let [from, to] = [from.filter(|from| to != Some(from))?, to?].map(|unit| Unit::parse(unit).ok());
+    let (from, to) = (from?, to?);
+    (from.dimension == to.dimension).then(|| from.scale.times(to.scale, -1))
+}
+
+/// Converts the columns of a table from units to others.
+fn convert(table: &mut Table, from: &BTreeMap<String, String>, to: &BTreeMap<String, String>) {
+    for column in &mut table.columns {
+        if let Some(scale) = ratio(from.get(&column.name), to.get(&column.name)) {
+            column.values.iter_mut().flatten().for_each(|value| *value = scale.of(*value));
+        }
+    }
 }
 
 /// Returns the name of the run that lacks data of the other.
@@ -256,11 +288,15 @@ fn entries(runs: &[RunFolder; 2], exactness: &Exactness) -> Vec<EntryDifference>
     different
 }
 
-/// Returns pairs of rows with equal times, in ascending order.
-fn common_rows(times: [&[Option<f64>]; 2]) -> Vec<[usize; 2]> {
+/// Returns pairs of rows with equal times, up to round-off where they were converted, in ascending order.
+fn common_rows(times: [&[Option<f64>]; 2], is_converted: bool) -> Vec<[usize; 2]> {
+    let is_same = |a: &Option<f64>, b: &Option<f64>| match (a, b) {
+        (Some(a), Some(b)) => is_converted && (a - b).abs() <= SAME_MOMENT * a.abs(),
+        _ => false,
+    };
     let (mut common, mut i, mut j) = (Vec::new(), 0, 0);
     while let (Some(a), Some(b)) = (times[0].get(i), times[1].get(j)) {
-        match a.partial_cmp(b) {
+        match a.partial_cmp(b).filter(|_| !is_same(a, b)) {
             Some(std::cmp::Ordering::Less) => i += 1,
             Some(std::cmp::Ordering::Greater) => j += 1,
             _ => {
@@ -272,10 +308,10 @@ fn common_rows(times: [&[Option<f64>]; 2]) -> Vec<[usize; 2]> {
     common
 }
 
-fn compare_tables(tables: &[Table; 2], exactness: &Exactness, found: &mut Comparison) {
+fn compare_tables(tables: &[Table; 2], is_converted: bool, exactness: &Exactness, found: &mut Comparison) {
     let empty = Vec::new();
     let times = [0, 1].map(|run| tables[run].column("time").map_or(empty.as_slice(), |column| column.values.as_slice()));
-    let rows = common_rows(times);
+    let rows = common_rows(times, is_converted);
     found.rows = [tables[0].rows(), tables[1].rows(), rows.len()];
     for run in 0..2 {
         let lacking = tables[1 - run].columns.iter().filter(|column| tables[run].column(&column.name).is_none());
@@ -373,10 +409,19 @@ impl Difference {
     }
 }
 
-fn compare_frames(series: &'static str, lists: [&Path; 2], exactness: &Exactness, found: &mut Comparison) -> Result<(), ReadError> {
-    let lists = [read_frames(lists[0])?, read_frames(lists[1])?];
+fn compare_frames(
+    series: &'static str,
+    lists: [&Path; 2],
+    clock: Option<Scale>,
+    exactness: &Exactness,
+    found: &mut Comparison,
+) -> Result<(), ReadError> {
+    let mut lists = [read_frames(lists[0])?, read_frames(lists[1])?];
+    if let Some(clock) = clock {
+        lists[1].iter_mut().for_each(|frame| frame.time = clock.of(frame.time));
+    }
     let times = lists.each_ref().map(|list| list.iter().map(|frame| Some(frame.time)).collect::<Vec<_>>());
-    let common = common_rows([&times[0], &times[1]]);
+    let common = common_rows([&times[0], &times[1]], clock.is_some());
     let [first, second] = lists.each_ref().map(Vec::len);
     if first != second || common.len() < first {
         found.missing.push(format!("{series}: {first} | {second} frames, of which {} have the same time", common.len()));
@@ -416,7 +461,8 @@ fn compare_frames(series: &'static str, lists: [&Path; 2], exactness: &Exactness
 }
 
 fn compare_arrays(first: &ArrayRead, second: &ArrayRead, tolerance: f64) -> Option<FieldDifference> {
-    let both = || (0..first.numbers.len()).map(|index| [first.numbers.at(index), second.numbers.at(index)]);
+    let unit = ratio(Some(&second.unit), Some(&first.unit)).unwrap_or(Scale::ONE);
+    let both = || (0..first.numbers.len()).map(|index| [first.numbers.at(index), unit.of(second.numbers.at(index))]);
     let scale = both().flatten().filter(|value| value.is_finite()).fold(0.0, |most: f64, value| most.max(value.abs()));
     let mut difference = Difference::new(if matches!(first.section, Section::Cells) { 0.0 } else { tolerance }, scale);
     let (mut places, mut last) = (0, None);

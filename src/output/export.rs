@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use super::blocks::{part, vtm};
 use super::files::{OutputError, RunFiles};
 use super::node_table::node_table;
-use super::parquet::parquet;
+use super::parquet::parquet_in_units;
 use super::pvd::pvd;
 use super::reading::error::ReadError;
 use super::reading::fields::{FieldsRead, read_fields};
 use super::reading::folder::RunFolder;
 use super::reading::frames::{ListedFrame, read_frames};
 use super::reading::table::read_table;
+use super::units::read_units;
 use super::vtu_text::vtu_text;
 use super::xdmf::{grid, hdf5, xdmf};
 
@@ -79,7 +80,8 @@ fn export_simulation(run: &RunFolder, format: ExportFormat, into: &Path) -> Resu
         let Some(history) = run.file("history.csv") else { return Ok(Vec::new()) };
         let table = read_table(&history)?.table;
         let refused = |what: String| ReadError::new(&history, format!("cannot be written as Parquet: {what}"), "name no column twice");
-        let bytes = parquet(&table).map_err(refused)?;
+        let units = read_units(&run.path)?.map(|units| units.columns).unwrap_or_default();
+        let bytes = parquet_in_units(&table, &units).map_err(refused)?;
         RunFiles::create(into)?.write("history.parquet", bytes)?;
         return Ok(vec!["history.parquet".into()]);
     }

@@ -14,12 +14,12 @@ use crc32fast::Hasher;
 use super::csv_text::line;
 use super::files::{OutputError, RunFiles, Stream};
 use super::table::is_count;
-use crate::dynamics::{LedgerRow, Rows};
+use crate::dynamics::{LedgerRow, Quantity, Rows};
 use crate::machine::files;
 
 /// Returns the header for a space dimension, with further columns at its end.
 fn header(dimension: usize, extra: &[String]) -> Vec<u8> {
-    let names = LedgerRow::columns(dimension);
+    let names = Quantity::names(&LedgerRow::columns(dimension));
     line(&names.into_iter().map(String::from).chain(extra.iter().cloned()).collect::<Vec<_>>())
 }
 
@@ -27,7 +27,7 @@ fn header(dimension: usize, extra: &[String]) -> Vec<u8> {
 fn record(dimension: usize, row: &LedgerRow, extra: &[f64], extra_columns: usize) -> Vec<u8> {
     // Numbers need no quotes, so a row is written directly, without a string for each field.
     let mut text = String::with_capacity(20 * (20 + extra_columns));
-    let own = LedgerRow::columns(dimension).into_iter().map(|name| (row.column(name), is_count(name)));
+    let own = Quantity::names(&LedgerRow::columns(dimension)).into_iter().map(|name| (row.column(name), is_count(name)));
     let further = (0..extra_columns).map(|index| (extra.get(index).copied().filter(|value| !value.is_nan()), false));
     for (value, is_count) in own.chain(further) {
         // Writing to memory does not fail.

@@ -43,6 +43,7 @@ mod run_lock;
 mod study_page;
 mod summary;
 mod table;
+mod units;
 mod vtu;
 #[cfg(feature = "formats")]
 mod vtu_text;
@@ -69,7 +70,7 @@ pub use markup::escaped;
 pub use movie::{MovieFormat, movie};
 pub use obstacles::Surroundings;
 #[cfg(feature = "formats")]
-pub use parquet::{Field as TableField, parquet, parquet_of};
+pub use parquet::{Field as TableField, parquet, parquet_in_units, parquet_of};
 pub use picture::{
     Component, CutPlane, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, picture_of_boundaries, sight,
 };
@@ -94,5 +95,8 @@ pub use summary::{
     COMPLETED, Drifts, EnergyChange, FindingRecord, Inertia, KEYS, NOT_CONSERVING, SUMMARY, Summary, WallSeconds, drifts, peak_memory_bytes,
 };
 pub use table::{Column, Table, TextColumn, is_count};
+pub use units::{
+    Dimension, ListedUnits, ModelUnits, SETS, Scale, UNITS_FILE, Unit, UnitError, UnitSet, UnitSetError, pretty as pretty_unit, read_units,
+};
 pub use vtu::{Frame, Grid};
 pub use writer::FieldWriter;

@@ -4,6 +4,7 @@
 //! dictionary pages without compression, since digits of a simulation hardly compress. Nothing depends on the clock, so equal tables give
 //! equal bytes. (Apache Parquet format 2, crate `parquet` without Arrow.)
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::Arc;
 
@@ -11,6 +12,7 @@ use parquet::basic::{LogicalType, Repetition, Type as PhysicalType};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
 use parquet::errors::{ParquetError, Result};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
@@ -52,7 +54,15 @@ impl Field<'_> {
 /// # Errors
 /// The format refuses the table; the text gives the reason. No table of numbers with columns of different names is known to be refused.
 pub fn parquet(table: &Table) -> std::result::Result<Vec<u8>, String> {
-    parquet_of(&table.columns.iter().map(Field::Numbers).collect::<Vec<_>>())
+    parquet_in_units(table, &BTreeMap::new())
+}
+
+/// Encodes a table with the units of its columns, which stand as a JSON object under the key `units` of the file's metadata.
+///
+/// # Errors
+/// As [`parquet()`].
+pub fn parquet_in_units(table: &Table, units: &BTreeMap<String, String>) -> std::result::Result<Vec<u8>, String> {
+    encoded(&table.columns.iter().map(Field::Numbers).collect::<Vec<_>>(), units)
 }
 
 /// Encodes columns of equal length.
@@ -60,17 +70,24 @@ pub fn parquet(table: &Table) -> std::result::Result<Vec<u8>, String> {
 /// # Errors
 /// As [`parquet()`].
 pub fn parquet_of(fields: &[Field]) -> std::result::Result<Vec<u8>, String> {
+    encoded(fields, &BTreeMap::new())
+}
+
+fn encoded(fields: &[Field], units: &BTreeMap<String, String>) -> std::result::Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    match write(fields, &mut bytes) {
+    match write(fields, units, &mut bytes) {
         Ok(()) => Ok(bytes),
         Err(error) => Err(error.to_string()),
     }
 }
 
-fn write(columns: &[Field], bytes: &mut Vec<u8>) -> Result<()> {
+fn write(columns: &[Field], units: &BTreeMap<String, String>, bytes: &mut Vec<u8>) -> Result<()> {
     let fields = columns.iter().map(|column| column.kind().map(Arc::new)).collect::<Result<Vec<_>>>()?;
     let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
-    let properties = WriterProperties::builder().set_created_by(concat!("conserva ", env!("CARGO_PKG_VERSION")).into()).build();
+    let named = (!units.is_empty()).then(|| serde_json::to_string(units).ok()).flatten();
+    let named = named.map(|units| vec![KeyValue::new("units".into(), units)]);
+    let properties = WriterProperties::builder().set_created_by(concat!("conserva ", env!("CARGO_PKG_VERSION")).into());
+    let properties = properties.set_key_value_metadata(named).build();
     let mut writer = SerializedFileWriter::new(bytes, schema, Arc::new(properties))?;
     for start in (0..columns.first().map_or(0, Field::rows)).step_by(GROUP) {
         write_group(columns, start, &mut writer)?;

@@ -30,6 +30,9 @@ pub struct Summary {
     pub results: Vec<(String, serde_json::Value)>,
     /// Version of the program.
     pub version: String,
+    /// Units of mass, length, time, force, stress and energy; `None` where the script declares none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<BTreeMap<&'static str, String>>,
     /// Number of bodies.
     pub bodies: usize,
     /// Number of free displacement components.
@@ -76,6 +79,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("parameters", "the values of `param(...)` by name"),
     ("results", "what the script yields with `result(...)` by name; numbers that are not finite are the texts `NaN`, `inf` and `-inf`"),
     ("version", "the version of the program"),
+    ("units", "an object: the units of mass, length, time, force, stress and energy, where the script has declared them"),
     ("bodies", "the number of bodies"),
     ("unknowns", "the number of free displacement components"),
     ("steps", "the number of accepted steps"),
@@ -374,6 +378,7 @@ mod tests {
             parameters: [("dt".into(), 0.005.into()), ("held".into(), true.into())].into(),
             wall_seconds: WallSeconds::new(Duration::from_secs(1), &phases, Duration::from_millis(125), Duration::ZERO),
             outcome: "completed".into(),
+            units: Some([("mass", "kg".to_string())].into()),
             ..Summary::default()
         };
         summary.judge(&drifts);
@@ -402,6 +407,9 @@ mod tests {
           },
           "results": {},
           "version": "",
+          "units": {
+            "mass": "kg"
+          },
           "bodies": 0,
           "unknowns": 0,
           "steps": 400,

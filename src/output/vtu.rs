@@ -19,10 +19,12 @@ use std::sync::{Arc, OnceLock};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use super::markup::comment;
+use super::markup::{comment, escaped};
 use super::obstacle_surfaces::ObstacleSurface;
 use super::obstacles::{Surroundings, Wall};
-use crate::dynamics::{BodyFields, ContactFields, ContactSurface, PlacedObstacle, principal};
+use super::reading::tags::UNITS_LABEL;
+use super::units::ModelUnits;
+use crate::dynamics::{BodyFields, ContactFields, ContactSurface, PlacedObstacle, field_dimension, principal};
 use crate::elements::CellKind;
 
 /// VTK's number of a line with two nodes.
@@ -54,6 +56,17 @@ pub(super) fn component_names(array: &str) -> String {
         _ => &[],
     };
     names.iter().enumerate().map(|(k, name)| format!(" ComponentName{k}=\"{name}\"")).collect()
+}
+
+/// Name of the array of positions.
+const POINTS: &str = "Points";
+
+/// Tag of an array's unit, as VTK writes its key `vtkDataArray::UNITS_LABEL`; empty without a unit.
+pub(super) fn unit_tag(unit: &str) -> String {
+    if unit.is_empty() {
+        return String::new();
+    }
+    format!("<InformationKey name=\"{UNITS_LABEL}\" location=\"vtkDataArray\">{}</InformationKey>", escaped(unit))
 }
 
 /// A named array of the file.
@@ -123,7 +136,7 @@ impl Grid {
             names: bodies.iter().map(|body| body.name.clone()).collect(),
             points,
             cells: bodies.iter().map(|body| body.mesh.cell_count()).sum(),
-            position: Array::doubles("Points", points, bodies.iter().flat_map(|body| body.mesh.points.iter().copied())),
+            position: Array::doubles(POINTS, points, bodies.iter().flat_map(|body| body.mesh.points.iter().copied())),
             topology: vec![
                 Array::integers("connectivity", connectivity),
                 Array::integers("offsets", offsets),
@@ -159,7 +172,7 @@ impl Grid {
             names,
             points: position.len(),
             cells: types.len(),
-            position: Array::doubles("Points", position.len(), position.into_iter()),
+            position: Array::doubles(POINTS, position.len(), position.into_iter()),
             topology: vec![
                 Array::integers("connectivity", connectivity.into_iter()),
                 Array::integers("offsets", offsets.into_iter()),
@@ -178,6 +191,8 @@ pub struct Frame {
     /// Names of the default scalars, vectors and tensors, for readers that show only one of each.
     shown: &'static str,
     nodal: Vec<Array>,
+    /// Units of the values; `None` where none are declared.
+    units: Option<Arc<ModelUnits>>,
 }
 
 impl Frame {
@@ -200,7 +215,7 @@ impl Frame {
         let surfaces: Vec<ObstacleSurface> = obstacles.iter().filter_map(surface).collect();
         let parts = surfaces.iter().map(|surface| (&*surface.name, &*surface.points, &*surface.facets));
         let grid = Grid::of_surfaces("obstacle", parts);
-        Frame { time, grid: Arc::new(grid), shown: "", nodal: Vec::new() }
+        Frame { time, grid: Arc::new(grid), shown: "", nodal: Vec::new(), units: None }
     }
 
     /// Returns a frame of the secondary surfaces of contacts.
@@ -231,7 +246,7 @@ impl Frame {
             Array::integers("body", nodes().map(|&(body, _)| body as i64)),
             Array::integers("node", nodes().map(|&(_, node)| node as i64)),
         ];
-        Frame { time, grid: Arc::new(grid), shown: " Scalars=\"contact_pressure\" Vectors=\"displacement\"", nodal }
+        Frame { time, grid: Arc::new(grid), shown: " Scalars=\"contact_pressure\" Vectors=\"displacement\"", nodal, units: None }
     }
 
     /// Copies the data for the file, except those in the grid of the bodies.
@@ -263,7 +278,19 @@ impl Frame {
             scalars("contact_state", |body| &body.contact_state),
         ];
         nodal.extend(flow.into_iter().filter(|_| bodies.iter().any(|body| body.flows)));
-        Frame { time, grid, shown: " Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", nodal }
+        Frame { time, grid, shown: " Scalars=\"von_mises\" Vectors=\"displacement\" Tensors=\"stress\"", nodal, units: None }
+    }
+
+    /// The frame with the units of its values.
+    pub fn in_units(self, units: Option<Arc<ModelUnits>>) -> Self {
+        Frame { units, ..self }
+    }
+
+    /// Tags of the unit of an array.
+    fn unit_tag(&self, name: &str) -> String {
+        let dimension = if name == POINTS { "length" } else { field_dimension(name) };
+        let unit = self.units.as_ref().map_or(String::new(), |units| units.unit(dimension));
+        unit_tag(&unit)
     }
 
     /// Time of the frame.
@@ -286,8 +313,9 @@ impl Frame {
                 let mut count = if *components > 1 { format!(" NumberOfComponents=\"{components}\"") } else { String::new() };
                 count.push_str(&component_names(name));
                 let offset = blob.len();
-                let _ =
-                    writeln!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count} format=\"appended\" offset=\"{offset}\"/>");
+                let _ = write!(text, "        <DataArray type=\"{scalar}\" Name=\"{name}\"{count} format=\"appended\" offset=\"{offset}\"");
+                let unit = self.unit_tag(name);
+                let _ = if unit.is_empty() { writeln!(text, "/>") } else { writeln!(text, ">{unit}</DataArray>") };
                 blob.extend_from_slice(array.packed());
             }
             let _ = writeln!(text, "      </{tag_name}>");

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use super::markup::comment;
 use super::reading::fields::{ArrayRead, FieldsRead, Numbers, Section};
-use super::vtu::component_names;
+use super::vtu::{component_names, unit_tag};
 
 /// Values per line of an array with one component.
 const PER_LINE: usize = 12;
@@ -37,7 +37,7 @@ pub fn vtu_text(frame: &FieldsRead) -> String {
 }
 
 fn put(text: &mut String, array: &ArrayRead) {
-    let ArrayRead { name, components, numbers, .. } = array;
+    let ArrayRead { name, components, numbers, unit, .. } = array;
     let scalar = match numbers {
         Numbers::Reals(_) => "Float64",
         Numbers::Integers(_) if name == "types" => "UInt8",
@@ -57,7 +57,8 @@ fn put(text: &mut String, array: &ArrayRead) {
         }
         text.push('\n');
     }
-    text.push_str("        </DataArray>\n");
+    let unit = unit_tag(unit);
+    let _ = if unit.is_empty() { writeln!(text, "        </DataArray>") } else { writeln!(text, "          {unit}\n        </DataArray>") };
 }
 
 #[cfg(test)]

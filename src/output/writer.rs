@@ -12,6 +12,7 @@ use std::thread::{Builder, JoinHandle};
 
 use super::files::OutputError;
 use super::pvd::FieldSeries;
+use super::units::ModelUnits;
 use super::vtu::{Frame, Grid};
 use crate::dynamics::BodyFields;
 
@@ -30,6 +31,8 @@ pub struct FieldWriter {
     series: Option<FieldSeries>,
     thread: Option<Thread>,
     grid: Option<Arc<Grid>>,
+    /// Units of the values; `None` where none are declared.
+    units: Option<Arc<ModelUnits>>,
     /// Time of the last frame that was handed over or, after an error, written, and its row of the history.
     last: Option<(f64, usize)>,
     /// True if an error of the operating system has not been reported yet.
@@ -39,7 +42,13 @@ pub struct FieldWriter {
 impl FieldWriter {
     /// Returns a writer of a series.
     pub fn new(series: FieldSeries) -> Self {
-        FieldWriter { last: series.last(), series: Some(series), thread: None, grid: None, refused: Arc::default() }
+        FieldWriter { last: series.last(), series: Some(series), thread: None, grid: None, units: None, refused: Arc::default() }
+    }
+
+    /// The writer with the units of the values.
+    pub fn in_units(mut self, units: Option<Arc<ModelUnits>>) -> Self {
+        self.units = units;
+        self
     }
 
     /// Time of the last frame, and its row of the history.
@@ -57,7 +66,7 @@ impl FieldWriter {
     pub fn append(&mut self, time: f64, row: usize, bodies: &[BodyFields]) -> Result<(), OutputError> {
         self.check()?;
         let grid = self.grid.get_or_insert_with(|| Arc::new(Grid::new(bodies)));
-        let frame = Frame::on(grid.clone(), time, bodies);
+        let frame = Frame::on(grid.clone(), time, bodies).in_units(self.units.clone());
         if let Some(series) = self.series.take() {
             match start(series, self.refused.clone()) {
                 Ok(thread) => self.thread = Some(thread),

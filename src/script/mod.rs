@@ -8,7 +8,6 @@ mod api;
 mod language;
 mod session;
 
-pub use api::units::Dimension;
 pub use language::diagnostics::{Diagnostic, Frame, Ink, Severity};
 pub use language::failure::Class;
 pub use language::function::{Form, Function, Topic};

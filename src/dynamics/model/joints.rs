@@ -1,6 +1,7 @@
 //! Exact joints between bodies, rigid or not, and to the ground.
 
 use super::amplitude::Amplitude;
+use super::quantity::Quantity;
 use crate::math::norms::length;
 use crate::math::tolerances::{EQUAL, SMALL_TIME, TIME_DIFFERENCE};
 
@@ -62,6 +63,11 @@ impl Coordinate {
             Coordinate::Travel => "travel",
             Coordinate::Distance => "distance",
         }
+    }
+
+    /// Name and dimension of the coordinate.
+    pub fn quantity(self) -> Quantity {
+        Quantity::new(self.name(), if self == Coordinate::Angle { "rad" } else { "length" })
     }
 
     /// Power of length in the dimension of the coordinate: 0 for an angle.

@@ -22,6 +22,7 @@ pub mod locking;
 pub mod overlaps;
 pub mod part;
 pub mod prescription;
+pub mod quantity;
 pub mod remedy;
 pub mod repeated;
 mod shape_checks;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::amplitude::Amplitude;
 use super::error::ModelError;
+use super::quantity::Quantity;
 use super::step_error::StepError;
 use crate::bodies::Inverted;
 use crate::integrators::Derivative;
@@ -243,8 +244,8 @@ pub trait PartDefinition: Send + Sync {
     /// Indices of the bodies that the part connects.
     fn bodies(&self) -> Vec<usize>;
 
-    /// Names of the values for the history: columns `name.reading`.
-    fn readings(&self) -> &'static [&'static str] {
+    /// Values for the history: columns `name.reading`, with their dimensions.
+    fn readings(&self) -> &'static [Quantity] {
         &[]
     }
 

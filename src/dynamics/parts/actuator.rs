@@ -7,6 +7,7 @@ use super::line::{Line, LineDefinition, LineElement};
 use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
 use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
@@ -18,7 +19,8 @@ pub type ActuatorDefinition = LineDefinition<ActuatorElement>;
 pub struct ActuatorElement(pub Amplitude);
 
 impl LineElement for ActuatorElement {
-    const READINGS: &'static [&'static str] = &["length", "force", "work"];
+    const READINGS: &'static [Quantity] =
+        &[Quantity::new("length", "length"), Quantity::new("force", "force"), Quantity::new("work", "energy")];
 
     fn functions(&self) -> Vec<Amplitude> {
         vec![self.0.clone()]

@@ -11,6 +11,7 @@ use super::line::{Line, LineDefinition, LineElement};
 use super::spring::linear_pull;
 use crate::dynamics::model::amplitude::{Amplitude, Constant, Ramp};
 use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
@@ -43,7 +44,8 @@ impl BoltElement {
 }
 
 impl LineElement for BoltElement {
-    const READINGS: &'static [&'static str] = &["length", "force", "work"];
+    const READINGS: &'static [Quantity] =
+        &[Quantity::new("length", "length"), Quantity::new("force", "force"), Quantity::new("work", "energy")];
 
     fn functions(&self) -> Vec<Amplitude> {
         // Steps end at the time of locking.

@@ -19,6 +19,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use crate::contact::{CandidateSearch, Evaluation, Outlook, PatchFunctions, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::integrators::Derivative;
 use crate::linear::{Block, Pattern};
@@ -64,8 +65,15 @@ impl PartDefinition for BushingDefinition {
         self.bodies.iter().any(Option::is_none)
     }
 
-    fn readings(&self) -> &'static [&'static str] {
-        &["displacement", "angle", "force", "moment", "energy"]
+    fn readings(&self) -> &'static [Quantity] {
+        const READINGS: &[Quantity] = &[
+            Quantity::new("displacement", "length"),
+            Quantity::new("angle", "rad"),
+            Quantity::new("force", "force"),
+            Quantity::new("moment", "force * length"),
+            Quantity::new("energy", "energy"),
+        ];
+        READINGS
     }
 
     fn dissipates(&self) -> bool {

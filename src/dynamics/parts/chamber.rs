@@ -23,6 +23,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::bodies::{face_pressure, face_pressure_arms, pressure_shares, round_pressure};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::integrators::{Configuration, Derivative};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances::{PROJECTED_INCREMENT, VOLUME_CHANGE};
@@ -166,8 +167,10 @@ impl PartDefinition for ChamberDefinition {
         bodies
     }
 
-    fn readings(&self) -> &'static [&'static str] {
-        &["volume", "pressure", "energy"]
+    fn readings(&self) -> &'static [Quantity] {
+        const READINGS: &[Quantity] =
+            &[Quantity::new("volume", "volume"), Quantity::new("pressure", "stress"), Quantity::new("energy", "energy")];
+        READINGS
     }
 
     fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {

@@ -12,6 +12,7 @@
 use super::force_laws::Viscous;
 use super::line::{Line, LineDefinition, LineElement};
 use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
@@ -23,7 +24,7 @@ pub type DamperDefinition = LineDefinition<DamperElement>;
 pub struct DamperElement(pub Viscous);
 
 impl LineElement for DamperElement {
-    const READINGS: &'static [&'static str] = &["speed", "force"];
+    const READINGS: &'static [Quantity] = &[Quantity::new("speed", "velocity"), Quantity::new("force", "force")];
     const DISSIPATES: bool = true;
 
     fn part(&self, _: &str, line: Line, _: f64, is_grounded: bool) -> Box<dyn Part> {

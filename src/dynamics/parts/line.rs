@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::linear::{Block, Pattern};
 
 /// End of a line element.
@@ -70,7 +71,7 @@ impl End {
 /// Force element along the line between two ends: spring, damper or actuator.
 pub trait LineElement: Clone + Send + Sync + 'static {
     /// Names of the element's columns in the history.
-    const READINGS: &'static [&'static str];
+    const READINGS: &'static [Quantity];
     /// True if the element dissipates energy.
     const DISSIPATES: bool = false;
 
@@ -119,7 +120,7 @@ impl<E: LineElement> PartDefinition for LineDefinition<E> {
         self.element.functions()
     }
 
-    fn readings(&self) -> &'static [&'static str] {
+    fn readings(&self) -> &'static [Quantity] {
         E::READINGS
     }
 

@@ -14,6 +14,7 @@ use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
@@ -43,8 +44,9 @@ impl PartDefinition for MotorDefinition {
         vec![self.torque.clone()]
     }
 
-    fn readings(&self) -> &'static [&'static str] {
-        &["torque", "work"]
+    fn readings(&self) -> &'static [Quantity] {
+        const READINGS: &[Quantity] = &[Quantity::new("torque", "force * length"), Quantity::new("work", "energy")];
+        READINGS
     }
 
     fn check(&self, _point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {

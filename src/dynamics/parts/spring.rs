@@ -14,6 +14,7 @@
 use super::force_laws::SpringLaw;
 use super::line::{Line, LineDefinition, LineElement};
 use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::integrators::{Configuration, Derivative};
 use crate::linear::Pattern;
 
@@ -30,7 +31,8 @@ pub struct SpringElement {
 }
 
 impl LineElement for SpringElement {
-    const READINGS: &'static [&'static str] = &["length", "force", "energy"];
+    const READINGS: &'static [Quantity] =
+        &[Quantity::new("length", "length"), Quantity::new("force", "force"), Quantity::new("energy", "energy")];
 
     fn part(&self, _: &str, line: Line, at_rest: f64, is_grounded: bool) -> Box<dyn Part> {
         let rest_length = self.rest_length.unwrap_or(at_rest);

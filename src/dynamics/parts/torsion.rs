@@ -12,6 +12,7 @@ use std::sync::Arc;
 use super::force_laws::SpringLaw;
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::integrators::{Derivative, PatchFunction, Projection};
 use crate::linear::{Block, Pattern};
@@ -43,8 +44,10 @@ impl PartDefinition for TorsionDefinition {
         self.directions.len() == 1
     }
 
-    fn readings(&self) -> &'static [&'static str] {
-        &["angle", "moment", "energy"]
+    fn readings(&self) -> &'static [Quantity] {
+        const READINGS: &[Quantity] =
+            &[Quantity::new("angle", "rad"), Quantity::new("moment", "force * length"), Quantity::new("energy", "energy")];
+        READINGS
     }
 
     fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::joints::{Coordinate, JointDefinition};
 use crate::dynamics::model::part::{Part, PartDefinition, Pose};
+use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::step::system::System;
 use crate::math::tolerances;
@@ -83,6 +84,44 @@ pub struct LedgerRow {
     pub probes: Vec<ProbeValues>,
 }
 
+/// Columns of the ledger in space, in the order of the file.
+const COLUMNS: [Quantity; 27] = [
+    Quantity::number("step"),
+    Quantity::new("time", "time"),
+    Quantity::new("dt", "time"),
+    Quantity::new("kinetic", "energy"),
+    Quantity::new("strain", "energy"),
+    Quantity::new("potential", "energy"),
+    Quantity::new("total", "energy"),
+    Quantity::new("load_work", "energy"),
+    Quantity::new("contact_work", "energy"),
+    Quantity::new("energy_defect", "energy"),
+    Quantity::new("momentum_x", "mass * velocity"),
+    Quantity::new("momentum_y", "mass * velocity"),
+    Quantity::new("momentum_z", "mass * velocity"),
+    Quantity::new("angular_momentum", "mass * area/time"),
+    Quantity::new("angular_momentum_x", "mass * area/time"),
+    Quantity::new("angular_momentum_y", "mass * area/time"),
+    Quantity::new("angular_momentum_z", "mass * area/time"),
+    Quantity::new("momentum_defect", "mass * velocity"),
+    Quantity::new("angular_momentum_defect", "mass * area/time"),
+    Quantity::number("newton_iterations"),
+    Quantity::number("halvings"),
+    Quantity::number("active"),
+    Quantity::new("max_penetration", "length"),
+    Quantity::new("reserve", "energy"),
+    Quantity::new("dissipation", "energy"),
+    Quantity::number("factorizations"),
+    Quantity::new("friction_work", "energy"),
+];
+
+/// Columns of a force.
+const FORCE: [Quantity; 3] = [Quantity::new("force_x", "force"), Quantity::new("force_y", "force"), Quantity::new("force_z", "force")];
+
+/// Columns of a moment in space.
+const MOMENT: [Quantity; 3] =
+    [Quantity::new("moment_x", "force * length"), Quantity::new("moment_y", "force * length"), Quantity::new("moment_z", "force * length")];
+
 /// Sums over a contact pair; forces and pressures are means over the step, the velocity jump of the `velocity` rule included.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactTotals {
@@ -105,14 +144,18 @@ pub struct ContactTotals {
 }
 
 impl ContactTotals {
-    /// Names of the columns in a history, for a space dimension.
-    pub fn columns(dimension: usize) -> Vec<&'static str> {
-        let force = &["force_x", "force_y", "force_z"][..dimension];
-        force
-            .iter()
-            .copied()
-            .chain(["normal_force", "area", "max_pressure", "active", "max_penetration", "friction_work", "sliding"])
-            .collect()
+    /// Columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<Quantity> {
+        let further = [
+            Quantity::new("normal_force", "force"),
+            Quantity::new("area", "area"),
+            Quantity::new("max_pressure", "stress"),
+            Quantity::number("active"),
+            Quantity::new("max_penetration", "length"),
+            Quantity::new("friction_work", "energy"),
+            Quantity::number("sliding"),
+        ];
+        FORCE[..dimension].iter().copied().chain(further).collect()
     }
 
     /// Values of the columns, in the order of [`Self::columns`].
@@ -133,9 +176,9 @@ pub struct PartTotals {
 }
 
 impl PartTotals {
-    /// Names of the columns of a part.
-    pub fn columns(part: &dyn PartDefinition) -> impl Iterator<Item = &'static str> {
-        part.readings().iter().copied().chain(part.dissipates().then_some("dissipation"))
+    /// Columns of a part.
+    pub fn columns(part: &dyn PartDefinition) -> impl Iterator<Item = Quantity> {
+        part.readings().iter().copied().chain(part.dissipates().then_some(Quantity::new("dissipation", "energy")))
     }
 
     /// Values of the part's columns: readings, then dissipation.
@@ -154,13 +197,9 @@ pub struct Reaction {
 }
 
 impl Reaction {
-    /// Names of its columns in a history for a space dimension.
-    pub fn columns(dimension: usize) -> Vec<&'static str> {
-        if dimension == 2 {
-            vec!["force_x", "force_y", "moment"]
-        } else {
-            vec!["force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z"]
-        }
+    /// Columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<Quantity> {
+        if dimension == 2 { [&FORCE[..2], &[Quantity::new("moment", "force * length")]].concat() } else { [FORCE, MOMENT].concat() }
     }
 
     /// Values of the columns: force, then moment.
@@ -188,13 +227,17 @@ pub struct JointTotals {
 }
 
 impl JointTotals {
-    /// Names of its columns in a history.
-    pub fn columns(joint: &JointDefinition, dimension: usize) -> Vec<&'static str> {
-        let mut names = Reaction::columns(dimension);
-        names.extend(joint.kind.coordinate(dimension).map(Coordinate::name));
-        names.extend(joint.drive.as_ref().map(|_| "work"));
-        names.extend(joint.friction.iter().flat_map(|_| ["friction", "friction_work"]));
-        names
+    /// Columns in a history.
+    pub fn columns(joint: &JointDefinition, dimension: usize) -> Vec<Quantity> {
+        let mut columns = Reaction::columns(dimension);
+        columns.extend(joint.kind.coordinate(dimension).map(Coordinate::quantity));
+        columns.extend(joint.drive.as_ref().map(|_| Quantity::new("work", "energy")));
+        if joint.friction.is_some() {
+            let is_angle = joint.kind.coordinate(dimension) == Some(Coordinate::Angle);
+            let dimension = if is_angle { "force * length" } else { "force" };
+            columns.extend([Quantity::new("friction", dimension), Quantity::new("friction_work", "energy")]);
+        }
+        columns
     }
 
     /// Values of the joint's columns: force, moment, coordinate, work of the drive, friction and its work.
@@ -219,10 +262,11 @@ pub struct ProbeValues {
 }
 
 impl ProbeValues {
-    /// Names of its columns in a history for a space dimension.
-    pub fn columns(dimension: usize) -> Vec<&'static str> {
+    /// Columns in a history for a space dimension.
+    pub fn columns(dimension: usize) -> Vec<Quantity> {
         let names = [["ux", "uy", "uz"], ["vx", "vy", "vz"], ["ax", "ay", "az"]];
-        names.iter().flat_map(|names| names[..dimension].iter().copied()).collect()
+        let all = names.iter().zip(["length", "velocity", "length/time^2"]);
+        all.flat_map(|(names, of)| names[..dimension].iter().map(move |name| Quantity::new(name, of))).collect()
     }
 
     /// Values of the columns: displacement, velocity, acceleration.
@@ -349,35 +393,13 @@ impl LedgerRow {
         self.kinetic + self.strain + self.potential.abs()
     }
 
-    /// Names of the columns of `history.csv` for a space dimension, in order.
-    pub fn columns(dimension: usize) -> Vec<&'static str> {
-        let mut names = vec!["step", "time", "dt", "kinetic", "strain", "potential", "total", "load_work", "contact_work", "energy_defect"];
-        names.extend(if dimension == 2 {
-            &["momentum_x", "momentum_y", "angular_momentum"][..]
-        } else {
-            &[
-                "momentum_x",
-                "momentum_y",
-                "momentum_z",
-                "angular_momentum",
-                "angular_momentum_x",
-                "angular_momentum_y",
-                "angular_momentum_z",
-            ][..]
-        });
-        names.extend([
-            "momentum_defect",
-            "angular_momentum_defect",
-            "newton_iterations",
-            "halvings",
-            "active",
-            "max_penetration",
-            "reserve",
-            "dissipation",
-            "factorizations",
-            "friction_work",
-        ]);
-        names
+    /// Columns of `history.csv` for a space dimension, in order.
+    pub fn columns(dimension: usize) -> Vec<Quantity> {
+        let is_of = |column: &&Quantity| match column.name {
+            "momentum_z" | "angular_momentum_x" | "angular_momentum_y" | "angular_momentum_z" => dimension == 3,
+            _ => true,
+        };
+        COLUMNS.iter().filter(is_of).copied().collect()
     }
 
     /// The value of a column; `None` for an unknown name. In space `angular_momentum` is the length of the vector.

@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use super::fields::{CellStress, pressure, von_mises};
+use crate::dynamics::model::quantity::Quantity;
 
 /// Axis of a cylinder and a direction, to which components of tensors refer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +59,8 @@ pub struct PointField {
     pub name: &'static str,
     /// Name in words.
     pub words: &'static str,
+    /// Dimension, `1` of numbers.
+    pub dimension: &'static str,
     /// True if the stress alone determines the field.
     pub is_of_stress: bool,
     /// Value at a point.
@@ -66,15 +69,19 @@ pub struct PointField {
 
 impl PointField {
     const fn stress(name: &'static str, words: &'static str, value: fn(&CellStress, &LocalFrame) -> f64) -> Self {
-        PointField { name, words, is_of_stress: true, value: PointValue::Number(value) }
+        PointField { name, words, dimension: "stress", is_of_stress: true, value: PointValue::Number(value) }
     }
 
-    const fn other(name: &'static str, words: &'static str, value: fn(&CellStress, &LocalFrame) -> f64) -> Self {
-        PointField { name, words, is_of_stress: false, value: PointValue::Number(value) }
+    const fn strain(name: &'static str, words: &'static str, value: fn(&CellStress, &LocalFrame) -> f64) -> Self {
+        PointField { name, words, dimension: "1", is_of_stress: false, value: PointValue::Number(value) }
     }
 
     const fn vector(name: &'static str, words: &'static str, value: fn(&CellStress, &LocalFrame) -> [f64; 3]) -> Self {
-        PointField { name, words, is_of_stress: true, value: PointValue::Vector(value) }
+        PointField { name, words, dimension: "1", is_of_stress: true, value: PointValue::Vector(value) }
+    }
+
+    const fn of(self, dimension: &'static str) -> Self {
+        PointField { dimension, ..self }
     }
 
     /// Index of the field of numbers with a name.
@@ -105,40 +112,67 @@ pub static POINT_FIELDS: &[PointField] = &[
     PointField::stress("stress_xy", "stress xy", |at, _| at.stress[3]),
     PointField::stress("stress_yz", "stress yz", |at, _| at.stress[4]),
     PointField::stress("stress_xz", "stress xz", |at, _| at.stress[5]),
-    PointField::other("strain_xx", "strain xx", |at, _| at.strain[0]),
-    PointField::other("strain_yy", "strain yy", |at, _| at.strain[1]),
-    PointField::other("strain_zz", "strain zz", |at, _| at.strain[2]),
-    PointField::other("strain_xy", "strain xy", |at, _| at.strain[3]),
-    PointField::other("strain_yz", "strain yz", |at, _| at.strain[4]),
-    PointField::other("strain_xz", "strain xz", |at, _| at.strain[5]),
+    PointField::strain("strain_xx", "strain xx", |at, _| at.strain[0]),
+    PointField::strain("strain_yy", "strain yy", |at, _| at.strain[1]),
+    PointField::strain("strain_zz", "strain zz", |at, _| at.strain[2]),
+    PointField::strain("strain_xy", "strain xy", |at, _| at.strain[3]),
+    PointField::strain("strain_yz", "strain yz", |at, _| at.strain[4]),
+    PointField::strain("strain_xz", "strain xz", |at, _| at.strain[5]),
     PointField::stress("principal_1", "largest principal stress", |at, _| principal(&at.stress).values[0]),
     PointField::stress("principal_2", "middle principal stress", |at, _| principal(&at.stress).values[1]),
     PointField::stress("principal_3", "least principal stress", |at, _| principal(&at.stress).values[2]),
     PointField::vector("principal_direction_1", "direction of the largest principal stress", |at, _| principal(&at.stress).directions[0]),
     PointField::vector("principal_direction_2", "direction of the middle principal stress", |at, _| principal(&at.stress).directions[1]),
     PointField::vector("principal_direction_3", "direction of the least principal stress", |at, _| principal(&at.stress).directions[2]),
-    PointField::other("principal_strain_1", "largest principal strain", |at, _| principal(&at.strain).values[0]),
-    PointField::other("principal_strain_2", "middle principal strain", |at, _| principal(&at.strain).values[1]),
-    PointField::other("principal_strain_3", "least principal strain", |at, _| principal(&at.strain).values[2]),
+    PointField::strain("principal_strain_1", "largest principal strain", |at, _| principal(&at.strain).values[0]),
+    PointField::strain("principal_strain_2", "middle principal strain", |at, _| principal(&at.strain).values[1]),
+    PointField::strain("principal_strain_3", "least principal strain", |at, _| principal(&at.strain).values[2]),
     PointField::stress("stress_rr", "radial stress", |at, frame| round(at.position, &at.stress, frame, [0, 0])),
     PointField::stress("stress_tt", "tangential (hoop) stress", |at, frame| round(at.position, &at.stress, frame, [1, 1])),
     PointField::stress("stress_aa", "axial stress", |at, frame| round(at.position, &at.stress, frame, [2, 2])),
     PointField::stress("stress_rt", "shear stress rt", |at, frame| round(at.position, &at.stress, frame, [0, 1])),
     PointField::stress("stress_ta", "shear stress ta", |at, frame| round(at.position, &at.stress, frame, [1, 2])),
     PointField::stress("stress_ra", "shear stress ra", |at, frame| round(at.position, &at.stress, frame, [0, 2])),
-    PointField::other("strain_rr", "radial strain", |at, frame| round(at.rest, &at.strain, frame, [0, 0])),
-    PointField::other("strain_tt", "tangential (hoop) strain", |at, frame| round(at.rest, &at.strain, frame, [1, 1])),
-    PointField::other("strain_aa", "axial strain", |at, frame| round(at.rest, &at.strain, frame, [2, 2])),
-    PointField::other("strain_rt", "shear strain rt", |at, frame| round(at.rest, &at.strain, frame, [0, 1])),
-    PointField::other("strain_ta", "shear strain ta", |at, frame| round(at.rest, &at.strain, frame, [1, 2])),
-    PointField::other("strain_ra", "shear strain ra", |at, frame| round(at.rest, &at.strain, frame, [0, 2])),
+    PointField::strain("strain_rr", "radial strain", |at, frame| round(at.rest, &at.strain, frame, [0, 0])),
+    PointField::strain("strain_tt", "tangential (hoop) strain", |at, frame| round(at.rest, &at.strain, frame, [1, 1])),
+    PointField::strain("strain_aa", "axial strain", |at, frame| round(at.rest, &at.strain, frame, [2, 2])),
+    PointField::strain("strain_rt", "shear strain rt", |at, frame| round(at.rest, &at.strain, frame, [0, 1])),
+    PointField::strain("strain_ta", "shear strain ta", |at, frame| round(at.rest, &at.strain, frame, [1, 2])),
+    PointField::strain("strain_ra", "shear strain ra", |at, frame| round(at.rest, &at.strain, frame, [0, 2])),
     PointField::stress("stress_along", "stress along direction", |at, frame| along(&at.stress, &frame.along())),
-    PointField::other("strain_along", "strain along direction", |at, frame| along(&at.strain, &frame.along())),
-    PointField::vector("traction", "stress vector on a plane", |at, frame| (matrix(&at.stress) * frame.along()).into()),
-    PointField::other("energy_density", "strain energy density", |at, _| at.energy),
-    PointField::other("plastic_strain", "equivalent plastic strain", |at, _| at.plastic_strain),
-    PointField::other("back_stress", "von Mises norm of the back stress", |at, _| at.back_stress),
+    PointField::strain("strain_along", "strain along direction", |at, frame| along(&at.strain, &frame.along())),
+    PointField::vector("traction", "stress vector on a plane", |at, frame| (matrix(&at.stress) * frame.along()).into()).of("stress"),
+    PointField::strain("energy_density", "strain energy density", |at, _| at.energy).of("energy/volume"),
+    PointField::strain("plastic_strain", "equivalent plastic strain", |at, _| at.plastic_strain),
+    PointField::strain("back_stress", "von Mises norm of the back stress", |at, _| at.back_stress).of("stress"),
 ];
+
+/// Fields of nodes that do not follow from the values at a point, tensors, and the fields of secondary surfaces.
+pub static NODAL_FIELDS: &[Quantity] = &[
+    Quantity::new("position", "length"),
+    Quantity::new("displacement", "length"),
+    Quantity::new("velocity", "velocity"),
+    Quantity::new("acceleration", "length/time^2"),
+    Quantity::new("stress", "stress"),
+    Quantity::number("strain"),
+    Quantity::new("principal_stress", "stress"),
+    Quantity::new("stress_error", "stress"),
+    Quantity::new("contact_force", "force"),
+    Quantity::new("contact_pressure", "stress"),
+    Quantity::new("contact_gap", "length"),
+    Quantity::number("contact_active"),
+    Quantity::number("contact_state"),
+    Quantity::new("contact_shear", "stress"),
+    Quantity::new("contact_slip", "length"),
+    Quantity::new("contact_slip_path", "length"),
+    Quantity::new("contact_heat", "energy/area"),
+];
+
+/// Dimension of a field of nodes or points by its name; `1` of an unknown one.
+pub fn field_dimension(name: &str) -> &'static str {
+    let of_points = || POINT_FIELDS.iter().find(|field| field.name == name).map(|field| field.dimension);
+    NODAL_FIELDS.iter().find(|field| field.name == name).map(|field| field.dimension).or_else(of_points).unwrap_or("1")
+}
 
 /// Matrix of a tensor xx, yy, zz, xy, yz, xz.
 fn matrix(&[xx, yy, zz, xy, yz, xz]: &[f64; 6]) -> Matrix3<f64> {

@@ -1,6 +1,6 @@
 //! Nodal fields that a picture shows by colors, and vector fields that it shows by arrows.
 
-use crate::dynamics::{BodyFields, LocalFrame, POINT_FIELDS, PointField, PointValue};
+use crate::dynamics::{BodyFields, LocalFrame, POINT_FIELDS, PointField, PointValue, field_dimension};
 
 /// Name of the acceleration in scripts and in words.
 const ACCELERATION: &str = "acceleration";
@@ -97,6 +97,16 @@ impl Field {
         }
     }
 
+    /// Dimension of the field.
+    pub fn dimension(self) -> &'static str {
+        let name = match self {
+            Field::Acceleration => ACCELERATION,
+            Field::Point(index) => POINT_FIELDS[index].name,
+            _ => Field::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.0),
+        };
+        field_dimension(name)
+    }
+
     /// Names of the values 1, 2, … of a field of categories; 0 is none of these.
     pub fn kinds(self) -> &'static [&'static str] {
         if self == Field::Slip { &["sticks", "slides"] } else { &[] }
@@ -145,6 +155,11 @@ impl Vectors {
     /// Name of the vector field in words.
     pub fn words(self) -> &'static str {
         Vectors::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.1)
+    }
+
+    /// Dimension of the vector field.
+    pub fn dimension(self) -> &'static str {
+        field_dimension(Vectors::ALL.iter().find(|row| row.2 == self).map_or("", |row| row.0))
     }
 
     /// Vector at a node.

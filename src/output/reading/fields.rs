@@ -9,7 +9,7 @@ use std::path::Path;
 use flate2::read::ZlibDecoder;
 
 use super::error::{ReadError, bytes_of};
-use super::tags::{Tag, tags};
+use super::tags::{Tag, UNITS_LABEL, tags};
 
 /// Section of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +67,8 @@ pub struct ArrayRead {
     pub components: usize,
     /// Values point by point or cell by cell.
     pub numbers: Numbers,
+    /// Unit of the values; empty where the file has none.
+    pub unit: String,
 }
 
 /// Content of a frame.
@@ -163,6 +165,9 @@ pub fn fields_of(path: &Path, bytes: &[u8]) -> Result<FieldsRead, ReadError> {
                 None if tag.attribute("Name").as_deref() == Some("TimeValue") => read.time = tag.text.trim().parse().ok(),
                 None => {}
             },
+            "InformationKey" if tag.attribute("name").as_deref() == Some(UNITS_LABEL) => {
+                read.arrays.iter_mut().last().into_iter().for_each(|array| array.unit = tag.text.trim().into());
+            }
             _ => {}
         }
     }
@@ -212,7 +217,7 @@ fn array_of(tag: &Tag, section: Section, data: &[u8], compressed: bool, read: &F
     };
     match expected {
         Some(expected) if numbers.len() != expected => Err(format!("array `{name}` has {} numbers, not {expected}", numbers.len())),
-        _ => Ok(ArrayRead { name, section, components, numbers }),
+        _ => Ok(ArrayRead { name, section, components, numbers, unit: String::new() }),
     }
 }
 

@@ -1,6 +1,9 @@
 //! Tags of the XML that this program writes: names, attributes, the text behind each. Not a reader of XML in general: no CDATA, no
 //! entities but the five of the standard, no check that tags are closed.
 
+/// Name of VTK's information key for units of arrays.
+pub const UNITS_LABEL: &str = "UNITS_LABEL";
+
 /// A tag with the text between it and the next one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tag<'a> {

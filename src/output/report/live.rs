@@ -16,6 +16,7 @@ use super::rows::{MEASURES, ROWS, measures};
 use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, LedgerRow, PlacedObstacle};
 use crate::output::recording::{Skin, Still};
+use crate::output::units::ListedUnits;
 
 /// Least time between two updates of a simulation's problem.
 const BETWEEN_LOOKS: Duration = Duration::from_secs(1);
@@ -33,6 +34,8 @@ pub struct LiveModel {
     pub skins: Vec<Skin>,
     /// The different shapes of rigid obstacles.
     pub obstacles: Vec<PlacedObstacle>,
+    /// Units of columns and fields; `None` where none are declared.
+    pub units: Option<ListedUnits>,
 }
 
 /// Description of a simulation's problem in the report; a script may extend the description while the run goes on.
@@ -353,7 +356,8 @@ mod tests {
     use super::*;
 
     fn simulation(live: &Arc<LiveReport>) -> LiveSimulation {
-        let model = LiveModel { name: "a".into(), contacts: Vec::new(), bodies: Vec::new(), skins: Vec::new(), obstacles: Vec::new() };
+        let model =
+            LiveModel { name: "a".into(), contacts: Vec::new(), bodies: Vec::new(), skins: Vec::new(), obstacles: Vec::new(), units: None };
         LiveSimulation::begin(live, model, vec!["step".into()])
     }
 

@@ -64,6 +64,7 @@ impl LiveReport {
             skins: &model.skins,
             stills: &stills,
             obstacles: model.obstacles.clone(),
+            units: model.units.clone(),
         };
         page(&report, live)
     }

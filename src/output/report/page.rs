@@ -15,6 +15,7 @@ use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
 use crate::output::picture::{Component, Field};
 use crate::output::recording::{Skin, Still};
+use crate::output::units::{ListedUnits, pretty};
 
 /// Size of groups of stills that are compressed together `[bytes]`.
 const CHUNK: usize = 2 << 20;
@@ -60,6 +61,8 @@ pub struct Report<'a> {
     pub stills: &'a [&'a Still],
     /// The different shapes of rigid obstacles.
     pub obstacles: Vec<PlacedObstacle>,
+    /// Units of columns and fields; `None` where none are declared.
+    pub units: Option<ListedUnits>,
 }
 
 /// Returns the page of a run.
@@ -82,6 +85,11 @@ pub fn page(report: &Report, live: Value) -> Vec<u8> {
     let mut data = data(report, &bodies, &chunks.iter().map(|stills| stills.len()).collect::<Vec<_>>());
     if !live.is_null() {
         data["live"] = live;
+    }
+    if let Some(units) = &report.units {
+        let shown =
+            |units: &BTreeMap<String, String>| json!(units.iter().map(|(name, unit)| (name, pretty(unit))).collect::<BTreeMap<_, _>>());
+        data["units"] = json!({ "columns": shown(&units.columns), "fields": shown(&units.fields) });
     }
     fill(&report.name, &data, &blobs)
 }

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::*;
 use crate::bodies::Formulation;
-use crate::dynamics::{BodyDefinition, LedgerRow, Model, Options, Simulation};
+use crate::dynamics::{BodyDefinition, LedgerRow, Model, Options, Quantity, Simulation};
 use crate::integrators::ENERGY_MOMENTUM;
 use crate::materials::NeoHookean;
 use crate::output::Recording;
@@ -36,7 +36,7 @@ fn page() -> (String, Vec<LedgerRow>) {
         recording.advanced(&simulation, rows.len() - 1);
     }
     let stills: Vec<_> = recording.stills().iter().map(|still| &**still).collect();
-    let names = LedgerRow::columns(2);
+    let names = Quantity::names(&LedgerRow::columns(2));
     let columns = names.iter().map(|name| (name.to_string(), rows.iter().map(|row| row.column(name).unwrap()).collect()));
     let report = Report {
         name: EVIL.into(),
@@ -56,6 +56,7 @@ fn page() -> (String, Vec<LedgerRow>) {
         skins: recording.bodies(),
         stills: &stills,
         obstacles: Vec::new(),
+        units: None,
     };
     (String::from_utf8(super::report(&report)).unwrap(), rows)
 }
@@ -102,7 +103,7 @@ fn names_and_texts_stay_texts() {
 fn numbers_are_those_of_the_run_to_the_last_bit() {
     let (page, rows) = page();
     let numbers: Vec<f64> = unpacked(&page, "history").chunks(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap())).collect();
-    let names = LedgerRow::columns(2);
+    let names = Quantity::names(&LedgerRow::columns(2));
     assert_eq!(numbers.len(), names.len() * rows.len());
     for (values, name) in numbers.chunks(rows.len()).zip(names) {
         for (value, row) in values.iter().zip(&rows) {

@@ -38,6 +38,7 @@ pub fn functions() -> Vec<Function> {
         parameters::functions(),
         simulations::stop_after::functions(),
         numbers::functions(),
+        units::functions(),
         arrays::functions(),
         signals::functions(),
     ]

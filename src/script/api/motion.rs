@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use super::units::{Dimension, Units};
+use super::units::Units;
 use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
@@ -16,6 +16,7 @@ use crate::dynamics::{
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
+use crate::output::Dimension;
 use crate::script::language::digits::{brief, number_text};
 
 /// Motion of a model: `x' = length (R x + offset)`.

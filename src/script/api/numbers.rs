@@ -27,11 +27,19 @@ fn of_number(name: &'static str, summary: &'static str, compute: fn(f64) -> f64)
         see_also: &[],
         body: body(move |call| {
             let argument = call.argument("x");
-            let value = argument.value();
-            let entry = |value: &Dynamic| as_number(value).map(|x| Dynamic::from(compute(x)));
-            Ok(if value.is_array() { each(&argument, &value, &entry, 0)? } else { compute(argument.number()?).into() })
+            Ok(entrywise(&argument, compute)?)
         }),
     }
+}
+
+/// A function of the number that an argument is, or of each entry of an array of numbers.
+///
+/// # Errors
+/// The argument is neither.
+pub(super) fn entrywise(argument: &Argument, compute: impl Fn(f64) -> f64) -> Result<Dynamic, Failure> {
+    let value = argument.value();
+    let entry = |value: &Dynamic| as_number(value).map(|x| Dynamic::from(compute(x)));
+    if value.is_array() { each(argument, &value, &entry, 0) } else { Ok(compute(argument.number()?).into()) }
 }
 
 /// Applies a function of numbers to all entries of an array, those of arrays inside of it, too.

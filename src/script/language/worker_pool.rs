@@ -47,6 +47,8 @@ pub struct Blueprint {
     pub imports: Vec<(String, String)>,
     /// Constants of the script.
     pub constants: Vec<(String, Plain)>,
+    /// Units that the script has declared.
+    pub units: Vec<String>,
 }
 
 /// A closure by its name, with its captured values.

@@ -149,7 +149,7 @@ impl Words<'_> {
             Known::Nothing => return Vec::new(),
         };
         if type_name == "History" && found.is_empty() {
-            found.extend(LedgerRow::columns(2).into_iter().map(|name| plain(name.to_string())));
+            found.extend(LedgerRow::columns(2).into_iter().map(|column| plain(column.name.to_string())));
         }
         found.extend(self.registry.members(&type_name).filter(|function| !matches!(function.form, Form::Column(_))).map(|f| called(f)));
         found
@@ -332,7 +332,7 @@ impl Words<'_> {
                 if level.commas >= function.parameters.iter().take_while(|other| other.name == "path").count() =>
             {
                 let columns = receiver().try_cast::<SimulationHandle>().map(|simulation| simulation.columns());
-                columns.unwrap_or_else(|| LedgerRow::columns(2).into_iter().map(String::from).collect())
+                columns.unwrap_or_else(|| LedgerRow::columns(2).iter().map(|column| column.name.to_string()).collect())
             }
             _ => self.all_names(),
         }
@@ -346,7 +346,7 @@ impl Words<'_> {
                 let history = value.try_cast::<HistoryHandle>()?;
                 Some(history.0.columns().into_iter().map(|name| name.to_string()).collect())
             }
-            Known::Type("History") => Some(LedgerRow::columns(2).into_iter().map(String::from).collect()),
+            Known::Type("History") => Some(LedgerRow::columns(2).iter().map(|column| column.name.to_string()).collect()),
             Known::Type(_) | Known::Nothing => None,
         }
     }

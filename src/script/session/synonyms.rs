@@ -33,6 +33,7 @@ const SYNONYMS: &[(&[&str], &[&str])] = &[
     (&["glue", "bond", "weld", "mesh tie", "mpc"], &["tie"]),
     (&["tabular", "time series", "load curve"], &["table", "ramp"]),
     (&["parametric", "design of experiments", "doe"], &["sweep", "param"]),
+    (&["unit system", "consistent units", "millimeter", "gigapascal"], &["units", "quantity"]),
     (&["optimization", "optimisation", "calibration", "identification"], &["minimize", "fit"]),
 ];
 

@@ -1,6 +1,6 @@
 //! Words of the language that are no functions: values of options, columns of the history, keys of the summary, findings.
 
-use crate::dynamics::{LedgerRow, RunFindingKind, UPDATE_RULES};
+use crate::dynamics::{LedgerRow, Quantity, RunFindingKind, UPDATE_RULES};
 use crate::elements::CellKind;
 use crate::output::{Field, KEYS};
 
@@ -18,35 +18,32 @@ pub struct Word {
 /// Descriptions of the columns of the history.
 const COLUMNS: &[(&str, &str)] = &[
     ("step", "the number of the accepted step, 0 for the beginning; a step that is halved counts as two"),
-    ("time", "the time at the end of the step [time]"),
-    ("dt", "the size of the step [time]"),
-    ("kinetic", "the kinetic energy [energy]"),
-    ("strain", "the strain energy [energy]"),
-    ("potential", "the potential energy of gravity, springs, viscous materials and penalty potentials, and the `reserve` [energy]"),
-    ("total", "the sum of the three energies [energy]"),
-    ("load_work", "the work of loads and prescribed displacements in this step [energy]"),
+    ("time", "the time at the end of the step"),
+    ("dt", "the size of the step"),
+    ("kinetic", "the kinetic energy"),
+    ("strain", "the strain energy"),
+    ("potential", "the potential energy of gravity, springs, viscous materials and penalty potentials, and the `reserve`"),
+    ("total", "the sum of the three energies"),
+    ("load_work", "the work of loads and prescribed displacements in this step"),
     (
         "contact_work",
         "the work of contact between bodies in this step, which the update rule gap loses on purpose; never positive in motion; in statics \
-         the trapezoidal rule, of either sign [energy]",
+         the trapezoidal rule, of either sign",
     ),
-    ("friction_work", "the work of friction in contacts and joints in this step, what it turns into heat; never positive [energy]"),
-    (
-        "dissipation",
-        "the heat of viscous materials, dampers and drag and the loss of impacts of rigid bodies in this step, never negative [energy]",
-    ),
+    ("friction_work", "the work of friction in contacts and joints in this step, what it turns into heat; never positive"),
+    ("dissipation", "the heat of viscous materials, dampers and drag and the loss of impacts of rigid bodies in this step, never negative"),
     (
         "energy_defect",
         "change of `total` - `load_work` - `contact_work` - `friction_work` + `dissipation` in this step: round-off when the scheme \
-         conserves [energy]",
+         conserves",
     ),
-    ("momentum_x", "the linear momentum along x [momentum]"),
-    ("momentum_y", "the linear momentum along y [momentum]"),
-    ("momentum_z", "the linear momentum along z [momentum]"),
-    ("angular_momentum", "the angular momentum about the origin; in space its length [length * momentum]"),
-    ("angular_momentum_x", "the angular momentum about the x axis [length * momentum]"),
-    ("angular_momentum_y", "the angular momentum about the y axis [length * momentum]"),
-    ("angular_momentum_z", "the angular momentum about the z axis [length * momentum]"),
+    ("momentum_x", "the linear momentum along x"),
+    ("momentum_y", "the linear momentum along y"),
+    ("momentum_z", "the linear momentum along z"),
+    ("angular_momentum", "the angular momentum about the origin; in space its length"),
+    ("angular_momentum_x", "the angular momentum about the x axis"),
+    ("angular_momentum_y", "the angular momentum about the y axis"),
+    ("angular_momentum_z", "the angular momentum about the z axis"),
     ("momentum_defect", "the largest change of linear momentum in this step that neither loads nor supports explain"),
     ("angular_momentum_defect", "the largest change of angular momentum in this step that neither loads nor supports explain"),
     (
@@ -56,8 +53,8 @@ const COLUMNS: &[(&str, &str)] = &[
     ("factorizations", "the numeric factorizations of the step, counted as its iterations"),
     ("halvings", "how often the step was tried and halved before it was accepted; what is halved untried is not counted"),
     ("active", "the number of closed contact nodes"),
-    ("max_penetration", "the largest depth of a node of either side in the other body, point by point [length]"),
-    ("reserve", "what closings under the update rule velocity took and keep until the contact opens, part of `potential` [energy]"),
+    ("max_penetration", "the largest depth of a node of either side in the other body, point by point"),
+    ("reserve", "what closings under the update rule velocity took and keep until the contact opens, part of `potential`"),
 ];
 
 /// Returns all words, catalogue by catalogue.
@@ -70,12 +67,16 @@ pub fn words() -> Vec<Word> {
     for kind in CellKind::ALL {
         add(kind.name(), "cell kind", kind.summary().into());
     }
-    for (name, words, _) in Field::ALL {
-        add(name, "field of a picture", (*words).into());
+    let with_dimension = |summary: &str, dimension: &str| match dimension {
+        "1" => summary.to_string(),
+        _ => format!("{summary} [{dimension}]"),
+    };
+    for (name, words, field) in Field::ALL {
+        add(name, "field of a picture", with_dimension(words, field.dimension()));
     }
-    for name in LedgerRow::columns(3) {
+    for Quantity { name, dimension } in LedgerRow::columns(3) {
         let summary = COLUMNS.iter().find(|(known, _)| *known == name).map_or("", |(_, summary)| summary);
-        add(name, "column of the history", summary.into());
+        add(name, "column of the history", with_dimension(summary, dimension));
     }
     for (name, summary) in KEYS {
         add(name, "key of summary.json", (*summary).into());

@@ -17,6 +17,7 @@ use super::engine::engine;
 use super::modules::KEEP_CONTEXT;
 use crate::script::api::nested_runs::{NestedRun, begin_study};
 use crate::script::api::parameters::Overrides;
+use crate::script::api::units::DeclaredUnits;
 use crate::script::language::callback::Callback;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::failure::Class;
@@ -37,6 +38,7 @@ struct Worker {
     engine: Rc<RefCell<Engine>>,
     host: Rc<Host>,
     program: Vec<Unit>,
+    units: Vec<String>,
     notes: Rc<Notes>,
     context: Rc<NativeCallContextStore>,
     aside: Option<NestedRun>,
@@ -51,8 +53,10 @@ pub fn start_worker(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
     host.attach(&engine);
     host.sources.take(&blueprint.sources);
     host.main.borrow_mut().clone_from(&blueprint.main);
+    // Imported modules may have quantities.
+    host.slots.set(Rc::new(DeclaredUnits::of_names(&blueprint.units)));
     let context = context(&host, &engine.borrow(), blueprint)?;
-    Some(Box::new(Worker { engine, host, program: blueprint.program.clone(), notes, context, aside: None }))
+    Some(Box::new(Worker { engine, host, program: blueprint.program.clone(), units: blueprint.units.clone(), notes, context, aside: None }))
 }
 
 /// Compiles the functions of the texts; returns the context of their calls.
@@ -99,6 +103,7 @@ impl Worker {
         slots.set(types);
         slots.set(registry);
         slots.set(Rc::new(Overrides::new(&self.host.settings.overrides)));
+        slots.set(Rc::new(DeclaredUnits::of_names(&self.units)));
         slots.set(Rc::new(MakeWorker(Some(start_worker))));
         slots.set(Rc::new(Program(RefCell::new(self.program.clone()))));
         self.host.forget_told();

@@ -41,6 +41,9 @@ const brief = (value, digits = 6) => {
 };
 
 const words = (name) => name.replaceAll("_", " ");
+// A value with the unit of a column or field, and that unit in brackets, where the script declares units.
+const inUnit = (text, data, kind, name) => data.units?.[kind][name] ? `${text} ${data.units[kind][name]}` : text;
+const unitOf = (data, kind, name) => data.units?.[kind][name] ? ` [${data.units[kind][name]}]` : "";
 
 // Round numbers between two ends.
 const ticks = (low, high, count) => {

@@ -60,7 +60,7 @@ class Page {
     $("readout").replaceChildren();
     this.readings = shown.map((name) => {
       const value = element("dd", { "data-column": name });
-      $("readout").append(element("div", {}, element("dt", { textContent: words(name) }), value));
+      $("readout").append(element("div", {}, element("dt", { textContent: `${words(name)}${unitOf(data, "columns", name)}` }), value));
       return [value, name];
     });
   }
@@ -100,7 +100,7 @@ class Page {
     choice.value = this.data.contacts.length ? `${this.data.contacts[0]}.max_pressure` : "dt";
     const box = element("div", {});
     let plot = null;
-    const curves = () => [{ label: choice.value, values: this.columns.get(choice.value) }];
+    const curves = () => [{ label: `${choice.value}${unitOf(this.data, "columns", choice.value)}`, values: this.columns.get(choice.value) }];
     const make = () => {
       plot = new Plot({ title: "A column of your choice", curves: curves() }, this.time, this.go);
       plot.figure.append(element("label", {}, "Column ", choice));
@@ -151,7 +151,7 @@ class Page {
       value.title = exact(number);
     }
     $("moment").value = String(this.still);
-    $("clock").textContent = `t = ${brief(this.time[row], 6)}, step ${exact(this.columns.get("step")[row])}`;
+    $("clock").textContent = `t = ${inUnit(brief(this.time[row], 6), this.data, "columns", "time")}, step ${exact(this.columns.get("step")[row])}`;
     $("moment").setAttribute("aria-valuetext", $("clock").textContent);
     this.plots?.forEach((plot) => plot.show(row));
     this.ownPlot?.show(row);
@@ -198,7 +198,7 @@ class Page {
     const begun = performance.now();
     const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
     const range = this.range(field);
-    $("scale-title").textContent = field.words;
+    $("scale-title").textContent = `${field.words}${unitOf(this.data, "fields", field.name)}`;
     // Kinds of which there are none are not worth a choice.
     this.data.fields.forEach(({ kinds, high }, k) => { $("field").options[k].hidden = kinds.length > 0 && !(high > 0); });
     const { kinds } = field, theme = this.theme();
@@ -209,7 +209,7 @@ class Page {
     });
     $("ramp").hidden = kinds.length > 0;
     const hasArrows = $("arrows").checked && !$("arrows-label").hidden;
-    $("arrow-key").textContent = hasArrows ? `→ contact pressure, longest of the run ${brief(this.data.pressing)}` : "";
+    $("arrow-key").textContent = hasArrows ? `→ contact pressure, longest of the run ${inUnit(brief(this.data.pressing), this.data, "fields", "contact_pressure")}` : "";
     const typed = $("factor").value.trim() === "" ? NaN : Number($("factor").value);
     this.scene.draw({
       field: field.name, range, factor: Number.isFinite(typed) ? typed : 1, hasMesh: $("mesh").checked, hasArrows,
@@ -350,7 +350,7 @@ class Page {
     const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
     const values = this.film.field(field.name, found.body, new Float32Array(this.bodies[found.body].nodes));
     const value = values[found.node], told = field.kinds.length ? field.kinds[value - 1] ?? "no" : brief(value);
-    tip.textContent = field.name === "body" ? this.bodies[found.body].name : `${this.bodies[found.body].name}, node ${found.node}: ${field.words} ${told}`;
+    tip.textContent = field.name === "body" ? this.bodies[found.body].name : `${this.bodies[found.body].name}, node ${found.node}: ${field.words} ${inUnit(told, this.data, "fields", field.name)}`;
     tip.style.left = `${Math.min(event.offsetX + 14, Math.max($("canvas").clientWidth - tip.offsetWidth - 4, 0))}px`;
     tip.style.top = `${event.offsetY + 14}px`;
   }

@@ -153,7 +153,7 @@ const isZero = (values) => values.every((value) => !(Math.abs(value) > 0));
 
 // The plots of a run.
 const plotsOf = (data, columns) => {
-  const curve = (name, label = words(name)) => ({ label, values: columns.get(name) });
+  const curve = (name, label = words(name)) => ({ label: `${label}${unitOf(data, "columns", name)}`, values: columns.get(name) });
   const some = (names) => names.filter((name) => columns.has(name) && !isZero(columns.get(name))).map((name) => curve(name));
   const plots = [
     { title: "Energies", curves: [...some(["kinetic", "strain", "potential"]), curve("total")] },

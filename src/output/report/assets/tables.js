@@ -13,7 +13,7 @@ const ROW = 22;
 class Ledger {
   constructor(box, data, columns, go) {
     Object.assign(this, { box, data, columns, go, now: -1, first: -1, last: -1 });
-    const names = data.columns.map((name) => element("th", { textContent: name, scope: "col" }));
+    const names = data.columns.map((name) => element("th", { textContent: `${name}${unitOf(data, "columns", name)}`, scope: "col" }));
     this.names = names;
     this.body = element("tbody", {});
     this.table = element("table", {}, element("thead", {}, element("tr", { "aria-rowindex": "1" }, ...names)), this.body);
@@ -32,7 +32,7 @@ class Ledger {
     // Columns keep the width that their longest number needs.
     this.names.forEach((cell, k) => {
       const values = columns.get(data.columns[k]);
-      let longest = data.columns[k].length;
+      let longest = cell.textContent.length;
       for (let i = 0; i < values.length; i += Math.max(Math.floor(values.length / 200), 1)) longest = Math.max(longest, exact(values[i]).length);
       cell.style.minWidth = `${longest + 3}ch`;
     });

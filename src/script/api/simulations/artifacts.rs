@@ -7,11 +7,12 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::columns::{further_values, model_columns};
-use crate::dynamics::{LedgerRow, Model, Partner, Rows, Simulation};
+use super::columns::{HistoryColumn, further_values, history_columns, model_columns, names};
+use crate::dynamics::{LedgerRow, Model, Partner, Quantity, Rows, Simulation};
 use crate::math::tolerances::SAME_MOMENT;
 use crate::output::{
-    FieldSeries, FieldWriter, Frame, History, HistoryCsv, LiveSimulation, OutputError, Recording, RunFiles, Still, Surroundings,
+    FieldSeries, FieldWriter, Frame, History, HistoryCsv, ListedUnits, LiveSimulation, ModelUnits, OutputError, Recording, RunFiles, Still,
+    Surroundings, UNITS_FILE,
 };
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::run_folder::RunFolder;
@@ -28,6 +29,14 @@ pub struct Keeping {
     pub stills: Option<usize>,
     /// True if stills include the inside of bodies in space.
     pub stills_inside: bool,
+}
+
+/// Columns of probes at the start of a simulation, and the units of its results.
+pub struct Columns {
+    /// Columns of probes.
+    pub probes: Vec<HistoryColumn>,
+    /// Units of the results; `None` where the script declares none.
+    pub units: Option<ModelUnits>,
 }
 
 /// The files of a simulation.
@@ -47,6 +56,8 @@ pub struct Artifacts {
     /// True while the steps are those of an earlier process, which has written their frames.
     recalls: bool,
     spent: Duration,
+    /// Units of the results with those of the columns and fields; `None` where the script declares none.
+    units: Option<(Arc<ModelUnits>, ListedUnits)>,
 }
 
 /// Origin of the first steps.
@@ -69,7 +80,7 @@ impl Artifacts {
         model: &Model,
         keeping: Keeping,
         row: &LedgerRow,
-        probes: Vec<String>,
+        further: Columns,
         start: Start,
     ) -> Result<Option<Self>, Failure> {
         let begun = Instant::now();
@@ -77,7 +88,8 @@ impl Artifacts {
             let Some(root) = RunFolder::of(host).files(host)? else { return Ok(None) };
             let files = name.map_or(Ok(root.clone()), |name| root.below(&file_name(name)))?;
             let recalls = start == Start::Recalled;
-            let columns = model_columns(model).into_iter().chain(probes).collect();
+            let Columns { probes, units } = further;
+            let columns = names(model_columns(model).into_iter().chain(probes.clone()).collect());
             let mut csv = if recalls {
                 HistoryCsv::recalled(&files, model.dimension(), columns)
             } else {
@@ -85,13 +97,20 @@ impl Artifacts {
             };
             csv.append(row, &further_values(model, row))?;
             let open = if recalls { FieldSeries::recalled } else { FieldSeries::create };
-            let series = FieldWriter::new(open(&files, "fields.pvd")?);
+            let units = units.map(|units| {
+                let (mut listed, ledger) = (ListedUnits::of(&units), history_columns(model, &[]).into_iter().chain(probes));
+                add_columns(&mut listed, &ledger.collect::<Vec<_>>(), &units);
+                (Arc::new(units), listed)
+            });
+            let series = FieldWriter::new(open(&files, "fields.pvd")?).in_units(units.as_ref().map(|(units, _)| units.clone()));
             let obstacles = obstacle_series(&files, model, open)?;
             let contacts = if has_surfaces(model) { Some(open(&files, "contacts.pvd")?) } else { None };
             let (recording, every, model) =
                 (Recording::new(model, keeping.stills, keeping.stills_inside), keeping.fields_every, model.clone());
             let (live, spent) = (None, begun.elapsed());
-            Ok(Some(Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, recalls, spent }))
+            let made = Artifacts { files, csv, series, obstacles, contacts, recording, live, model, every, recalls, spent, units };
+            made.write_units()?;
+            Ok(Some(made))
         };
         open().map_err(|error: OutputError| output_failure(&error))
     }
@@ -189,9 +208,24 @@ impl Artifacts {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add_columns(&mut self, names: &[String]) -> Result<(), Failure> {
-        self.live.iter_mut().for_each(|live| live.add_columns(names));
-        self.csv.add_columns(names).map_err(|error| output_failure(&error))
+    pub fn add_columns(&mut self, columns: Vec<HistoryColumn>) -> Result<(), Failure> {
+        if let Some((units, listed)) = &mut self.units {
+            add_columns(listed, &columns, units);
+        }
+        let names = names(columns);
+        self.live.iter_mut().for_each(|live| live.add_columns(&names));
+        self.csv.add_columns(&names).and_then(|()| self.write_units()).map_err(|error| output_failure(&error))
+    }
+
+    /// Writes the units of columns and fields, if the script declares any.
+    fn write_units(&self) -> Result<(), OutputError> {
+        let Some((_, listed)) = self.units.as_ref().filter(|_| !self.recalls) else { return Ok(()) };
+        self.files.write(UNITS_FILE, listed.to_json()).map(drop)
+    }
+
+    /// Units of the results, for frames.
+    fn frame_units(&self) -> Option<Arc<ModelUnits>> {
+        self.units.as_ref().map(|(units, _)| units.clone())
     }
 
     /// Writes a file below the simulation's folder.
@@ -254,7 +288,7 @@ impl Artifacts {
             strange = series.go_on()?.or(strange);
             Ok(())
         });
-        begun.and(listed).map_err(|error| output_failure(&error))?;
+        begun.and(listed).and(self.write_units()).map_err(|error| output_failure(&error))?;
         let Some(time) = strange else { return Ok(()) };
         Err(Failure::script(format!("the frame of the fields at t = {} is not that of the run that is resumed", brief(time)))
             .code("C0954")
@@ -279,7 +313,7 @@ impl Artifacts {
     }
 
     fn frame(&mut self, simulation: &Simulation) -> Result<(), Failure> {
-        let (time, row) = (simulation.time(), self.csv.rows() - 1);
+        let (time, row, units) = (simulation.time(), self.csv.rows() - 1, self.frame_units());
         if self.recalls {
             let recall = |series: &mut FieldSeries| {
                 series.recall(time, row);
@@ -291,11 +325,11 @@ impl Artifacts {
         self.csv.verify().map_err(|error| output_failure(&error))?;
         self.series.append(time, row, &simulation.fields()).map_err(|error| output_failure(&error))?;
         if let Some((series, around)) = &mut self.obstacles {
-            let frame = Frame::of_obstacles(time, &simulation.obstacles(), around);
+            let frame = Frame::of_obstacles(time, &simulation.obstacles(), around).in_units(units.clone());
             series.append(&frame, row).map_err(|error| output_failure(&error))?;
         }
         if let Some(series) = &mut self.contacts {
-            let frame = Frame::of_contacts(time, &simulation.contact_surfaces());
+            let frame = Frame::of_contacts(time, &simulation.contact_surfaces()).in_units(units);
             series.append(&frame, row).map_err(|error| output_failure(&error))?;
         }
         self.spent += begun.elapsed();
@@ -347,7 +381,7 @@ impl Artifacts {
 
     fn show_row(&mut self, number: usize, row: &LedgerRow) {
         let Some(live) = &mut self.live else { return };
-        let names = LedgerRow::columns(self.model.dimension());
+        let names = Quantity::names(&LedgerRow::columns(self.model.dimension()));
         let own = names.iter().map(|name| row.column(name).unwrap_or(f64::NAN));
         live.row(number, row, own.chain(further_values(&self.model, row)).collect());
     }
@@ -381,6 +415,11 @@ impl Artifacts {
     pub fn spent(&self) -> Duration {
         self.spent
     }
+}
+
+/// Adds columns to the units of a run.
+fn add_columns(listed: &mut ListedUnits, columns: &[HistoryColumn], units: &ModelUnits) {
+    listed.add_columns(columns.iter().map(|(name, dimension)| (name.as_str(), *dimension)), units);
 }
 
 /// Function that opens a series.

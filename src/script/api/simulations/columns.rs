@@ -1,7 +1,7 @@
 //! The columns of a simulation's history behind those of the ledger: totals of contact pairs, reactions of supports, readings of springs
 //! and other parts, what joints exert, impacts of rigid bodies, values of probes.
 
-use crate::dynamics::{ContactTotals, JointTotals, LedgerRow, Model, PartTotals, ProbeValues, Reaction};
+use crate::dynamics::{ContactTotals, JointTotals, LedgerRow, Model, PartTotals, ProbeValues, Quantity, Reaction};
 
 /// A material point whose motion is recorded.
 #[derive(Clone)]
@@ -17,30 +17,52 @@ pub struct Probe {
 /// Column of models with contacts between rigid sides: energy that impacts lost to restitution in a step.
 const IMPACT_LOSS: &str = "impact_loss";
 
+/// Dimension of works and heat.
+const ENERGY: &str = "energy";
+
 /// Column of bodies with plasticity: heat of plastic flow since the start `[energy]`.
 const PLASTIC_WORK: &str = "plastic_work";
 
-/// Returns the names of the history's columns: contact pairs, boundaries with supports, force elements such as springs, joints, and impacts
-/// of rigid bodies.
-pub fn model_columns(model: &Model) -> Vec<String> {
-    let contacts = ContactTotals::columns(model.dimension());
-    let mut names: Vec<String> =
-        model.contact_names().iter().flat_map(|name| contacts.iter().map(move |column| format!("{name}.{column}"))).collect();
-    let reactions = Reaction::columns(model.dimension());
-    names.extend(model.reaction_names().iter().flat_map(|name| reactions.iter().map(move |column| format!("{name}.reaction.{column}"))));
-    names.extend(model.parts.iter().flat_map(|part| PartTotals::columns(&**part).map(|column| format!("{}.{column}", part.name()))));
-    for joint in &model.joints {
-        names.extend(JointTotals::columns(joint, model.dimension()).iter().map(|column| format!("{}.{column}", joint.name)));
-    }
-    names.extend(model.has_rigid_contacts().then(|| IMPACT_LOSS.to_string()));
-    names.extend(model.flowing_bodies().map(|body| format!("{}.{PLASTIC_WORK}", body.name)));
-    names
+/// Column of a history: its name, and its dimension as in [`Quantity::dimension`].
+pub type HistoryColumn = (String, &'static str);
+
+/// Names of columns.
+pub fn names(columns: Vec<HistoryColumn>) -> Vec<String> {
+    columns.into_iter().map(|(name, _)| name).collect()
 }
 
-/// Names of the history's columns of probes.
-pub fn probe_columns(model: &Model, probes: &[Probe]) -> Vec<String> {
+/// Columns of a history: those of the ledger, of the model and of probes.
+pub fn history_columns(model: &Model, probes: &[Probe]) -> Vec<HistoryColumn> {
+    let ledger = LedgerRow::columns(model.dimension()).into_iter().map(|column| (column.name.to_string(), column.dimension));
+    ledger.chain(model_columns(model)).chain(probe_columns(model, probes)).collect()
+}
+
+/// Returns the columns of the history of a model: contact pairs, boundaries with supports, force elements such as springs, joints, and
+/// impacts of rigid bodies.
+pub fn model_columns(model: &Model) -> Vec<HistoryColumn> {
+    fn of<'a>(owner: &'a str, columns: impl IntoIterator<Item = Quantity> + 'a) -> impl Iterator<Item = HistoryColumn> + 'a {
+        columns.into_iter().map(move |column| (format!("{owner}.{}", column.name), column.dimension))
+    }
+    let dimension = model.dimension();
+    let mut columns: Vec<HistoryColumn> =
+        model.contact_names().into_iter().flat_map(|name| of(name, ContactTotals::columns(dimension))).collect();
+    for name in model.reaction_names() {
+        columns.extend(of(&format!("{name}.reaction"), Reaction::columns(dimension)));
+    }
+    columns.extend(model.parts.iter().flat_map(|part| of(part.name(), PartTotals::columns(&**part))));
+    columns.extend(model.joints.iter().flat_map(|joint| of(&joint.name, JointTotals::columns(joint, dimension))));
+    columns.extend(model.has_rigid_contacts().then(|| (IMPACT_LOSS.to_string(), ENERGY)));
+    columns.extend(model.flowing_bodies().map(|body| (format!("{}.{PLASTIC_WORK}", body.name), ENERGY)));
+    columns
+}
+
+/// Columns of probes in a history.
+pub fn probe_columns(model: &Model, probes: &[Probe]) -> Vec<HistoryColumn> {
     let columns = ProbeValues::columns(model.dimension());
-    probes.iter().flat_map(|probe| columns.iter().map(move |column| format!("{}.{column}", probe.name))).collect()
+    probes
+        .iter()
+        .flat_map(|probe| columns.iter().map(move |column| (format!("{}.{}", probe.name, column.name), column.dimension)))
+        .collect()
 }
 
 /// Returns the values of the columns of a row that follow the ledger's own columns.

@@ -72,7 +72,10 @@ fn finish_simulation(
         let mut artifacts = data.artifacts.borrow_mut();
         // Until the recalled steps are passed, nothing is written.
         let Some(artifacts) = artifacts.as_mut().filter(|artifacts| !artifacts.recalls()) else { return Ok(()) };
-        let picture = svg(&energies(&data.name, &*history).draw());
+        let mut plot = energies(&data.name, &*history);
+        plot.x.label += &data.bracketed("time");
+        plot.y.label += &data.bracketed("energy");
+        let picture = svg(&plot.draw());
         artifacts.write("history.svg", picture.as_bytes()).map_err(|error| output_failure(&error))
     };
     let is_conserving = simulation.is_conserving(&*history);
@@ -89,6 +92,7 @@ fn finish_simulation(
         unknowns: simulation.unknowns(),
         wall_seconds: wall(begun, all),
         peak_memory_bytes: peak_memory_bytes(),
+        units: data.units.as_ref().map(|units| units.set.overview().into_iter().collect()),
         ..common(host, ended)
     };
     summary.book(&EnergyAccount::of(&*history));

@@ -1,9 +1,8 @@
 //! Updates for readers who follow a run, besides rows and stills of the simulations.
 
-use super::columns::{model_columns, probe_columns};
+use super::columns::{history_columns, names};
 use super::handle::SimulationHandle;
 use super::reports::{findings, parameters, placed, scripts, tables};
-use crate::dynamics::LedgerRow;
 use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation};
 use crate::script::language::host::Host;
 
@@ -19,10 +18,10 @@ pub fn begin(host: &Host, handle: &SimulationHandle) {
         bodies: model.bodies.clone(),
         skins: artifacts.recording().bodies().to_vec(),
         obstacles: placed(model),
+        units: data.listed_units(),
     };
-    let own = LedgerRow::columns(model.dimension()).into_iter().map(String::from);
-    let columns = own.chain(model_columns(model)).chain(probe_columns(model, &data.probes.borrow()));
-    artifacts.show_to(LiveSimulation::begin(live, shown, columns.collect()), &data.history.borrow());
+    let columns = names(history_columns(model, &data.probes.borrow()));
+    artifacts.show_to(LiveSimulation::begin(live, shown, columns), &data.history.borrow());
     tell_problem(host, handle, artifacts.live());
 }
 

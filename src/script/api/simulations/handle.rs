@@ -3,19 +3,19 @@
 //! The solver's simulation is borrowed during a step; access within a step (by a closure of time) is refused by [`busy`].
 
 use std::cell::{Cell, RefCell};
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
 
 use super::artifacts::{Artifacts, Keeping};
-use super::columns::Probe;
+use super::columns::{Probe, history_columns};
 use super::integrators::title;
 use super::journal::Journal;
 use super::known_columns::KnownColumns;
 use super::step_control::step_size;
 use crate::dynamics::{EnergyAccount, LedgerRow, Overlap, Simulation, State};
-use crate::output::History;
+use crate::output::{History, ListedUnits, ModelUnits, pretty_unit};
 use crate::script::api::models::data::ModelData;
 use crate::script::api::models::handle::BodyHandle;
 use crate::script::api::motion::Motion;
@@ -80,6 +80,8 @@ pub struct SimulationData {
     pub journal: Option<(Rc<Journal>, usize)>,
     /// True if a resumed run has the present state.
     pub is_known: Cell<bool>,
+    /// Units of the results; `None` where the script declares none.
+    pub units: Option<ModelUnits>,
 }
 
 /// State before a step, with the number of history rows.
@@ -122,28 +124,28 @@ impl Handle for SimulationHandle {
             return format!("simulation \"{}\" in the middle of a step", data.name);
         };
         let row = simulation.row();
-        let (options, number) = (simulation.options(), brief);
+        let options = simulation.options();
+        let told = |number: f64, dimension| data.told(brief(number), dimension);
+        let energies = [row.total(), row.kinetic, row.strain, row.potential].map(|energy| told(energy, "energy"));
         let mut lines = vec![
-            format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step),
+            format!("simulation \"{}\" at t = {}, step {}", data.name, told(row.time, "time"), row.step),
             format!("  {}, dt = {}, {} unknowns", title(&options.integrator), step_size(options), simulation.unknowns()),
-            format!(
-                "  energy {}: kinetic {}, strain {}, potential {}",
-                number(row.total()),
-                number(row.kinetic),
-                number(row.strain),
-                number(row.potential)
-            ),
+            format!("  energy {}: kinetic {}, strain {}, potential {}", energies[0], energies[1], energies[2], energies[3]),
             format!(
                 "  momentum {}, angular momentum {}",
-                brief_vector(&row.momentum[..simulation.dimension()]),
-                angular_text(row, simulation.dimension())
+                data.told(brief_vector(&row.momentum[..simulation.dimension()]), "mass * velocity"),
+                data.told(angular_text(row, simulation.dimension()), "mass * area/time")
             ),
         ];
         if !data.model.model.contact_names().is_empty() {
             let rubs = data.model.model.interactions.iter().any(|interaction| interaction.friction.is_some());
             let sliding: usize = row.contacts.iter().map(|contact| contact.sliding).sum();
             let sliding = if rubs { format!(" ({sliding} slide)") } else { String::new() };
-            lines.push(format!("  contact: {} active nodes{sliding}, largest penetration {}", row.active, number(row.max_penetration)));
+            lines.push(format!(
+                "  contact: {} active nodes{sliding}, largest penetration {}",
+                row.active,
+                told(row.max_penetration, "length")
+            ));
         }
         lines.extend(data.remarks(&simulation));
         lines.join("\n")
@@ -161,6 +163,38 @@ impl SimulationData {
         self.motion.map_or(time, |motion| time / motion.units.time)
     }
 
+    /// Unit of a dimension; empty where the script declares no units, and of numbers.
+    pub fn unit(&self, dimension: &str) -> String {
+        self.units.as_ref().map_or(String::new(), |units| pretty_unit(&units.unit(dimension)))
+    }
+
+    /// Unit of a dimension in brackets with a space before, for labels; empty where the script declares no units, and of numbers.
+    pub fn bracketed(&self, dimension: &str) -> String {
+        self.units.as_ref().map_or(String::new(), |units| units.bracketed(dimension))
+    }
+
+    /// A number as text with the unit of its dimension, where units are declared.
+    pub fn told(&self, number: String, dimension: &str) -> String {
+        match self.units.as_ref().map(|units| units.unit(dimension)).filter(|unit| !unit.is_empty()) {
+            Some(unit) => format!("{number} {}", pretty_unit(&unit)),
+            None => number,
+        }
+    }
+
+    /// Units of columns and fields; `None` where the script declares no units.
+    pub fn listed_units(&self) -> Option<ListedUnits> {
+        let units = self.units.as_ref()?;
+        let mut listed = ListedUnits::of(units);
+        let columns = history_columns(&self.model.model, &self.probes.borrow());
+        listed.add_columns(columns.iter().map(|(name, dimension)| (name.as_str(), *dimension)), units);
+        Some(listed)
+    }
+
+    /// Units of the columns of the history, by name.
+    pub fn column_units(&self) -> BTreeMap<String, String> {
+        self.listed_units().map_or(BTreeMap::new(), |listed| listed.columns)
+    }
+
     /// A time of the script on the clock of the solver.
     pub fn kernel_time(&self, time: f64) -> f64 {
         self.motion.map_or(time, |motion| time * motion.units.time)
@@ -170,7 +204,7 @@ impl SimulationData {
     pub fn remarks(&self, simulation: &Simulation) -> Vec<String> {
         let history = self.history.borrow();
         let account = EnergyAccount::of(&*history).to_string();
-        let energy = (!account.is_empty()).then(|| format!("  energy since the start: {account}"));
+        let energy = (!account.is_empty()).then(|| format!("  energy since the start{}: {account}", self.bracketed("energy")));
         let found = simulation.findings(&*history);
         energy.into_iter().chain(found.iter().map(|finding| format!("  found: {finding}: {}", explained(finding)))).collect()
     }

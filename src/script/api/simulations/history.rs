@@ -4,10 +4,10 @@ use std::rc::Rc;
 
 use rhai::{Array, Dynamic};
 
-use super::columns::{further_values, model_columns, probe_columns};
+use super::columns::{further_values, history_columns, names};
 use super::handle::SimulationHandle;
 use super::known_columns::{CellPlaces, ColumnCells};
-use crate::dynamics::{LedgerRow, Rows};
+use crate::dynamics::{LedgerRow, Quantity, Rows};
 use crate::output::is_count;
 use crate::script::api::examples::flight_example;
 use crate::script::language::arguments::Arguments;
@@ -104,8 +104,7 @@ impl SimulationHandle {
 
     /// Names of the columns of the history: those of the ledger, of each contact pair, and of each probe.
     pub fn columns(&self) -> Vec<String> {
-        let ledger = LedgerRow::columns(self.0.model.model.dimension()).into_iter().map(String::from);
-        ledger.chain(model_columns(&self.0.model.model)).chain(self.probe_columns(0)).collect()
+        names(history_columns(&self.0.model.model, &self.0.probes.borrow()))
     }
 
     /// Returns a column of the history; NaN where it has no value.
@@ -122,7 +121,7 @@ impl SimulationHandle {
     /// Returns all columns of the history; NaN for missing values.
     pub(super) fn all_columns(&self) -> Vec<(String, Vec<f64>)> {
         let (names, model, history) = (self.columns(), &self.0.model.model, self.0.history.borrow());
-        let own = LedgerRow::columns(model.dimension());
+        let own = Quantity::names(&LedgerRow::columns(model.dimension()));
         let mut columns = vec![Vec::with_capacity(history.len()); names.len()];
         history.visit(0, &mut |row| {
             let further = further_values(model, row).into_iter().chain(std::iter::repeat(f64::NAN));
@@ -144,11 +143,6 @@ impl SimulationHandle {
             values.push(if index < own { row.column(name) } else { further() }.unwrap_or(f64::NAN));
         });
         Some(values)
-    }
-
-    /// Names of the columns of probes from index `from` on.
-    pub(super) fn probe_columns(&self, from: usize) -> Vec<String> {
-        probe_columns(&self.0.model.model, &self.0.probes.borrow()[from..])
     }
 }
 

@@ -115,7 +115,14 @@ impl ModesHandle {
 
     /// Returns the options of pictures, and the largest deflection in them.
     fn shown(&self, options: &Options) -> Result<(PictureOptions, f64), Failure> {
-        let mut shown = shown(options, &self.0.simulation.0.model)?;
+        let mut shown = shown(options, &self.0.simulation.0)?;
+        // The size of a shape is arbitrary, and so are its units.
+        if !options.argument("unit").is_given() {
+            shown.panels.iter_mut().for_each(|panel| panel.unit.clear());
+        }
+        if !options.argument("vector_unit").is_given() {
+            shown.vectors.iter_mut().for_each(|(_, unit)| unit.clear());
+        }
         if !options.argument("field").is_given() {
             shown.panels.iter_mut().for_each(|panel| panel.field = Field::Displacement);
         }

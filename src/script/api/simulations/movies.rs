@@ -36,7 +36,7 @@ pub(super) fn movie_function() -> Function {
             let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
-            let shown = shown(&options, &handle.0.model)?;
+            let shown = shown(&options, &handle.0)?;
             if shown.section.is_some() && !handle.0.keeping.stills_inside {
                 let failure = options.argument("section").fail("the stills of this run have no inside");
                 let failure = failure.cause("of bodies in space the surface alone is recorded");

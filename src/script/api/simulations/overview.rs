@@ -15,20 +15,21 @@ impl SimulationHandle {
         let _ = self.looked();
         let Ok(simulation) = data.simulation.try_borrow() else { return self.describe() };
         let (row, options) = (simulation.row(), simulation.options());
-        let title = format!("simulation \"{}\" at t = {}, step {}", data.name, brief(row.time), row.step);
+        let title = format!("simulation \"{}\" at t = {}, step {}", data.name, data.told(brief(row.time), "time"), row.step);
         let method =
             format!("  {}, dt = {}, {} unknowns", integrator_title(&options.integrator), step_size(options), simulation.unknowns());
         let history = data.history.borrow();
         let mut worst = 0.0;
         history.visit(0, &mut |row| worst = f64::max(worst, row.energy_defect.abs()));
+        let energy = |value: f64| data.told(brief(value), "energy");
         let ledger = [
-            ("kinetic", brief(row.kinetic)),
-            ("strain", brief(row.strain)),
-            ("potential", brief(row.potential)),
-            ("total", brief(row.total())),
-            ("largest energy defect", brief(worst)),
-            ("momentum", brief_vector(&row.momentum[..simulation.dimension()])),
-            ("angular momentum", angular_text(row, simulation.dimension())),
+            ("kinetic", energy(row.kinetic)),
+            ("strain", energy(row.strain)),
+            ("potential", energy(row.potential)),
+            ("total", energy(row.total())),
+            ("largest energy defect", energy(worst)),
+            ("momentum", data.told(brief_vector(&row.momentum[..simulation.dimension()]), "mass * velocity")),
+            ("angular momentum", data.told(angular_text(row, simulation.dimension()), "mass * area/time")),
         ];
         let ledger: Vec<Vec<String>> = ledger.into_iter().map(|(name, value)| vec![name.to_string(), value]).collect();
         let mut parts = vec![title, method, table(&["ledger", ""], &ledger)];
@@ -42,7 +43,13 @@ impl SimulationHandle {
                 let active = fields.active.iter().filter(|active| **active).count();
                 let pressure = fields.pressure.iter().fold(0.0_f64, |largest, pressure| largest.max(*pressure));
                 let force = brief_vector(&fields.force[..simulation.dimension()]);
-                Some(vec![name.into(), active.to_string(), fields.active.len().to_string(), brief(pressure), force])
+                Some(vec![
+                    name.into(),
+                    active.to_string(),
+                    fields.active.len().to_string(),
+                    data.told(brief(pressure), "stress"),
+                    data.told(force, "force"),
+                ])
             })
             .collect();
         if !contacts.is_empty() {

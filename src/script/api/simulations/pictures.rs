@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use rhai::Dynamic;
 
-use super::handle::SimulationHandle;
+use super::handle::{SimulationData, SimulationHandle};
 use super::local_frames::{Geometry, frame_of, frame_parameters};
 use super::plots::ascending;
 use crate::dynamics::BodyFields;
@@ -53,7 +53,7 @@ pub(super) fn keys() -> Vec<Parameter> {
             "unit",
             Kind::Text,
             "your unit of the field, said at the color bar: `\"MPa\"`; for several fields with commas between",
-            "none",
+            "that of `units`",
         ),
         optional("title", Kind::Text, "the text above", "name of the simulation and time"),
         Parameter::new("mesh", Kind::Flag, "whether cell edges are drawn where there is room for them").or(Absent::Flag(true)),
@@ -64,10 +64,10 @@ pub(super) fn keys() -> Vec<Parameter> {
             "what is shown by arrows; those of contact end where it presses",
             "no arrows",
         ),
-        optional("vector_unit", Kind::Text, "your unit of the arrows", "none"),
+        optional("vector_unit", Kind::Text, "your unit of the arrows", "that of `units`"),
         Parameter::new("scale", Kind::Choice(names!(Measure::ALL)), "what tells lengths: a scale bar, or axes with numbers (in the plane)")
             .or(Absent::Text("bar")),
-        optional("length_unit", Kind::Text, "your unit of lengths: `\"mm\"`", "none"),
+        optional("length_unit", Kind::Text, "your unit of lengths: `\"mm\"`", "that of `units`"),
         optional(
             "view",
             Kind::Either("a direction's name or a vector from the bodies to the viewer"),
@@ -120,10 +120,11 @@ pub(super) fn picture_function() -> Function {
             let (handle, options) = (call.receiver::<SimulationHandle>(), call.options("options")?);
             let title = options.argument("title");
             let title = if title.is_given() { Some(title.text()?) } else { None };
-            let mut shown = shown(&options, &handle.0.model)?;
+            let mut shown = shown(&options, &handle.0)?;
             Ok(write_drawing(call, Some(&handle), || {
                 handle.with(call, |simulation| {
-                    shown.title = title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, brief(simulation.time())));
+                    shown.title =
+                        title.unwrap_or_else(|| format!("{} at t = {}", handle.0.name, handle.0.told(brief(simulation.time()), "time")));
                     let fields = simulation.fields();
                     refuse_empty_section(&options, &fields, &shown)?;
                     Ok(picture(&fields, &simulation.obstacles(), &shown))
@@ -147,9 +148,14 @@ fn refuse_empty_section(options: &Options, fields: &[BodyFields], shown: &Pictur
 }
 
 /// Reads the options of pictures of a model.
-pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptions, Failure> {
+pub(super) fn shown(options: &Options, data: &SimulationData) -> Result<PictureOptions, Failure> {
+    let model = &data.model;
     let geometry = Geometry::of(&model.model);
     let dimension = geometry.dimension();
+    let unit = |name: &str, dimension: &str| {
+        let argument = options.argument(name);
+        if argument.is_given() { argument.text() } else { Ok(data.unit(dimension)) }
+    };
     let text = |name: &str| {
         let argument = options.argument(name);
         if argument.is_given() { argument.text() } else { Ok(String::new()) }
@@ -166,7 +172,7 @@ pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptio
     let vectors = Vectors::ALL.iter().find(|row| row.0 == vectors).map(|row| row.2);
     let view = view(options, dimension)?;
     Ok(PictureOptions {
-        panels: panels(options, geometry)?,
+        panels: panels(options, geometry, data)?,
         title: String::new(),
         width: options.number("width")?,
         view,
@@ -174,15 +180,15 @@ pub(super) fn shown(options: &Options, model: &ModelData) -> Result<PictureOptio
         only: bodies(&options.argument("bodies"), model)?,
         is_meshed: options.flag("mesh")?,
         is_undeformed_shown: options.flag("undeformed")?,
-        vectors: vectors.zip(Some(text("vector_unit")?)),
+        vectors: vectors.zip(Some(unit("vector_unit", vectors.map_or("1", Vectors::dimension))?)),
         measure,
-        length_unit: text("length_unit")?,
+        length_unit: unit("length_unit", "length")?,
         sight: None,
     })
 }
 
 /// The fields with their ranges and units.
-fn panels(options: &Options, geometry: Geometry) -> Result<Vec<Panel>, Failure> {
+fn panels(options: &Options, geometry: Geometry, data: &SimulationData) -> Result<Vec<Panel>, Failure> {
     let argument = options.argument("field");
     let value = if argument.is_given() { argument.value() } else { Dynamic::from("von_mises") };
     let names: Option<Vec<String>> = match value.clone().into_array() {
@@ -202,8 +208,17 @@ fn panels(options: &Options, geometry: Geometry) -> Result<Vec<Panel>, Failure> 
         let example: Vec<String> = names.iter().map(|name| format!("<unit of {name}>")).collect();
         return Err(failure.label(format!("this names {}", units.len())).hint(format!("write `unit: \"{}\"`", example.join(", "))));
     }
-    let unit = |index: usize| if fields.len() == 1 { units.join(", ") } else { units.get(index).unwrap_or(&"").to_string() };
-    Ok(fields.iter().zip(ranges).enumerate().map(|(index, (&field, range))| Panel { field, range, unit: unit(index), frame }).collect())
+    let unit = |index: usize, field: Field| match fields.len() {
+        _ if !argument.is_given() => data.unit(field.dimension()),
+        1 => units.join(", "),
+        _ => units.get(index).unwrap_or(&"").to_string(),
+    };
+    Ok(fields
+        .iter()
+        .zip(ranges)
+        .enumerate()
+        .map(|(index, (&field, range))| Panel { field, range, unit: unit(index, field), frame })
+        .collect())
 }
 
 /// Ranges of `count` fields.

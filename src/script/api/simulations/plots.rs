@@ -8,7 +8,7 @@ use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use super::writing::chosen_columns;
 use crate::math::catalogue::Interval;
-use crate::output::{Curve, CurveStyle, ENERGIES, Plot, PlotAxis, above_lowest_potential};
+use crate::output::{Curve, CurveStyle, ENERGIES, Plot, PlotAxis, above_lowest_potential, pretty_unit};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::{Argument, Arguments, Options};
@@ -85,11 +85,18 @@ pub(super) fn plot() -> Function {
             };
             let labels = labels(&options, columns.len())?;
             let is_said = labels.is_some();
+            let known = handle.0.column_units();
+            let unit = |name: &str| known.get(name).map_or(String::new(), |unit| format!(" [{}]", pretty_unit(unit)));
+            let units: Vec<String> = columns.iter().map(|(name, _)| unit(name)).collect();
+            // One unit of all curves stands at the axis, several stand in the legend.
+            let is_common = units.iter().all(|unit| *unit == units[0]);
+            let label = if is_common { format!("{label}{}", units[0]).trim_start().to_string() } else { label };
             let curve = |(index, (name, y)): (usize, &mut (String, Vec<f64>))| Curve {
                 label: match &labels {
                     Some(labels) => labels[index].clone(),
                     None if is_energies => name.clone(),
-                    None => words(name),
+                    None if is_common => words(name),
+                    None => format!("{}{}", words(name), units[index]),
                 },
                 is_sum: name == "total",
                 x: x.clone(),
@@ -97,7 +104,7 @@ pub(super) fn plot() -> Function {
                 ..Curve::default()
             };
             let mut curves: Vec<Curve> = columns.iter_mut().enumerate().map(curve).collect();
-            let mut plot = look(&options, &handle.0.name, [words(&x_name), label])?;
+            let mut plot = look(&options, &handle.0.name, [format!("{}{}", words(&x_name), unit(&x_name)), label])?;
             if is_energies && !is_said && plot.y.range.is_none() && !plot.y.is_logarithmic {
                 above_lowest_potential(&mut curves);
             }

@@ -4,7 +4,7 @@
 
 use rhai::{Array, Dynamic};
 
-use super::columns::Probe;
+use super::columns::{Probe, probe_columns};
 use super::fields::{at_shares, name_parameter};
 use super::handle::{SimulationHandle, busy};
 use super::local_frames::{Geometry, frame_of, frame_parameters};
@@ -70,7 +70,7 @@ impl SimulationHandle {
         let known = data.probes.borrow().len();
         data.probes.borrow_mut().push(probe);
         if let Some(artifacts) = data.artifacts.borrow_mut().as_mut() {
-            artifacts.add_columns(&self.probe_columns(known))?;
+            artifacts.add_columns(probe_columns(&data.model.model, &data.probes.borrow()[known..]))?;
         }
         let mut rows = data.history.borrow().clone();
         rows.replace_last(row);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rhai::Dynamic;
 use serde_json::Value;
 
-use super::columns::{further_values, model_columns, probe_columns};
+use super::columns::{further_values, model_columns, names, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, busy};
 use super::integrators::title;
 use super::step_control::step_size;
@@ -13,9 +13,9 @@ use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{
     BodyDefinition, EnergyAccount, Enforcement, Gear, Interaction, JointDefinition, JointKind, LedgerRow, Model, Partner, PlacedObstacle,
-    Rows, Simulation, default_rule,
+    Quantity, Rows, Simulation, default_rule,
 };
-use crate::output::{Field, History, Report, ReportTable, Still, kept_rows, report, shapes};
+use crate::output::{Field, History, Report, ReportTable, Still, kept_rows, pretty_unit, report, shapes};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
@@ -99,6 +99,7 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
         skins: recording.bodies(),
         stills: &stills,
         obstacles: placed(model),
+        units: data.listed_units(),
     })
 }
 
@@ -134,19 +135,19 @@ pub fn scripts(host: &Host) -> Vec<(String, String)> {
 /// Columns of the history in the reported rows.
 fn columns(data: &SimulationData, history: &History, rows: &[usize]) -> Vec<(String, Vec<f64>)> {
     let model = &data.model.model;
-    let names = LedgerRow::columns(model.dimension());
-    let mut own_values = vec![Vec::with_capacity(rows.len()); names.len()];
+    let ledger = Quantity::names(&LedgerRow::columns(model.dimension()));
+    let mut own_values = vec![Vec::with_capacity(rows.len()); ledger.len()];
     let mut further: Vec<Vec<f64>> = Vec::with_capacity(rows.len());
     let (mut index, mut wanted) = (0, rows.iter().copied().peekable());
     history.visit(0, &mut |row| {
         if wanted.next_if_eq(&index).is_some() {
             further.push(further_values(model, row));
-            own_values.iter_mut().zip(&names).for_each(|(values, name)| values.push(row.column(name).unwrap_or(f64::NAN)));
+            own_values.iter_mut().zip(&ledger).for_each(|(values, name)| values.push(row.column(name).unwrap_or(f64::NAN)));
         }
         index += 1;
     });
-    let own = names.iter().map(|name| name.to_string()).zip(own_values);
-    let extra = model_columns(model).into_iter().chain(probe_columns(model, &data.probes.borrow()));
+    let own = ledger.iter().map(|name| name.to_string()).zip(own_values);
+    let extra = names(model_columns(model)).into_iter().chain(names(probe_columns(model, &data.probes.borrow())));
     let extra = extra.enumerate().map(|(index, name)| {
         let values = further.iter().map(|values| values.get(index).copied().unwrap_or(f64::NAN));
         (name, values.collect())
@@ -236,14 +237,16 @@ fn summary(host: &Host, data: &SimulationData, simulation: &Simulation, stills: 
         depth = depth.max(row.max_penetration);
     });
     let row = simulation.row();
-    let steps = format!("to t = {} in {}, {}", brief(row.time), count(row.step, "step", "steps"), count(halved, "halving", "halvings"));
+    let told = |number: f64, dimension| data.told(brief(number), dimension);
+    let steps =
+        format!("to t = {} in {}, {}", told(row.time, "time"), count(row.step, "step", "steps"), count(halved, "halving", "halvings"));
     let method = format!("{}, dt {}, {} unknowns", title(&options.integrator).replace('_', " "), step_size(options), simulation.unknowns());
     let energy = format!(
         "kinetic {}, strain {}, potential {}, total {}",
-        brief(row.kinetic),
-        brief(row.strain),
-        brief(row.potential),
-        brief(row.total())
+        told(row.kinetic, "energy"),
+        told(row.strain, "energy"),
+        told(row.potential, "energy"),
+        told(row.total(), "energy")
     );
     let account = EnergyAccount::of(&*history).to_string();
     let account = if account.is_empty() { "kept to round-off".to_string() } else { account };
@@ -251,20 +254,27 @@ fn summary(host: &Host, data: &SimulationData, simulation: &Simulation, stills: 
         let index = Field::ALL.iter().position(|(name, ..)| *name == wanted)?;
         let still = stills.iter().max_by(|a, b| a.extremes[index][1].total_cmp(&b.extremes[index][1]))?;
         let value = still.extremes[index][1];
-        (value > 0.0 && value.is_finite()).then(|| format!("{} {} at t = {}", Field::ALL[index].1, brief(value), brief(still.time)))
+        (value > 0.0 && value.is_finite()).then(|| {
+            let (_, words, field) = Field::ALL[index];
+            format!("{words} {} at t = {}", told(value, field.dimension()), told(still.time, "time"))
+        })
     };
     let is_soft = model.bodies.iter().any(|body| body.rigid.is_none());
     let peaks = ["von_mises", "contact_pressure", "displacement", "velocity"].into_iter().filter(|name| is_soft || *name != "von_mises");
     let peaks: Vec<String> = peaks.filter_map(peak).collect();
+    let units = data.units.as_ref().map(|units| units.set.overview()).unwrap_or_default();
+    let units: Vec<String> = units.into_iter().map(|(name, unit)| format!("{name} {}", pretty_unit(&unit))).collect();
+    let energy_since = format!("energy since the start{}", data.bracketed("energy"));
     let lines = [
         ("model", parts.join(", ")),
+        ("units", units.join(", ")),
         ("outcome", ending.map(|ending| ending.outcome.clone()).unwrap_or_default()),
         ("time", steps),
         ("method", method),
         ("energy at the end", energy),
-        ("energy since the start", account),
+        (&energy_since, account),
         ("peaks of the pictures", peaks.join("; ")),
-        ("largest overlap", if contacts > 0 { brief(depth) } else { String::new() }),
+        ("largest overlap", if contacts > 0 { told(depth, "length") } else { String::new() }),
         ("checks", if host.checks() > 0 { format!("{} held", host.checks()) } else { String::new() }),
         ("program", format!("Conserva {}", env!("CARGO_PKG_VERSION"))),
     ];

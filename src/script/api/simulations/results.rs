@@ -1,5 +1,7 @@
 //! Results at paths given by a script, below the run's output folder, and plots drawn with characters in the terminal.
 
+use std::sync::Arc;
+
 use rhai::Dynamic;
 
 use super::artifacts::has_surfaces;
@@ -44,11 +46,14 @@ fn write_fields() -> Function {
         see_also: &["picture", "simulate"],
         body: body(|call| {
             let handle = call.receiver::<SimulationHandle>();
-            let content = || handle.with(call, |simulation| Frame::new(simulation.time(), &simulation.fields()).encode());
+            let units = || handle.0.units.clone().map(Arc::new);
+            let content = || handle.with(call, |simulation| Frame::new(simulation.time(), &simulation.fields()).in_units(units()).encode());
             let written = write(call, Some(&handle), &[".vtu"], content)?;
             if has_surfaces(&handle.0.model.model) && !call.host.is_check() {
                 let path = call.text("path")?.replace(".vtu", "_contacts.vtu");
-                let frame = |simulation: &Simulation| Frame::of_contacts(simulation.time(), &simulation.contact_surfaces()).encode();
+                let frame = |simulation: &Simulation| {
+                    Frame::of_contacts(simulation.time(), &simulation.contact_surfaces()).in_units(units()).encode()
+                };
                 write_at(call, Some(&handle), &path, &handle.with(call, frame)?)?;
             }
             let has_obstacles = handle.0.model.model.interactions.iter().any(|all| matches!(all.partner, Partner::Obstacle { .. }));
@@ -56,7 +61,7 @@ fn write_fields() -> Function {
                 let path = call.text("path")?.replace(".vtu", "_obstacles.vtu");
                 let frame = |simulation: &Simulation| {
                     let around = Surroundings::of_bodies(&simulation.fields());
-                    Frame::of_obstacles(simulation.time(), &simulation.obstacles(), &around).encode()
+                    Frame::of_obstacles(simulation.time(), &simulation.obstacles(), &around).in_units(units()).encode()
                 };
                 write_at(call, Some(&handle), &path, &handle.with(call, frame)?)?;
             }

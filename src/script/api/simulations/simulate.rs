@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::{Artifacts, Keeping, Start};
+use super::artifacts::{Artifacts, Columns, Keeping, Start};
 use super::columns::{Probe, probe_columns};
-use super::doubts::warn_of_mixed_units;
+use super::doubts::warn_of_numbers;
 use super::following;
 use super::handle::{SimulationData, SimulationHandle, Simulations};
 use super::integrators::{IntegratorHandle, title};
@@ -32,6 +32,7 @@ use crate::script::api::motion::Motion;
 use crate::script::api::nested_runs::{current_motion, is_study};
 use crate::script::api::parameters::check_overrides;
 use crate::script::api::remedies::ScriptWords;
+use crate::script::api::units::{DeclaredUnits, Units, model_units};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::digits::{brief, brief_vector, number_text};
@@ -172,9 +173,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
         );
     }
     warn_of_units(call, &model.model, kernel_dt);
-    if !integrator.is_static() {
-        warn_of_mixed_units(call, &model.model);
-    }
+    warn_of_numbers(call, &model.model, !integrator.is_static());
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = new_history(call.host, simulation.row())?;
     let so_far = SoFar { history, probes: Vec::new(), spent: begun.elapsed() };
@@ -337,6 +336,10 @@ pub fn create(
     let name = unique_name(call.host, &model.model.name);
     // The first simulation writes into the folder of the run itself.
     let below = Some(name.as_str()).filter(|_| !Simulations::of(call.host).0.borrow().is_empty());
+    DeclaredUnits::settle(call.host);
+    // The numbers of a model that a check moves into other units are not in the declared ones.
+    let is_same = motion.is_none_or(|motion| motion.units == Units::SAME);
+    let units = model_units(call.host, &model.model).filter(|_| is_same);
     let journal = Journal::of(call.host);
     journal.begin(call.host).map_err(|error| output_failure(&error))?;
     let start = if journal.is_recalling() { Start::Recalled } else { Start::Anew };
@@ -344,7 +347,8 @@ pub fn create(
     let journal = number.map(|number| (journal, number));
     let columns = probe_columns(&model.model, &probes);
     let first = history.row(0).unwrap_or_default();
-    let mut artifacts = Artifacts::create(call.host, below, &model.model, keeping, &first, columns, start)?;
+    let mut artifacts =
+        Artifacts::create(call.host, below, &model.model, keeping, &first, Columns { probes: columns, units: units.clone() }, start)?;
     if let Some(artifacts) = &mut artifacts {
         artifacts.rewrite(&history.first(1), &history, &simulation)?;
     }
@@ -373,6 +377,7 @@ pub fn create(
         is_behind: Cell::new(false),
         journal,
         is_known: Cell::new(true),
+        units,
     };
     let handle = SimulationHandle(Rc::new(data));
     following::begin(call.host, &handle);

@@ -2,8 +2,8 @@
 
 use super::handle::SimulationHandle;
 use super::writing::chosen_columns;
-use crate::dynamics::LedgerRow;
-use crate::output::{Column, Table, parquet};
+use crate::dynamics::{LedgerRow, Quantity};
+use crate::output::{Column, Table, parquet_in_units};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::{path_parameter, write};
 use crate::script::language::arguments::Arguments;
@@ -34,7 +34,8 @@ pub fn table() -> Function {
             let table = columns(call, &handle)?;
             let is_parquet = call.text("path")?.ends_with(".parquet");
             let content = || match is_parquet {
-                true => parquet(&table).map_err(|refused| call.fail("the table cannot be written as Parquet").cause(refused)),
+                true => parquet_in_units(&table, &handle.0.column_units())
+                    .map_err(|refused| call.fail("the table cannot be written as Parquet").cause(refused)),
                 false => Ok(table.to_csv()),
             };
             Ok(write(call, Some(&handle), &[".csv", ".parquet"], content)?)
@@ -52,7 +53,7 @@ fn columns(call: &Call, handle: &SimulationHandle) -> Result<Table, Failure> {
             return Err(failure.hint("a table has each column once"));
         }
     }
-    let ledger = LedgerRow::columns(handle.0.model.model.dimension());
+    let ledger = Quantity::names(&LedgerRow::columns(handle.0.model.model.dimension()));
     let column = |(name, values): (String, Vec<f64>)| Column::of_history(&name, values, ledger.contains(&name.as_str()));
     Ok(Table { columns: chosen.into_iter().map(column).collect() })
 }

@@ -60,7 +60,7 @@ impl SimulationHandle {
     /// Describes the energy changes of the run so far in one line; `None` if below round-off.
     pub fn energy_line(&self, host: &Host) -> Option<String> {
         let account = EnergyAccount::of(&*self.0.history.borrow()).to_string();
-        (!account.is_empty()).then(|| format!("energy: {}{account}", self.prefix(host)))
+        (!account.is_empty()).then(|| format!("energy{}: {}{account}", self.0.bracketed("energy"), self.prefix(host)))
     }
 
     /// True if the results so far should not be trusted.

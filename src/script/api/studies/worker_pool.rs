@@ -15,6 +15,7 @@ use std::time::Duration;
 
 use crate::script::api::nested_runs::begin_study;
 use crate::script::api::parameters::Overrides;
+use crate::script::api::units::DeclaredUnits;
 use crate::script::language::callback::Callback;
 use crate::script::language::diagnostics::defect;
 use crate::script::language::failure::{Class, Failure};
@@ -179,7 +180,8 @@ fn blueprint(call: &Call, threads: usize) -> Option<Blueprint> {
         ..host.settings.clone()
     };
     let program = host.slots.get::<Program>().0.borrow().clone();
-    Some(Blueprint { settings, home: host.sandbox.home().into(), main, sources: host.sources.clone(), program, imports, constants })
+    let (sources, units) = (host.sources.clone(), DeclaredUnits::names(host));
+    Some(Blueprint { settings, home: host.sandbox.home().into(), main, sources, program, imports, constants, units })
 }
 
 /// A point to compute.
@@ -430,6 +432,7 @@ mod tests {
             program: Vec::new(),
             imports: Vec::new(),
             constants: Vec::new(),
+            units: Vec::new(),
         };
         let closure = Carried { name: name.into(), captured: Vec::new(), reading: |_, _| Ok(Plain::Nothing) };
         Threads::begin(|_| Some(Box::new(Doubler(false))), &blueprint, &closure, count)
