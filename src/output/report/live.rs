@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::followed::Followed;
+use super::marks::Mark;
 use super::rows::{MEASURES, ROWS, measures};
 use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, LedgerRow, PlacedObstacle};
@@ -33,6 +34,8 @@ pub struct LiveModel {
     pub skins: Vec<Skin>,
     /// The different shapes of rigid obstacles.
     pub obstacles: Vec<PlacedObstacle>,
+    /// Symbols of supports, loads, springs and joints.
+    pub marks: Vec<Mark>,
 }
 
 /// Description of a simulation's problem in the report; a script may extend the description while the run goes on.
@@ -353,7 +356,8 @@ mod tests {
     use super::*;
 
     fn simulation(live: &Arc<LiveReport>) -> LiveSimulation {
-        let model = LiveModel { name: "a".into(), contacts: Vec::new(), bodies: Vec::new(), skins: Vec::new(), obstacles: Vec::new() };
+        let (contacts, bodies, skins, obstacles, marks) = Default::default();
+        let model = LiveModel { name: "a".into(), contacts, bodies, skins, obstacles, marks };
         LiveSimulation::begin(live, model, vec!["step".into()])
     }
 

@@ -194,6 +194,11 @@ impl Artifacts {
         self.csv.add_columns(names).map_err(|error| output_failure(&error))
     }
 
+    /// Files of the simulation's folder.
+    pub fn files(&self) -> &RunFiles {
+        &self.files
+    }
+
     /// Writes a file below the simulation's folder.
     ///
     /// # Errors

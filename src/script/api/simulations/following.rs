@@ -4,7 +4,7 @@ use super::columns::{model_columns, probe_columns};
 use super::handle::SimulationHandle;
 use super::reports::{findings, parameters, placed, scripts, tables};
 use crate::dynamics::LedgerRow;
-use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation};
+use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation, marks};
 use crate::script::language::host::Host;
 
 /// Passes a new simulation to readers, if any.
@@ -13,12 +13,14 @@ pub fn begin(host: &Host, handle: &SimulationHandle) {
     let (Some(live), mut artifacts) = (&host.settings.live, data.artifacts.borrow_mut()) else { return };
     let Some(artifacts) = artifacts.as_mut() else { return };
     let model = &data.model.model;
+    let skins = artifacts.recording().bodies().to_vec();
     let shown = LiveModel {
         name: data.name.clone(),
         contacts: model.contact_names().into_iter().map(String::from).collect(),
         bodies: model.bodies.clone(),
-        skins: artifacts.recording().bodies().to_vec(),
         obstacles: placed(model),
+        marks: marks(model, &skins),
+        skins,
     };
     let own = LedgerRow::columns(model.dimension()).into_iter().map(String::from);
     let columns = own.chain(model_columns(model)).chain(probe_columns(model, &data.probes.borrow()));
@@ -53,7 +55,7 @@ pub fn end(host: &Host, handle: &SimulationHandle, outcome: &str, is_well: bool)
     let (Ok(simulation), mut artifacts) = (data.simulation.try_borrow(), data.artifacts.borrow_mut()) else { return };
     let Some(artifacts) = artifacts.as_mut().filter(|_| host.settings.live.is_some()) else { return };
     let history = data.history.borrow();
-    let (found, stills) = (findings(&simulation, &history), artifacts.stills(&simulation, history.len() - 1));
+    let (found, stills) = (findings(host, data, &simulation, &history), artifacts.stills(&simulation, history.len() - 1));
     if let Some(live) = artifacts.live() {
         live.stills(&stills);
         live.tell(LiveProblem { scripts: scripts(host), parameters: parameters(host), tables: tables(data, &simulation) });
