@@ -7,7 +7,7 @@ use clap::Args;
 use super::complaint::refuse;
 use super::console::{Console, complain, ink};
 use super::process::exit_code;
-use crate::output::{OutputError, ReportPage, RunFiles, RunFolder, labels, report_of_several};
+use crate::output::{OutputError, ReadError, ReportPage, RunFiles, RunFolder, labels, report_of_several};
 use crate::script::{Class, Diagnostic};
 
 /// Largest number of runs on a page: as many as there are colors that the eye tells apart.
@@ -30,9 +30,8 @@ pub struct Arguments {
 /// Writes the page; returns the exit code.
 pub fn report(arguments: Arguments) -> u8 {
     let Arguments { runs, out } = arguments;
-    if let Some(message) = refused(&runs, &out) {
-        complain(&message.render(ink()));
-        return exit_code(Class::Script);
+    if let Some(error) = refused(&runs, &out) {
+        return refuse(&error);
     }
     let mut pages = Vec::new();
     for (path, label) in runs.iter().zip(labels(&runs)) {
@@ -56,25 +55,24 @@ pub fn report(arguments: Arguments) -> u8 {
     }
 }
 
-/// Message on arguments that make no page; `None` if they do.
-fn refused(runs: &[PathBuf], out: &Path) -> Option<Diagnostic> {
-    let error = |title: String| Diagnostic::error(Class::Script, title).code("C0921");
+/// Error of arguments that make no page; `None` if they do.
+fn refused(runs: &[PathBuf], out: &Path) -> Option<ReadError> {
     if let [only] = runs {
         let hint = format!("the page of this run is {}; name a second run to compare it with", only.join("report.html").display());
-        return Some(error("one run is nothing to compare".into()).hint(hint));
+        return Some(ReadError::new(only, "is one run, and nothing to compare", hint));
     }
-    if runs.len() > MOST {
+    if let Some(beyond) = runs.get(MOST) {
         let hint = "choose the runs that matter, or make a table of all by `conserva sweep` or `conserva list`";
-        return Some(error(format!("{} runs are too many for one page, which has room for {MOST}", runs.len())).hint(hint));
+        return Some(ReadError::new(beyond, format!("is one of {} runs, and a page has room for {MOST}", runs.len()), hint));
     }
     let place = |path: &PathBuf| path.canonicalize().unwrap_or_else(|_| path.clone());
     let is_twice = |(index, path): &(usize, &PathBuf)| runs[..*index].iter().any(|other| place(other) == place(path));
     if let Some((_, path)) = runs.iter().enumerate().find(is_twice) {
-        return Some(error(format!("\"{}\" is named twice", path.display())).hint("name each run once"));
+        return Some(ReadError::new(path, "is named twice", "name each run once"));
     }
     let is_page = out.extension().is_some_and(|ending| ending == "html" || ending == "htm");
     let hint = format!("write `--out {}`", out.with_extension("html").display());
-    (!is_page).then(|| error(format!("the page \"{}\" must end with `.html`", out.display())).hint(hint))
+    (!is_page).then(|| ReadError::new(out, "is no name of a page, which ends with `.html`", hint))
 }
 
 fn written(out: &Path, page: &[u8]) -> Result<(), OutputError> {

@@ -127,16 +127,13 @@ class Comparison {
     const names = [...new Set(sides.flatMap(({ data }) => data.scripts.map(({ name }) => name)))];
     const text = ({ data }, name) => data.scripts.find((script) => script.name === name)?.text;
     for (const name of names) {
-      const base = text(sides[0], name);
-      for (const side of sides.slice(1)) {
-        const other = text(side, name);
-        if (other === base) continue;
-        found.push(element("h3", { textContent: `${name}: ${labels[0]} and ${side.label}` }), differenceOf(base ?? "", other ?? ""));
+      const owners = sides.filter((side) => text(side, name) !== undefined), [base, ...others] = owners;
+      if (owners.length < sides.length) found.push(element("p", { textContent: `Only a script of ${owners.map(({ label }) => label).join(", ")}: ${name}` }));
+      for (const side of others) {
+        if (text(side, name) === text(base, name)) continue;
+        found.push(element("h3", { textContent: `${name}: ${base.label} and ${side.label}` }), differenceOf(text(base, name), text(side, name)));
       }
     }
-    // Of a script in one file with another name: the main scripts.
-    const mains = sides.map(({ data }) => data.scripts[0]?.name);
-    if (new Set(mains).size > 1) found.unshift(element("p", { textContent: `The scripts have different names: ${mains.join(", ")}.` }));
     $("difference-list").append(...(found.length ? found : [element("p", { textContent: "None: parameters, models and scripts are equal." })]));
     const all = parameters.length ? [element("h3", { textContent: "Parameters" }), tableOf({ title: "Parameters", head: ["parameter", ...labels], rows: values })] : [];
     for (const title of titles) all.push(element("h3", { textContent: title }), tableOf({ title, ...merged.get(title) }));

@@ -156,7 +156,7 @@ class Film {
       const h = at + 8 * components + c * nodes, l = h + components * nodes;
       let word = 0;
       for (let i = 0; i <= node; i += 1) word = (word + (bytes[h + i] << 8) + bytes[l + i]) & 65535;
-      values.push([least + (greatest - least) / 65535 * word]);
+      values.push([Math.fround(least + (greatest - least) / 65535 * word)]);
     }
     at += components * (8 + 2 * nodes);
     const count = view.getUint32(at, true), touching = [], slip = [], pressure = [];

@@ -29,7 +29,6 @@ use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::digits::{brief, brief_vector, number_text, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
 use crate::script::language::host::Host;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::wording::joined;
