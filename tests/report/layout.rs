@@ -66,30 +66,34 @@ const FAULTS: &str = r#"(async () => {
   const faults = [], shown = (e) => e.checkVisibility() && e.getClientRects().length > 0;
   const name = (e) => `${e.tagName.toLowerCase()}#${e.id}.${e.className.baseVal ?? e.className} "${e.textContent.trim().slice(0, 30)}"`;
   if (document.documentElement.scrollWidth > innerWidth) faults.push(`the page is ${document.documentElement.scrollWidth} wide`);
-  const covers = (a, b, by = 1) => a.left < b.right - by && b.left < a.right - by && a.top < b.bottom - by && b.top < a.bottom - by;
+  const box = (e) => e.getBoundingClientRect(), by = 1;
+  const covers = (a, b) => a.left < b.right - by && b.left < a.right - by && a.top < b.bottom - by && b.top < a.bottom - by;
   const apart = (elements, what) => elements.forEach((a, k) => elements.slice(k + 1).forEach((b) => {
-    if (!a.contains(b) && !b.contains(a) && covers(a.getBoundingClientRect(), b.getBoundingClientRect())) faults.push(`${what} overlap: ${name(a)} and ${name(b)}`);
+    if (!a.contains(b) && !b.contains(a) && covers(box(a), box(b))) faults.push(`${what} overlap: ${name(a)} and ${name(b)}`);
   }));
   apart([...document.querySelectorAll("main > section, header, footer")].filter(shown), "sections");
   const inScroll = (e) => e.closest(".rows, .wide, pre, #tip");
-  apart([...document.querySelectorAll("button, select, input, output, nav a, h1, h2, h3, figcaption, .badge, .legend li, p")].filter((e) => shown(e) && !inScroll(e)), "elements");
+  const parts = "canvas, .scale, button, select, input, output, nav a, h1, h2, h3, figcaption, .badge, .legend li, p";
+  apart([...document.querySelectorAll(parts)].filter((e) => shown(e) && !inScroll(e)), "elements");
   for (const drawing of document.querySelectorAll("figure svg[role=img]")) {
     const frame = drawing.getBoundingClientRect(), texts = [...drawing.querySelectorAll("text")];
     apart(texts, "labels");
     for (const text of texts) {
-      const at = text.getBoundingClientRect();
-      if (at.left < frame.left - 1 || at.right > frame.right + 1 || at.top < frame.top - 1 || at.bottom > frame.bottom + 1) faults.push(`cut: ${name(text)}`);
+      const at = text.getBoundingClientRect(), isIn = at.left > frame.left - 1 && at.right < frame.right + 1;
+      if (!isIn || at.top < frame.top - 1 || at.bottom > frame.bottom + 1) faults.push(`cut: ${name(text)}`);
     }
   }
   for (const e of document.querySelectorAll("h1, h2, h3, p, dt, dd, li, button, output, figcaption, label, .marks span")) {
-    if (shown(e) && !inScroll(e) && e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== "inline") faults.push(`cut: ${name(e)}`);
+    const isCut = e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== "inline";
+    if (isCut && shown(e) && !inScroll(e)) faults.push(`cut: ${name(e)}`);
   }
   for (const scene of window.conserva?.sides?.map((side) => side.scene) ?? (window.conserva ? [conserva.scene] : [])) {
     for (let k = 0; k < scene.data.stills.length; k += 5) {
       scene.film.show(k);
       scene.project(1);
       const { width, height } = scene.canvas;
-      if (scene.places.some((p) => p.some((x, i) => (i % 3 === 0 && !(x >= 0 && x <= width)) || (i % 3 === 1 && !(x >= 0 && x <= height))))) faults.push(`a body leaves the frame in still ${k}`);
+      const isOut = (x, i) => (i % 3 === 0 && !(x >= 0 && x <= width)) || (i % 3 === 1 && !(x >= 0 && x <= height));
+      if (scene.places.some((p) => p.some(isOut))) faults.push(`a body leaves the frame in still ${k}`);
     }
   }
   return [...new Set(faults)].slice(0, 20);
@@ -118,11 +122,13 @@ fn looked_at(page: &mut Browser, path: &Path, axe: Option<&str>) {
             let what = format!("{} at {width}, {theme}", path.display());
             assert_eq!(page.evaluate(FAULTS), json!([]), "{what}");
             assert_eq!(page.complaints, Vec::<Value>::new(), "{what}");
-            let dark = "(() => { const [r, g, b] = getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number); return r + g + b < 200; })()";
+            let dark = "(() => { const [r, g, b] = getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number); \
+                        return r + g + b < 200; })()";
             assert_eq!(page.evaluate(dark), json!(theme == "dark"), "{what}");
             let Some(axe) = axe else { continue };
             page.evaluate(&format!("{axe}; true"));
-            let run = "axe.run(document).then(({ violations }) => violations.filter(({ impact }) => ['serious', 'critical'].includes(impact)) \
+            let run = "axe.run(document).then(({ violations }) => violations \
+                       .filter(({ impact }) => ['serious', 'critical'].includes(impact)) \
                        .map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target).slice(0, 3).join(' | ')}`))";
             assert_eq!(page.evaluate(run), json!([]), "{what}");
         }

@@ -41,9 +41,11 @@ fn a_page_shows_nodes_over_time_and_the_symbols_of_the_problem() {
     let out = run(&folder, PARTS, "out");
     page.open(&out.join("report.html"));
     // A value of a node, alone and of the whole field, in every still.
-    let same = "(() => { const { film, bodies, data } = conserva; let worst = 0; for (const { name } of data.fields) for (const k of [0, 17, data.stills.length - 1]) { \
+    let same = "(() => { const { film, bodies, data } = conserva; let worst = 0; \
+                for (const { name } of data.fields) for (const k of [0, 17, data.stills.length - 1]) { \
                 film.show(k); bodies.forEach((body, b) => { const all = film.field(name, b, new Float32Array(body.nodes)); \
-                for (let i = 0; i < body.nodes; i += 3) worst = Math.max(worst, Math.abs(all[i] - film.valueAt(name, k, b, i)) / (1e-9 + Math.abs(all[i]))); }); } return worst; })()";
+                for (let i = 0; i < body.nodes; i += 3) { const off = Math.abs(all[i] - film.valueAt(name, k, b, i)); \
+                worst = Math.max(worst, off / (1e-9 + Math.abs(all[i]))); } }); } return worst; })()";
     assert!(page.evaluate(same).as_f64().unwrap() < 1e-5);
     // Typed with the keyboard: its curve ends at the value that the script has found.
     let summary: Value = serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
@@ -71,7 +73,8 @@ fn a_page_shows_nodes_over_time_and_the_symbols_of_the_problem() {
         assert!((found - expected).abs() < 1e-3 * expected.abs(), "{field}: {found} {expected}");
     }
     // A click on a node adds it, a number that is none is told.
-    let place = "(() => { document.getElementById('canvas').scrollIntoView(); const s = conserva.scene, p = s.places[1], b = s.canvas.getBoundingClientRect(); \
+    let place = "(() => { document.getElementById('canvas').scrollIntoView(); \
+                 const s = conserva.scene, p = s.places[1], b = s.canvas.getBoundingClientRect(); \
                  return [b.left + p[0] / s.fineness, b.top + p[1] / s.fineness]; })()";
     let at = page.evaluate(place);
     for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {

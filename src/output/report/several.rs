@@ -103,7 +103,9 @@ fn page_in(path: &Path) -> Result<PathBuf, ReadError> {
 
 /// Returns labels of runs that tell them apart: the ends of their paths, as short as possible.
 pub fn labels(paths: &[PathBuf]) -> Vec<String> {
-    let parts = |path: &PathBuf| -> Vec<String> { path.components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect() };
+    let folder = |path: &PathBuf| if path.ends_with(NAME) { path.parent().unwrap_or(path).to_path_buf() } else { path.clone() };
+    let parts =
+        |path: &PathBuf| -> Vec<String> { folder(path).components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect() };
     let all: Vec<Vec<String>> = paths.iter().map(parts).collect();
     let end = |parts: &Vec<String>, count: usize| parts[parts.len().saturating_sub(count)..].join("/");
     let label = |parts: &Vec<String>| {
@@ -135,7 +137,7 @@ mod tests {
 
     #[test]
     fn labels_are_the_shortest_ends_that_differ() {
-        let paths = ["out/a/run", "out/b/run", "out/c", "c.html"].map(PathBuf::from);
+        let paths = ["out/a/run", "out/b/run/report.html", "out/c", "c.html"].map(PathBuf::from);
         assert_eq!(labels(&paths), ["a/run", "b/run", "c", "c.html"]);
     }
 

@@ -332,7 +332,7 @@ class Page {
     const name = nodeName(this.bodies[found.body], found.node);
     tip.textContent = field.name === "body" ? name : `${name}: ${titled(field)} ${told}`;
     tip.style.left = `${Math.min(event.offsetX + 14, Math.max($("canvas").clientWidth - tip.offsetWidth - 4, 0))}px`;
-    tip.style.top = `${event.offsetY + 14}px`;
+    tip.style.top = `${$("canvas").offsetTop + event.offsetY + 14}px`;
   }
 
   // Unpacks the stills; the first picture is shown as soon as it is there, and the view fits all of them in the end.

@@ -72,25 +72,29 @@ const drawMarks = (scene, look) => {
     lines[color].push([start, end], [end, [end[0] - head * ux - 0.45 * head * uy, end[1] - head * uy + 0.45 * head * ux]], [end, [end[0] - head * ux + 0.45 * head * uy, end[1] - head * uy - 0.45 * head * ux]]);
   };
   const ring = (color, [x, y], radius) => lines[color].push(Array.from({ length: 17 }, (_, k) => [x + radius * Math.cos(k * Math.PI / 8), y + radius * Math.sin(k * Math.PI / 8)]));
-  const middle = bodies.map(({ points, nodes }) => {
+  const boxes = bodies.map(({ points, nodes }) => {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (let i = 0; i < 3 * nodes; i += 1) [low[i % 3], high[i % 3]] = [Math.min(low[i % 3], points[i]), Math.max(high[i % 3], points[i])];
-    return low.map((x, d) => 0.5 * (x + high[d]));
+    return low.map((x, d) => [0.5 * (x + high[d]), 0.5 * (high[d] - x)]);
   });
+  // Outward from the middle of a body: along an axis from a side of its box.
+  const outward = ({ body, nodes }) => {
+    const { points } = bodies[body], from = boxes[body].map(([center, half], d) => (half > 0 ? (points[3 * nodes[0] + d] - center) / half : 0));
+    const side = from.findLastIndex((x) => Math.abs(x) > 0.99);
+    return side < 0 ? unit(from) : from.map((x, d) => (d === side ? Math.sign(x) : 0));
+  };
   const draw = {
-    // A triangle for each held direction, on the outer side of the node.
+    // A triangle outside of the node: one where all directions are held, else one for each.
     support: ({ held, kind }, p, place) => {
-      const [x, y] = scene.place(p);
-      held.forEach((isHeld, d) => {
-        if (!isHeld || d >= data.dimension) return;
-        const side = place.body === undefined || p[d] <= middle[place.body][d] ? -1 : 1;
-        const [ux, uy] = flat([0, 1, 2].map((e) => (e === d ? side : 0))), height = 0.9 * size, half = 0.5 * size;
-        const base = [x + height * ux, y + height * uy], shown = Math.hypot(ux, uy);
-        if (shown < 0.15) return;
-        const across = [-uy / shown * half, ux / shown * half];
+      const [x, y] = scene.place(p), all = held.slice(0, data.dimension), out = outward(place);
+      const directions = all.every((isHeld) => isHeld) ? [out] : all.flatMap((isHeld, d) => (isHeld ? [[0, 1, 2].map((e) => (e === d ? (out[d] > 0 ? 1 : -1) : 0))] : []));
+      for (const direction of directions) {
+        const [ux, uy] = flat(direction), height = 0.9 * size, half = 0.5 * size, shown = Math.hypot(ux, uy);
+        if (shown < 0.15) continue;
+        const base = [x + height * ux, y + height * uy], across = [-uy / shown * half, ux / shown * half];
         const triangle = [[x, y], [base[0] + across[0], base[1] + across[1]], [base[0] - across[0], base[1] - across[1]], [x, y]];
         (kind === "support" ? filled.held : lines.held).push(triangle);
-      });
+      }
     },
     load: ({ along }, p) => arrow("load", scene.place(p), along),
     // Into the body, from the outer side of the facet.

@@ -39,7 +39,7 @@ impl Printed {
     }
 }
 
-/// Pictures and movies that a script drew: name of the simulation in whose folder a file is (`None`: folder of the run), and its path there.
+/// Pictures and movies that a script drew: simulation in whose folder a file is (`None`: folder of the run), and its path there.
 #[derive(Default)]
 pub struct Pictures(RefCell<Vec<(Option<String>, String)>>);
 
