@@ -143,8 +143,7 @@ fn connect(engine: &mut Engine, host: &Rc<Host>) {
     let printing = Rc::downgrade(host);
     let print = move |text: &str| {
         if let Some(host) = printing.upgrade() {
-            Printed::note(&host, text);
-            host.observer.print(text);
+            Printed::show(&host, text);
         }
     };
     engine.on_print(print.clone());

@@ -13,8 +13,9 @@ const LINES: [usize; 2] = [100, 400];
 pub struct Printed(RefCell<(Vec<String>, VecDeque<String>, usize)>);
 
 impl Printed {
-    /// Adds a text of one or more lines.
-    pub fn note(host: &Host, text: &str) {
+    /// Shows a text of one or more lines, and adds it.
+    pub fn show(host: &Host, text: &str) {
+        host.observer.print(text);
         let printed = host.slots.get::<Printed>();
         let (first, last, dropped) = &mut *printed.0.borrow_mut();
         for line in text.lines() {
