@@ -20,6 +20,7 @@ mod mesh_files;
 mod new;
 mod process;
 mod repl;
+mod report;
 mod resume;
 mod run;
 mod script_arguments;
@@ -70,6 +71,8 @@ enum Command {
     Info(info::Arguments),
     /// Compare two runs: which columns and fields differ, from which step, by how much
     Diff(diff::Arguments),
+    /// Show two to six runs side by side on one page: pictures, curves, what differs
+    Report(report::Arguments),
     /// Convert a run's files to Parquet, CSV, plain VTU or XDMF
     Export(export::Arguments),
     /// Try things out at a prompt, after running a script or not
@@ -154,6 +157,7 @@ fn run_command(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
         Command::List(arguments) => list::list(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Diff(arguments) => diff::diff(arguments),
+        Command::Report(arguments) => report::report(arguments),
         Command::Export(arguments) => export::export_run(arguments),
         Command::Repl(arguments) => repl::repl(arguments),
         Command::Lsp(arguments) => lsp::serve(arguments),

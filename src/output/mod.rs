@@ -86,7 +86,10 @@ pub use reading::frames::{ListedFrame, read_frames};
 pub use reading::parquet_table::read_parquet;
 pub use reading::table::{TableRead, read_table};
 pub use recording::{Recording, Skin, Still, shapes};
-pub use report::{Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation, News, Report, ReportTable, kept_rows, report};
+pub use report::{
+    Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation, Mark, News, Report, ReportPage, ReportPicture, ReportTable,
+    kept_rows, labels, marks, report, report_of_several,
+};
 pub use response::Response;
 pub use rows_csv::{RowsCsv, read_rows, rows_csv};
 pub use run_lock::RunLock;

@@ -15,12 +15,14 @@ pub fn study_page(title: &str, about: &str, header: &[&str], rows: &[Vec<String>
     let title = escaped(title);
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>{title}</title>\n<style>\nbody {{ font: 15px/1.45 sans-serif; max-width: 76rem; margin: 1.5rem auto; padding: 0 1rem; }}\n\
+         <title>{title}</title>\n<style>\n:root {{ color-scheme: light dark; }}\n\
+         body {{ font: 15px/1.45 sans-serif; max-width: 76rem; margin: 1.5rem auto; padding: 0 1rem; overflow-wrap: anywhere; }}\n\
          .wide {{ overflow-x: auto; }}\ntable {{ border-collapse: collapse; font-variant-numeric: tabular-nums; }}\n\
-         th, td {{ border-bottom: 1px solid #ccc; padding: 0.3em 0.7em; text-align: left; white-space: nowrap; }}\n\
+         th, td {{ border-bottom: 1px solid #888; padding: 0.3em 0.7em; text-align: left; white-space: nowrap; }}\n\
          td:last-child {{ white-space: normal; min-width: 14em; }}\n\
-         figure {{ margin: 1.2rem 0; }}\nsvg {{ max-width: 100%; height: auto; }}\n</style>\n</head>\n<body>\n<h1>{title}</h1>\n<p>{}</p>\n\
-         <div class=\"wide\"><table>\n<thead>{head}</thead>\n<tbody>\n{body}</tbody>\n</table></div>\n{figures}</body>\n</html>\n",
+         figure {{ margin: 1.2rem 0; }}\nsvg {{ max-width: 100%; height: auto; background: #fff; }}\n</style>\n</head>\n<body>\n<main>\n\
+         <h1>{title}</h1>\n<p>{}</p>\n<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Table\"><table>\n\
+         <thead>{head}</thead>\n<tbody>\n{body}</tbody>\n</table></div>\n{figures}</main>\n</body>\n</html>\n",
         escaped(about)
     )
 }

@@ -15,6 +15,9 @@ const ROWS: usize = 2000;
 /// Columns not shown on the page: long, or equal in every row.
 const HIDDEN: [&str; 4] = ["id", "version", "scripts", "command"];
 
+/// Start of a table, which the keyboard scrolls where it is wider than the page.
+const WIDE: &str = "<div class=\"wide\" tabindex=\"0\" role=\"group\" aria-label=\"Table\">";
+
 const STYLE: &str = include_str!("page/style.css");
 const PROGRAM: &str = include_str!("page/sort.js");
 
@@ -68,10 +71,10 @@ fn troubles(plan: &Plan, collected: &Collected) -> String {
         Some(StudyColumn::Texts(column)) => column.values[row].clone().unwrap_or_default(),
         _ => String::new(),
     };
-    let mut text =
-        "<h2>Points that did not come to their end</h2>\n<div class=\"wide\"><table>\n<tr><th>point</th><th>outcome</th><th>cause</th>\
-                    <th>command</th></tr>\n"
-            .to_string();
+    let mut text = format!(
+        "<h2>Points that did not come to their end</h2>\n{WIDE}<table>\n<tr><th>point</th><th>outcome</th><th>cause</th>\
+         <th>command</th></tr>\n"
+    );
     for row in rows {
         let cells =
             [plan.points[row].id.clone(), cell("outcome", row), cell("cause", row)].map(|cell| format!("<td>{}</td>", escaped(&cell)));
@@ -85,7 +88,7 @@ fn table(study: &StudyFolder, plan: &Plan, collected: &Collected) -> String {
     let head: String = shown.iter().map(|column| format!("<th><button type=\"button\">{}</button></th>", escaped(column.name()))).collect();
     let more = collected.table.rows().saturating_sub(ROWS);
     let note = if more > 0 { format!("<p>{more} further rows are in table.csv.</p>\n") } else { String::new() };
-    let mut text = format!("<h2>Table</h2>\n{note}<div class=\"wide\"><table class=\"sorted\">\n<thead><tr>{head}</tr></thead>\n<tbody>\n");
+    let mut text = format!("<h2>Table</h2>\n{note}{WIDE}<table class=\"sorted\">\n<thead><tr>{head}</tr></thead>\n<tbody>\n");
     for row in 0..collected.table.rows().min(ROWS) {
         let cells: String = shown
             .iter()

@@ -3,7 +3,9 @@
 
 #[path = "../common/browser.rs"]
 mod browser;
+mod layout;
 mod markup;
+mod several;
 
 use std::fs;
 use std::path::{Path, PathBuf};

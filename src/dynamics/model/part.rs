@@ -236,6 +236,15 @@ impl Change<'_> {
     }
 }
 
+/// Place at which a force element acts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PartPlace {
+    /// Weighted mean of nodes of a body; the weights add up to 1.
+    Nodes(usize, Vec<(u32, f64)>),
+    /// Point of a body, or of the ground (`None`), at its reference position `[length]`.
+    Point(Option<usize>, [f64; 3]),
+}
+
 /// Definition of a force element.
 pub trait PartDefinition: Send + Sync {
     /// Name of the part, unique among the parts.
@@ -266,6 +275,11 @@ pub trait PartDefinition: Send + Sync {
 
     /// Time functions of the element; steps end at their kinks.
     fn functions(&self) -> Vec<Amplitude> {
+        Vec::new()
+    }
+
+    /// Places at which the element acts, for pictures: two of a line, none of an element that acts everywhere.
+    fn places(&self) -> Vec<PartPlace> {
         Vec::new()
     }
 

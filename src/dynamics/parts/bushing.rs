@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::contact::{CandidateSearch, Evaluation, Outlook, PatchFunctions, PointConstraints, PointFunction, PointVector};
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Remembered, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::integrators::Derivative;
@@ -97,6 +97,11 @@ impl PartDefinition for BushingDefinition {
             }
         }
         Ok(())
+    }
+
+    fn places(&self) -> Vec<PartPlace> {
+        let body = self.bodies.iter().rev().flatten().next().map(|(body, _)| *body);
+        vec![PartPlace::Point(body, self.point)]
     }
 
     fn part(&self, numbering: &Numbering) -> Box<dyn Part> {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::linear::{Block, Pattern};
 
@@ -126,6 +126,15 @@ impl<E: LineElement> PartDefinition for LineDefinition<E> {
 
     fn dissipates(&self) -> bool {
         E::DISSIPATES
+    }
+
+    fn places(&self) -> Vec<PartPlace> {
+        let place = |end: &End| match end {
+            End::Node(body, node) => PartPlace::Nodes(*body, vec![(*node, 1.0)]),
+            End::Mean(body, shares) => PartPlace::Nodes(*body, shares.clone()),
+            End::Ground(point) => PartPlace::Point(None, *point),
+        };
+        self.ends.iter().map(place).collect()
     }
 
     fn check(&self, point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Sums};
 use crate::linear::Pattern;
 
 /// A mass at a node of a model.
@@ -29,6 +29,10 @@ impl PartDefinition for PointMassDefinition {
     fn check(&self, _point: &dyn Fn(usize, u32) -> [f64; 3]) -> Result<(), ModelError> {
         let is_mass = self.mass >= 0.0 && self.mass.is_finite();
         if is_mass { Ok(()) } else { Err(ModelError::NoMass { part: self.name.clone(), mass: self.mass }) }
+    }
+
+    fn places(&self) -> Vec<PartPlace> {
+        vec![PartPlace::Nodes(self.node.0, vec![(self.node.1, 1.0)])]
     }
 
     fn part(&self, numbering: &Numbering) -> Box<dyn Part> {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::force_laws::SpringLaw;
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Remembered, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::integrators::{Derivative, PatchFunction, Projection};
@@ -56,6 +56,10 @@ impl PartDefinition for TorsionDefinition {
             true => Err(ModelError::SpringOfNoLength { spring: self.name.clone() }),
             false => Ok(()),
         }
+    }
+
+    fn places(&self) -> Vec<PartPlace> {
+        self.directions.iter().map(|&(body, [first, _])| PartPlace::Nodes(body, vec![(first, 1.0)])).take(1).collect()
     }
 
     fn part(&self, numbering: &Numbering) -> Box<dyn Part> {

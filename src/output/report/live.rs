@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::followed::Followed;
+use super::marks::Mark;
 use super::rows::{MEASURES, ROWS, measures};
 use super::tables::ReportTable;
 use crate::dynamics::{BodyDefinition, LedgerRow, PlacedObstacle};
@@ -36,6 +37,8 @@ pub struct LiveModel {
     pub obstacles: Vec<PlacedObstacle>,
     /// Units of columns and fields; `None` where none are declared.
     pub units: Option<ListedUnits>,
+    /// Symbols of supports, loads, springs and joints.
+    pub marks: Vec<Mark>,
 }
 
 /// Description of a simulation's problem in the report; a script may extend the description while the run goes on.
@@ -356,8 +359,8 @@ mod tests {
     use super::*;
 
     fn simulation(live: &Arc<LiveReport>) -> LiveSimulation {
-        let model =
-            LiveModel { name: "a".into(), contacts: Vec::new(), bodies: Vec::new(), skins: Vec::new(), obstacles: Vec::new(), units: None };
+        let (contacts, bodies, skins, obstacles, marks) = Default::default();
+        let model = LiveModel { name: "a".into(), contacts, bodies, skins, obstacles, units: None, marks };
         LiveSimulation::begin(live, model, vec!["step".into()])
     }
 

@@ -11,16 +11,21 @@ mod blob;
 mod followed;
 mod geometry;
 mod live;
+mod marks;
 mod news;
 mod page;
 mod rows;
+mod several;
 mod tables;
+mod template;
 
 #[cfg(test)]
 mod tests;
 
 pub use live::{Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation};
+pub use marks::{Mark, marks};
 pub use news::News;
-pub use page::{Report, report};
+pub use page::{Report, ReportPicture, report};
 pub use rows::kept_rows;
+pub use several::{ReportPage, labels, report_of_several};
 pub use tables::ReportTable;

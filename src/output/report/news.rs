@@ -56,6 +56,8 @@ impl LiveReport {
             summary: Vec::new(),
             tables: problem.tables.clone(),
             warnings: warnings.into_iter().chain(followed.findings.1.iter().cloned()).collect(),
+            printed: Vec::new(),
+            pictures: Vec::new(),
             columns: columns.map(|(column, name)| (name.clone(), rows.iter().map(|row| value(row, column)).collect())).collect(),
             rows: rows.iter().map(|row| row.number).collect(),
             row_count: followed.row_count,
@@ -65,6 +67,7 @@ impl LiveReport {
             stills: &stills,
             obstacles: model.obstacles.clone(),
             units: model.units.clone(),
+            marks: model.marks.clone(),
         };
         page(&report, live)
     }

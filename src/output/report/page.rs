@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::assets::{FOLLOWING, PAGE, PROGRAM, STYLE};
+use super::assets::{FOLLOWING, LAST, PAGE, PROGRAM};
 use super::blob::blob;
 use super::geometry::Surface;
+use super::marks::Mark;
 use super::tables::ReportTable;
+use super::template::{Filling, fill};
 use crate::dynamics::{BodyDefinition, PlacedObstacle};
 use crate::output::colormap::viridis;
-use crate::output::markup::escaped;
 use crate::output::obstacle_surfaces::ObstacleSurface;
 use crate::output::obstacles::{Surroundings, Wall};
 use crate::output::picture::{Component, Field};
@@ -24,6 +25,12 @@ const REACH: f64 = 50.0;
 
 /// Size of unbounded obstacles in space, from the center of the bodies, relative to their extent.
 const REACH_IN_SPACE: f64 = 1.0;
+
+/// Number of the layout of a page's data, by which pages of other versions are refused.
+pub const LAYOUT: u64 = 1;
+
+/// Fields that follow from the recorded stress.
+const DERIVED: [&str; 4] = ["principal_1", "principal_2", "principal_3", "tresca"];
 
 /// Content of a report.
 pub struct Report<'a> {
@@ -45,6 +52,10 @@ pub struct Report<'a> {
     pub tables: Vec<ReportTable>,
     /// Warnings issued to the user, and findings of the run.
     pub warnings: Vec<String>,
+    /// Lines that the script has printed.
+    pub printed: Vec<String>,
+    /// Pictures and movies that the script has drawn.
+    pub pictures: Vec<ReportPicture>,
     /// Names and values of the history's columns in the rows of `rows`; NaN where there is no value.
     pub columns: Vec<(String, Vec<f64>)>,
     /// Indices in the whole history of the rows in `columns`, ascending.
@@ -63,6 +74,17 @@ pub struct Report<'a> {
     pub obstacles: Vec<PlacedObstacle>,
     /// Units of columns and fields; `None` where none are declared.
     pub units: Option<ListedUnits>,
+    /// Symbols of supports, loads, springs and joints.
+    pub marks: Vec<Mark>,
+}
+
+/// A picture or movie of the script on the page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReportPicture {
+    /// Path below the folder of the run.
+    pub path: String,
+    /// Content of the file; `None` of a file that is named only, because it is too large or missing.
+    pub bytes: Option<Vec<u8>>,
 }
 
 /// Returns the page of a run.
@@ -82,6 +104,11 @@ pub fn page(report: &Report, live: Value) -> Vec<u8> {
         let bytes: Vec<u8> = stills.iter().flat_map(|still| still.bytes()).copied().collect();
         add(&format!("stills-{number}"), &bytes);
     }
+    for (number, picture) in report.pictures.iter().enumerate() {
+        if let Some(bytes) = &picture.bytes {
+            add(&format!("picture-{number}"), bytes);
+        }
+    }
     let mut data = data(report, &bodies, &chunks.iter().map(|stills| stills.len()).collect::<Vec<_>>());
     if !live.is_null() {
         data["live"] = live;
@@ -91,7 +118,11 @@ pub fn page(report: &Report, live: Value) -> Vec<u8> {
             |units: &BTreeMap<String, String>| json!(units.iter().map(|(name, unit)| (name, pretty(unit))).collect::<BTreeMap<_, _>>());
         data["units"] = json!({ "columns": shown(&units.columns), "fields": shown(&units.fields) });
     }
-    fill(&report.name, &data, &blobs)
+    let is_live = !data["live"].is_null();
+    // A page that follows a run may connect only to its own server.
+    let connections = if is_live { "; connect-src 'self'" } else { "" };
+    let program: Vec<&str> = PROGRAM.into_iter().chain(is_live.then_some(FOLLOWING)).chain([LAST]).collect();
+    fill(PAGE, &Filling { title: &report.name, connections, program: &program, data: &data, blobs: &blobs })
 }
 
 /// Encodes numbers for the page.
@@ -115,10 +146,14 @@ fn geometry(report: &Report) -> (Vec<u8>, Vec<Value>) {
         bytes.extend(surface.triangles.iter().flatten().flat_map(|node| node.to_le_bytes()));
         bytes.extend(surface.edges.iter().chain(&surface.outline).flatten().flat_map(|node| node.to_le_bytes()));
         bytes.extend(surface.tetrahedra.iter().flatten().flat_map(|node| node.to_le_bytes()));
+        let is_numbered = skin.nodes.len() < body.mesh.points.len();
+        if is_numbered {
+            bytes.extend(skin.nodes.iter().flat_map(|node| node.to_le_bytes()));
+        }
         bodies.push(json!({
             "name": body.name, "nodes": surface.points.len(), "triangles": surface.triangles.len(), "edges": surface.edges.len(),
             "outline": surface.outline.len(), "tetrahedra": surface.tetrahedra.len(),
-            "cells": body.mesh.cell_count(), "flows": skin.flows, "rigid": body.rigid.is_some(),
+            "cells": body.mesh.cell_count(), "numbered": is_numbered, "flows": skin.flows, "rigid": body.rigid.is_some(),
         }));
     }
     (bytes, bodies)
@@ -143,10 +178,14 @@ fn data(report: &Report, bodies: &[Value], chunks: &[usize]) -> Value {
         json!({ "time": still.time, "row": row, "obstacles": still.obstacles })
     });
     let scripts = report.scripts.iter().map(|(name, text)| json!({ "name": name, "text": text }));
+    let kind = |path: &str| path.rsplit_once('.').map_or("", |(_, ending)| ending).to_string();
+    let pictures = report.pictures.iter();
+    let pictures = pictures.map(|picture| json!({ "path": picture.path, "kind": kind(&picture.path), "shown": picture.bytes.is_some() }));
     json!({
-        "name": report.name, "outcome": report.outcome, "well": report.is_well, "version": report.version,
+        "layout": LAYOUT, "name": report.name, "outcome": report.outcome, "well": report.is_well, "version": report.version,
         "scripts": scripts.collect::<Vec<_>>(), "parameters": report.parameters,
         "summary": report.summary, "tables": report.tables, "warnings": report.warnings,
+        "printed": report.printed, "pictures": pictures.collect::<Vec<_>>(), "marks": report.marks,
         "columns": report.columns.iter().map(|(name, _)| name).collect::<Vec<_>>(), "rows": report.rows.len(),
         "row_count": report.row_count, "contacts": report.contacts, "dimension": dimension, "bodies": bodies,
         "fields": fields(report.skins, report.stills), "stills": stills.collect::<Vec<_>>(), "chunks": chunks,
@@ -170,45 +209,15 @@ pub fn fields(skins: &[Skin], stills: &[&Still]) -> Vec<Value> {
         let [low, high] = ranges.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
         json!({ "name": name, "words": words, "low": low, "high": high, "kinds": field.kinds() })
     };
-    fields.map(field_of).collect()
+    // The page computes these from the stress, and their ranges when they are shown.
+    let derived = DERIVED.iter().filter_map(|name| {
+        let words = Field::from_name(name)?.words();
+        Some(json!({ "name": name, "words": words, "low": null, "high": null, "kinds": [] }))
+    });
+    fields.map(field_of).chain(derived).collect()
 }
 
 /// Returns the largest contact pressure vector in all stills.
 pub fn pressing(stills: &[&Still]) -> f64 {
     stills.iter().map(|still| still.pressing).fold(0.0, f64::max)
-}
-
-/// Fills the template.
-fn fill(name: &str, data: &Value, blobs: &[(String, String)]) -> Vec<u8> {
-    let is_live = data.get("live").is_some();
-    let json = data.to_string().replace('<', "\\u003c");
-    let mut page = String::with_capacity(1 << 20);
-    let mut rest = PAGE;
-    // One pass from the left, so that inserted texts are not searched again.
-    while let Some(start) = rest.find("{{") {
-        let Some(length) = rest[start..].find("}}") else { break };
-        page.push_str(&rest[..start]);
-        match &rest[start + 2..start + length] {
-            "title" => page.push_str(&escaped(name)),
-            "style" => page.push_str(STYLE),
-            // A page that follows a run may connect only to its own server.
-            "connections" if is_live => page.push_str("; connect-src 'self'"),
-            "program" => {
-                let (last, parts) = PROGRAM.split_last().unwrap_or((&"", &[]));
-                parts.iter().for_each(|part| page.push_str(part));
-                page.push_str(if is_live { FOLLOWING } else { "" });
-                page.push_str(last);
-            }
-            "data" => page.push_str(&json),
-            "blobs" => {
-                for (name, text) in blobs {
-                    page.push_str(&format!("<script type=\"text/plain\" id=\"{name}\">{text}</script>\n"));
-                }
-            }
-            _ => {}
-        }
-        rest = &rest[start + length + 2..];
-    }
-    page.push_str(rest);
-    page.into_bytes()
 }

@@ -48,6 +48,8 @@ fn page() -> (String, Vec<LedgerRow>) {
         summary: vec![[EVIL.into(), EVIL.into()]],
         tables: vec![ReportTable { title: EVIL.into(), head: vec![EVIL.into()], rows: vec![vec![EVIL.into()]] }],
         warnings: vec![EVIL.into()],
+        printed: vec![EVIL.into()],
+        pictures: vec![ReportPicture { path: EVIL.into(), bytes: Some(EVIL.into()) }],
         columns: columns.collect(),
         rows: (0..rows.len()).collect(),
         row_count: rows.len(),
@@ -57,6 +59,7 @@ fn page() -> (String, Vec<LedgerRow>) {
         stills: &stills,
         obstacles: Vec::new(),
         units: None,
+        marks: marks(&model, recording.bodies()),
     };
     (String::from_utf8(super::report(&report)).unwrap(), rows)
 }

@@ -17,6 +17,7 @@ use crate::script::api;
 use crate::script::api::contacts::friction::FrictionHandle;
 use crate::script::api::contacts::methods::ContactMethodHandle;
 use crate::script::api::contacts::obstacles::ObstacleHandle;
+use crate::script::api::files::shown::Printed;
 use crate::script::api::materials::MaterialHandle;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::meshes::regions::CurveHandle;
@@ -139,12 +140,16 @@ fn connect(engine: &mut Engine, host: &Rc<Host>) {
         let is_over = || progress.upgrade().is_some_and(|host| host.is_stopped() && !host.is_stepping());
         (interrupt.load(Ordering::Relaxed) || is_over()).then(|| Dynamic::from(Failure::new(Class::Interrupted, "interrupted")))
     });
-    let observer = host.observer.clone();
-    engine.on_print(move |text| observer.print(text));
-    let observer = host.observer.clone();
+    let printing = Rc::downgrade(host);
+    let print = move |text: &str| {
+        if let Some(host) = printing.upgrade() {
+            Printed::show(&host, text);
+        }
+    };
+    engine.on_print(print.clone());
     engine.on_debug(move |text, source, position| {
         let source = source.map(|source| format!("{source}:{}: ", position.line().unwrap_or(0))).unwrap_or_default();
-        observer.print(&format!("{source}{text}"));
+        print(&format!("{source}{text}"));
     });
     engine.set_module_resolver(Modules::new(host.clone()));
 }

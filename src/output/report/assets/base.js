@@ -45,6 +45,16 @@ const words = (name) => name.replaceAll("_", " ");
 const inUnit = (text, data, kind, name) => data.units?.[kind][name] ? `${text} ${data.units[kind][name]}` : text;
 const unitOf = (data, kind, name) => data.units?.[kind][name] ? ` [${data.units[kind][name]}]` : "";
 
+// The words for a field, with its unit where that is known.
+const titled = ({ name, words: text }, data) => `${text}${unitOf(data, "fields", name)}`;
+
+// Texts of equally spaced numbers with as many digits as tell them apart.
+const tickTexts = (values) => {
+  const largest = Math.max(...values.map(Math.abs)), step = values.length > 1 ? Math.abs(values[1] - values[0]) : largest;
+  const digits = step > 0 ? clamp(Math.ceil(Math.log10(largest / step)) + 2, 3, 14) : 6;
+  return values.map((value) => brief(Math.abs(value) < 1e-9 * step ? 0 : value, digits));
+};
+
 // Round numbers between two ends.
 const ticks = (low, high, count) => {
   const raw = (high - low) / count;

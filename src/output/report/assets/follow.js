@@ -104,6 +104,7 @@ class Follower {
     page.state();
     page.plot();
     page.ownPlot.renew();
+    if (stills) page.nodes.renew();
     page.ledger.renew();
     this.quietly(() => {
       page.widen(Math.min(first, Math.max(data.stills.length - 1, 0)));

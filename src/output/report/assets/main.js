@@ -1,10 +1,5 @@
 // The page: puts the parts together, plays, and listens.
 
-const THEMES = {
-  light: { back: 0xffffffff, ink: "#1c1f24", dark: 0xff241f1c, faint: 0xff6b6660, wall: "#b0b4ba", arrow: "#c2261f", halo: "#ffffff", plain: 0xffe4e0de, kinds: ["#2166ac", "#e66101"] },
-  dark: { back: 0xff1c1714, ink: "#e8eaee", dark: 0xffeeeae8, faint: 0xff5a5148, wall: "#6a7079", arrow: "#ff8f7a", halo: "#14171c", plain: 0xff504942, kinds: ["#67a9f0", "#ff9440"] },
-};
-
 class Page {
   constructor(data, columns, bodies) {
     Object.assign(this, { data, columns, bodies });
@@ -22,6 +17,7 @@ class Page {
     this.listen();
     this.go = (time) => this.goToRow(this.rowAt(time));
     this.own = this.chosen();
+    this.nodes = new NodeCurves(this, (time) => this.isTimed() ? this.go(time) : this.goToStill(Math.round(time)));
     this.plot();
     this.ledger = new Ledger($("rows"), data, columns, (row) => this.goToRow(row));
     this.goToRow(this.row);
@@ -35,7 +31,7 @@ class Page {
     outcome.textContent = data.outcome ?? `so far, t = ${brief(this.time[this.time.length - 1], 6)}`;
     outcome.className = `badge ${data.outcome === null ? "" : data.well ? "well" : "ill"}`;
     $("field").append(...data.fields.map(({ name, words: text }) => element("option", { value: name, textContent: text })));
-    $("ramp").style.background = `linear-gradient(to right, ${data.colors.filter((_, k) => k % 15 === 0).map((color) => `rgb(${color.join(" ")})`).join(", ")})`;
+    $("ramp").style.background = rampOf(data.colors);
     for (const id of ["turning", "turning-keys", "cutting"]) $(id).hidden = data.dimension === 2;
     $("made").textContent = `Made by Conserva ${data.version}.`;
     $("summary").hidden = !data.summary.length;
@@ -45,6 +41,17 @@ class Page {
     this.state();
     this.warn();
     this.explain();
+    markKey($("marks-key"), data.marks);
+    $("marks-label").hidden = !data.marks.length;
+  }
+
+  // The field that is shown.
+  fieldNow() { return this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0]; }
+
+  // Whether stills differ by their times; equilibria at one time do not.
+  isTimed() {
+    const { stills } = this.data;
+    return stills.length > 1 && stills[stills.length - 1].time > stills[0].time;
   }
 
   // What follows from the history and the stills as they are.
@@ -67,18 +74,20 @@ class Page {
 
   warn() {
     const { data } = this;
-    const warnings = data.warnings.map((text) => element("pre", { textContent: text.trimEnd() }));
+    const warnings = data.warnings.map((text) => reachable(element("pre", { role: "group", "aria-label": "Warning", textContent: text.trimEnd() })));
     $("warning-list").replaceChildren(...(warnings.length ? warnings : [element("p", { textContent: "None." })]));
     $("to-warnings").textContent = warnings.length ? `Warnings (${warnings.length})` : "Warnings";
   }
 
-  // The problem and the script.
+  // The problem and the script, and what it printed and drew.
   explain() {
     const { data } = this;
+    showPrinted(data);
+    showPictures(data);
     $("tables").replaceChildren(...data.tables.flatMap((table) => [element("h3", { textContent: table.title }), tableOf(table)]));
     const parameters = Object.entries(data.parameters).map(([name, value]) => [name, String(value)]);
-    $("parameters").replaceChildren(...(parameters.length ? [tableOf({ head: ["parameter", "value"], rows: parameters })] : []));
-    $("sources").replaceChildren(...data.scripts.flatMap(({ name, text }) => [element("h3", { textContent: name }), element("pre", { tabIndex: 0, textContent: text })]));
+    $("parameters").replaceChildren(...(parameters.length ? [tableOf({ title: "Parameters", head: ["parameter", "value"], rows: parameters })] : []));
+    $("sources").replaceChildren(...data.scripts.flatMap(({ name, text }) => [element("h3", { textContent: name }), reachable(element("pre", { role: "group", "aria-label": name, textContent: text }))]));
   }
 
   // The plots; those that are there already go on where they show the same quantities.
@@ -156,6 +165,7 @@ class Page {
     this.plots?.forEach((plot) => plot.show(row));
     this.ownPlot?.show(row);
     this.ledger?.show(row);
+    this.nodes?.show();
     this.redraw();
   }
 
@@ -167,12 +177,6 @@ class Page {
       this.isAsked = false;
       this.draw();
     });
-  }
-
-  theme() {
-    const chosen = document.documentElement.dataset.theme;
-    const isDark = chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-    return THEMES[isDark ? "dark" : "light"];
   }
 
   range(field) {
@@ -190,18 +194,18 @@ class Page {
       });
       return [low, high];
     }
-    return [field.low, field.high];
+    return this.film.range(field);
   }
 
   draw() {
     if (!this.data.stills.length || !this.film.show(this.still)) return;
     const begun = performance.now();
-    const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
+    const field = this.fieldNow();
     const range = this.range(field);
-    $("scale-title").textContent = `${field.words}${unitOf(this.data, "fields", field.name)}`;
+    $("scale-title").textContent = titled(field, this.data);
     // Kinds of which there are none are not worth a choice.
     this.data.fields.forEach(({ kinds, high }, k) => { $("field").options[k].hidden = kinds.length > 0 && !(high > 0); });
-    const { kinds } = field, theme = this.theme();
+    const { kinds } = field, theme = themeNow();
     const marks = field.name === "body" ? [this.bodies[0].name, "", this.bodies.length > 1 ? this.bodies[this.bodies.length - 1].name : ""] : kinds.length ? [`■ ${kinds[0]}`, "", `■ ${kinds[1]}`] : [range[0], 0.5 * (range[0] + range[1]), range[1]].map((value) => brief(value));
     ["scale-low", "scale-middle", "scale-high"].forEach((id, k) => {
       $(id).textContent = marks[k];
@@ -211,10 +215,13 @@ class Page {
     const hasArrows = $("arrows").checked && !$("arrows-label").hidden;
     $("arrow-key").textContent = hasArrows ? `→ contact pressure, longest of the run ${inUnit(brief(this.data.pressing), this.data, "fields", "contact_pressure")}` : "";
     const typed = $("factor").value.trim() === "" ? NaN : Number($("factor").value);
-    this.scene.draw({
+    const look = {
       field: field.name, range, factor: Number.isFinite(typed) ? typed : 1, hasMesh: $("mesh").checked, hasArrows,
       hasKinds: kinds.length > 0, isUndeformed: $("undeformed").checked, theme, obstacles: this.data.stills[this.still].obstacles,
-    });
+    };
+    this.scene.draw(look);
+    if ($("marks").checked) drawMarks(this.scene, look);
+    this.nodes.draw(look);
     this.redraws += 1;
     this.lastRedraw = performance.now() - begun;
     this.slowest = Math.max(this.slowest, this.lastRedraw);
@@ -229,7 +236,7 @@ class Page {
     const { stills } = this.data, last = stills.length - 1;
     if (this.still === last) this.goToStill(0);
     // The whole run takes ten seconds at the speed 1; equilibria at one time count as stills at equal distances.
-    const isTimed = stills[last].time > stills[0].time;
+    const isTimed = this.isTimed();
     const at = (k) => isTimed ? (stills[k].time - stills[0].time) / (stills[last].time - stills[0].time) : k / last;
     let position = at(this.still), before = null;
     const tick = (now) => {
@@ -263,38 +270,20 @@ class Page {
       this.play(false);
       this.goToStill(Number($("moment").value));
     });
-    for (const id of ["field", "range", "mesh", "arrows", "undeformed"]) $(id).addEventListener("change", () => this.redraw());
+    for (const id of ["field", "range", "mesh", "arrows", "undeformed", "marks"]) $(id).addEventListener("change", () => this.redraw());
+    $("field").addEventListener("change", () => this.nodes.renew());
     for (const id of ["factor", "low", "high"]) $(id).addEventListener("input", () => this.redraw());
     $("range").addEventListener("change", () => {
       const isOwn = $("range").value === "own";
       if (isOwn && !$("low").value) [$("low").value, $("high").value] = [$("scale-low").textContent.replace("−", "-"), $("scale-high").textContent.replace("−", "-")];
       $("own-range").hidden = !isOwn;
     });
-    $("theme").addEventListener("change", () => {
-      if ($("theme").value) document.documentElement.dataset.theme = $("theme").value;
-      else delete document.documentElement.dataset.theme;
-      this.redraw();
-    });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
-    const moved = (change) => {
-      this.isMoved = true;
-      change();
-      this.redraw();
-    };
+    listenToTheme(() => this.redraw());
     const whole = () => {
       this.isMoved = false;
       scene.fit();
       this.redraw();
     };
-    $("in").addEventListener("click", () => moved(() => scene.zoomBy(1.3)));
-    $("out").addEventListener("click", () => moved(() => scene.zoomBy(1 / 1.3)));
-    $("fit").addEventListener("click", whole);
-    canvas.addEventListener("wheel", (event) => {
-      // Only with the focus or a key, so that scrolling the page over the picture still scrolls the page.
-      if (document.activeElement !== canvas && !event.ctrlKey) return;
-      event.preventDefault();
-      moved(() => scene.zoomBy(Math.exp(-0.0015 * event.deltaY), event.offsetX, event.offsetY));
-    }, { passive: false });
     const cut = (axis, by = 0) => {
       $("cut").value = axis;
       $("cut-at").value = String(Number($("cut-at").value) + by);
@@ -305,40 +294,32 @@ class Page {
     };
     for (const id of ["cut", "cut-at"]) $(id).addEventListener("input", () => cut($("cut").value));
     const across = (axis) => () => cut($("cut").value === axis ? "" : axis);
-    const turn = (dx, dy) => {
-      scene.turn[0] -= dx;
-      scene.turn[1] = clamp(scene.turn[1] + dy, -1.57, 1.57);
+    const jump = (still) => () => {
+      this.play(false);
+      this.goToStill(still());
     };
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.focus({ preventScroll: true });
-      canvas.setPointerCapture(event.pointerId);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      if (event.buttons & 1) {
-        if (scene.isSpace && event.shiftKey) moved(() => turn(0.008 * event.movementX, 0.008 * event.movementY));
-        else moved(() => scene.moveBy(event.movementX, event.movementY));
-        $("tip").hidden = true;
-      } else this.tell(event);
-    });
-    canvas.addEventListener("pointerleave", () => { $("tip").hidden = true; });
-    canvas.addEventListener("keydown", (event) => {
-      if (event.ctrlKey || event.altKey || event.metaKey) return;
-      const step = 40, keys = {
+    const { zoom } = steer(canvas, [scene], {
+      moved: () => {
+        this.isMoved = true;
+        this.redraw();
+      },
+      whole,
+      keys: {
         " ": () => this.play(!this.isPlaying),
-        "Home": () => this.goToStill(0), "End": () => this.goToStill(this.data.stills.length - 1),
-        "+": () => moved(() => scene.zoomBy(1.3)), "=": () => moved(() => scene.zoomBy(1.3)), "-": () => moved(() => scene.zoomBy(1 / 1.3)), "0": whole,
-        "ArrowLeft": () => event.shiftKey ? moved(() => scene.moveBy(step, 0)) : this.goToStill(this.still - 1),
-        "ArrowRight": () => event.shiftKey ? moved(() => scene.moveBy(-step, 0)) : this.goToStill(this.still + 1),
-        "ArrowUp": event.shiftKey ? () => moved(() => scene.moveBy(0, step)) : null,
-        "ArrowDown": event.shiftKey ? () => moved(() => scene.moveBy(0, -step)) : null,
-        ...(scene.isSpace ? { x: across("0"), y: across("1"), z: across("2"), "[": () => cut($("cut").value, -25), "]": () => cut($("cut").value, 25), a: () => moved(() => turn(-0.1, 0)), d: () => moved(() => turn(0.1, 0)), w: () => moved(() => turn(0, 0.1)), s: () => moved(() => turn(0, -0.1)) } : {}),
-      };
-      const action = keys[event.key];
-      if (!action) return;
-      event.preventDefault();
-      if (event.key.startsWith("Arrow") && !event.shiftKey || event.key === "Home" || event.key === "End") this.play(false);
-      action();
+        "Home": jump(() => 0), "End": jump(() => this.data.stills.length - 1),
+        "ArrowLeft": jump(() => this.still - 1), "ArrowRight": jump(() => this.still + 1),
+        ...(scene.isSpace ? { x: across("0"), y: across("1"), z: across("2"), "[": () => cut($("cut").value, -25), "]": () => cut($("cut").value, 25) } : {}),
+      },
+      hover: (event) => this.tell(event),
+      leave: () => { $("tip").hidden = true; },
+      click: (event) => {
+        const found = this.film.at >= 0 ? scene.nearest(event.offsetX, event.offsetY) : null;
+        if (found) this.nodes.add(found.body, found.node);
+      },
     });
+    $("in").addEventListener("click", () => zoom(1.3));
+    $("out").addEventListener("click", () => zoom(1 / 1.3));
+    $("fit").addEventListener("click", whole);
     new ResizeObserver(() => { this.redraw(); this.ledger?.fill(); }).observe(canvas);
   }
 
@@ -347,18 +328,18 @@ class Page {
     const tip = $("tip"), found = this.film.at >= 0 ? this.scene.nearest(event.offsetX, event.offsetY) : null;
     tip.hidden = !found;
     if (!found) return;
-    const field = this.data.fields.find(({ name }) => name === $("field").value) ?? this.data.fields[0];
-    const values = this.film.field(field.name, found.body, new Float32Array(this.bodies[found.body].nodes));
-    const value = values[found.node], told = field.kinds.length ? field.kinds[value - 1] ?? "no" : brief(value);
-    tip.textContent = field.name === "body" ? this.bodies[found.body].name : `${this.bodies[found.body].name}, node ${found.node}: ${field.words} ${inUnit(told, this.data, "fields", field.name)}`;
+    const field = this.fieldNow(), value = this.film.valueAt(field.name, this.film.at, found.body, found.node), told = field.kinds.length ? field.kinds[value - 1] ?? "no" : brief(value);
+    const name = nodeName(this.bodies[found.body], found.node);
+    tip.textContent = field.name === "body" ? name : `${name}: ${field.words} ${inUnit(told, this.data, "fields", field.name)}`;
     tip.style.left = `${Math.min(event.offsetX + 14, Math.max($("canvas").clientWidth - tip.offsetWidth - 4, 0))}px`;
-    tip.style.top = `${event.offsetY + 14}px`;
+    tip.style.top = `${$("canvas").offsetTop + event.offsetY + 14}px`;
   }
 
   // Unpacks the stills; the first picture is shown as soon as it is there, and the view fits all of them in the end.
   async load() {
     await this.film.load(() => this.redraw());
     this.widen(0);
+    this.nodes.renew();
     document.documentElement.dataset.ready = "true";
   }
 
@@ -391,6 +372,7 @@ const begin = async () => {
   const [columns, bodies] = [await readHistory(data), await readBodies(data)];
   const page = new Page(data, columns, bodies);
   // For those who look into the page with the tools of the browser.
+  page.placeOf = (place) => placeOf(page.scene, place, 1);
   window.conserva = page;
   await page.load();
   if (data.live) follow(page, data.live);

@@ -1,24 +1,27 @@
 // Plots of the history, with a line at the animation's time.
 
-const WIDTH = 560, HEIGHT = 210, LEFT = 62, RIGHT = 10, TOP = 10, BOTTOM = 26;
+const WIDTH = 560, HEIGHT = 210, RIGHT = 10, TOP = 10, BOTTOM = 26;
+// Width of a letter of the numbers at the axes, which are 11 pixels high, at most.
+const LETTER = 7;
 const DASHES = ["", "7 3", "2 3", "9 3 2 3", "12 4", "4 2 1 2"];
 
 class Plot {
-  // `curves`: label and values; `isLogarithmic`: sizes on a logarithmic axis; `isStepped`: values of steps; `go`: goes to a row.
-  constructor({ title, curves, isLogarithmic = false, isStepped = false }, time, go) {
+  // `curves`: label and values, and the times where they are others than `time`; `isLogarithmic`: sizes on a logarithmic axis; `isStepped`: values of steps; `go`: goes to a row.
+  constructor({ title, curves, isLogarithmic = false, isStepped = false, over = "time" }, time, go) {
     this.time = time;
     this.curves = curves;
     this.isLogarithmic = isLogarithmic;
     this.isStepped = isStepped;
-    this.svg = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `${title} over time` });
+    this.svg = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img" });
     this.legend = element("ul", { className: "legend" });
     this.figure = element("figure", {}, element("figcaption", { textContent: title }), this.svg, this.legend);
     this.title = title;
+    this.over = over;
     this.draw();
     const pick = (event) => {
       const frame = this.svg.getBoundingClientRect();
       const x = (event.clientX - frame.left) / frame.width * WIDTH;
-      go(this.t0 + clamp((x - LEFT) / (WIDTH - LEFT - RIGHT), 0, 1) * (this.t1 - this.t0));
+      go(this.t0 + clamp((x - this.left) / (WIDTH - this.left - RIGHT), 0, 1) * (this.t1 - this.t0));
     };
     this.svg.addEventListener("pointerdown", (event) => {
       this.svg.setPointerCapture(event.pointerId);
@@ -33,7 +36,9 @@ class Plot {
     this.draw();
   }
 
-  x(time) { return this.t1 > this.t0 ? LEFT + (time - this.t0) / (this.t1 - this.t0) * (WIDTH - LEFT - RIGHT) : LEFT; }
+  x(time) { return this.t1 > this.t0 ? this.left + (time - this.t0) / (this.t1 - this.t0) * (WIDTH - this.left - RIGHT) : this.left; }
+
+  timeOf({ time }) { return time ?? this.time; }
 
   y(value) {
     const scaled = this.isLogarithmic ? Math.log10(Math.max(Math.abs(value), this.floor)) : value;
@@ -70,31 +75,41 @@ class Plot {
   }
 
   draw() {
-    const { time } = this;
-    this.t0 = time[0];
-    this.t1 = time[time.length - 1];
+    const times = this.curves.map((curve) => this.timeOf(curve));
+    this.t0 = Math.min(...times.map((time) => time[0]));
+    this.t1 = Math.max(...times.map((time) => time[time.length - 1]));
     this.range();
     this.svg.replaceChildren();
     this.legend.replaceChildren();
-    const text = (x, y, content, anchor) => this.svg.append(svg("text", { x, y, "text-anchor": anchor }, content));
+    const ends = this.curves.map(({ label, values }) => {
+      let [low, high] = [Infinity, -Infinity];
+      for (const value of values) if (Number.isFinite(value)) [low, high] = [Math.min(low, value), Math.max(high, value)];
+      return low <= high ? `${label} from ${brief(low)} to ${brief(high)}` : `${label} without values`;
+    });
+    this.svg.setAttribute("aria-label", `${this.title} over ${this.over}: ${ends.join("; ")}`);
+    const marks = [];
     if (this.isLogarithmic) {
       const stride = Math.max(Math.ceil((this.high - this.low) / 5), 1);
-      for (let power = this.low; power <= this.high; power += stride) {
-        const y = HEIGHT - BOTTOM - (power - this.low) / (this.high - this.low) * (HEIGHT - TOP - BOTTOM);
-        this.svg.append(svg("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
-        text(LEFT - 6, y + 4, `1e${power}`.replace("-", "−"), "end");
-      }
+      for (let power = this.low; power <= this.high; power += stride) marks.push([power, `1e${power}`.replace("-", "−")]);
     } else {
-      for (const value of ticks(this.low, this.high, 4)) {
-        const y = this.y(value);
-        this.svg.append(svg("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
-        text(LEFT - 6, y + 4, brief(Math.abs(value) < 1e-12 * (this.high - this.low) ? 0 : value, 5), "end");
-      }
+      const values = ticks(this.low, this.high, 4);
+      tickTexts(values).forEach((text, k) => marks.push([values[k], text]));
     }
-    for (const value of ticks(this.t0, this.t1, 6)) text(this.x(value), HEIGHT - 8, brief(value, 5), "middle");
-    this.dots = this.curves.map(({ label, values }, k) => {
-      const color = `var(--c${k % 6})`, dash = DASHES[k % DASHES.length];
-      this.svg.append(svg("path", { class: "curve", d: this.curve(values), stroke: color, style: `stroke:${color}`, "stroke-dasharray": dash }));
+    this.left = Math.max(...marks.map(([, text]) => LETTER * text.length), 28) + 10;
+    const text = (x, y, content, anchor) => this.svg.append(svg("text", { x, y, "text-anchor": anchor }, content));
+    for (const [value, content] of marks) {
+      const y = HEIGHT - BOTTOM - (value - this.low) / (this.high - this.low) * (HEIGHT - TOP - BOTTOM);
+      this.svg.append(svg("line", { class: "grid", x1: this.left, x2: WIDTH - RIGHT, y1: y, y2: y }));
+      text(this.left - 6, y + 4, content, "end");
+    }
+    const values = ticks(this.t0, this.t1, 6);
+    tickTexts(values).forEach((content, k) => {
+      const half = 0.5 * LETTER * content.length;
+      text(clamp(this.x(values[k]), half, WIDTH - half), HEIGHT - 8, content, "middle");
+    });
+    this.dots = this.curves.map((curve, k) => {
+      const { label } = curve, color = `var(--c${k % 6})`, dash = DASHES[k % DASHES.length];
+      this.svg.append(svg("path", { class: "curve", d: this.curve(curve), stroke: color, style: `stroke:${color}`, "stroke-dasharray": dash }));
       const sample = svg("svg", { viewBox: "0 0 30 8" }, svg("line", { x1: 0, x2: 30, y1: 4, y2: 4, style: `stroke:${color};stroke-width:2`, "stroke-dasharray": dash }));
       const value = element("b", {});
       this.legend.append(element("li", {}, sample, ` ${label} `, value));
@@ -105,8 +120,8 @@ class Plot {
   }
 
   // A path through all values; where there are several for a pixel, through the first, least, greatest and last of them.
-  curve(values) {
-    const { time } = this;
+  curve(curve) {
+    const { values } = curve, time = this.timeOf(curve);
     const parts = [];
     let isOn = false, lastY = 0;
     const put = (i) => {
@@ -136,14 +151,17 @@ class Plot {
     return parts.join("");
   }
 
-  show(row) {
-    const x = this.x(this.time[row]);
+  show(row) { this.mark(this.time[row], this.curves.map(() => row)); }
+
+  // Shows a time and the values of the curves in these rows of theirs.
+  mark(time, rows) {
+    const x = this.x(time);
     this.cursor.setAttribute("x1", x);
     this.cursor.setAttribute("x2", x);
     this.dots.forEach(({ dot, value }, k) => {
-      const number = this.curves[k].values[row];
-      value.textContent = brief(number, 5);
-      dot.setAttribute("cx", x);
+      const number = this.curves[k].values[rows[k]];
+      value.textContent = brief(number);
+      dot.setAttribute("cx", this.x(this.timeOf(this.curves[k])[rows[k]]));
       dot.setAttribute("cy", Number.isFinite(number) ? clamp(this.y(number), TOP, HEIGHT - BOTTOM) : -10);
     });
   }

@@ -28,6 +28,10 @@ class Scene {
       }
     }
     const extent = Math.max(...[0, 1, 2].map((d) => high[d] - low[d]), 1e-300);
+    // The far ends of springs and links, where they are not much farther away.
+    const fixed = this.data.marks.flatMap(({ places }) => places.flatMap(({ point }) => (point ? [point] : [])));
+    const near = fixed.filter((point) => point.every((x, d) => x > low[d] - extent && x < high[d] + extent));
+    for (const point of near) point.forEach((x, d) => { [low[d], high[d]] = [Math.min(low[d], x), Math.max(high[d], x)]; });
     return { low, high, extent };
   }
 

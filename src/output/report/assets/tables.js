@@ -1,11 +1,48 @@
 // Tables: what the problem consists of, and the ledger, of which only the rows in sight are made.
 
-const tableOf = ({ head, rows }) => {
+// A box that the keyboard reaches where it is scrolled.
+const reachable = (box) => {
+  new ResizeObserver(() => {
+    if (box.scrollWidth > box.clientWidth || box.scrollHeight > box.clientHeight) box.tabIndex = 0;
+    else box.removeAttribute("tabindex");
+  }).observe(box);
+  return box;
+};
+
+const tableOf = ({ head, rows, title: name = "Table" }) => {
   const table = element("table", {});
   if (head.length) table.append(element("thead", {}, element("tr", {}, ...head.map((name) => element("th", { textContent: name, scope: "col" })))));
   const line = (cells) => element("tr", {}, ...cells.map((text, k) => element(k === 0 ? "th" : "td", k === 0 ? { textContent: text, scope: "row" } : { textContent: text })));
   table.append(element("tbody", {}, ...rows.map(line)));
-  return element("div", { className: "wide" }, table);
+  return reachable(element("div", { className: "wide", role: "group", "aria-label": name }, table));
+};
+
+// The lines that the script printed.
+const showPrinted = ({ printed }) => {
+  $("printed").hidden = !printed.length;
+  $("printed-lines").textContent = printed.join("\n");
+};
+
+const TYPES = { svg: "image/svg+xml", png: "image/png", gif: "image/gif" };
+
+// A picture of the script; one that is not in the page is named.
+const pictureOf = (picture, number, prefix = "") => {
+  const caption = element("figcaption", { textContent: picture.path });
+  if (!picture.shown) return element("figure", {}, caption, element("p", { className: "quiet", textContent: "This file is too large for the page, or was not kept." }));
+  const image = element("img", { alt: picture.path, className: "drawn" });
+  const id = `${prefix}picture-${number}`;
+  picture.bytes ??= inflate(id);
+  picture.bytes.then((bytes) => {
+    let text = "";
+    for (let at = 0; at < bytes.length; at += 32768) text += String.fromCharCode(...bytes.subarray(at, at + 32768));
+    image.src = `data:${TYPES[picture.kind] ?? "image/png"};base64,${btoa(text)}`;
+  });
+  return element("figure", {}, caption, image);
+};
+
+const showPictures = ({ pictures }) => {
+  $("pictures").hidden = !pictures.length;
+  $("picture-list").replaceChildren(...pictures.map((picture, number) => pictureOf(picture, number)));
 };
 
 const ROW = 22;

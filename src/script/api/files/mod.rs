@@ -3,4 +3,5 @@
 pub mod failures;
 pub mod results;
 pub mod run_folder;
+pub mod shown;
 pub mod writing;

@@ -7,6 +7,7 @@ use rhai::Dynamic;
 
 use super::failures::output_class;
 use super::run_folder::RunFolder;
+use super::shown::Pictures;
 use crate::output::{Drawing, OutputError, png, svg};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
@@ -16,6 +17,9 @@ use crate::script::language::wording::joined;
 
 /// Object whose files are written to its own folder.
 pub trait Destination {
+    /// Name of the simulation.
+    fn name(&self) -> String;
+
     /// Writes a file to the folder; `None` if the session writes no files.
     fn put(&self, path: &str, bytes: &[u8]) -> Option<Result<(), OutputError>>;
 }
@@ -112,7 +116,15 @@ pub fn write_at(call: &Call, into: Option<&dyn Destination>, path: &str, bytes: 
         Some(destination) => destination.put(path, bytes),
         None => RunFolder::of(call.host).files(call.host).transpose().map(|files| files?.write(path, bytes).map(drop)),
     };
+    note_picture(call, into.map(|destination| destination.name()), path, &written);
     told(call, path, written)
+}
+
+/// Adds a file that was written to the pictures of the run.
+pub fn note_picture(call: &Call, simulation: Option<String>, path: &str, written: &Option<Result<(), OutputError>>) {
+    if matches!(written, Some(Ok(()))) {
+        Pictures::note(call.host, simulation, path);
+    }
 }
 
 /// Converts the result of writing a file; prints a remark if the session writes no files (`None`).

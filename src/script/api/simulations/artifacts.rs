@@ -228,6 +228,11 @@ impl Artifacts {
         self.units.as_ref().map(|(units, _)| units.clone())
     }
 
+    /// Files of the simulation's folder.
+    pub fn files(&self) -> &RunFiles {
+        &self.files
+    }
+
     /// Writes a file below the simulation's folder.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use super::columns::{history_columns, names};
 use super::handle::SimulationHandle;
 use super::reports::{findings, parameters, placed, scripts, tables};
-use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation};
+use crate::output::{LiveModel, LiveOutcome, LiveProblem, LiveSimulation, marks};
 use crate::script::language::host::Host;
 
 /// Passes a new simulation to readers, if any.
@@ -12,13 +12,15 @@ pub fn begin(host: &Host, handle: &SimulationHandle) {
     let (Some(live), mut artifacts) = (&host.settings.live, data.artifacts.borrow_mut()) else { return };
     let Some(artifacts) = artifacts.as_mut() else { return };
     let model = &data.model.model;
+    let skins = artifacts.recording().bodies().to_vec();
     let shown = LiveModel {
         name: data.name.clone(),
         contacts: model.contact_names().into_iter().map(String::from).collect(),
         bodies: model.bodies.clone(),
-        skins: artifacts.recording().bodies().to_vec(),
         obstacles: placed(model),
         units: data.listed_units(),
+        marks: marks(model, &skins),
+        skins,
     };
     let columns = names(history_columns(model, &data.probes.borrow()));
     artifacts.show_to(LiveSimulation::begin(live, shown, columns), &data.history.borrow());
@@ -52,7 +54,7 @@ pub fn end(host: &Host, handle: &SimulationHandle, outcome: &str, is_well: bool)
     let (Ok(simulation), mut artifacts) = (data.simulation.try_borrow(), data.artifacts.borrow_mut()) else { return };
     let Some(artifacts) = artifacts.as_mut().filter(|_| host.settings.live.is_some()) else { return };
     let history = data.history.borrow();
-    let (found, stills) = (findings(&simulation, &history), artifacts.stills(&simulation, history.len() - 1));
+    let (found, stills) = (findings(host, data, &simulation, &history), artifacts.stills(&simulation, history.len() - 1));
     if let Some(live) = artifacts.live() {
         live.stills(&stills);
         live.tell(LiveProblem { scripts: scripts(host), parameters: parameters(host), tables: tables(data, &simulation) });

@@ -33,6 +33,7 @@ pub mod probes;
 pub mod properties;
 pub mod reactions;
 pub mod recalling;
+mod report_pictures;
 pub mod reports;
 pub mod results;
 pub mod sections;

@@ -2,33 +2,36 @@
 
 use std::collections::BTreeMap;
 
-use rhai::Dynamic;
+use rhai::{Array, Dynamic};
 use serde_json::Value;
 
 use super::columns::{further_values, model_columns, names, probe_columns};
 use super::handle::{SimulationData, SimulationHandle, busy};
 use super::integrators::title;
+use super::report_pictures::pictures;
 use super::step_control::step_size;
 use super::writing::write_course;
 use crate::bodies::{Dilatation, Formulation, Plane};
 use crate::dynamics::{
     BodyDefinition, EnergyAccount, Enforcement, Gear, Interaction, JointDefinition, JointKind, LedgerRow, Model, Partner, PlacedObstacle,
-    Quantity, Rows, Simulation, default_rule,
+    Quantity, Rows, RunFinding, Simulation, default_rule,
 };
-use crate::output::{Field, History, Report, ReportTable, Still, kept_rows, pretty_unit, report, shapes};
+use crate::output::{
+    Field, History, Report, ReportPage, ReportTable, Still, kept_rows, marks, pretty_unit, report, report_of_several, shapes,
+};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::failures::output_failure;
 use crate::script::api::files::results::Results;
+use crate::script::api::files::shown::Printed;
 use crate::script::api::files::writing::path_parameter;
 use crate::script::api::models::description::{describe_obstacle, prescribed};
 use crate::script::api::models::joint_friction::friction_text;
 use crate::script::api::parameters::Overrides;
 use crate::script::api::remedies::explained;
-use crate::script::language::arguments::Arguments;
+use crate::script::language::arguments::{Argument, Arguments};
 use crate::script::language::digits::{brief, brief_vector, number_text, vector_text};
 use crate::script::language::failure::Failure;
 use crate::script::language::function::{Form, Function, Topic, body};
-use crate::script::language::handle::Handle;
 use crate::script::language::host::Host;
 use crate::script::language::parameter::{Kind, Parameter};
 use crate::script::language::wording::joined;
@@ -40,24 +43,64 @@ pub(super) fn report_function() -> Function {
         form: Form::Function,
         topic: Topic::Results,
         summary: "writes a page about the run so far that opens in any browser without a network: the model, an animation, plots and \
-                  the ledger over its time, warnings, the script; at the end of a run `report.html` is written without being asked for",
+                  the ledger over its time, warnings, the script; at the end of a run `report.html` is written without being asked for. \
+                  Of several simulations the page shows their pictures side by side and their curves in one set of axes",
         parameters: vec![
-            Parameter::new("simulation", Kind::Handle(SimulationHandle::NAME), "the simulation"),
+            Parameter::new(
+                "simulation",
+                Kind::Either("a Simulation, or an array of two to six of them"),
+                "the simulation, or several to compare",
+            ),
             path_parameter("an `.html` file below the output folder"),
         ],
         returns: "",
         example: flight_example("sim.run_to(0.05);\nreport(sim, \"flight.html\");"),
         see_also: &["picture", "plot", "simulate"],
         body: body(|call| {
-            let handle = call.handle::<SimulationHandle>("simulation")?;
+            let handles = simulations(&call.argument("simulation"))?;
             let content = || {
-                handle.refuse_in_check(call)?;
-                let simulation = handle.0.simulation.try_borrow().map_err(|_| busy(call))?;
-                Ok(page(call.host, &handle.0, &simulation, None))
+                let pages = handles.iter().map(|handle| {
+                    handle.refuse_in_check(call)?;
+                    let simulation = handle.0.simulation.try_borrow().map_err(|_| busy(call))?;
+                    Ok((handle.0.name.clone(), page(call.host, &handle.0, &simulation, None)))
+                });
+                Ok(joined_pages(pages.collect::<Result<_, Failure>>()?))
             };
-            Ok(write_course(call, &handle, &[".html"], content)?)
+            Ok(write_course(call, &handles[0], &[".html"], content)?)
         }),
     }
+}
+
+/// Simulations of an argument, at least one.
+fn simulations(argument: &Argument) -> Result<Vec<SimulationHandle>, Failure> {
+    let value = argument.value();
+    if let Some(handle) = value.clone().try_cast::<SimulationHandle>() {
+        return Ok(vec![handle]);
+    }
+    let Some(all) = value.read_lock::<Array>().map(|all| all.clone()) else { return Err(argument.wrong_type()) };
+    let handles: Option<Vec<SimulationHandle>> = all.iter().map(|value| value.clone().try_cast()).collect();
+    let handles = handles.ok_or_else(|| argument.wrong_type().hint("write `report([first, second], \"both.html\")`"))?;
+    match handles.len() {
+        1..=6 => Ok(handles),
+        count => {
+            let failure = argument.fail(format!("{} must have one to six simulations", argument.title()));
+            Err(failure.label(format!("it has {count}")).hint("choose those that matter; a table of many is made by `conserva sweep`"))
+        }
+    }
+}
+
+/// Page of one simulation, or of several side by side.
+fn joined_pages(mut pages: Vec<(String, Vec<u8>)>) -> Vec<u8> {
+    if pages.len() == 1 {
+        return pages.swap_remove(0).1;
+    }
+    let mut runs: Vec<(String, ReportPage)> = Vec::new();
+    for (name, bytes) in pages {
+        let count = runs.iter().filter(|(label, _)| *label == name || label.starts_with(&format!("{name} ("))).count();
+        let label = if count > 0 { format!("{name} ({})", count + 1) } else { name };
+        runs.extend(ReportPage::of_bytes(&bytes).map(|page| (label, page)));
+    }
+    report_of_several(runs)
 }
 
 /// Outcome of a run.
@@ -79,7 +122,7 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
     let stills = artifacts.stills(simulation, last);
     let stills: Vec<&Still> = stills.iter().map(|still| &**still).collect();
     let rows = kept_rows(&*history, &stills.iter().map(|still| still.row).collect::<Vec<_>>());
-    let warnings = host.warnings().into_iter().chain(findings(simulation, &history));
+    let warnings = host.warnings().into_iter().chain(findings(host, data, simulation, &history));
     let lines = summary(host, data, simulation, &stills, ending.as_ref());
     report(&Report {
         name: data.name.clone(),
@@ -91,6 +134,8 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
         parameters: parameters(host),
         tables: tables(data, simulation).into_iter().chain(outcomes(host)).collect(),
         warnings: warnings.collect(),
+        printed: Printed::of(host),
+        pictures: pictures(host, &data.name, artifacts),
         columns: columns(data, &history, &rows),
         rows,
         row_count: history.len(),
@@ -100,12 +145,19 @@ pub fn page(host: &Host, data: &SimulationData, simulation: &Simulation, ending:
         stills: &stills,
         obstacles: placed(model),
         units: data.listed_units(),
+        marks: marks(model, recording.bodies()),
     })
 }
 
-/// Returns the findings of a run in words.
-pub fn findings(simulation: &Simulation, history: &History) -> Vec<String> {
-    simulation.findings(history).iter().map(|finding| format!("{finding}: {}", explained(finding))).collect()
+/// Returns the findings of a run in words, without those of which the user was warned.
+pub fn findings(host: &Host, data: &SimulationData, simulation: &Simulation, history: &History) -> Vec<String> {
+    let (warnings, named) = (host.warnings(), format!("(simulation \"{}\", ", data.name));
+    let is_told = |finding: &RunFinding| {
+        let title = format!(": {finding}\n");
+        warnings.iter().any(|text| text.contains(&title) && (!text.contains("(simulation \"") || text.contains(&named)))
+    };
+    let found = simulation.findings(history).into_iter().filter(|finding| !is_told(finding));
+    found.map(|finding| format!("{finding}: {}", explained(&finding))).collect()
 }
 
 /// Values of `param(...)` by name.
@@ -216,7 +268,12 @@ fn joints(model: &Model) -> Vec<Vec<String>> {
 /// Tables of what the script has found: results and checks that held.
 fn outcomes(host: &Host) -> Vec<ReportTable> {
     let results = Results::of(host).into_iter().map(|(name, value)| vec![name, value.as_f64().map_or(value.to_string(), brief)]).collect();
-    let checks = host.passed_checks().into_iter().map(|line| vec![line]).collect();
+    // Without folders, which differ between machines.
+    let plain = |line: String| match line.rsplit_once("  [") {
+        Some((what, place)) => format!("{what}  [{}", place.rsplit(['/', '\\']).next().unwrap_or_default()),
+        None => line,
+    };
+    let checks = host.passed_checks().into_iter().map(|line| vec![plain(line)]).collect();
     let mut all = vec![table("Results", &["result", "value"], results), table("Checks that held", &[], checks)];
     all.retain(|table| !table.rows.is_empty());
     all
@@ -283,9 +340,9 @@ fn summary(host: &Host, data: &SimulationData, simulation: &Simulation, stills: 
 
 fn material(body: &BodyDefinition) -> String {
     if let Some(inertia) = &body.rigid {
-        return format!("rigid: mass {}", number_text(inertia.mass));
+        return format!("rigid: mass {}", brief(inertia.mass));
     }
-    let constants = body.material.constants().into_iter().map(|(name, value)| format!("{} {}", name.replace('_', " "), number_text(value)));
+    let constants = body.material.constants().into_iter().map(|(name, value)| format!("{} {}", name.replace('_', " "), brief(value)));
     format!("{}: {}", body.material.name().replace('_', " "), constants.collect::<Vec<_>>().join(", "))
 }
 

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic};
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use crate::output::OutputError;
-use crate::script::api::files::writing::{Destination, Wanted, checked_path, told, write};
+use crate::script::api::files::writing::{Destination, Wanted, checked_path, note_picture, told, write};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -13,6 +13,10 @@ use crate::script::language::scan::Target;
 use crate::script::language::values::describe;
 
 impl Destination for SimulationHandle {
+    fn name(&self) -> String {
+        self.0.name.clone()
+    }
+
     fn put(&self, path: &str, bytes: &[u8]) -> Option<Result<(), OutputError>> {
         self.0.artifacts.borrow_mut().as_mut().map(|artifacts| artifacts.write(path, bytes))
     }
@@ -34,10 +38,12 @@ pub fn write_course(
         return Ok(wanted.put(content()?));
     }
     if into.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {
+        note_picture(call, Some(into.name()), &path, &Some(Ok(())));
         return Ok(Dynamic::UNIT);
     }
     let bytes = content()?;
     let written = into.0.artifacts.borrow_mut().as_mut().map(|artifacts| artifacts.write_counted(&path, &bytes));
+    note_picture(call, Some(into.name()), &path, &written);
     told(call, &path, written)?;
     Ok(Dynamic::UNIT)
 }

@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 
+use crate::script::api::files::shown::Printed;
 use crate::script::api::nested_runs::begin_study;
 use crate::script::api::parameters::Overrides;
 use crate::script::api::units::DeclaredUnits;
@@ -138,7 +139,7 @@ fn accept(host: &Host, index: usize, computed: Computed, results: &mut dyn Resul
     }
     for told in computed.told.iter().filter(|_| results.is_told(&computed.outcome)) {
         match told {
-            Told::Line(line) => host.observer.print(line),
+            Told::Line(line) => Printed::show(host, line),
             Told::Passed(key, line) => host.passed_as(key, line),
             Told::Warning(message) => host.warn(message.diagnostic(&host.sources)),
         }
