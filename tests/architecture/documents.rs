@@ -95,6 +95,16 @@ fn unknown(text: &str, paths: &[String], identifiers: &HashSet<String>) -> Vec<S
     quoted(text).into_iter().filter(is_unknown).map(String::from).collect()
 }
 
+/// Largest number of words of the overview, which is read before anything else.
+const OVERVIEW: usize = 1200;
+
+#[test]
+fn the_overview_is_short() {
+    let text = std::fs::read_to_string(repository().join("ARCHITECTURE.md")).expect("the document is there");
+    let words = text.split_whitespace().count();
+    assert!(words <= OVERVIEW, "ARCHITECTURE.md has {words} words, at most {OVERVIEW}: details belong into src/README.md");
+}
+
 #[test]
 fn documents_of_the_structure_name_what_exists() {
     let mut paths: Vec<String> =
