@@ -52,7 +52,7 @@ fn a_factorization_that_does_not_fit_ends_the_run_with_its_results() {
                   let m = model(\"m\");\n\
                   let b = m.add_body(\"b\", block(#{ size: [1.0, 1.0, 1.0], cells: [16, 16, 16] }), law);\n\
                   m.gravity([0.0, 0.0, -1.0]);\n\
-                  let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.1 });\n\
+                  let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.1, solver: \"direct\" });\n\
                   sim.step();\n";
     let home = folder("factors", script);
     let (code, message, _) = held(&home, &["run", "main.rhai", "--memory", "120MB"]);

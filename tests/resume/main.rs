@@ -269,7 +269,7 @@ fn what_a_run_depends_on_must_be_as_it_was() {
     std::fs::write(home.join("main.rhai"), LOOKS.replace("cells: [2, 32]", "cells: [2, 40]")).unwrap();
     let output = run(&home, &["resume", "k"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("the script main.rhai has another line 8"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("the script main.rhai has another line 9"), "{}", stderr(&output));
     std::fs::remove_file(home.join("main.rhai")).unwrap();
     let output = run(&home, &["resume", "k"]);
     assert!(stderr(&output).contains("the script main.rhai is gone"), "{}", stderr(&output));

@@ -140,8 +140,8 @@ impl JointKind {
     }
 }
 
-/// Dry friction of the coordinate of a joint. The magnitude `L` of a friction force, or of a friction moment with the radius `r` of an angle
-/// (1 for a displacement), is at most
+/// Dry friction of the coordinate of a joint. The magnitude `L` of a friction force, or of a friction moment with the radius `r` of an
+/// angle (1 for a displacement), is at most
 ///
 /// ```text
 /// L = mu r (|R| + P) + M

@@ -190,7 +190,8 @@ impl StepError {
                     .into()
             }
             StepError::Blocked { .. } => {
-                "let the motion end before the stop, or leave the joint more room; a force in place of a prescribed motion lets the stop hold"
+                "let the motion end before the stop, or leave the joint more room; a force in place of a prescribed motion lets the stop \
+                 hold"
                     .into()
             }
             StepError::Jammed { limit, .. } => format!(

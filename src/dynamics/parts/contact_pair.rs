@@ -254,11 +254,6 @@ impl ContactPair {
         self.law.has_multiplier() && !self.law.is_bilateral()
     }
 
-    /// Pressure that bounds friction, for a normal multiplier or pressure: a bilateral contact bears on either side.
-    pub fn bearing(&self, pressure: f64) -> f64 {
-        if self.law.is_bilateral() { pressure.abs() } else { pressure.max(0.0) }
-    }
-
     /// True if inactive nodes may penetrate the other side within a step.
     pub fn may_penetrate(&self) -> bool {
         self.update.holds == Holds::AsItIs && self.is_unilateral()

@@ -4,8 +4,8 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::bodies::Frame;
 use crate::contact::{
-    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes,
-    RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
+    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact,
+    RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;

@@ -138,7 +138,7 @@ where
         row.probes = self.probe_values(&at.u_1, &v_1, &accelerations);
         let state = State {
             drift: self.state.drift + row.energy_defect,
-            largest_force: self.state.largest_force.max(at.forces.scale),
+            pushed: self.state.pushed + dt * at.forces.scale,
             row,
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),

@@ -74,12 +74,7 @@ where
         options.integrator.check().map_err(|reason| ModelError::UnsoundIntegrator { integrator: options.integrator.name, reason })?;
         model.check_stops(&options.integrator)?;
         let sound = time_of_sound(model);
-        let first = match options.control {
-            // Short against what vibrates fastest, by as much as the tolerance asks for.
-            Some(control) if options.dt == 0.0 => sound.map(|time| control.tolerance.sqrt() * time),
-            _ => Some(options.dt),
-        };
-        let options = Options { dt: first.ok_or(ModelError::NoFirstStep)?, ..options };
+        let options = Options { dt: first_step(&options, sound).ok_or(ModelError::NoFirstStep)?, ..options };
         let unknowns = D * model.bodies.iter().map(|body| body.mesh.points.len()).sum::<usize>();
         memory::ensure(UNKNOWN * unknowns as u64)
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
@@ -126,7 +121,7 @@ where
             level: 0,
             pace: Pace::default(),
             drift: 0.0,
-            largest_force: 0.0,
+            pushed: 0.0,
             preferred: Preferred::default(),
             carried: 0.0,
             loads_ended: 0.0,
@@ -155,6 +150,15 @@ where
     /// Restores the search results of the present state.
     pub fn restore_search(&mut self) {
         self.system.restore_search(&self.state.search, &self.state.positions, self.state.row.time);
+    }
+}
+
+/// Size of the first step; `None` if it is to be chosen, and `sound`, the time that sound takes through a cell, is unknown.
+fn first_step(options: &Options, sound: Option<f64>) -> Option<f64> {
+    match options.control {
+        // Short against what vibrates fastest, by as much as the tolerance asks for.
+        Some(control) if options.dt == 0.0 => sound.map(|time| control.tolerance.sqrt() * time),
+        _ => Some(options.dt),
     }
 }
 

@@ -90,7 +90,7 @@ where
         remembered.keep(motion.scheme, &f_1, forces, &ends.obstacles[1]);
         let state = State {
             drift: old.drift + row.energy_defect,
-            largest_force: old.largest_force,
+            pushed: old.pushed,
             row,
             positions: at.q_1.clone(),
             displacements: at.u_1.clone(),

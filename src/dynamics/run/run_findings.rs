@@ -264,7 +264,7 @@ pub struct Measures<'a> {
     pub contacts: Vec<(&'a str, f64)>,
     /// Young's modulus times the size of the model: the strain energy at strains of order one `[energy]`.
     pub stiffness: f64,
-    /// Work that forces of the run's size do on the round-off of positions `[energy]`.
+    /// Work that the mean of the largest forces does on the round-off of positions `[energy]`.
     pub round_off: f64,
     /// Admissible relative energy defect of a step; `None` for an integrator that does not conserve energy.
     pub defect: Option<f64>,

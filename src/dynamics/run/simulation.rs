@@ -356,7 +356,7 @@ impl Simulation {
         self.steps.halvings()
     }
 
-    /// Work that forces of the run's size do on the round-off of positions `[energy]`.
+    /// Work that the mean of the largest forces does on the round-off of positions `[energy]`.
     pub fn round_off(&self) -> f64 {
         self.steps.measures().round_off
     }

@@ -51,8 +51,8 @@ pub struct State {
     /// Sum of the ledger's energy defects since the run began or was last settled: Newton's tolerance has a sign, which may be the same in
     /// every step `[energy]`.
     pub(super) drift: f64,
-    /// Largest force component at a node in a step so far: it works on the round-off of positions `[force]`.
-    pub(super) largest_force: f64,
+    /// Integral over time of the largest force component at a node: its mean works on the round-off of positions `[force * time]`.
+    pub(super) pushed: f64,
     /// Attempt of Newton's method that the next step tries first.
     pub(super) preferred: Preferred,
     /// Time up to which the motion of obstacles is included in slips: that of the state, except while an equilibrium is computed.

@@ -261,10 +261,11 @@ where
         let system = &self.system;
         let conserves = self.options.integrator.promises.energy;
         let reach = largest_size(&self.state.positions).max(system.nodes.extent);
+        let mean_force = if self.state.row.time > 0.0 { self.state.pushed / self.state.row.time } else { 0.0 };
         Measures {
             contacts: system.contacts().map(|(_, pair)| (pair.name.as_str(), pair.kernel.facet_size())).collect(),
             stiffness: system.nodes.stiffness() * system.nodes.extent.powi(2),
-            round_off: tolerances::WORK_ROUND_OFF * self.state.largest_force * reach,
+            round_off: tolerances::WORK_ROUND_OFF * mean_force * reach,
             integrator: self.options.integrator.name,
             is_explicit: self.options.integrator.lumping().is_some(),
             is_static: self.options.integrator.is_static(),

@@ -8,6 +8,7 @@ use super::newton::{Attempt, Increment};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::laws::{Equation, RowState};
 use crate::linear::LinearError;
+use crate::math::tolerances;
 
 /// Largest number of active sets per linearization; if none of them is a solution, a new linearization is more effective than further sets.
 const MAX_SETS: usize = 30;
@@ -15,9 +16,6 @@ const MAX_SETS: usize = 30;
 /// Proximal term relative to the compliance of the constraint's node: small enough to cost few extra iterations, large enough to regularize
 /// nearly dependent gradients.
 const PROXIMAL: f64 = 0.1;
-
-/// Proximal term of conditions that depend on one another exactly: each iteration reduces what is missed to about this fraction.
-const PROXIMAL_OF_DEPENDENT: f64 = 1e-3;
 
 /// Growth of the proximal term in the next iteration if the present one does not suffice, its reduction if it does, and its largest value.
 /// The reduction is needed because the term limits the speed at which multipliers converge.
@@ -51,12 +49,12 @@ where
             }
             *set = begun;
         }
-        let first = if self.is_dependent { PROXIMAL_OF_DEPENDENT } else { PROXIMAL };
+        let first = if self.is_dependent { tolerances::PROXIMAL_OF_DEPENDENT } else { PROXIMAL };
         let factor = self.proximal.unwrap_or(first);
         let terms = self.proximal_terms(at, factor);
         let (is_solved, solution) = self.find_set(at, set, MAX_SETS, Some(&terms))?;
         self.is_damped = is_solved;
-        let least = if self.is_dependent { PROXIMAL_OF_DEPENDENT } else { 0.0 };
+        let least = if self.is_dependent { tolerances::PROXIMAL_OF_DEPENDENT } else { 0.0 };
         self.proximal = Some(if is_solved { (factor / LESS_PROXIMAL).max(least) } else { (MORE_PROXIMAL * factor).min(LARGEST_PROXIMAL) });
         Ok(solution)
     }

@@ -146,20 +146,7 @@ impl Motion {
         }
         let coordinates: Vec<Option<Coordinate>> = model.joints.iter().map(|joint| joint.kind.coordinate(dimension)).collect();
         for joint in &mut moved.joints {
-            joint.kind = joint.kind.along(|direction| self.vector(direction, 1.0));
-            joint.ends.iter_mut().for_each(|end| end.point = self.point(end.point));
-            let scale = joint.kind.coordinate(dimension).map_or(1.0, |coordinate| units.length.powi(coordinate.lengths()));
-            joint.drive = joint.drive.as_ref().map(|drive| self.amplitude(drive, scale));
-            joint.limits = joint.limits.map(|limits| limits.map(|limit| scale * limit));
-            if let Some(friction) = &mut joint.friction {
-                let energy = self.energy(dimension);
-                friction.radius *= units.length;
-                friction.preload *= energy / units.length;
-                friction.constant *= energy / scale;
-            }
-            if let JointKind::Cable(longest) = &mut joint.kind {
-                *longest *= units.length;
-            }
+            self.join(joint, dimension);
             if let JointKind::Gear(gear) = &mut joint.kind {
                 let [first, second] = gear.joints.map(|index| coordinates[index].map_or(0, Coordinate::lengths));
                 gear.ratio *= units.length.powi(first - second);
@@ -216,6 +203,24 @@ impl Motion {
         };
         moved.parts = model.parts.iter().map(|part| part.changed(&change)).collect();
         Ok(moved)
+    }
+
+    fn join(&self, joint: &mut JointDefinition, dimension: usize) {
+        let units = &self.units;
+        joint.kind = joint.kind.along(|direction| self.vector(direction, 1.0));
+        joint.ends.iter_mut().for_each(|end| end.point = self.point(end.point));
+        let scale = joint.kind.coordinate(dimension).map_or(1.0, |coordinate| units.length.powi(coordinate.lengths()));
+        joint.drive = joint.drive.as_ref().map(|drive| self.amplitude(drive, scale));
+        joint.limits = joint.limits.map(|limits| limits.map(|limit| scale * limit));
+        if let Some(friction) = &mut joint.friction {
+            let energy = self.energy(dimension);
+            friction.radius *= units.length;
+            friction.preload *= energy / units.length;
+            friction.constant *= energy / scale;
+        }
+        if let JointKind::Cable(longest) = &mut joint.kind {
+            *longest *= units.length;
+        }
     }
 
     fn support(&self, model: &Model, support: &mut Support) -> Result<(), String> {

@@ -100,6 +100,11 @@ pub struct Function {
 }
 
 impl Function {
+    /// True for what reads a value of an object: a property or a column.
+    pub fn reads(&self) -> bool {
+        matches!(self.form, Form::Property(_) | Form::Column(_))
+    }
+
     /// Returns the signature, such as `model.fix(boundary, components)`.
     pub fn signature(&self) -> String {
         let object = self.form.receiver().map(|receiver| receiver.name.to_lowercase());

@@ -7,6 +7,7 @@ use rhai::Dynamic;
 use super::pages::PAGES;
 use super::ranking::{is_meant, ranked};
 use super::reference::{Entry, Reference, TOPICS};
+use super::synonyms::meant;
 use crate::script::language::arguments::Arguments;
 use crate::script::language::function::{Form, Function, Topic, body};
 use crate::script::language::parameter::{Absent, Kind, Parameter};
@@ -28,7 +29,7 @@ pub fn help(registry: &Registry, name: &str) -> String {
     }
     let reference = Reference::new(registry);
     let suggestion = match reference.find(name) {
-        Ok(entries) => return entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n"),
+        Ok(entries) => return found_text(&reference, name, &entries),
         Err(suggestion) => suggestion.unwrap_or_else(|| "`help()` lists the topics".into()),
     };
     let refusal = format!("there is no function, topic or type `{name}`");
@@ -42,6 +43,17 @@ pub fn help(registry: &Registry, name: &str) -> String {
             format!("{refusal}; it is part of\n\n{}{others}", first.text())
         }
         all => format!("{refusal}; {suggestion}; it is mentioned in{}", listed(all)),
+    }
+}
+
+/// Text of the entries of a name. What only reads a value is not all that a person means by a word of the field.
+fn found_text(reference: &Reference, name: &str, entries: &[Entry]) -> String {
+    let text = entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n");
+    let reads = |entry: &Entry| matches!(entry, Entry::Function(function) if function.reads());
+    let first = ranked(reference, name).into_iter().next().filter(|first| !reads(first));
+    match first.filter(|_| entries.iter().all(reads) && !meant(name).is_empty()) {
+        Some(first) => format!("{text}\n\nit is part of\n\n{}", first.text()),
+        None => text,
     }
 }
 

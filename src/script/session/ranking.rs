@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::reference::{Entry, Reference};
 use super::synonyms::meant;
-use crate::script::language::function::{Form, Function};
+use crate::script::language::function::Function;
 use crate::script::language::parameter::Parameter;
 
 /// Rank of an entry that is meant by a text, and not only mentions it.
@@ -40,9 +40,9 @@ fn rank(entry: &Entry, text: &str) -> usize {
             let of_synonyms = place.map_or(0, |place| 2 * MEANT - place);
             let of_key = if has_key(&function.parameters, &wanted) { MEANT } else { 0 };
             // A method that makes something comes before one that reads it.
-            let of_form = if matches!(function.form, Form::Property(_) | Form::Column(_)) { 0 } else { 1 };
+            let of_form = if function.reads() { 0 } else { 1 };
             let of_name = if function.name == wanted {
-                4 * MEANT
+                if function.reads() { MEANT } else { 4 * MEANT }
             } else if function.name.contains(&wanted) {
                 20
             } else {

@@ -21,7 +21,7 @@ pub const DEFECT: f64 = 1e-11;
 /// Round-off of sums and signs, over the energy of the run.
 const ROUND_OFF: f64 = 1e-12;
 /// Least energy and momentum of a run that moves: masses, speeds and loads are of the order of one, and what rests has round-off of forces.
-const AT_REST: f64 = 1e-6;
+const AT_REST: f64 = 1e-5;
 /// Loads and weights of the models `[force]`: on a body at rest their impulses and those of its supports cancel up to round-off of the
 /// impulses, not of the body's momentum.
 const LOAD: f64 = 1.0;

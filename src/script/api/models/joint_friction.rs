@@ -12,10 +12,10 @@ pub fn friction_options() -> Vec<Parameter> {
     vec![
         Parameter::number(
             "friction",
-            "",
+            "1",
             Interval::NonNegative,
-            "coefficient of dry friction: of a slider or a slot times the reaction across its line, of a hinge (in the plane `point`) times \
-             the reaction across its axis and `radius`",
+            "coefficient of dry friction: of a slider or a slot times the reaction across its line, of a hinge (in the plane `point`) \
+             times the reaction across its axis and `radius`",
         )
         .or(Absent::Means("no friction by the reaction")),
         Parameter::number("radius", "length", Interval::Positive, "the radius of the bearing at which a hinge with `friction` rubs")
@@ -31,8 +31,8 @@ pub fn friction_options() -> Vec<Parameter> {
             "friction_moment",
             "force * length",
             Interval::NonNegative,
-            "constant dry friction of a hinge (in the plane `point`), whatever the reaction: a seal, `frictionloss` of MuJoCo, the friction \
-             torque preload of Adams",
+            "constant dry friction of a hinge (in the plane `point`), whatever the reaction: a seal, `frictionloss` of MuJoCo, the \
+             friction torque preload of Adams",
         )
         .or(Absent::Number(0.0)),
         Parameter::number(
