@@ -11,8 +11,8 @@ use super::units::Units;
 use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
-    Amplitude, Change, Coefficient, Coordinate, CouplingKind, Friction, JointKind, LedgerRow, LoadKind, Model, Partner, PlaceFunction,
-    Prescription, Rescaled, Sector, Support, TimeFunction, TimeFunctionError, Turn,
+    Amplitude, Change, Coefficient, Coordinate, CouplingKind, Friction, JointDefinition, JointKind, LedgerRow, LoadKind, Model, Partner,
+    PlaceFunction, Prescription, Rescaled, Sector, Support, TimeFunction, TimeFunctionError, Turn,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
