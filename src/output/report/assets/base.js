@@ -45,6 +45,16 @@ const words = (name) => name.replaceAll("_", " ");
 const inUnit = (text, data, kind, name) => data.units?.[kind][name] ? `${text} ${data.units[kind][name]}` : text;
 const unitOf = (data, kind, name) => data.units?.[kind][name] ? ` [${data.units[kind][name]}]` : "";
 
+// Draws a page with the next picture of the screen.
+const drawSoon = (page) => {
+  if (page.isAsked) return;
+  page.isAsked = true;
+  requestAnimationFrame(() => {
+    page.isAsked = false;
+    page.draw();
+  });
+};
+
 // The words for a field, with its unit where that is known.
 const titled = ({ name, words: text }, data) => `${text}${unitOf(data, "fields", name)}`;
 

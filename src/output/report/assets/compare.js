@@ -30,7 +30,8 @@ class Side {
     this.still = Side.next((k) => stills[k].time, stills.length, time);
     this.row = Side.next((k) => this.time[k], this.time.length, time);
     const end = this.time[this.time.length - 1];
-    this.clock.textContent = !stills.length ? "no pictures were kept" : time > end * (1 + 1e-9) ? `ended at t = ${brief(end)}` : `t = ${brief(stills[this.still].time)}`;
+    const told = (moment) => inUnit(brief(moment), this.data, "columns", "time");
+    this.clock.textContent = !stills.length ? "no pictures were kept" : time > end * (1 + 1e-9) ? `ended at t = ${told(end)}` : `t = ${told(stills[this.still].time)}`;
   }
 
   field(name) { return this.data.fields.find((field) => field.name === name); }
@@ -174,19 +175,14 @@ class Comparison {
   update() {
     this.sides.forEach((side) => side.go(this.now));
     $("moment").value = String(this.at);
-    $("clock").textContent = `t = ${brief(this.now)}`;
+    $("clock").textContent = `t = ${inUnit(brief(this.now), this.sides[0].data, "columns", "time")}`;
     $("moment").setAttribute("aria-valuetext", $("clock").textContent);
     this.plots.forEach((plot) => plot.mark(this.now, plot.curves.map(({ side }) => side.row)));
     this.redraw();
   }
 
   redraw() {
-    if (this.isAsked) return;
-    this.isAsked = true;
-    requestAnimationFrame(() => {
-      this.isAsked = false;
-      this.draw();
-    });
+    drawSoon(this);
   }
 
   draw() {

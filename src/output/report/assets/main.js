@@ -169,14 +169,8 @@ class Page {
     this.redraw();
   }
 
-  // Draws with the next picture of the screen.
   redraw() {
-    if (this.isAsked) return;
-    this.isAsked = true;
-    requestAnimationFrame(() => {
-      this.isAsked = false;
-      this.draw();
-    });
+    drawSoon(this);
   }
 
   range(field) {
