@@ -62,8 +62,8 @@ pub const ON_CONE: f64 = 1e-6;
 /// reduces. Bodies at rest have less energy of their own in small steps (`tests/scripts/rigid_friction_in_space.rhai`).
 pub const CONTACT_ROUND_OFF: f64 = 4e-15;
 
-/// Proximal term of contact conditions that depend on one another exactly, relative to the compliance of their nodes: each iteration reduces
-/// what is missed to about this fraction.
+/// Proximal term of contact conditions that depend on one another exactly, relative to the compliance of their nodes: each iteration
+/// reduces what is missed to about this fraction.
 pub const PROXIMAL_OF_DEPENDENT: f64 = 1e-3;
 
 /// Work of a force relative to the force times the size of the model that is round-off of positions: what rests while large forces act on

@@ -64,8 +64,8 @@ fn motion_parameter(moves: Moves) -> Parameter {
         Moves::Round => Some("the angle by which it has turned about its center, counter-clockwise, over time: friction feels it"),
         Moves::AboutAxis => Some("the angle by which it has turned about its axis, as a right-handed screw, over time: friction feels it"),
         Moves::AboutNormal => Some(
-            "the angle by which it has turned in space about the normal through `point`, as a right-handed screw, over time: friction feels \
-             it, as on a turntable",
+            "the angle by which it has turned in space about the normal through `point`, as a right-handed screw, over time: friction \
+             feels it, as on a turntable",
         ),
         _ => None,
     };
