@@ -83,6 +83,10 @@ pub fn solver_of(
         watch: Watch::default(),
     };
     solver.analyse(pattern)?;
+    // The elimination order of the first pattern belongs to the memory from the start on.
+    if !solver.iterates() {
+        solver.direct()?;
+    }
     Ok(Box::new(solver))
 }
 
@@ -214,9 +218,12 @@ impl LinearSolver for Handover {
 
     fn recall(&mut self, memory: &SolverMemory) {
         self.taken_over = memory.taken_over;
-        match &mut self.direct {
-            Some(direct) => direct.recall(memory),
-            None => self.kept = memory.clone(),
+        match (&mut self.direct, &memory.order) {
+            (Some(direct), Some(_)) => direct.recall(memory),
+            _ => {
+                self.free_direct();
+                self.kept = memory.clone();
+            }
         }
     }
 
