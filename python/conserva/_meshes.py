@@ -72,6 +72,12 @@ class MeshMethods(Object):
         import numpy as np
 
         parts = _core.mesh(self._number)
+        for element, cells in parts["blocks"]:
+            try:
+                meshio.CellBlock(MESHIO[element], cells)
+            except KeyError:
+                hint = 'write the mesh to a file, `mesh.write("mesh.msh")`, or take cells of first order'
+                raise ScriptError(f"meshio has no cells of the type `{element}`", "C1020", [], [hint]) from None
         blocks = [(MESHIO[element], cells) for element, cells in parts["blocks"]]
         starts = np.cumsum([0, *(len(cells) for _, cells in blocks)])
         named, points = {}, {}

@@ -96,7 +96,6 @@ CASES = {
     "bytes that are no state": lambda: pickled_with(lambda state, rows: (b"", b"")),
     "a simulation that is pickled": lambda: pickle.dumps(sim()),
     "a model that is copied deeply": lambda: copy.deepcopy(model()[0]),
-    "a mesh of two types from meshio": lambda: meshio_of([("quad", [[0, 1, 2, 3]]), ("triangle", [[0, 1, 2]])]),
     "a mesh without cells from meshio": lambda: meshio_of([("line", [[0, 1]])]),
     "a cell without area from meshio": lambda: meshio_of([("triangle", [[0, 1, 1]])]),
     "a point that is not a number from meshio": lambda: meshio_of([("triangle", [[0, 1, 2]])], points=[(0.0, 0.0), (1.0, 0.0), (np.nan, 1.0)]),

@@ -57,7 +57,7 @@ def test_pyvista_has_the_deformed_bodies(simulation, plate):
     assert sizes.sum() == pytest.approx(2.0, rel=1e-2) and grid.n_cells == 8
 
 
-@pytest.mark.parametrize("element", ["tri3", "tri6", "quad4", "quad8", "quad9", "tet4", "tet10", "hex8", "hex20", "hex27", "wedge6", "wedge15", "pyr5", "pyr13"])
+@pytest.mark.parametrize("element", ["tri3", "tri6", "quad4", "quad8", "quad9", "tet4", "tet10", "hex8", "hex20", "hex27", "wedge6", "pyr5"])
 def test_meshio_and_back_is_the_same_mesh(element):
     needs("meshio")
     make, size = (cs.rectangle, [2.0, 1.0]) if element in _meshes.CORNERS_OF_PLANE else (cs.block, [2.0, 1.0, 1.0])
@@ -80,7 +80,9 @@ def test_meshes_of_several_types_are_blocks():
     again = pickle.loads(pickle.dumps(solid))
     assert str(again) == str(solid) and np.array_equal(again.blocks[1][1], solid.blocks[1][1])
     needs("meshio")
-    for mesh in (plane, solid, solid.with_elements("hex20")):
+    with pytest.raises(cs.ScriptError, match="meshio has no cells of the type `wedge15`"):
+        solid.with_elements("hex20").to_meshio()
+    for mesh in (plane, solid):
         again = cs.from_meshio(mesh.to_meshio())
         assert {element: cells.tolist() for element, cells in again.blocks} == {element: cells.tolist() for element, cells in mesh.blocks}
         assert sorted(again.boundaries) == sorted(mesh.boundaries) and str(again.quality()) == str(mesh.quality())
