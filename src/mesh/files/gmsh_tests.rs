@@ -260,7 +260,6 @@ fn other_formats_are_recognized() {
     for (text, found) in [
         ("", "an empty file"),
         ("\n\n", "an empty file"),
-        ("<?xml version=\"1.0\"?>\n", "an XML file"),
         ("solid part\nfacet normal 0 0 1\n", "an STL file"),
         ("*KEYWORD\n", "an LS-DYNA input file"),
         ("lorem ipsum", "something that begins like no known mesh file"),
