@@ -49,7 +49,7 @@ sim.probe("corner", cube, mm([9, 20.5]));
 sim.run_to(quantity(2, "ms"));
 "#;
 
-/// The same in space, with a steel block, a spring and a rigid body: all kinds of columns of forces and moments.
+/// Block of steel in space with a spring and a rigid body: a run with columns of forces and moments in all directions.
 const IN_SPACE: &str = r#"
 units(param("units", "SI"));
 let steel = neo_hookean(#{ youngs_modulus: gpa(210), poisson_ratio: 0.3, density: kg_m3(7850) });

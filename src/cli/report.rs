@@ -55,7 +55,7 @@ pub fn report(arguments: Arguments) -> u8 {
     }
 }
 
-/// Error of arguments that make no page; `None` if they do.
+/// Error of arguments from which no page can be made; `None` for valid ones.
 fn refused(runs: &[PathBuf], out: &Path) -> Option<ReadError> {
     if let [only] = runs {
         let hint = format!("the page of this run is {}; name a second run to compare it with", only.join("report.html").display());
@@ -81,7 +81,7 @@ fn written(out: &Path, page: &[u8]) -> Result<(), OutputError> {
     RunFiles::create(folder)?.write(&name, page).map(drop)
 }
 
-/// Names further simulations that all runs have.
+/// Tells the user of further simulations in the folders of all runs, with the command for their page.
 fn further(runs: &[PathBuf], console: &Console) {
     let names = |path: &PathBuf| RunFolder::open(path).map(|run| run.further()).unwrap_or_default();
     let mut common = names(&runs[0]);

@@ -7,7 +7,7 @@
 
 use nalgebra::{SVector, Vector2, Vector3};
 
-use super::felt::{Felt, HeightInSpace};
+use super::felt::Felt;
 use super::profile::Profile;
 use super::rigid_shape::{Obstacle, Shape};
 use super::space::{ObstacleInSpace, ShapeInSpace};
@@ -94,10 +94,9 @@ impl ExactShape {
         let is_flat = first.into_iter().chain(last).all(|value| value.abs() < STRAIGHT);
         Some(if is_flat { Profile::default() } else { Profile::new(first, last, mean) })
     }
-}
 
-impl HeightInSpace for ExactShape {
-    fn height_in_space(&self, x: Vector3<f64>, normal: Vector3<f64>) -> Option<f64> {
+    /// Height over a point of a facet with this unit normal `[length]`; `None` where the facet does not represent the shape.
+    pub fn height_in_space(&self, x: Vector3<f64>, normal: Vector3<f64>) -> Option<f64> {
         let Kind::Space(shape) = &self.kind else { return None };
         height(shape, x, normal).map(|(height, _)| height)
     }

@@ -1,6 +1,6 @@
 //! Signed distances and discrete gradients of rigid obstacles for round parts of rigid bodies (`rolling.rs`, `space/rolling.rs`).
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector};
 
 /// Signed distance of a point from an obstacle, with gradient and Hessian.
 #[derive(Clone, Copy, Debug)]
@@ -33,10 +33,4 @@ pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
     fn takes_rims(&self) -> bool;
     /// Change of the distance on the straight path between two points, in units of `near`; true if the path crosses the obstacle.
     fn passage(&self, x_0: SVector<f64, D>, x_1: SVector<f64, D>, near: f64) -> (f64, bool);
-}
-
-/// Heights of a shape over facets in space.
-pub trait HeightInSpace {
-    /// Height over a point of a facet with this unit normal `[length]`; `None` where the facet does not represent the shape.
-    fn height_in_space(&self, x: Vector3<f64>, normal: Vector3<f64>) -> Option<f64>;
 }

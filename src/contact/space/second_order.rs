@@ -28,7 +28,6 @@ use super::profiles::{Profile, profiles};
 use crate::contact::combinations::Combinations;
 use crate::contact::faces::{self, Vector};
 use crate::contact::facet_shape::FacetShape;
-use crate::contact::felt::HeightInSpace;
 use crate::contact::kernel::ContactKernel;
 use crate::contact::on_curves::OnCurves;
 use crate::contact::surface::{Sides, Surface};
@@ -107,12 +106,13 @@ impl<'a> SeenInSpace<'a> {
         self
     }
 
-    /// Replaces the height profiles of sides with exact shapes, unless facets are flat by choice.
-    pub fn of_exact<H: HeightInSpace>(mut self, shapes: [Option<&H>; 2]) -> Self {
+    /// Replaces the height profiles of sides with those of exact shapes: functions that give the height over a point of a facet with a unit
+    /// normal, `None` where the facet does not represent the shape.
+    pub fn of_exact(mut self, shapes: [Option<impl Fn(Vector, Vector) -> Option<f64>>; 2]) -> Self {
         for ((surface, profiles), shape) in [&self.secondary, &self.primary].into_iter().zip(&mut self.profiles).zip(shapes) {
-            let Some(shape) = shape else { continue };
+            let Some(height) = shape else { continue };
             for (facet, profile) in profiles.iter_mut().enumerate() {
-                *profile = exact_profile(shape, surface.facet(facet), &self.reference).unwrap_or(*profile);
+                *profile = exact_profile(&height, surface.facet(facet), &self.reference).unwrap_or(*profile);
             }
         }
         self
@@ -258,9 +258,9 @@ fn corner_normals(face: &[u32], q: &[f64]) -> Vec<Option<[Vector; 4]>> {
 }
 
 /// Height profile of a shape over a facet between the points `q`; `None` where the facet does not represent the shape.
-fn exact_profile(shape: &impl HeightInSpace, nodes: &[u32], q: &[f64]) -> Option<Profile> {
+fn exact_profile(height_of: impl Fn(Vector, Vector) -> Option<f64>, nodes: &[u32], q: &[f64]) -> Option<Profile> {
     let (normal, count) = (faces::normal(nodes, q), nodes.len());
-    let height = |x: Vector| shape.height_in_space(x, normal);
+    let height = |x: Vector| height_of(x, normal);
     let corners: Vec<f64> = nodes.iter().map(|&node| height(faces::at(node, q))).collect::<Option<_>>()?;
     // Three halves of the mean height over the chord of the curve along a side, by Boole's rule.
     let sagitta = |k: usize| {

@@ -110,7 +110,7 @@ impl Pairing<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
         let exact = exact_shapes(interaction);
         let seen = SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
-        seen.of_exact(exact.each_ref().map(Option::as_ref))
+        seen.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))))
     }
 
     fn pair_of(&self, interaction: &Interaction) -> ContactPair {

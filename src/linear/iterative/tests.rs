@@ -200,7 +200,7 @@ fn chosen(choice: SolverChoice, model: &Model) -> (Box<dyn LinearSolver>, [Vec<f
 
 #[test]
 fn the_direct_solver_takes_over_where_the_iteration_does_not_converge() {
-    // Nodes turn about each other far more than they resist: smoothing makes errors grow.
+    // Couplings between nodes far larger than the diagonal blocks, not symmetric: smoothing makes errors grow.
     let mut model = stack([8, 8, 8], CUBE, 0.3, 1, false);
     for v in 0..model.pattern.vertices() as u32 {
         for &u in model.pattern.neighbors(v as usize).iter().filter(|&&u| u > v) {

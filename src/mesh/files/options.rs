@@ -61,7 +61,7 @@ pub enum FileNote {
     FaceNodes {
         /// Number of these cells and facets.
         count: usize,
-        /// Number of the first wedge or pyramid of them in the file.
+        /// Number in the file of the first cell or facet with such nodes.
         first: u64,
     },
     /// Arrays of results were left out: their names.

@@ -21,7 +21,7 @@ const ELEMENT: u64 = 8;
 
 /// Family of an element by its number of the finite element descriptor.
 enum Family {
-    /// Lines, with a line of their orientation before the nodes.
+    /// Beams, whose records have a line with their orientation before the nodes.
     Line,
     /// Plane or solid cells.
     Cell,

@@ -1,8 +1,10 @@
 //! Parts of the page that are equal for every run.
 
-/// Template of the page.
+/// Head of a template.
+pub const HEAD: &str = include_str!("assets/head.html");
+/// Body of the template of a page.
 pub const PAGE: &str = include_str!("assets/page.html");
-/// Template of the page of several runs.
+/// Body of the template of a page of several runs.
 pub const COMPARISON: &str = include_str!("assets/compare.html");
 /// Style sheet of the page.
 pub const STYLE: &str = include_str!("assets/style.css");

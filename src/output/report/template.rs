@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::assets::STYLE;
+use super::assets::{HEAD, STYLE};
 use crate::output::markup::escaped;
 
 /// Parts that are inserted into a template.
@@ -19,10 +19,11 @@ pub struct Filling<'a> {
     pub blobs: &'a [(String, String)],
 }
 
-/// Fills a template.
-pub fn fill(template: &str, filling: &Filling) -> Vec<u8> {
+/// Fills the template of a page with this body.
+pub fn fill(body: &str, filling: &Filling) -> Vec<u8> {
     let mut page = String::with_capacity(1 << 20);
-    let mut rest = template;
+    let template = [HEAD, body].concat();
+    let mut rest = template.as_str();
     // One pass from the left, so that inserted texts are not searched again.
     while let Some(start) = rest.find("{{") {
         let Some(length) = rest[start..].find("}}") else { break };

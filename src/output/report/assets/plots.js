@@ -153,7 +153,7 @@ class Plot {
 
   show(row) { this.mark(this.time[row], this.curves.map(() => row)); }
 
-  // Shows a time and the values of the curves in these rows of theirs.
+  // Marks a time, and shows the value of each curve in its row of the history.
   mark(time, rows) {
     const x = this.x(time);
     this.cursor.setAttribute("x1", x);

@@ -14,7 +14,7 @@ pub fn friction_options() -> Vec<Parameter> {
             "friction",
             "1",
             Interval::NonNegative,
-            "coefficient of dry friction: of a slider or a slot times the reaction across its line, of a hinge (in the plane `point`) \
+            "the coefficient of dry friction: of a slider or a slot times the reaction across its line, of a hinge (in the plane `point`) \
              times the reaction across its axis and `radius`",
         )
         .or(Absent::Means("no friction by the reaction")),
@@ -24,14 +24,14 @@ pub fn friction_options() -> Vec<Parameter> {
             "preload",
             "force",
             Interval::NonNegative,
-            "force that presses the rubbing surfaces together besides the reaction, as in a clamped bearing; with `friction`",
+            "the force that presses the rubbing surfaces together besides the reaction, as in a clamped bearing; with `friction`",
         )
         .or(Absent::Number(0.0)),
         Parameter::number(
             "friction_moment",
             "force * length",
             Interval::NonNegative,
-            "constant dry friction of a hinge (in the plane `point`), whatever the reaction: a seal, `frictionloss` of MuJoCo, the \
+            "the constant dry friction of a hinge (in the plane `point`), whatever the reaction: a seal, `frictionloss` of MuJoCo, the \
              friction torque preload of Adams",
         )
         .or(Absent::Number(0.0)),
@@ -39,7 +39,7 @@ pub fn friction_options() -> Vec<Parameter> {
             "friction_force",
             "force",
             Interval::NonNegative,
-            "constant dry friction of a slider or a slot, whatever the reaction",
+            "the constant dry friction of a slider or a slot, whatever the reaction",
         )
         .or(Absent::Number(0.0)),
     ]

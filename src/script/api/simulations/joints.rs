@@ -77,35 +77,14 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-/// Function `name` of scripts: a value of the friction of a joint.
-fn rubbed(name: &'static str, summary: &'static str, read: fn(JointFrictionLoad) -> f64) -> Function {
-    Function {
-        name,
-        form: Form::Property(JointHandle::receiver()),
-        topic: Topic::Results,
-        summary,
-        parameters: Vec::new(),
-        returns: "float",
-        example: rod_example("swing", "kind: \"point\", friction_moment: 0.5", name),
-        see_also: &["joint", "add_joint"],
-        body: body(move |call| {
-            let joint = call.receiver::<JointHandle>();
-            let failure = || {
-                call.fail(format!("joint \"{}\" has no friction", joint.name))
-                    .hint("`add_joint` gives it friction: `friction`, `friction_moment`, `friction_force`")
-            };
-            Ok(joint.load.friction.map(read).ok_or_else(failure)?.into())
-        }),
-    }
-}
-
-/// Returns the property of a joint for a coordinate.
-fn coordinate(name: &'static str, summary: &'static str) -> Function {
-    let (joint, options) = match name {
-        "travel" => ("rail", "kind: \"slider\", axis: [1.0, 0.0], drive: |t| 0.5 * t * t"),
-        "distance" => ("rope", "kind: \"cable\", to_point: [0.0, 3.0], drive: |t| 3.0 - 0.5 * t * t"),
-        _ => ("swing", "kind: \"point\", drive: |t| 0.5 * t * t"),
-    };
+/// Function `name` of scripts: a number that joints of some kinds have. Others are refused with what they lack and a hint, which `read`
+/// gives.
+fn reading(
+    name: &'static str,
+    summary: &'static str,
+    [joint, options]: [&str; 2],
+    read: impl Fn(&JointHandle) -> Result<f64, [String; 2]> + 'static,
+) -> Function {
     Function {
         name,
         form: Form::Property(JointHandle::receiver()),
@@ -117,34 +96,42 @@ fn coordinate(name: &'static str, summary: &'static str) -> Function {
         see_also: &["joint", "add_joint"],
         body: body(move |call| {
             let joint = call.receiver::<JointHandle>();
-            match joint.load.coordinate {
-                Some((coordinate, value)) if coordinate.name() == name => Ok(value.into()),
-                other => {
-                    let has = other.map_or("neither angle, travel nor distance".into(), |(other, _)| format!("`{}`", other.name()));
-                    Err(call.fail(format!("joint \"{}\" has no {name}", joint.name)).hint(format!("it has {has}")).into())
-                }
-            }
+            let failure = |[lacks, hint]: [String; 2]| call.fail(format!("joint \"{}\" has no {lacks}", joint.name)).hint(hint);
+            Ok(read(&joint).map_err(failure)?.into())
         }),
     }
 }
 
+/// Function `name` of scripts: a value of the friction of a joint.
+fn rubbed(name: &'static str, summary: &'static str, read: fn(JointFrictionLoad) -> f64) -> Function {
+    let hint = "`add_joint` gives it friction: `friction`, `friction_moment`, `friction_force`";
+    reading(name, summary, ["swing", "kind: \"point\", friction_moment: 0.5"], move |joint| {
+        joint.load.friction.map(read).ok_or_else(|| ["friction".into(), hint.into()])
+    })
+}
+
+/// Function `name` of scripts: the coordinate of a joint.
+fn coordinate(name: &'static str, summary: &'static str) -> Function {
+    let example = match name {
+        "travel" => ["rail", "kind: \"slider\", axis: [1.0, 0.0], drive: |t| 0.5 * t * t"],
+        "distance" => ["rope", "kind: \"cable\", to_point: [0.0, 3.0], drive: |t| 3.0 - 0.5 * t * t"],
+        _ => ["swing", "kind: \"point\", drive: |t| 0.5 * t * t"],
+    };
+    reading(name, summary, example, move |joint| match joint.load.coordinate {
+        Some((coordinate, value)) if coordinate.name() == name => Ok(value),
+        other => {
+            let has = other.map_or("neither angle, travel nor distance".into(), |(other, _)| format!("`{}`", other.name()));
+            Err([name.into(), format!("it has {has}")])
+        }
+    })
+}
+
 /// Function `work` of scripts.
 fn work() -> Function {
-    Function {
-        name: "work",
-        form: Form::Property(JointHandle::receiver()),
-        topic: Topic::Results,
-        summary: "work of the joint's drive in the last step, part of `load_work` `[energy]`",
-        parameters: Vec::new(),
-        returns: "float",
-        example: rod_example("swing", "kind: \"point\", drive: |t| 0.5 * t * t", "work"),
-        see_also: &["joint", "add_joint"],
-        body: body(|call| {
-            let joint = call.receiver::<JointHandle>();
-            let failure = || call.fail(format!("joint \"{}\" has no drive", joint.name)).hint("forces of joints without one do no work");
-            Ok(joint.load.work.ok_or_else(failure)?.into())
-        }),
-    }
+    let summary = "work of the joint's drive in the last step, part of `load_work` `[energy]`";
+    reading("work", summary, ["swing", "kind: \"point\", drive: |t| 0.5 * t * t"], |joint| {
+        joint.load.work.ok_or_else(|| ["drive".into(), "forces of joints without one do no work".into()])
+    })
 }
 
 /// A rod with a joint that a motor moves, for examples.
