@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
 
-use conserva::contact::{CandidateSearch, Evaluation, Mortar, Outlook, PatchFunctions};
+use conserva::contact::{CandidateSearch, Evaluation, Mortar, PatchFunctions, PredictedMotion};
 use conserva::integrators::Derivative;
 
 /// Nodes of a circle of facets, one after the other.
@@ -31,12 +31,12 @@ fn main() {
 
         let clock = Instant::now();
         for step in 0..repetitions {
-            black_box(mortar.update_candidates(&Outlook::within(if step % 2 == 0 { &q_0 } else { &q_1 }, travel)));
+            black_box(mortar.update_candidates(&PredictedMotion::within(if step % 2 == 0 { &q_0 } else { &q_1 }, travel)));
         }
         let kept = clock.elapsed().as_secs_f64() / f64::from(repetitions);
         let clock = Instant::now();
         for _ in 0..repetitions / 10 {
-            black_box(Mortar::new(&secondary, &primary, &q_0).update_candidates(&Outlook::within(&q_0, travel)));
+            black_box(Mortar::new(&secondary, &primary, &q_0).update_candidates(&PredictedMotion::within(&q_0, travel)));
         }
         let searched = clock.elapsed().as_secs_f64() / f64::from(repetitions / 10);
         mortar.begin_step(&q_0);

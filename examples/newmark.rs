@@ -8,7 +8,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use conserva::dynamics::{End, Model, Options, Simulation, SpringDefinition, SpringElement, SpringLaw};
-use conserva::integrators::{Affine, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
+use conserva::integrators::{
+    Affine, ConservedQuantities, Derivative, Dissipation, History, Lag, LeadingError, Parameters, Scheme, StepKind,
+};
 use conserva::materials::NeoHookean;
 use conserva::mesh::rectangle;
 
@@ -28,7 +30,7 @@ pub const fn newmark(name: &'static str, beta: f64, gamma: f64) -> Scheme {
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters::NONE,
-        promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
+        promises: ConservedQuantities { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
         // Of the average acceleration; what makes `gamma` > 1/2 one of first order comes before it.
         error: LeadingError { first: 0.5 * (gamma - 0.5), second: 1.0 / 12.0 },
     }

@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::Builder;
 use conserva::bodies::{BodyCells, Elements, Formulation, Space, Step};
-use conserva::contact::{AveragedMortar, ContactKernel, Evaluation, METHODS, Mortar, NodeToSegment, Outlook};
+use conserva::contact::{AveragedMortar, ContactKernel, Evaluation, METHODS, Mortar, NodeToSegment, PredictedMotion};
 use conserva::dynamics::{Hat, LoadKind, Simulation};
 use conserva::elements::CellKind;
 use conserva::integrators::{Derivative, ENERGY_MOMENTUM};
@@ -118,7 +118,7 @@ fn count_patches(name: &str, kernel: &mut dyn ContactKernel, q: &[f64], count: &
     let mut out = Evaluation::default();
     let lambda = vec![1.0; kernel.rows()];
     let ((), _, bytes) = allocated(|| {
-        kernel.update_candidates(&Outlook::within(q, 0.1));
+        kernel.update_candidates(&PredictedMotion::within(q, 0.1));
         kernel.begin_step(q);
         kernel.evaluate(Derivative::DiscreteGradient, q, &lambda, &mut out);
     });

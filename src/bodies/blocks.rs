@@ -2,7 +2,7 @@
 //!
 //! Numbers of cells and history variables follow each other block by block, as the cells of the mesh do.
 
-use super::element_loop::{Advance, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Present, Step};
+use super::element_loop::{Advance, BodyState, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Step};
 use crate::integrators::Lumping;
 use crate::linear::{NodeMatrix, Pattern};
 use crate::math::workers::Workers;
@@ -94,8 +94,8 @@ impl<const D: usize> ElementLoop<D> for Blocks<D> {
         self.loops().map(ElementLoop::history).sum()
     }
 
-    fn relaxed(&self, at: Present) -> Vec<f64> {
-        self.with_history(at.history).flat_map(|(block, history)| block.relaxed(Present { history, ..at })).collect()
+    fn relaxed(&self, at: BodyState) -> Vec<f64> {
+        self.with_history(at.history).flat_map(|(block, history)| block.relaxed(BodyState { history, ..at })).collect()
     }
 
     fn flows(&self) -> bool {
@@ -113,8 +113,8 @@ impl<const D: usize> ElementLoop<D> for Blocks<D> {
         all
     }
 
-    fn strain_energy(&self, at: Present) -> f64 {
-        self.with_history(at.history).map(|(block, history)| block.strain_energy(Present { history, ..at })).sum()
+    fn strain_energy(&self, at: BodyState) -> f64 {
+        self.with_history(at.history).map(|(block, history)| block.strain_energy(BodyState { history, ..at })).sum()
     }
 
     fn relaxing_energy(&self, history: &[f64]) -> f64 {
@@ -132,15 +132,15 @@ impl<const D: usize> ElementLoop<D> for Blocks<D> {
         least
     }
 
-    fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress)) {
+    fn visit_stresses(&self, at: BodyState, visit: &mut dyn FnMut(&PointStress)) {
         for ((first, _), (block, history)) in self.blocks.iter().zip(self.with_history(at.history)) {
-            block.visit_stresses(Present { history, ..at }, &mut |point| visit(&PointStress { cell: first + point.cell, ..*point }));
+            block.visit_stresses(BodyState { history, ..at }, &mut |point| visit(&PointStress { cell: first + point.cell, ..*point }));
         }
     }
 
-    fn visit_forces(&self, at: Present, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+    fn visit_forces(&self, at: BodyState, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
         for ((first, _), (block, history)) in self.blocks.iter().zip(self.with_history(at.history)) {
-            block.visit_forces(Present { history, ..at }, field, &mut |cell, forces| visit(first + cell, forces));
+            block.visit_forces(BodyState { history, ..at }, field, &mut |cell, forces| visit(first + cell, forces));
         }
     }
 }

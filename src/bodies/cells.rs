@@ -17,10 +17,10 @@ use std::ops::Range;
 use super::batch::{Batch, Table, many};
 use super::completion::Share;
 use super::consistent_mass::{MassRule, summed};
-use super::element_loop::{Advance, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Present, Step};
+use super::element_loop::{Advance, BodyState, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Step};
 use super::physics::Physics;
 use super::rounds::{LEAST_CELLS_FOR_THREADS, Run, pieces, rounds};
-use super::special::{Answer, Course, SpecialPoints};
+use super::special::{Answer, BatchStep, SpecialPoints};
 use super::workspace::Workspace;
 use crate::elements::ReferenceCell;
 use crate::integrators::{Derivative, Lumping};
@@ -183,7 +183,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let points = work.special_points(batch, table, around);
             let answer = answer.get_or_insert_with(|| Box::new(Answer::EMPTY));
             let kept = self.history_of(index, step.history);
-            special.respond(&points, Course { derivative: step.derivative, history: &kept, dt: step.dt }, answer);
+            special.respond(&points, BatchStep { derivative: step.derivative, history: &kept, dt: step.dt }, answer);
             work.take(answer);
             points
         });
@@ -429,7 +429,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         self.batches.len() * self.history_per_batch()
     }
 
-    fn relaxed(&self, at: Present) -> Vec<f64> {
+    fn relaxed(&self, at: BodyState) -> Vec<f64> {
         self.relaxed_history(at)
     }
 
@@ -442,7 +442,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         self.advanced(step)
     }
 
-    fn strain_energy(&self, Present { u, history }: Present) -> f64 {
+    fn strain_energy(&self, BodyState { u, history }: BodyState) -> f64 {
         let mut sum = 0.0;
         for (index, batch) in self.batches.iter().enumerate() {
             let Deformation { volumes, strain, special: points, .. } = self.deform(batch, Some(u));
@@ -476,11 +476,11 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
         least
     }
 
-    fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress)) {
+    fn visit_stresses(&self, at: BodyState, visit: &mut dyn FnMut(&PointStress)) {
         self.visit_points(at, visit);
     }
 
-    fn visit_forces(&self, at: Present, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+    fn visit_forces(&self, at: BodyState, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
         self.visit_cell_forces(at, field, visit);
     }
 }

@@ -48,7 +48,7 @@ pub struct Step<'a> {
 
 /// State of a body: displacements and history variables.
 #[derive(Clone, Copy, Debug)]
-pub struct Present<'a> {
+pub struct BodyState<'a> {
     /// Displacements, flat, node after node, of the whole model.
     pub u: &'a [f64],
     /// History variables ([`ElementLoop::history`]).
@@ -136,7 +136,7 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     fn history(&self) -> usize;
 
     /// History variables after full relaxation at constant displacements.
-    fn relaxed(&self, at: Present) -> Vec<f64>;
+    fn relaxed(&self, at: BodyState) -> Vec<f64>;
 
     /// True if the body's material has plastic flow.
     fn flows(&self) -> bool;
@@ -145,7 +145,7 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     fn advance(&self, step: &Step) -> Advance;
 
     /// Energy stored by strains and history variables, without the relaxing part `[energy]`.
-    fn strain_energy(&self, at: Present) -> f64;
+    fn strain_energy(&self, at: BodyState) -> f64;
 
     /// Relaxing stored energy: that of the Maxwell branches `[energy]`.
     fn relaxing_energy(&self, history: &[f64]) -> f64;
@@ -154,9 +154,9 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     fn smallest_determinant(&self, u: &[f64]) -> Inverted;
 
     /// Visits stress and strain at all quadrature points, cell after cell of a batch.
-    fn visit_stresses(&self, at: Present, visit: &mut dyn FnMut(&PointStress));
+    fn visit_stresses(&self, at: BodyState, visit: &mut dyn FnMut(&PointStress));
 
     /// Visits the forces of all cells: number of the cell, force of its stress on each of its nodes in the order of [`Self::cliques`],
     /// against the motion as in the residual, less the force on its mass `[force]`, which follows from `field`.
-    fn visit_forces(&self, at: Present, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]]));
+    fn visit_forces(&self, at: BodyState, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]]));
 }

@@ -5,7 +5,7 @@
 
 use super::batch::MOST_POINTS;
 use super::cells::Cells;
-use super::element_loop::{Advance, Present, Step};
+use super::element_loop::{Advance, BodyState, Step};
 use super::special::stress_of;
 use crate::materials::{Heat, StrainStep};
 use crate::math::lanes::{Lanes, WIDTH};
@@ -53,7 +53,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     /// Implements [`ElementLoop::relaxed`](super::ElementLoop::relaxed).
-    pub(super) fn relaxed_history(&self, Present { u, history }: Present) -> Vec<f64> {
+    pub(super) fn relaxed_history(&self, BodyState { u, history }: BodyState) -> Vec<f64> {
         let Some((special, law)) = self.physics.special.as_ref().and_then(|special| Some((special, special.law.history()?))) else {
             return Vec::new();
         };

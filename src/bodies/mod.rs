@@ -26,7 +26,7 @@ mod surface_loads;
 mod viscous;
 mod workspace;
 
-pub use element_loop::{Advance, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Present, Step};
+pub use element_loop::{Advance, BodyState, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Step};
 pub use formulation::{Dilatation, Formulation, FormulationError, Plane};
 pub use kinds::{Elements, Space};
 pub use physics::BodyCells;

@@ -54,7 +54,7 @@ pub(super) struct Physics<const S: usize, const L: usize> {
 }
 
 /// Green-Lagrange strain and second Piola-Kirchhoff stress in space at a point of eight cells.
-pub(super) struct Seen {
+pub(super) struct BatchStress {
     pub(super) strain: Components<6>,
     pub(super) stress: Components<6>,
 }
@@ -84,12 +84,12 @@ impl<const S: usize, const L: usize> Physics<S, L> {
     }
 
     /// Strain and stress in space at a point of a batch with the history variables `kept`.
-    pub(super) fn seen(&self, strain: &Components<S>, hoop: Lanes<false>, kept: &[Lanes<false>], point: usize) -> Seen {
+    pub(super) fn seen(&self, strain: &Components<S>, hoop: Lanes<false>, kept: &[Lanes<false>], point: usize) -> BatchStress {
         let mut space = self.spatial_strain(strain, hoop);
         let (mut own, mut stress) = ([[Lanes::ZERO; L]], [[Lanes::ZERO; 6]]);
         let Some((law, kept)) = self.history_of(kept, point) else {
             self.spatial_law.stresses_into(&[space], &mut stress);
-            return Seen { strain: space, stress: stress[0] };
+            return BatchStress { strain: space, stress: stress[0] };
         };
         if let Some(across) = law.across(kept) {
             space[2] = across;
@@ -102,7 +102,7 @@ impl<const S: usize, const L: usize> Physics<S, L> {
         for k in 0..L {
             stress[0][mandel_place::<L>(k)] = answer[0][k];
         }
-        Seen { strain: space, stress: stress[0] }
+        BatchStress { strain: space, stress: stress[0] }
     }
 
     /// History values of a point for fields, in one lane of a batch.

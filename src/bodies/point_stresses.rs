@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::batch::{Batch, MOST_POINTS};
 use super::cells::{Cells, Deformation};
-use super::element_loop::{ForcePerMass, PointStress, Present};
+use super::element_loop::{BodyState, ForcePerMass, PointStress};
 use super::workspace::Workspace;
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::tensor::{mandel_index, mandel_scale};
@@ -33,7 +33,7 @@ fn components(m: &Matrix3<f64>) -> [f64; 6] {
 }
 
 impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: usize> Cells<D, S, L, A, Q> {
-    fn shown(&self, index: usize, batch: &Batch<D, A>, Present { u, history }: Present) -> Shown<D, S, Q> {
+    fn shown(&self, index: usize, batch: &Batch<D, A>, BodyState { u, history }: BodyState) -> Shown<D, S, Q> {
         let (deformation, kept) = (self.deform(batch, Some(u)), self.history_of(index, history));
         let special = self.physics.special.as_ref().zip(deformation.special.as_ref());
         let mut energies = [Lanes::ZERO; MOST_POINTS];
@@ -61,7 +61,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     }
 
     /// Implements [`ElementLoop::visit_stresses`](super::ElementLoop::visit_stresses).
-    pub(super) fn visit_points(&self, at: Present, visit: &mut dyn FnMut(&PointStress)) {
+    pub(super) fn visit_points(&self, at: BodyState, visit: &mut dyn FnMut(&PointStress)) {
         for (index, batch) in self.batches.iter().enumerate() {
             let shown = self.shown(index, batch, at);
             let volumes = &shown.deformation.volumes;
@@ -88,7 +88,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     /// [`ElementLoop::visit_forces`](super::ElementLoop::visit_forces): with the first Piola-Kirchhoff stress `P = J sigma F^-T` at the
     /// points, `f_a = sum V P G_a - m N_a b` with the mass `m` of the point and the force per mass `b`, and around an axis in addition
     /// `V P_33 N_a / R` along the radius.
-    pub(super) fn visit_cell_forces(&self, at: Present, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
+    pub(super) fn visit_cell_forces(&self, at: BodyState, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]])) {
         let mut work = Box::new(Workspace::<false, D, S, A, Q>::new(self.physics.strain));
         for (index, batch) in self.batches.iter().enumerate() {
             let shown = self.shown(index, batch, at);

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::element_loop::{Advance, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Present, Step};
+use super::element_loop::{Advance, BodyState, ElementLoop, FastestCell, ForcePerMass, Inverted, PointStress, Step};
 use super::formulation::Formulation;
 use super::kinds::{Elements, Space};
 use super::physics::BodyCells;
@@ -285,7 +285,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         0
     }
 
-    fn relaxed(&self, _at: Present) -> Vec<f64> {
+    fn relaxed(&self, _at: BodyState) -> Vec<f64> {
         Vec::new()
     }
 
@@ -297,7 +297,7 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         Advance { history: Vec::new(), plastic: 0.0, viscous: 0.0 }
     }
 
-    fn strain_energy(&self, _at: Present) -> f64 {
+    fn strain_energy(&self, _at: BodyState) -> f64 {
         0.0
     }
 
@@ -309,9 +309,9 @@ impl<const D: usize> ElementLoop<D> for RigidMass {
         Inverted { cell: 0, determinant: 1.0 }
     }
 
-    fn visit_stresses(&self, _at: Present, _visit: &mut dyn FnMut(&PointStress)) {}
+    fn visit_stresses(&self, _at: BodyState, _visit: &mut dyn FnMut(&PointStress)) {}
 
-    fn visit_forces(&self, _at: Present, _field: &ForcePerMass, _visit: &mut dyn FnMut(usize, &[[f64; 3]])) {}
+    fn visit_forces(&self, _at: BodyState, _field: &ForcePerMass, _visit: &mut dyn FnMut(usize, &[[f64; 3]])) {}
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ impl<const L: usize> PointLaw<L> {
 
 /// Time integration of a batch in a step: derivative, history variables at the start, step size.
 #[derive(Clone, Copy)]
-pub(super) struct Course<'a> {
+pub(super) struct BatchStep<'a> {
     pub(super) derivative: Derivative,
     /// History variables of the batch.
     pub(super) history: &'a [Lanes<false>],
@@ -99,7 +99,7 @@ impl<const L: usize> Answer<L> {
 
 impl<const L: usize> Special<L> {
     /// The stresses of a step, into `answer`.
-    pub(super) fn respond<const D: usize>(&self, points: &SpecialPoints<D>, course: Course, answer: &mut Answer<L>) {
+    pub(super) fn respond<const D: usize>(&self, points: &SpecialPoints<D>, course: BatchStep, answer: &mut Answer<L>) {
         dispatch(Respond { special: self, points, course, answer });
     }
 
@@ -192,7 +192,7 @@ fn change<const FMA: bool, const D: usize>(h: &[[Lanes<FMA>; D]; D], hoop: Lanes
 struct Respond<'a, const D: usize, const L: usize> {
     special: &'a Special<L>,
     points: &'a SpecialPoints<D>,
-    course: Course<'a>,
+    course: BatchStep<'a>,
     answer: &'a mut Answer<L>,
 }
 
@@ -226,7 +226,7 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
                     changes[q] = special.strain.change([&start[q], &end[q]], [points.hoop[0][q], points.hoop[1][q]]);
                 }
                 let ([start, end, middle], change) = (all, &changes[..count]);
-                let Course { history, dt, .. } = course;
+                let BatchStep { history, dt, .. } = course;
                 let step = StrainStep { start, end, middle, change, history, dt, stress: stress_of(derivative) };
                 law.responses_into(&step, responses);
                 answer.rates = None;

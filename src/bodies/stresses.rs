@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::element_loop::{ElementLoop, PointStress, Present};
+use super::element_loop::{BodyState, ElementLoop, PointStress};
 use super::recovery::Recovery;
 
 /// Stress, strain and history values at a list of positions.
@@ -35,7 +35,7 @@ impl Stresses {
     /// Values at the nodes of a body, whose node numbers in the model are `nodes`: recovered from nearby cells for first-order cells,
     /// otherwise extrapolated from the quadrature points of each cell and averaged by volume (Hinton and Campbell, International Journal
     /// for Numerical Methods in Engineering 8, 1974); NaN at nodes without cells.
-    pub fn at_nodes<const D: usize>(elements: &dyn ElementLoop<D>, at: Present, nodes: Range<usize>, recovery: &Recovery) -> Self {
+    pub fn at_nodes<const D: usize>(elements: &dyn ElementLoop<D>, at: BodyState, nodes: Range<usize>, recovery: &Recovery) -> Self {
         let (mut values, mut weight) = (Stresses::zeros(nodes.len()), vec![0.0; nodes.len()]);
         let mut means = Stresses::zeros(elements.cliques().len());
         elements.visit_stresses(at, &mut |point| {
@@ -70,7 +70,7 @@ pub struct StressError {
 
 impl StressError {
     /// Returns the stress error of a body whose nodes have the range `nodes` in the model and the stresses `continuous`.
-    pub fn new<const D: usize>(elements: &dyn ElementLoop<D>, at: Present, nodes: Range<usize>, continuous: &[[f64; 6]]) -> Self {
+    pub fn new<const D: usize>(elements: &dyn ElementLoop<D>, at: BodyState, nodes: Range<usize>, continuous: &[[f64; 6]]) -> Self {
         let mut error = StressError { off: 0.0, size: 0.0, at_nodes: vec![[0.0; 2]; nodes.len()] };
         elements.visit_stresses(at, &mut |point| {
             let mut smooth = [0.0; 6];

@@ -292,7 +292,7 @@ impl<const S: usize> HistoryLaw<S> for ViscousLaw<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Present, Space, Step};
+    use crate::bodies::{BodyCells, BodyState, Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
     use crate::elements::CellKind;
     use crate::integrators::Derivative;
     use crate::linear::{Pattern, Vertex};
@@ -342,7 +342,7 @@ mod tests {
 
         fn tangent_is_the_derivative_of_the_force(&self, name: &str) {
             let [u_0, u_1] = &self.ends;
-            let at_rest = self.elements.relaxed(Present { u: u_1, history: &vec![0.0; self.elements.history()] });
+            let at_rest = self.elements.relaxed(BodyState { u: u_1, history: &vec![0.0; self.elements.history()] });
             // A step back, so that there is something to remember.
             let history = self.elements.advance(&Self::step(Derivative::DiscreteGradient, [u_1, u_0], &at_rest)).history;
             for derivative in Derivative::ALL {
@@ -370,9 +370,9 @@ mod tests {
 
         fn work_is_stored_or_heat(&self, name: &str) {
             let [mut from, mut to] = self.ends.each_ref().map(Vec::as_slice);
-            let mut history = self.elements.relaxed(Present { u: from, history: &vec![0.0; self.elements.history()] });
+            let mut history = self.elements.relaxed(BodyState { u: from, history: &vec![0.0; self.elements.history()] });
             let energy =
-                |u: &[f64], history: &[f64]| self.elements.strain_energy(Present { u, history }) + self.elements.relaxing_energy(history);
+                |u: &[f64], history: &[f64]| self.elements.strain_energy(BodyState { u, history }) + self.elements.relaxing_energy(history);
             let mut stored = energy(from, &history);
             for _ in 0..3 {
                 let step = Self::step(Derivative::DiscreteGradient, [from, to], &history);

@@ -8,7 +8,7 @@ use clap::Args;
 use super::console::{complain, ink};
 use super::memory::MemoryArguments;
 use super::process::exit_code;
-use super::run::{CourseArguments, Watch};
+use super::run::{CourseArguments, RunObservers};
 use super::signals::interrupt;
 use crate::output::checkpoint::{self, Checkpoint, CheckpointError, Origin};
 use crate::output::{CountedFile, OutputError, RunLock, SUMMARY};
@@ -131,7 +131,7 @@ fn attempt(arguments: &Arguments) -> Result<u8, Box<Diagnostic>> {
     }
     let interrupt = interrupt()
         .map_err(|error| Box::new(Diagnostic::error(Class::Internal, "the interrupt key cannot be watched").cause(error.to_string())))?;
-    let watch = Watch::new(&arguments.course, &run)?;
+    let watch = RunObservers::new(&arguments.course, &run)?;
     let settings = Settings {
         mode: Mode::Run,
         overrides: origin.overrides,

@@ -94,7 +94,7 @@ pub fn run(arguments: Arguments) -> u8 {
             return exit_code(Class::Internal);
         }
     };
-    let watch = match Watch::new(&arguments.course, &out) {
+    let watch = match RunObservers::new(&arguments.course, &out) {
         Ok(watch) => watch,
         Err(error) => {
             complain(&error.render(ink()));
@@ -125,13 +125,13 @@ pub fn run(arguments: Arguments) -> u8 {
 }
 
 /// Observers of a run: the terminal, a log for programs, and a page.
-pub struct Watch {
+pub struct RunObservers {
     pub console: Rc<Console>,
     log: Option<Rc<JsonLog>>,
     page: Option<LivePage>,
 }
 
-impl Watch {
+impl RunObservers {
     /// Returns the observers requested by the arguments, for results in the folder `out`.
     ///
     /// # Errors
@@ -140,7 +140,7 @@ impl Watch {
         let console = Rc::new(Console::new(course.quiet || course.log == Some(LogTarget::StandardError)));
         let log = course.log.as_ref().map(|target| JsonLog::open(target, console.clone())).transpose()?.map(Rc::new);
         let page = course.watch.map(|port| LivePage::open(port, out.display().to_string())).transpose()?;
-        Ok(Watch { console, log, page })
+        Ok(RunObservers { console, log, page })
     }
 
     /// Returns the report behind the page; `None` without a page.

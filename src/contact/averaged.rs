@@ -15,7 +15,7 @@
 
 use num_dual::{Dual2SVec64, DualSVec64};
 
-use super::averaged_overlap::{DIFFERENCES, Opposite, Point, VARIABLES, Values, WeightedGaps, unit, weighted_gaps};
+use super::averaged_overlap::{AveragedOverlap, DIFFERENCES, Point, VARIABLES, Values, WeightedGaps, unit, weighted_gaps};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::numbers::Number;
@@ -219,7 +219,7 @@ impl SlipRows for AveragedMortar {
 
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let (pair, width) = (self.pairs[p], z.len());
-        let Some(opposite) = Opposite::new(&pair.differences(z), pair.has_neighbors()) else { return false };
+        let Some(opposite) = AveragedOverlap::new(&pair.differences(z), pair.has_neighbors()) else { return false };
         let places = [1, 2, 4, 5].map(|role| usize::from(pair.roles[role].expect("both facets have their nodes")));
         for Point { measure, shapes, normal: n, opposite, .. } in opposite.points(pair.profiles.is_some()) {
             let [x, y] = unit(n);

@@ -59,7 +59,7 @@ pub(super) fn normal<T: Number>(own: Vector<T>, other: Vector<T>, has_other: boo
 }
 
 /// Overlap of a secondary facet with a primary facet along the averaged normals.
-pub(super) struct Opposite<T> {
+pub(super) struct AveragedOverlap<T> {
     /// Secondary facet vector `x_2 - x_1`, and primary nodes relative to `x_1`.
     pub(super) t: Vector<T>,
     pub(super) y: [Vector<T>; 2],
@@ -84,7 +84,7 @@ pub(super) struct Point<T> {
     pub(super) opposite: T,
 }
 
-impl<T: Number> Opposite<T> {
+impl<T: Number> AveragedOverlap<T> {
     /// Overlap from the difference vectors; `None` where the facets do not face each other or do not overlap.
     pub(super) fn new(z: &[T; VARIABLES], has: [bool; 2]) -> Option<Self> {
         let vector = |k: usize| [z[2 * k], z[2 * k + 1]];
@@ -108,7 +108,7 @@ impl<T: Number> Opposite<T> {
             return None;
         }
         let length = (t[0] * t[0] + t[1] * t[1]).sqrt();
-        Some(Opposite { t, y: [y_1, y_2], normal: n_1, turn, length, middle: (a + b) * 0.5, half: (b - a) * 0.5 })
+        Some(AveragedOverlap { t, y: [y_1, y_2], normal: n_1, turn, length, middle: (a + b) * 0.5, half: (b - a) * 0.5 })
     }
 
     /// Gauss points of the overlap: three between straight facets, five between curved ones, whose integrands have a higher degree.
@@ -146,7 +146,7 @@ fn distance_to_curve<T: Number>(profile: &Profile, facet: Vector<T>, xi: T, n: V
 pub(super) fn weighted_gaps<T: Number>(z: &[T; VARIABLES], has: [bool; 2], profiles: Option<&PairProfiles>) -> Option<WeightedGaps<T>> {
     let zero = T::from(0.0);
     let mut gaps = WeightedGaps { gap: [zero; 2], covered: [zero; 2] };
-    let overlap = Opposite::new(z, has)?;
+    let overlap = AveragedOverlap::new(z, has)?;
     let [y_1, y_2] = overlap.y;
     let primary = [y_2[0] - y_1[0], y_2[1] - y_1[1]];
     // A secondary normal meets the primary facet in reverse order: profiles of primary facets begin at the second node.

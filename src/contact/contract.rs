@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestRunner};
 
 use super::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance};
-use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, Outlook, PatchFunctions};
+use super::{AveragedMortar, CandidateSearch, ContactKernel, Correction, Mortar, NodeToSegment, PatchFunctions, PredictedMotion};
 use crate::integrators::{Configuration, Derivative};
 
 /// Nodes 0 to 3 are the secondary chain, which faces down; nodes 4 to 8 the primary one, which faces up.
@@ -58,7 +58,7 @@ pub(super) fn kernels(q_0: &[f64]) -> Vec<(&'static str, Box<dyn ContactKernel>)
         ("node to segment", Box::new(NodeToSegment::new(&SECONDARY, &PRIMARY, &reference))),
     ];
     for (_, kernel) in &mut all {
-        kernel.update_candidates(&Outlook::within(q_0, 10.0));
+        kernel.update_candidates(&PredictedMotion::within(q_0, 10.0));
         kernel.begin_step(q_0);
     }
     all
@@ -170,7 +170,7 @@ fn a_dual_multiplier_presses_its_own_node_alone() {
     let q = chains();
     let kernel = Mortar::new(&SECONDARY, &PRIMARY, &q).with_dual_multipliers();
     let ready = |mut kernel: Mortar| {
-        kernel.update_candidates(&Outlook::within(&q, 1.0));
+        kernel.update_candidates(&PredictedMotion::within(&q, 1.0));
         kernel.begin_step(&q);
         let out = evaluated(&kernel, Derivative::DiscreteGradient, &q, &[0.0; 4]);
         dense_rows(&kernel, &out.gradient_end, UNKNOWNS)
@@ -196,7 +196,7 @@ fn averaged_normals_leave_no_blind_corner() {
     let q = [1.0, 0.0, 0.0, 0.4, -1.0, 0.0, -0.05, 0.6, 0.05, 0.6];
     let (roof, above) = ([[0, 1], [1, 2]], [[3, 4]]);
     let covered = |mut kernel: Box<dyn ContactKernel>| {
-        kernel.update_candidates(&Outlook::within(&q, 1.0));
+        kernel.update_candidates(&PredictedMotion::within(&q, 1.0));
         kernel.begin_step(&q);
         kernel.coverage(&q)[1]
     };

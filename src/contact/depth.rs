@@ -5,7 +5,7 @@ use super::search::PairSearch;
 use super::surface::{Sides, Surface};
 
 /// Position of a node relative to a facet.
-pub(super) struct Seen {
+pub(super) struct NodePosition {
     /// Distances of the node from the facet and from the line of the facet `[length]`.
     pub(super) distance: f64,
     pub(super) gap: f64,
@@ -18,7 +18,7 @@ pub(super) struct Seen {
     length: f64,
 }
 
-impl Seen {
+impl NodePosition {
     /// Relative position of a node and a facet at the positions `q`.
     pub(super) fn new(node: u32, facet: [u32; 2], q: &[f64]) -> Self {
         let at = |node: u32| [q[2 * node as usize], q[2 * node as usize + 1]];
@@ -29,7 +29,7 @@ impl Seen {
         let s = along[0] * d[0] + along[1] * d[1];
         let (gap, beyond) = (along[1] * d[0] - along[0] * d[1], s - s.clamp(0.0, length));
         let end = (beyond != 0.0).then_some(usize::from(beyond > 0.0));
-        Seen { distance: gap.hypot(beyond), gap, along, end, share: s.clamp(0.0, length) / length, length }
+        NodePosition { distance: gap.hypot(beyond), gap, along, end, share: s.clamp(0.0, length) / length, length }
     }
 
     /// Gap of the node to the surface near this facet. At a corner the body is the intersection or the union of two half planes. `None`
@@ -37,7 +37,7 @@ impl Seen {
     fn gap_to(&self, node: u32, surface: &Surface, facet: usize, q: &[f64]) -> Option<f64> {
         let Some(end) = self.end else { return Some(self.gap) };
         let neighbor = surface.neighbors(facet)[end]? as usize;
-        let other = Seen::new(node, surface.facets()[neighbor], q);
+        let other = NodePosition::new(node, surface.facets()[neighbor], q);
         let turn = self.along[0] * other.along[1] - self.along[1] * other.along[0];
         let is_convex = if end == 1 { turn > 0.0 } else { turn < 0.0 };
         Some(if is_convex { self.gap.max(other.gap) } else { self.gap.min(other.gap) })
@@ -54,11 +54,11 @@ impl PairSearch {
         let mut deepest = 0.0f64;
         for own in 0..2 {
             let (surface, other) = (surfaces[own], surfaces[1 - own]);
-            let mut closest: Vec<Option<(u32, Seen)>> = std::iter::repeat_with(|| None).take(surface.nodes().len()).collect();
+            let mut closest: Vec<Option<(u32, NodePosition)>> = std::iter::repeat_with(|| None).take(surface.nodes().len()).collect();
             for (pair, _) in self.candidates.pairs().iter().zip(&self.near).filter(|(_, near)| **near) {
                 let (own_facet, facet) = (pair[own] as usize, pair[1 - own]);
                 for &index in &surface.local_facets()[own_facet] {
-                    let seen = Seen::new(surface.nodes()[index as usize], other.facets()[facet as usize], q);
+                    let seen = NodePosition::new(surface.nodes()[index as usize], other.facets()[facet as usize], q);
                     let known = &mut closest[index as usize];
                     if known.as_ref().is_none_or(|(_, known)| seen.distance < known.distance) {
                         *known = Some((facet, seen));
@@ -66,7 +66,7 @@ impl PairSearch {
                 }
             }
             // Height of the curve over a facet of the other side at the point closest to a node.
-            let height = |facet: u32, seen: &Seen| {
+            let height = |facet: u32, seen: &NodePosition| {
                 self.profiles[1 - own].get(facet as usize).map_or(0.0, |profile| seen.length * profile.at(seen.share)[0])
             };
             for (index, found) in closest.into_iter().enumerate() {
@@ -74,8 +74,10 @@ impl PairSearch {
                 // At a sharp corner a neighboring facet can be nearer that forms no pair with the facets of this node.
                 let node = surface.nodes()[index];
                 let around = other.neighbors(facet as usize).into_iter().flatten();
-                let around = around.map(|facet| (facet, Seen::new(node, other.facets()[facet as usize], q)));
-                let nearer = |nearest: (u32, Seen), next: (u32, Seen)| if next.1.distance < nearest.1.distance { next } else { nearest };
+                let around = around.map(|facet| (facet, NodePosition::new(node, other.facets()[facet as usize], q)));
+                let nearer = |nearest: (u32, NodePosition), next: (u32, NodePosition)| {
+                    if next.1.distance < nearest.1.distance { next } else { nearest }
+                };
                 let (facet, seen) = around.fold((facet, seen), nearer);
                 let gap = seen.gap_to(node, other, facet as usize, q).map_or(0.0, |gap| gap - height(facet, &seen));
                 if self.window.admits_depth(own, surface.adjacent_facets(index), facet, gap) {
@@ -93,11 +95,11 @@ impl PairSearch {
         let mut deepest = 0.0f64;
         for own in 0..2 {
             let (surface, other) = (surfaces[own], surfaces[1 - own]);
-            let mut closest: Vec<Option<(u32, faces::Seen)>> = vec![None; surface.nodes().len()];
+            let mut closest: Vec<Option<(u32, faces::FacetDistance)>> = vec![None; surface.nodes().len()];
             for (pair, _) in self.candidates.pairs().iter().zip(&self.near).filter(|(_, near)| **near) {
                 for &index in surface.local_facet(pair[own] as usize) {
                     let node = faces::at(surface.nodes()[index as usize], q);
-                    let seen = faces::Seen::new(node, other.facet(pair[1 - own] as usize), q);
+                    let seen = faces::FacetDistance::new(node, other.facet(pair[1 - own] as usize), q);
                     let known = &mut closest[index as usize];
                     if known.is_none_or(|(_, known)| seen.distance < known.distance) {
                         *known = Some((pair[1 - own], seen));
@@ -105,12 +107,13 @@ impl PairSearch {
                 }
             }
             for (index, found) in closest.into_iter().enumerate() {
-                let is_deep = |&(facet, seen): &(u32, faces::Seen)| !seen.is_beside && -gap([own, index], facet, seen.gap) > deepest;
+                let is_deep =
+                    |&(facet, seen): &(u32, faces::FacetDistance)| !seen.is_beside && -gap([own, index], facet, seen.gap) > deepest;
                 let Some((facet, seen)) = found.filter(is_deep) else { continue };
                 // At a sharp edge a neighboring facet can be nearer that forms no pair with the facets of this node.
                 let node = faces::at(surface.nodes()[index], q);
                 let around = other.local_facet(facet as usize).iter().flat_map(|&corner| other.adjacent_facets(corner as usize));
-                let around = around.map(|&facet| (facet, faces::Seen::new(node, other.facet(facet as usize), q)));
+                let around = around.map(|&facet| (facet, faces::FacetDistance::new(node, other.facet(facet as usize), q)));
                 let (facet, seen) = around.fold((facet, seen), |near, next| if next.1.distance < near.1.distance { next } else { near });
                 let gap = gap([own, index], facet, seen.gap);
                 if self.window.admits_depth(own, surface.adjacent_facets(index), facet, gap) {
@@ -132,11 +135,11 @@ impl PairSearch {
         let mut worst = 0.0f64;
         for &[own, other] in self.candidates.pairs() {
             let (own, other) = (sides.secondary.facets()[own as usize], sides.primary.facets()[other as usize]);
-            let seen = own.map(|node| Seen::new(node, other, q));
+            let seen = own.map(|node| NodePosition::new(node, other, q));
             if seen[0].gap * seen[1].gap >= 0.0 {
                 continue;
             }
-            let back = other.map(|node| Seen::new(node, own, q));
+            let back = other.map(|node| NodePosition::new(node, own, q));
             if back[0].gap * back[1].gap < 0.0 {
                 let least = seen.iter().chain(&back).map(|seen| seen.distance).fold(f64::INFINITY, f64::min);
                 let length = |[a, b]: [u32; 2]| (at(b)[0] - at(a)[0]).hypot(at(b)[1] - at(a)[1]);

@@ -7,7 +7,7 @@
 
 use nalgebra::{SVector, Vector2, Vector3};
 
-use super::felt::Felt;
+use super::obstacle_side::ObstacleSide;
 use super::profile::Profile;
 use super::rigid_shape::{Obstacle, Shape};
 use super::space::{ObstacleInSpace, ShapeInSpace};
@@ -34,7 +34,7 @@ enum Kind {
 }
 
 /// Height over a point of a facet, and gradient of the distance there; `None` where the facet does not represent the shape.
-fn height<const D: usize, S: Felt<D>>(shape: &S, x: SVector<f64, D>, normal: SVector<f64, D>) -> Option<(f64, SVector<f64, D>)> {
+fn height<const D: usize, S: ObstacleSide<D>>(shape: &S, x: SVector<f64, D>, normal: SVector<f64, D>) -> Option<(f64, SVector<f64, D>)> {
     let mut z = 0.0;
     for _ in 0..ITERATIONS {
         let local = shape.at(x + normal * z);

@@ -135,23 +135,23 @@ pub fn thickness<'a>(facets: impl Iterator<Item = &'a [u32]>, q: &[f64], reach: 
 /// Position of a point relative to a facet: distance from its closest point, distance from the plane of the triangle there `[length]`, and
 /// true if the closest point lies on the border with the point beside it.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct FacetDistance {
     pub distance: f64,
     pub gap: f64,
     pub is_beside: bool,
 }
 
-impl Seen {
+impl FacetDistance {
     /// Relative position of `x` and a facet.
-    pub fn new(x: Vector, nodes: &[u32], q: &[f64]) -> Seen {
+    pub fn new(x: Vector, nodes: &[u32], q: &[f64]) -> FacetDistance {
         let of = |corners: [Vector; 3]| {
             let gap =
                 (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).try_normalize(0.0).unwrap_or_default().dot(&(x - corners[0]));
             let distance = (x - closest(x, corners)).norm();
-            Seen { distance, gap, is_beside: distance > gap.abs() * (1.0 + FACING) }
+            FacetDistance { distance, gap, is_beside: distance > gap.abs() * (1.0 + FACING) }
         };
-        let nearer = |a: Seen, b: Seen| if b.distance < a.distance { b } else { a };
-        triangles(nodes, q).map(of).reduce(nearer).unwrap_or(Seen { distance: f64::INFINITY, gap: 0.0, is_beside: true })
+        let nearer = |a: FacetDistance, b: FacetDistance| if b.distance < a.distance { b } else { a };
+        triangles(nodes, q).map(of).reduce(nearer).unwrap_or(FacetDistance { distance: f64::INFINITY, gap: 0.0, is_beside: true })
     }
 }
 

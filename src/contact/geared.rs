@@ -23,7 +23,7 @@ use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
 use super::points::PointConstraints;
 use super::surface::{Sides, Surface};
-use super::window::Outlook;
+use super::window::PredictedMotion;
 use crate::integrators::Derivative;
 
 /// Tangent of the angle increment of a step below which its functions are summed as series of seven terms, accurate to round-off.
@@ -226,8 +226,8 @@ impl PatchFunctions for Geared {
 }
 
 impl CandidateSearch for Geared {
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let is_first = self.inner.update_candidates(outlook);
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        let is_first = self.inner.update_candidates(predicted_motion);
         if is_first {
             self.sides.patches.push(self.inner.patches().nodes(0), &[0]);
         }
@@ -278,7 +278,7 @@ mod tests {
             let mut kernel = gear();
             let q_0: Vec<f64> = (0..8).map(|k| (1.7 * f64::from(k)).sin()).collect();
             let q_1: Vec<f64> = q_0.iter().zip(0..).map(|(q, k)| q + far * (1.9 * f64::from(k)).cos()).collect();
-            kernel.update_candidates(&Outlook::within(&q_0, 0.0));
+            kernel.update_candidates(&PredictedMotion::within(&q_0, 0.0));
             kernel.count_from([40.0, 0.0]);
             kernel.begin_step(&q_0);
             let evaluated = |derivative, q: &[f64]| {
@@ -311,7 +311,7 @@ mod tests {
     fn it_counts_whole_turns() {
         let mut kernel = gear();
         let q: Vec<f64> = (0..8).map(|k| (1.7 * f64::from(k)).sin()).collect();
-        kernel.update_candidates(&Outlook::within(&q, 0.0));
+        kernel.update_candidates(&PredictedMotion::within(&q, 0.0));
         kernel.begin_step(&q);
         let once = kernel.start_gap()[0];
         kernel.count_from([1000.0 * TAU, 0.0]);

@@ -13,7 +13,7 @@ use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::{Evaluation, Patches};
 use super::slip::SlipStep;
 use super::surface::Sides;
-use super::window::Outlook;
+use super::window::PredictedMotion;
 use crate::integrators::{Configuration, Derivative};
 
 /// Tangential constraint of the free coordinate of a joint.
@@ -78,8 +78,8 @@ impl PatchFunctions for JointSlip {
 }
 
 impl CandidateSearch for JointSlip {
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        self.coordinate.update_candidates(outlook)
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        self.coordinate.update_candidates(predicted_motion)
     }
 }
 

@@ -6,7 +6,7 @@ use super::profile::Profile;
 use super::search::{Candidates, PairSearch};
 use super::slip::SlipStep;
 use super::surface::{Sides, Surface};
-use super::window::Outlook;
+use super::window::PredictedMotion;
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
@@ -165,9 +165,9 @@ pub trait PatchFunctions {
 /// Search for the contact elements of a step, and penetration of the candidates.
 pub trait CandidateSearch: PatchFunctions {
     /// Lists all contact elements that may touch in a step; true if the list changed, so that the matrix pattern must be rebuilt.
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
         let Some((search, sides)) = self.search_mut() else { return false };
-        let changed = search.update(sides, outlook);
+        let changed = search.update(sides, predicted_motion);
         if changed {
             self.list_patches();
         }
@@ -175,8 +175,8 @@ pub trait CandidateSearch: PatchFunctions {
     }
 
     /// Search horizon: distance within which facets may take part in a step `[length]`.
-    fn margin(&self, outlook: &Outlook) -> f64 {
-        outlook.margin(self.sides())
+    fn margin(&self, predicted_motion: &PredictedMotion) -> f64 {
+        predicted_motion.margin(self.sides())
     }
 
     /// True if a candidate excluded from the step from `q_0` to `q_1` overlaps by more than `tolerance` `[length]` at its end.

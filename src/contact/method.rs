@@ -3,13 +3,13 @@
 use std::fmt;
 
 use super::kernel::ContactKernel;
-use super::space::SeenInSpace;
+use super::space::ProxySurfacesInSpace;
 
 /// Makes the kernel for two surfaces in the plane, given by their facets and sized in the reference positions.
 pub type MakeKernel = fn(secondary: &[[u32; 2]], primary: &[[u32; 2]], reference: &[f64]) -> Box<dyn ContactKernel>;
 
 /// Makes the kernel for two surfaces in space.
-pub type MakeKernelInSpace = fn(seen: &SeenInSpace) -> Box<dyn ContactKernel>;
+pub type MakeKernelInSpace = fn(seen: &ProxySurfacesInSpace) -> Box<dyn ContactKernel>;
 
 /// Discretization of the contact conditions between two surfaces.
 pub struct ContactMethod {

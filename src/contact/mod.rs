@@ -22,7 +22,6 @@ mod depth;
 mod exact;
 mod faces;
 mod facet_shape;
-mod felt;
 #[cfg(test)]
 mod fixtures;
 mod friction;
@@ -36,6 +35,7 @@ mod multiplier_shapes;
 mod node_patch;
 mod node_to_segment;
 mod numbers;
+mod obstacle_side;
 mod on_curves;
 mod pair;
 mod pair_profiles;
@@ -70,7 +70,7 @@ pub use checks::{Finding, NamedSurface, check_surfaces, facing_away, looks_away}
 pub use clearance::{Clearance, Nearest};
 pub use exact::ExactShape;
 pub use facet_shape::FacetShape;
-pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, Sliding};
+pub use friction::{Coulomb, FrictionCurve, FrictionLaw, Limit, ROUGH, SlipState};
 pub use geared::Geared;
 pub use joint_slip::JointSlip;
 pub use kernel::{CandidateSearch, ContactKernel, Correction, PatchFunctions, RigidObstacle, TangentSink};
@@ -82,7 +82,7 @@ pub use patches::{Evaluation, Patches};
 pub use points::{DrivenFunction, PointConstraints, PointFunction, PointVector};
 pub use polygon_fit::{PolygonFit, polygon_fit};
 pub use profile::Profile;
-pub use quadratic::{ProxyNodes, RowsOf, Seen};
+pub use quadratic::{ProxyNodes, ProxySurfaces, RowsOf};
 pub use rigid::RigidContact;
 pub use rigid_corners::RigidCorners;
 pub use rigid_shape::Obstacle;
@@ -90,10 +90,10 @@ pub use rolling_contact::rolling_contact;
 pub use round_parts::{RoundPart, round_parts};
 pub use search::{Candidates, PairSearch};
 pub use slip::SlipStep;
-pub use solid::{Solid, Sunk};
+pub use solid::{HullPenetration, Solid};
 pub use space::{
-    CornersInSpace, Facets, FacetsError, Mending, ObstacleInSpace, PressFit, RigidInSpace, RoundInSpace, SeenInSpace, press_fit,
+    CornersInSpace, Facets, FacetsError, Mending, ObstacleInSpace, PressFit, ProxySurfacesInSpace, RigidInSpace, RoundInSpace, press_fit,
 };
 pub use surface::{Edge, Sides, Surface};
 pub use tie::Tie;
-pub use window::{Outlook, Travel};
+pub use window::{MotionBound, PredictedMotion};

@@ -369,7 +369,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
-    use super::super::Outlook;
+    use super::super::PredictedMotion;
     use super::super::fixtures::{Rings, dense_rows, difference, evaluated, product, rings, turned, unbalance};
     use super::*;
 
@@ -392,7 +392,7 @@ mod tests {
 
     fn lone_pair(q_0: &[f64]) -> Mortar {
         let mut mortar = Mortar::new(&[[0, 1]], &[[2, 3]], q_0);
-        mortar.update_candidates(&Outlook::within(q_0, 100.0));
+        mortar.update_candidates(&PredictedMotion::within(q_0, 100.0));
         mortar.begin_step(q_0);
         mortar
     }
@@ -504,7 +504,7 @@ mod tests {
             mortar.set_correction(if shared { Correction::PerNode } else { Correction::PerPatch });
             let q_0 = turned(&q, 40, 0.3, 1e-3);
             let q_1 = turned(&q_0, 40, 0.4, 2e-3); // 2.5 facets
-            assert!(mortar.update_candidates(&Outlook::within(&q_0, 0.5)));
+            assert!(mortar.update_candidates(&PredictedMotion::within(&q_0, 0.5)));
             mortar.begin_step(&q_0);
             let lambda: Vec<f64> = (0..mortar.secondary().nodes().len()).map(|node| 1.0 + 0.5 * (node as f64).sin()).collect();
             let out = evaluated(&mortar, Derivative::DiscreteGradient, &q_1, &lambda);
@@ -528,7 +528,7 @@ mod tests {
             let mut mortar = Mortar::new(&facets, &outer, &q);
             for angle in [0.0, 0.1, 0.234] {
                 let q = turned(&q, inner as usize, angle, 0.0);
-                mortar.update_candidates(&Outlook::within(&q, mortar.facet_size()));
+                mortar.update_candidates(&PredictedMotion::within(&q, mortar.facet_size()));
                 assert!(mortar.coverage(&q).iter().all(|share| (share - 1.0).abs() < 1e-14));
             }
         }
@@ -540,7 +540,7 @@ mod tests {
         let (distance, from, to) = (0.25, 0.3, 2.2);
         let q = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0, 4.0, 0.0, to, -distance, 1.1, -distance, from, -distance];
         let mut mortar = Mortar::new(&[[0, 1], [1, 2], [2, 3]], &[[4, 5], [5, 6]], &q);
-        mortar.update_candidates(&Outlook::within(&q, 1.0));
+        mortar.update_candidates(&PredictedMotion::within(&q, 1.0));
         // Integrals of the hat functions over [0.3, 2.2].
         let hats = [0.7 * 0.7 / 2.0, 0.5 - 0.3 * 0.3 / 2.0 + 0.5, 0.5 + 0.2 * (1.0 + 0.9) / 2.0, 0.2 * 0.1 / 2.0];
         let weights = [0.5, 1.0, 1.5, 1.0];
@@ -568,7 +568,7 @@ mod tests {
         let count = q.len() as u32 / 2;
         let loop_of: Vec<[u32; 2]> = (0..count).map(|i| [i, (i + 1) % count]).collect();
         let mut mortar = Mortar::new(&loop_of, &loop_of, &q);
-        mortar.update_candidates(&Outlook::within(&q, 1.5));
+        mortar.update_candidates(&PredictedMotion::within(&q, 1.5));
         let pairs = mortar.pairs();
         assert!(pairs.iter().all(|[own, other]| own < other));
         // Gap 1/2 of the two inner faces: covered from one side only, constant over all covered nodes.
@@ -588,7 +588,7 @@ mod tests {
         let (left, right) = ([[3, 4]], [[5, 6]]);
         let gap = |primary: &[[u32; 2]]| {
             let mut mortar = Mortar::new(&[[0, 1], [1, 2]], primary, &q);
-            mortar.update_candidates(&Outlook::within(&q, 1.0));
+            mortar.update_candidates(&PredictedMotion::within(&q, 1.0));
             mortar.gap(&q)
         };
         let both = gap(&[left, right].concat());
@@ -696,7 +696,7 @@ mod tests {
     fn tiny_slides_from_aligned_vertices_keep_the_energy() {
         let Rings { inner, outer, q: q_0 } = rings(40, 48, -0.002);
         let mut mortar = Mortar::new(&inner, &outer, &q_0);
-        mortar.update_candidates(&Outlook::within(&q_0, 0.5));
+        mortar.update_candidates(&PredictedMotion::within(&q_0, 0.5));
         mortar.begin_step(&q_0);
         let gap_0 = mortar.gap(&q_0);
         for angle in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
@@ -715,10 +715,10 @@ mod tests {
         // Face to face at a distance of 0.1, the bodies above and below; then the lower one far above, as after half a turn of two disks.
         let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
         let mut mortar = Mortar::new(&[[0, 1]], &[[2, 3]], &q_0);
-        assert!(mortar.update_candidates(&Outlook::within(&q_0, 0.5)));
+        assert!(mortar.update_candidates(&PredictedMotion::within(&q_0, 0.5)));
         assert!((mortar.gap(&q_0)[0] - 0.05).abs() < 1e-15);
         let q_1 = [0.0, 0.0, 1.0, 0.0, 1.0, 5.0, 0.0, 5.0];
-        assert!(!mortar.update_candidates(&Outlook::within(&q_1, 0.5)), "the list is kept");
+        assert!(!mortar.update_candidates(&PredictedMotion::within(&q_1, 0.5)), "the list is kept");
         mortar.begin_step(&q_1);
         assert_eq!(mortar.gap(&q_1), [0.0; 2]);
         assert_eq!(mortar.coverage(&q_1), [0.0; 2]);

@@ -13,7 +13,7 @@
 
 use super::bends::Bends;
 use super::chain::Chain;
-use super::depth::Seen;
+use super::depth::NodePosition;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::method::ContactMethod;
 use super::node_patch::{self, Start};
@@ -23,8 +23,8 @@ use super::search::{Candidates, within_the_body};
 use super::slip::{self, SlipStep};
 use super::space::CornersInSpace;
 use super::surface::{Sides, Surface};
-use super::tips::{Parting, Tip};
-use super::window::{Outlook, Travel, Window};
+use super::tips::{SeparatingSide, Tip};
+use super::window::{MotionBound, PredictedMotion, Window};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SAME_WAY;
 
@@ -219,25 +219,25 @@ impl NodeToSegment {
     }
 
     /// True if a primary facet may be opposite a point in this step.
-    fn admits(&self, point: usize, facet: u32, normals: &[[f64; 2]], outlook: &Outlook) -> bool {
+    fn admits(&self, point: usize, facet: u32, normals: &[[f64; 2]], predicted_motion: &PredictedMotion) -> bool {
         let (node, ends) = (self.points.nodes()[point], self.sides.primary.facets()[facet as usize]);
-        let seen = Seen::new(node, ends, outlook.q);
+        let seen = NodePosition::new(node, ends, predicted_motion.q);
         // At a sharp corner, such as a folded tip, one of both adjacent facets with an opposite normal suffices.
         let is_opposite = |normal: &[f64; 2]| normal[0] * seen.along[1] - normal[1] * seen.along[0] <= SAME_WAY;
         // Beside a facet the distance from its line is no measure of penetration.
         let depth = if seen.end.is_none() || seen.gap > 0.0 { seen.gap } else { -seen.distance };
-        seen.distance <= self.sides.facet_size + outlook.travel::<2>(&[node], &ends) + outlook.depth
+        seen.distance <= self.sides.facet_size + predicted_motion.motion_bound::<2>(&[node], &ends) + predicted_motion.depth
             && normals.iter().any(is_opposite)
             && self.window.admits_depth(0, self.own_facets(point), facet, depth)
             && (self.corners.is_none() || seen.gap > -(SUNK * self.sides.facet_size).max(self.window.depth()))
     }
 
     /// Participating facets and nodes of contact element `p` in this step.
-    fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
+    fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> Start {
         let (point, nodes, primary) = (self.point(p), self.sides.patches.nodes(p), &self.sides.primary);
-        let normals = self.normals(point, outlook.q);
+        let normals = self.normals(point, predicted_motion.q);
         let is_admitted = |facet: u32| {
-            self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, &normals, outlook)
+            self.candidates.pairs().binary_search(&[point as u32, facet]).is_ok() && self.admits(point, facet, &normals, predicted_motion)
         };
         let mut admitted: Vec<u32> = self.facets[p].iter().copied().filter(|&facet| is_admitted(facet)).collect();
         let slack = self.slack_beside(point, &admitted);
@@ -295,8 +295,8 @@ impl NodeToSegment {
         });
         let (facets, other) = tips.min_by(|a, b| distance(&a.1).total_cmp(&distance(&b.1)))?;
         match tip.parting(&other)? {
-            Parting::AtOther(side) => (facets[side] != measure.facet).then_some(Some(facets[side])),
-            Parting::AtOwn { misleading } => {
+            SeparatingSide::AtOther(side) => (facets[side] != measure.facet).then_some(Some(facets[side])),
+            SeparatingSide::AtOwn { misleading } => {
                 let side = usize::from(facets[1] == measure.facet);
                 (misleading[side] && measure.gap < 0.0).then_some(None)
             }
@@ -409,29 +409,34 @@ impl PatchFunctions for NodeToSegment {
 }
 
 impl CandidateSearch for NodeToSegment {
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = self.candidates.update(&self.points, &self.sides.primary, outlook.q, outlook.search_margin(&self.sides));
-        self.window.begin(&self.sides, outlook.depth);
-        self.find_bends(outlook.q);
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        let changed =
+            self.candidates.update(&self.points, &self.sides.primary, predicted_motion.q, predicted_motion.search_margin(&self.sides));
+        self.window.begin(&self.sides, predicted_motion.depth);
+        self.find_bends(predicted_motion.q);
         if changed {
             self.list_patches();
         }
-        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, outlook)).collect();
+        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, predicted_motion)).collect();
         changed
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
-        let outlook =
-            Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0, depth: self.window.depth() };
+        let predicted_motion = PredictedMotion {
+            q: q_0,
+            motion_bound: MotionBound::Guessed { displacements: [&moved; 2], factor: 1.0 },
+            reach: 1.0,
+            depth: self.window.depth(),
+        };
         let deepest = self.window.deepest(&self.sides, q_1);
         let at_end = self.candidates.pairs_within(&self.points, &self.sides.primary, q_1, deepest);
         at_end.iter().any(|&[point, facet]| {
             let (point, ends) = (point as usize, self.sides.primary.facets()[facet as usize]);
             let node = self.points.nodes()[point];
-            let end = Seen::new(node, ends, q_1);
+            let end = NodePosition::new(node, ends, q_1);
             let closed = end.end.is_none() && end.gap < -tolerance && self.window.admits_depth(0, self.own_facets(point), facet, end.gap);
-            closed && Seen::new(node, ends, q_0).gap > 0.0 && {
+            closed && NodePosition::new(node, ends, q_0).gap > 0.0 && {
                 // The facet would have been admitted if the motion had been known at the start.
                 let p = self.facets.iter().enumerate().position(|(p, _)| self.point(p) == point);
                 let was = p.is_some_and(|p| {
@@ -444,7 +449,8 @@ impl CandidateSearch for NodeToSegment {
                         .zip(&start.closest)
                         .any(|(local, &closest)| closest && local.map(|index| nodes[start.places[index as usize] as usize]) == ends)
                 });
-                !was && self.slack_beside(point, &[facet]).is_some() && self.admits(point, facet, &self.normals(point, q_0), &outlook)
+                !was && self.slack_beside(point, &[facet]).is_some()
+                    && self.admits(point, facet, &self.normals(point, q_0), &predicted_motion)
             }
         })
     }
@@ -462,9 +468,9 @@ impl CandidateSearch for NodeToSegment {
         self.candidates = candidates.clone();
         self.find_bends(q);
         self.list_patches();
-        let outlook = Outlook::within(q, 0.0);
-        self.window.begin(&self.sides, outlook.depth);
-        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, &outlook)).collect();
+        let predicted_motion = PredictedMotion::within(q, 0.0);
+        self.window.begin(&self.sides, predicted_motion.depth);
+        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, &predicted_motion)).collect();
         self.begin_step(q);
     }
 
@@ -503,7 +509,7 @@ mod tests {
         let mut reference = q_0.to_vec();
         reference.extend([q_0[0] - 1.0, q_0[1], q_0[0] + 1.0, q_0[1]]);
         let mut kernel = NodeToSegment::new(&[[5, 0], [0, 6]], &[[1, 2], [2, 3], [3, 4]], &reference);
-        kernel.update_candidates(&Outlook::within(&reference, 100.0));
+        kernel.update_candidates(&PredictedMotion::within(&reference, 100.0));
         kernel.begin_step(&reference);
         kernel
     }
@@ -606,7 +612,7 @@ mod tests {
             let mut kernel = if secondary_inside { NodeToSegment::new(&inner, &outer, &q) } else { NodeToSegment::new(&outer, &inner, &q) };
             let q_0 = turned(&q, 40, 0.3, 1e-3);
             let q_1 = turned(&q_0, 40, 0.4, 2e-3); // 2.5 facets
-            assert!(kernel.update_candidates(&Outlook::within(&q_0, 0.5)));
+            assert!(kernel.update_candidates(&PredictedMotion::within(&q_0, 0.5)));
             kernel.begin_step(&q_0);
             let count = kernel.secondary().nodes().len();
             let lambda: Vec<f64> = (0..count).map(|node| 1.0 + 0.5 * (node as f64).sin()).collect();
@@ -627,10 +633,10 @@ mod tests {
     fn facets_that_have_moved_apart_are_no_opposite() {
         let q_0 = [0.0, 0.0, 1.0, 0.0, 1.0, -0.1, 0.0, -0.1];
         let mut kernel = NodeToSegment::new(&[[0, 1]], &[[2, 3]], &q_0);
-        assert!(kernel.update_candidates(&Outlook::within(&q_0, 0.5)));
+        assert!(kernel.update_candidates(&PredictedMotion::within(&q_0, 0.5)));
         assert!((kernel.gap(&q_0)[0] - 0.05).abs() < 1e-15);
         let q_1 = [0.0, 0.0, 1.0, 0.0, 1.0, 5.0, 0.0, 5.0];
-        assert!(!kernel.update_candidates(&Outlook::within(&q_1, 0.5)), "the list is kept");
+        assert!(!kernel.update_candidates(&PredictedMotion::within(&q_1, 0.5)), "the list is kept");
         kernel.begin_step(&q_1);
         assert_eq!((kernel.gap(&q_1), kernel.coverage(&q_1)), (vec![0.0; 2], vec![0.0; 2]));
     }
@@ -641,11 +647,11 @@ mod tests {
         // Chain along x with the body below; the surface above faces up.
         let q = [1.0, 0.0, 0.0, 0.0, 0.2, -0.1, 0.8, -0.1];
         let mut kernel = NodeToSegment::new(&[[3, 2]], &[[0, 1]], &q);
-        kernel.update_candidates(&Outlook::within(&q, 1.0));
+        kernel.update_candidates(&PredictedMotion::within(&q, 1.0));
         kernel.begin_step(&q);
         assert_eq!((kernel.coverage(&q), kernel.gap(&q)), (vec![0.0; 2], vec![0.0; 2]));
         let mut kernel = NodeToSegment::new(&[[2, 3]], &[[0, 1]], &q);
-        kernel.update_candidates(&Outlook::within(&q, 1.0));
+        kernel.update_candidates(&PredictedMotion::within(&q, 1.0));
         kernel.begin_step(&q);
         assert_eq!(kernel.coverage(&q), [1.0; 2]);
         assert!(kernel.gap(&q).iter().all(|gap| (gap + 0.3 * 0.1).abs() < 1e-16));

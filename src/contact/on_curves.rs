@@ -13,7 +13,7 @@ use super::patches::{Evaluation, Patches};
 use super::search::{Candidates, PairSearch};
 use super::slip::SlipStep;
 use super::surface::Sides;
-use super::window::{Outlook, Travel};
+use super::window::{MotionBound, PredictedMotion};
 use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
@@ -249,17 +249,17 @@ fn place(list: &mut Vec<u32>, item: u32) -> u32 {
 }
 
 /// Calls `then` with the predicted motion of the points in place of that of the nodes.
-fn with_seen<T>(points: &Combinations, d: usize, outlook: &Outlook, then: impl FnOnce(&Outlook) -> T) -> T {
-    let q = points.points(d, outlook.q);
-    match outlook.travel {
-        Travel::UpTo(_) => then(&Outlook { q: &q, ..*outlook }),
-        Travel::Each { sizes, besides } => {
+fn with_seen<T>(points: &Combinations, d: usize, predicted_motion: &PredictedMotion, then: impl FnOnce(&PredictedMotion) -> T) -> T {
+    let q = points.points(d, predicted_motion.q);
+    match predicted_motion.motion_bound {
+        MotionBound::UpTo(_) => then(&PredictedMotion { q: &q, ..*predicted_motion }),
+        MotionBound::Each { sizes, besides } => {
             let sizes = points.bounds(sizes);
-            then(&Outlook { q: &q, travel: Travel::Each { sizes: &sizes, besides }, ..*outlook })
+            then(&PredictedMotion { q: &q, motion_bound: MotionBound::Each { sizes: &sizes, besides }, ..*predicted_motion })
         }
-        Travel::Guessed { displacements, factor } => {
+        MotionBound::Guessed { displacements, factor } => {
             let [a, b] = displacements.map(|u| points.points(d, u));
-            then(&Outlook { q: &q, travel: Travel::Guessed { displacements: [&a, &b], factor }, ..*outlook })
+            then(&PredictedMotion { q: &q, motion_bound: MotionBound::Guessed { displacements: [&a, &b], factor }, ..*predicted_motion })
         }
     }
 }
@@ -359,17 +359,17 @@ impl PatchFunctions for OnCurves {
 }
 
 impl CandidateSearch for OnCurves {
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
         let d = self.sides.patches.dimension();
-        let changed = with_seen(&self.points, d, outlook, |outlook| self.inner.update_candidates(outlook));
+        let changed = with_seen(&self.points, d, predicted_motion, |predicted_motion| self.inner.update_candidates(predicted_motion));
         if changed {
             self.list();
         }
         changed
     }
 
-    fn margin(&self, outlook: &Outlook) -> f64 {
-        with_seen(&self.points, self.sides.patches.dimension(), outlook, |outlook| self.inner.margin(outlook))
+    fn margin(&self, predicted_motion: &PredictedMotion) -> f64 {
+        with_seen(&self.points, self.sides.patches.dimension(), predicted_motion, |predicted_motion| self.inner.margin(predicted_motion))
     }
 
     fn overlooks(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {

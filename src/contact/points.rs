@@ -12,7 +12,7 @@
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::patches::Evaluation;
 use super::surface::{Sides, Surface};
-use super::window::Outlook;
+use super::window::PredictedMotion;
 use crate::integrators::Derivative;
 
 /// Linear combination of nodes plus a constant: a point (coefficients sum to one), a direction or a distance vector.
@@ -270,7 +270,7 @@ impl PatchFunctions for PointConstraints {
 }
 
 impl CandidateSearch for PointConstraints {
-    fn update_candidates(&mut self, _outlook: &Outlook) -> bool {
+    fn update_candidates(&mut self, _outlook: &PredictedMotion) -> bool {
         let is_first = self.sides.patches.is_empty() && !self.groups.is_empty();
         if is_first {
             for group in &self.groups {
@@ -336,7 +336,7 @@ mod tests {
         let mut kernel = PointConstraints::new(3, 1.0);
         kernel.add(vectors, functions, None, false);
         let q: Vec<f64> = (0..12).map(|k| (1.7 * k as f64).sin()).collect();
-        kernel.update_candidates(&Outlook::within(&q, 0.0));
+        kernel.update_candidates(&PredictedMotion::within(&q, 0.0));
         kernel.begin_step(&q);
         kernel
     }

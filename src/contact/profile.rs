@@ -94,7 +94,7 @@ pub struct PairProfiles(pub [Profile; 2]);
 
 /// Shape of a plane surface at a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Turn {
+enum NodeShape {
     /// Collinear facets.
     None,
     /// Node of a curve with the angle between its facets, positive on a convex body `[rad]`.
@@ -107,7 +107,7 @@ enum Turn {
 pub struct FacetCurves<'a> {
     surface: &'a Surface,
     q: &'a [f64],
-    turns: Vec<Turn>,
+    turns: Vec<NodeShape>,
 }
 
 impl<'a> FacetCurves<'a> {
@@ -124,9 +124,9 @@ impl<'a> FacetCurves<'a> {
             (turn.abs() <= LARGEST_TURN).then(|| turn / facets.iter().map(|&facet| curves.length(facet)).sum::<f64>())
         };
         let turn_of = |node: usize| {
-            let Some((turn, facets)) = turns[node] else { return Turn::Sharp };
+            let Some((turn, facets)) = turns[node] else { return NodeShape::Sharp };
             if turn.abs() <= STRAIGHT {
-                return Turn::None;
+                return NodeShape::None;
             }
             let goes_on = |other: u32| {
                 let (own, next) = (curvature(node), curvature(other as usize));
@@ -135,7 +135,11 @@ impl<'a> FacetCurves<'a> {
                 })
             };
             let neighbors = facets.into_iter().flat_map(|facet| surface.local_facets()[facet as usize]);
-            if neighbors.into_iter().any(|other| other as usize != node && goes_on(other)) { Turn::Smooth(turn) } else { Turn::Sharp }
+            if neighbors.into_iter().any(|other| other as usize != node && goes_on(other)) {
+                NodeShape::Smooth(turn)
+            } else {
+                NodeShape::Sharp
+            }
         };
         curves.turns = (0..count).map(turn_of).collect();
         curves
@@ -164,8 +168,8 @@ impl<'a> FacetCurves<'a> {
     /// True if a facet follows a curve: the surface bends to one side at both of its nodes, or at one node while the other is sharp.
     fn is_curved(&self, facet: usize) -> bool {
         match self.surface.local_facets()[facet].map(|node| self.turns[node as usize]) {
-            [Turn::Smooth(a), Turn::Smooth(b)] => a * b > 0.0,
-            [Turn::Smooth(_), Turn::Sharp] | [Turn::Sharp, Turn::Smooth(_)] => true,
+            [NodeShape::Smooth(a), NodeShape::Smooth(b)] => a * b > 0.0,
+            [NodeShape::Smooth(_), NodeShape::Sharp] | [NodeShape::Sharp, NodeShape::Smooth(_)] => true,
             _ => false,
         }
     }
@@ -183,8 +187,8 @@ impl<'a> FacetCurves<'a> {
         let (ends, neighbors) = (self.surface.local_facets()[facet], self.surface.neighbors(facet));
         // Beside a straight facet the whole angle belongs to this facet.
         let angle = |end: usize| match (self.turns[ends[end] as usize], neighbors[end]) {
-            (Turn::Smooth(turn), Some(other)) if self.is_curved(other as usize) => Some(turn * length / (length + self.length(other))),
-            (Turn::Smooth(turn), _) => Some(turn),
+            (NodeShape::Smooth(turn), Some(other)) if self.is_curved(other as usize) => Some(turn * length / (length + self.length(other))),
+            (NodeShape::Smooth(turn), _) => Some(turn),
             _ => None,
         };
         let [a, b] = match [0, 1].map(angle) {

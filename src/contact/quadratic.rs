@@ -71,9 +71,9 @@ impl ProxyNodes {
     }
 
     /// Contact representation of two surfaces that are given by their facets between nodes.
-    pub fn seen<'a>(&self, [secondary, primary]: [&'a [[u32; 2]]; 2], reference: &'a [f64], rows: RowsOf) -> Seen<'a> {
+    pub fn seen<'a>(&self, [secondary, primary]: [&'a [[u32; 2]]; 2], reference: &'a [f64], rows: RowsOf) -> ProxySurfaces<'a> {
         if !secondary.iter().chain(primary).any(|facet| self.edge(facet[1]).is_some()) {
-            return Seen {
+            return ProxySurfaces {
                 secondary: secondary.into(),
                 primary: primary.into(),
                 reference: reference.into(),
@@ -89,7 +89,7 @@ impl ProxyNodes {
         }
         // Both sides of a self-contact need equal facets.
         let is_same = secondary == primary;
-        Seen {
+        ProxySurfaces {
             secondary: if is_nodal { curves.halves(secondary) } else { curves.fine(secondary) }.into(),
             primary: if is_nodal && is_same { curves.halves(primary) } else { curves.fine(primary) }.into(),
             reference: curves.points.points(2, reference).into(),
@@ -132,7 +132,7 @@ fn edge_lengths([m, a, b]: [u32; 3], q: &[f64]) -> [f64; 3] {
 }
 
 /// Contact representation of two surfaces: facets between nodes, or between points on edges of second order.
-pub struct Seen<'a> {
+pub struct ProxySurfaces<'a> {
     /// Facets of the secondary side.
     pub secondary: Cow<'a, [[u32; 2]]>,
     /// Facets of the primary side.
@@ -144,7 +144,7 @@ pub struct Seen<'a> {
     profiles: [Vec<Profile>; 2],
 }
 
-impl Seen<'_> {
+impl ProxySurfaces<'_> {
     /// Adds height profiles for the facet shape `Curved`.
     pub fn of_shape(mut self, shape: FacetShape) -> Self {
         if shape == FacetShape::Curved {

@@ -64,7 +64,7 @@ impl RigidContact {
     }
 
     /// Shape from which constraint `row` is measured in this step.
-    fn felt(&self, row: usize) -> &Shape {
+    fn obstacle_side(&self, row: usize) -> &Shape {
         self.lines[row].as_ref().unwrap_or(&self.shape)
     }
 
@@ -97,7 +97,7 @@ impl RigidContact {
         match derivative {
             Derivative::DiscreteGradient => {
                 let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
-                self.felt(row).step_gradient(x_0, self.position(row, q_1, end), self.sides.facet_size)
+                self.obstacle_side(row).step_gradient(x_0, self.position(row, q_1, end), self.sides.facet_size)
             }
             Derivative::Gradient(at @ Configuration::Middle) => {
                 let x_1 = self.position(row, q_1, [0.0; 2]);
@@ -110,8 +110,8 @@ impl RigidContact {
     /// Gradient and its derivative for node `row` at the point `x` of a configuration of the step.
     fn plain(&self, row: usize, x: [f64; 2], at: Configuration) -> StepGradient {
         StepGradient {
-            bar: self.felt(row).distance(x).map_or([0.0; 2], |distance| distance.normal),
-            tangent: self.felt(row).curvature(x).map(|row| row.map(|h| at.share() * h)),
+            bar: self.obstacle_side(row).distance(x).map_or([0.0; 2], |distance| distance.normal),
+            tangent: self.obstacle_side(row).curvature(x).map(|row| row.map(|h| at.share() * h)),
         }
     }
 
@@ -143,7 +143,7 @@ impl PatchFunctions for RigidContact {
     }
 
     fn start_gap(&self) -> Vec<f64> {
-        self.gaps(|row| self.felt(row), self.translations[0], |row| self.start[row])
+        self.gaps(|row| self.obstacle_side(row), self.translations[0], |row| self.start[row])
     }
 
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation) {
@@ -156,7 +156,7 @@ impl PatchFunctions for RigidContact {
             }
             let weight = self.sides.weights[row];
             let (end, step) =
-                (self.felt(row).distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
+                (self.obstacle_side(row).distance(self.position(row, q_1, self.translations[2])), self.step_gradient(derivative, row, q_1));
             out.live[row] = true;
             let normal = end.map_or([0.0; 2], |end| end.normal);
             for i in 0..2 {
@@ -199,7 +199,7 @@ impl SlipRows for RigidContact {
 
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let x: [T; 2] = std::array::from_fn(|i| z[i] - self.translations[1][i]);
-        let shape = self.felt(p);
+        let shape = self.obstacle_side(p);
         let Some(Distance { normal, covered: true, .. }) = shape.distance(x.map(|x| x.re())) else { return false };
         let normal = if let Shape::Circle { center, sign, .. } = shape {
             let r: [T; 2] = std::array::from_fn(|i| x[i] - center[i]);
@@ -251,18 +251,18 @@ impl RigidObstacle for RigidContact {
             return [0.0; 2];
         }
         let ([start, _, end], size) = (self.translations, self.sides.facet_size);
-        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
+        let (mut direction_change, mut crossing) = (0.0f64, 0.0f64);
         for row in self.rows_there() {
             let x_0 = [self.start[row][0] - start[0], self.start[row][1] - start[1]];
             let x_1 = self.position(row, q_1, end);
             let near = size.max(self.sides.weights[row]);
             let moved = (x_1[0] - x_0[0]).hypot(x_1[1] - x_0[1]);
-            swing = swing.max(self.shape.swing(x_0, x_1, near) / near);
+            direction_change = direction_change.max(self.shape.direction_change(x_0, x_1, near) / near);
             if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1) {
                 crossing = moved;
             }
         }
-        [swing, crossing / size]
+        [direction_change, crossing / size]
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
@@ -274,7 +274,7 @@ impl RigidObstacle for RigidContact {
             let at_start = if before[row] == 0.0 {
                 [0.0; 2]
             } else {
-                let distance = self.felt(row).distance([self.start[row][0] - start[0], self.start[row][1] - start[1]]);
+                let distance = self.obstacle_side(row).distance([self.start[row][0] - start[0], self.start[row][1] - start[1]]);
                 distance.map_or([0.0; 2], |distance| distance.normal)
             };
             for i in 0..2 {
@@ -292,7 +292,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::RngSeed;
 
-    use super::super::Outlook;
+    use super::super::PredictedMotion;
     use super::super::fixtures::{difference, evaluated, product};
     use super::*;
 
@@ -310,7 +310,7 @@ mod tests {
     fn contact(obstacle: &Obstacle, q_0: &[f64], translations: &[[f64; 2]; 3]) -> RigidContact {
         let mut kernel = RigidContact::new(&[[0, 1]], obstacle, q_0);
         kernel.move_obstacle(&translations.map(|[x, y]| [x, y, 0.0]));
-        assert!(!kernel.update_candidates(&Outlook::within(q_0, 1.0)));
+        assert!(!kernel.update_candidates(&PredictedMotion::within(q_0, 1.0)));
         kernel.begin_step(q_0);
         kernel
     }
@@ -336,8 +336,8 @@ mod tests {
                 let kernel = contact(&obstacle, &q_0, &translations);
                 let lambda = [1.5, -0.5];
                 let out = evaluated(&kernel, Derivative::DiscreteGradient, &q_1, &lambda);
-                let felt = kernel.gaps(|row| kernel.felt(row), kernel.translations[2], |row| kernel.position(row, &q_1, [0.0; 2]));
-                prop_assert_eq!(&out.gap, &felt);
+                let obstacle_side = kernel.gaps(|row| kernel.obstacle_side(row), kernel.translations[2], |row| kernel.position(row, &q_1, [0.0; 2]));
+                prop_assert_eq!(&out.gap, &obstacle_side);
                 let mut force = vec![0.0; 4];
                 let by_motion = kernel.obstacle_force_into(Derivative::DiscreteGradient, &q_1, &[0.0; 2], &lambda, &mut force);
                 let start = kernel.start_gap();

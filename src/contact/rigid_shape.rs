@@ -5,7 +5,7 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use super::chain::Chain;
-use super::felt::{Felt, Local};
+use super::obstacle_side::{Local, ObstacleSide};
 use super::slip::Carrier;
 use super::space::ObstacleInSpace;
 use crate::math::tolerances::{PASSING, PROJECTED_INCREMENT, REMAINDER};
@@ -211,7 +211,7 @@ impl Shape {
     }
 
     /// Range of the signed distance on the straight path between two points, with distances above `near` replaced by `near`.
-    pub(super) fn swing(&self, x_0: [f64; 2], x_1: [f64; 2], near: f64) -> f64 {
+    pub(super) fn direction_change(&self, x_0: [f64; 2], x_1: [f64; 2], near: f64) -> f64 {
         let d = [x_1[0] - x_0[0], x_1[1] - x_0[1]];
         let length = d[0].hypot(d[1]);
         // A distance changes by at most the path length.
@@ -299,7 +299,7 @@ impl Shape {
     }
 }
 
-impl Felt<2> for Shape {
+impl ObstacleSide<2> for Shape {
     fn sides(&self) -> usize {
         if matches!(self, Shape::Polyline { .. }) { SIDES } else { 1 }
     }
@@ -330,6 +330,6 @@ impl Felt<2> for Shape {
             // No other side exists.
             return (0.0, false);
         }
-        (self.swing(x_0.into(), x_1.into(), near), self.is_crossed(x_0.into(), x_1.into()))
+        (self.direction_change(x_0.into(), x_1.into(), near), self.is_crossed(x_0.into(), x_1.into()))
     }
 }

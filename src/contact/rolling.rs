@@ -28,9 +28,9 @@ use std::ops::Range;
 
 use nalgebra::{SMatrix, SVector};
 
-use super::felt::{Felt, Local};
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::numbers::Number;
+use super::obstacle_side::{Local, ObstacleSide};
 use super::patches::Evaluation;
 use super::round_parts::RoundPart;
 use super::slip::SlipStep;
@@ -65,10 +65,10 @@ pub(super) struct RollingContact<const D: usize, S> {
     /// Node of each part nearest to the obstacle at the start of the step.
     nearest: Vec<u32>,
     /// Side of the obstacle of each constraint in this step, with the normal at its start; `None` for absent constraints.
-    felt: Vec<Option<(S, SVector<f64, D>)>>,
+    obstacle_side: Vec<Option<(S, SVector<f64, D>)>>,
 }
 
-impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
+impl<const D: usize, S: ObstacleSide<D>> RollingContact<D, S> {
     pub fn new(
         surface: Surface,
         parts: Vec<RoundPart>,
@@ -95,10 +95,20 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
             sides.list_slips();
         }
         let nearest = rollers.iter().map(|roller| roller.part.inside[0]).collect();
-        let felt = vec![None; sides.weights.len()];
+        let obstacle_side = vec![None; sides.weights.len()];
         let at_start = vec![Tilt::of(0.0); sides.weights.len()];
         let start = vec![SVector::zeros(); rollers.len()];
-        RollingContact { sides, rollers, shape, translations: [[0.0; 3]; 3], carried: Default::default(), start, at_start, nearest, felt }
+        RollingContact {
+            sides,
+            rollers,
+            shape,
+            translations: [[0.0; 3]; 3],
+            carried: Default::default(),
+            start,
+            at_start,
+            nearest,
+            obstacle_side,
+        }
     }
 
     pub(super) fn own_sides(&self) -> &Sides {
@@ -146,14 +156,20 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
     }
 
     /// Algorithmic gradient of a step, and its derivative, for the center of a part, without weight.
-    fn step_gradient(&self, felt: &S, derivative: Derivative, roller: usize, q_1: &[f64]) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
+    fn step_gradient(
+        &self,
+        obstacle_side: &S,
+        derivative: Derivative,
+        roller: usize,
+        q_1: &[f64],
+    ) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
         let plain = |x: SVector<f64, D>, at: Configuration| {
-            let Local { normal, curvature, .. } = felt.at(x);
+            let Local { normal, curvature, .. } = obstacle_side.at(x);
             (normal, curvature * at.share())
         };
         match derivative {
             Derivative::DiscreteGradient => {
-                felt.between(self.start[roller] - self.moved(0), self.center(roller, q_1, 2), self.sides.facet_size)
+                obstacle_side.between(self.start[roller] - self.moved(0), self.center(roller, q_1, 2), self.sides.facet_size)
             }
             Derivative::Gradient(at @ Configuration::Middle) => {
                 plain(0.5 * (self.start[roller] + self.center(roller, q_1, 2) + self.moved(2)) - self.moved(1), at)
@@ -170,7 +186,9 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
     /// Present constraints: index, part, side of the obstacle, and normal at the start of the step.
     fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &S, SVector<f64, D>)> {
         let count = self.shape.sides();
-        self.felt.iter().enumerate().filter_map(move |(row, felt)| felt.as_ref().map(|(felt, normal)| (row, row / count, felt, *normal)))
+        self.obstacle_side.iter().enumerate().filter_map(move |(row, obstacle_side)| {
+            obstacle_side.as_ref().map(|(obstacle_side, normal)| (row, row / count, obstacle_side, *normal))
+        })
     }
 
     /// Distance from the whole obstacle at the end of the step, for each part that faces it.
@@ -184,20 +202,20 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
     }
 
     /// True if a part faces a side of the obstacle so that it may touch it.
-    fn touches(&self, roller: usize, felt: &S, local: &Local<D>, tilt: Tilt, q: &[f64]) -> bool {
+    fn touches(&self, roller: usize, obstacle_side: &S, local: &Local<D>, tilt: Tilt, q: &[f64]) -> bool {
         let is_rim = self.rollers[roller].axis.is_some();
-        local.covered && (!is_rim || felt.takes_rims() && !tilt.is_flat()) && self.facing(roller, q, -local.normal).1
+        local.covered && (!is_rim || obstacle_side.takes_rims() && !tilt.is_flat()) && self.facing(roller, q, -local.normal).1
     }
 
-    /// Coefficients of the masters, at `z` in mid-step, in the material point that touches the side `felt`, and the normal there.
-    pub(super) fn touching<T: Number>(&self, roller: usize, felt: &S, z: &[[T; D]]) -> ([T; 4], [T; D]) {
+    /// Coefficients of the masters, at `z` in mid-step, in the material point that touches the side `obstacle_side`, and the normal there.
+    pub(super) fn touching<T: Number>(&self, roller: usize, obstacle_side: &S, z: &[[T; D]]) -> ([T; 4], [T; D]) {
         let Roller { masters, part, axis } = &self.rollers[roller];
         let mut center = [T::from(0.0); D];
         for (&(_, share), z) in masters.iter().zip(z) {
             (0..D).for_each(|i| center[i] += z[i] * share);
         }
         let middle = self.moved(1);
-        let Local { normal, curvature, .. } = felt.at(SVector::from_fn(|i, _| center[i].re() - middle[i]));
+        let Local { normal, curvature, .. } = obstacle_side.at(SVector::from_fn(|i, _| center[i].re() - middle[i]));
         let normal: [T; D] =
             std::array::from_fn(|i| (0..D).fold(T::from(normal[i]), |sum, k| sum + (center[k] - center[k].re()) * curvature[(i, k)]));
         // Vector from the center to the contact point, in coordinates of the edges between masters.
@@ -225,8 +243,8 @@ impl<const D: usize, S: Felt<D>> RollingContact<D, S> {
     }
 
     /// Sides of the obstacle for the constraints of a part.
-    pub(super) fn felt_by(&self, roller: usize) -> &[Option<(S, SVector<f64, D>)>] {
-        &self.felt[self.rows_of(roller)]
+    pub(super) fn sides_near(&self, roller: usize) -> &[Option<(S, SVector<f64, D>)>] {
+        &self.obstacle_side[self.rows_of(roller)]
     }
 
     /// Center of a part at the start of the step, relative to the obstacle.
@@ -254,7 +272,7 @@ fn determinant<T: Number, const D: usize>(m: &[[T; D]; D]) -> T {
     }
 }
 
-impl<const D: usize, S: Felt<D>> PatchFunctions for RollingContact<D, S>
+impl<const D: usize, S: ObstacleSide<D>> PatchFunctions for RollingContact<D, S>
 where
     Self: Slips,
 {
@@ -292,10 +310,10 @@ where
                 let tilt = self.nearer(roller, local.normal, q_0);
                 self.touches(roller, &side, &local, tilt, q_0).then_some((side, local.normal))
             };
-            let felt: Vec<Option<(S, SVector<f64, D>)>> = near.into_iter().map(of_side).collect();
+            let obstacle_side: Vec<Option<(S, SVector<f64, D>)>> = near.into_iter().map(of_side).collect();
             for (place, row) in self.rows_of(roller).enumerate() {
-                self.felt[row] = felt.get(place).cloned().flatten();
-                let normal = self.felt[row].as_ref().map_or(normal, |(_, normal)| *normal);
+                self.obstacle_side[row] = obstacle_side.get(place).cloned().flatten();
+                let normal = self.obstacle_side[row].as_ref().map_or(normal, |(_, normal)| *normal);
                 self.at_start[row] = self.nearer(roller, normal, q_0);
             }
         }
@@ -303,9 +321,9 @@ where
 
     fn start_gap(&self) -> Vec<f64> {
         let mut gaps = vec![0.0; self.sides.weights.len()];
-        for (row, roller, felt, _) in self.rows_felt() {
+        for (row, roller, obstacle_side, _) in self.rows_felt() {
             let nearer = self.rollers[roller].part.radius * self.at_start[row].height;
-            gaps[row] = self.sides.weights[row] * (felt.at(self.begins(roller)).gap - nearer);
+            gaps[row] = self.sides.weights[row] * (obstacle_side.at(self.begins(roller)).gap - nearer);
         }
         gaps
     }
@@ -314,10 +332,10 @@ where
         let patches = &self.sides.patches;
         out.prepare(patches, self.sides.weights.len());
         (0..patches.len()).for_each(|p| out.clear_patch(patches, p));
-        for (row, p, felt, normal) in self.rows_felt() {
+        for (row, p, obstacle_side, normal) in self.rows_felt() {
             let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[p]);
-            let end = felt.at(self.center(p, q_1, 2));
-            let (bar, tangent) = self.step_gradient(felt, derivative, p, q_1);
+            let end = obstacle_side.at(self.center(p, q_1, 2));
+            let (bar, tangent) = self.step_gradient(obstacle_side, derivative, p, q_1);
             let tilt = self.nearer(p, normal, q_1);
             let [of_step, bend] = self.at_start[row].to(tilt, derivative).map(|x| x * part.radius);
             out.live[p] = true;
@@ -371,7 +389,7 @@ pub(super) trait Slips {
     fn slips(&self, step: SlipStep, lambda: &[f64], out: &mut Evaluation);
 }
 
-impl<const D: usize, S: Felt<D>> CandidateSearch for RollingContact<D, S>
+impl<const D: usize, S: ObstacleSide<D>> CandidateSearch for RollingContact<D, S>
 where
     Self: Slips,
 {
@@ -380,7 +398,7 @@ where
     }
 }
 
-impl<const D: usize, S: Felt<D>> RigidObstacle for RollingContact<D, S>
+impl<const D: usize, S: ObstacleSide<D>> RigidObstacle for RollingContact<D, S>
 where
     Self: Slips,
 {
@@ -397,27 +415,27 @@ where
     }
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
-        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
+        let (mut direction_change, mut crossing) = (0.0f64, 0.0f64);
         for roller in 0..self.rollers.len() {
             let near = self.rollers[roller].part.radius.max(self.sides.facet_size);
             let (x_0, x_1) = (self.begins(roller), self.center(roller, q_1, 2));
             let (changes, is_crossed) = self.shape.passage(x_0, x_1, near);
-            swing = swing.max(changes / near);
+            direction_change = direction_change.max(changes / near);
             if is_crossed {
                 crossing = crossing.max((x_1 - x_0).norm());
             }
         }
         let crossing = crossing / self.sides.facet_size;
-        [swing, if crossing > CROSSING { crossing } else { 0.0 }]
+        [direction_change, if crossing > CROSSING { crossing } else { 0.0 }]
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
         let way = self.moved(2) - self.moved(0);
         let mut work = 0.0;
-        for (row, roller, felt, normal) in self.rows_felt().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
+        for (row, roller, obstacle_side, normal) in self.rows_felt().filter(|&(row, ..)| before[row] != 0.0 || lambda[row] != 0.0) {
             let (weight, Roller { masters, part, axis }) = (self.sides.weights[row], &self.rollers[roller]);
-            let of_step = self.step_gradient(felt, derivative, roller, q_1).0 * lambda[row];
-            let f = (of_step + felt.at(self.begins(roller)).normal * before[row]) * weight;
+            let of_step = self.step_gradient(obstacle_side, derivative, roller, q_1).0 * lambda[row];
+            let f = (of_step + obstacle_side.at(self.begins(roller)).normal * before[row]) * weight;
             let [slope, _] = self.at_start[row].to(self.nearer(roller, normal, q_1), derivative);
             let couple = normal * (-weight * part.radius * (slope * lambda[row] + self.at_start[row].slope * before[row]));
             for (k, (node, share)) in masters.iter().enumerate() {

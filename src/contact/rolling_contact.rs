@@ -29,14 +29,14 @@ pub fn rolling_contact(
 impl SlipRows for RollingContact<2, Shape> {
     fn places(&self, p: usize, _z: &[f64], places: &mut Vec<usize>) -> bool {
         places.extend(0..self.own_sides().patches.nodes(p).len());
-        self.felt_by(p).iter().any(Option::is_some)
+        self.sides_near(p).iter().any(Option::is_some)
     }
 
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool {
         let (first, z) = (self.rows_of(p).start, z.as_chunks().0);
-        for (m, felt) in self.felt_by(p).iter().enumerate() {
-            let Some((felt, _)) = felt else { continue };
-            let (shares, normal) = self.touching(p, felt, z);
+        for (m, obstacle_side) in self.sides_near(p).iter().enumerate() {
+            let Some((obstacle_side, _)) = obstacle_side else { continue };
+            let (shares, normal) = self.touching(p, obstacle_side, z);
             let weight = self.weight(first + m);
             for (k, share) in shares[..z.len()].iter().enumerate() {
                 rows[2 * (m * z.len() + k)] = normal[1] * *share * weight;

@@ -4,14 +4,14 @@
 //! Beyond the ends of a facet the constraint is the distance from a node, like that of the node itself: constraints that end with the facet
 //! would jump where the disk passes a node.
 
-use super::depth::Seen;
+use super::depth::NodePosition;
 use super::kernel::{CandidateSearch, PatchFunctions, RigidObstacle};
 use super::node_patch::{self, Round, Start};
 use super::patches::Evaluation;
 use super::search::Candidates;
 use super::slip::{self, SlipStep};
 use super::surface::Sides;
-use super::window::Outlook;
+use super::window::PredictedMotion;
 use crate::integrators::Derivative;
 
 /// Search distance beyond the required one, in shortest facets of the surface.
@@ -51,21 +51,25 @@ impl RoundContact {
     }
 
     /// Values of contact element `p` at the start of a step; no gap if the facet is sunk or out of reach.
-    fn prepare(&self, p: usize, outlook: &Outlook) -> Start {
+    fn prepare(&self, p: usize, predicted_motion: &PredictedMotion) -> Start {
         let (facet, surface) = (self.sides.patches.rows(p)[0] as usize, &self.sides.primary);
         let (center, ends) = (self.sides.secondary.nodes()[0], surface.facets()[facet]);
-        let is_concave = surface.local_facets()[facet].map(|node| !surface.is_convex(node as usize, outlook.q));
+        let is_concave = surface.local_facets()[facet].map(|node| !surface.is_convex(node as usize, predicted_motion.q));
         let round = Round { radius: self.radius, is_concave };
         let opposite = Start::round([0, 1, 2], round);
         let mut z = Vec::new();
-        opposite.gather_into(self.sides.patches.nodes(p), outlook.q, &mut z);
+        opposite.gather_into(self.sides.patches.nodes(p), predicted_motion.q, &mut z);
         let is_sunk = opposite.measures(&z)[0].is_none_or(|measure| measure.gap <= -SUNK * self.sides.facet_size);
-        let apart = Seen::new(center, ends, outlook.q).distance - self.radius;
-        if is_sunk || apart > self.sides.facet_size + outlook.travel::<2>(&[center], &ends) { Start::default() } else { opposite }
+        let apart = NodePosition::new(center, ends, predicted_motion.q).distance - self.radius;
+        if is_sunk || apart > self.sides.facet_size + predicted_motion.motion_bound::<2>(&[center], &ends) {
+            Start::default()
+        } else {
+            opposite
+        }
     }
 
-    fn begin_all(&mut self, outlook: &Outlook) {
-        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, outlook)).collect();
+    fn begin_all(&mut self, predicted_motion: &PredictedMotion) {
+        self.start = (0..self.sides.patches.len()).map(|p| self.prepare(p, predicted_motion)).collect();
     }
 }
 
@@ -108,13 +112,13 @@ impl PatchFunctions for RoundContact {
 }
 
 impl CandidateSearch for RoundContact {
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let margin = outlook.search_margin(&self.sides) + self.radius;
-        let changed = self.candidates.update(&self.sides.secondary, &self.sides.primary, outlook.q, margin);
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        let margin = predicted_motion.search_margin(&self.sides) + self.radius;
+        let changed = self.candidates.update(&self.sides.secondary, &self.sides.primary, predicted_motion.q, margin);
         if changed {
             self.list_patches();
         }
-        self.begin_all(outlook);
+        self.begin_all(predicted_motion);
         changed
     }
 
@@ -130,7 +134,7 @@ impl CandidateSearch for RoundContact {
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.candidates = candidates.clone();
         self.list_patches();
-        self.begin_all(&Outlook::within(q, 0.0));
+        self.begin_all(&PredictedMotion::within(q, 0.0));
         self.begin_step(q);
     }
 

@@ -21,7 +21,7 @@ use super::faces::{self, Vector};
 use super::profile::{PairProfiles, Profile};
 use super::slivers;
 use super::surface::{Sides, Surface};
-use super::window::{Outlook, Window};
+use super::window::{PredictedMotion, Window};
 
 /// Facet pairs that contain every pair within a margin, valid for a bounded relative motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -199,9 +199,9 @@ impl PairSearch {
     }
 
     /// Updates the pairs for a step; true if the list changed.
-    pub fn update(&mut self, sides: &Sides, outlook: &Outlook) -> bool {
-        let changed = self.candidates.update(&sides.secondary, &sides.primary, outlook.q, outlook.search_margin(sides));
-        self.admit(sides, outlook);
+    pub fn update(&mut self, sides: &Sides, predicted_motion: &PredictedMotion) -> bool {
+        let changed = self.candidates.update(&sides.secondary, &sides.primary, predicted_motion.q, predicted_motion.search_margin(sides));
+        self.admit(sides, predicted_motion);
         changed
     }
 
@@ -221,10 +221,10 @@ impl PairSearch {
     }
 
     /// Selects the pairs that take part in a step.
-    fn admit(&mut self, sides: &Sides, outlook: &Outlook) {
-        self.window.begin(sides, outlook.depth);
-        self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, outlook)).collect();
-        slivers::leave_out(&mut self.near, self.candidates.pairs(), sides, outlook);
+    fn admit(&mut self, sides: &Sides, predicted_motion: &PredictedMotion) {
+        self.window.begin(sides, predicted_motion.depth);
+        self.near = self.candidates.pairs().iter().map(|&pair| self.window.admits(pair, sides, predicted_motion)).collect();
+        slivers::leave_out(&mut self.near, self.candidates.pairs(), sides, predicted_motion);
     }
 
     /// True if a pair that was excluded from the step from `q_0` to `q_1`, listed or not, overlaps by more than `tolerance` `[length]` at
@@ -262,7 +262,7 @@ impl PairSearch {
     /// Restores an earlier list.
     pub fn restore(&mut self, candidates: &Candidates, sides: &Sides, q: &[f64]) {
         self.candidates = candidates.clone();
-        self.admit(sides, &Outlook::within(q, 0.0));
+        self.admit(sides, &PredictedMotion::within(q, 0.0));
     }
 }
 

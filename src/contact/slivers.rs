@@ -12,16 +12,16 @@
 //! out is not along the facet's normal, but across it: the next facet beyond the corner, or the corner's own constraint, holds it.
 
 use super::surface::{Sides, Surface};
-use super::window::Outlook;
+use super::window::PredictedMotion;
 use crate::math::tolerances::{FAR_SLIVER, SMOOTH};
 
 /// Overlap in secondary facets from which a pair takes part for any motion bound.
 const SHORT: f64 = 0.25;
 
 /// Excludes short overlaps at large gaps from the pairs that take part in a step.
-pub(super) fn leave_out(near: &mut [bool], pairs: &[[u32; 2]], sides: &Sides, outlook: &Outlook) {
+pub(super) fn leave_out(near: &mut [bool], pairs: &[[u32; 2]], sides: &Sides, predicted_motion: &PredictedMotion) {
     // At rest sliding has no bound, and bodies may be pressed into each other. Pair functions in space have no such jump.
-    if outlook.depth > 0.0 || sides.secondary.dimension() == 3 {
+    if predicted_motion.depth > 0.0 || sides.secondary.dimension() == 3 {
         return;
     }
     let found = near.to_vec();
@@ -29,13 +29,13 @@ pub(super) fn leave_out(near: &mut [bool], pairs: &[[u32; 2]], sides: &Sides, ou
     for (near, &[own, other]) in near.iter_mut().zip(pairs).filter(|(near, _)| **near) {
         let beyond = sides.primary.neighbors(other as usize);
         let ends = |side: usize| !beyond[side].is_some_and(|beyond| takes_part([own, beyond]));
-        *near = !(0..2).any(|side| ends(side) && is_far_sliver([own, other], side, sides, outlook));
+        *near = !(0..2).any(|side| ends(side) && is_far_sliver([own, other], side, sides, predicted_motion));
     }
 }
 
 /// True if the pair's overlap is short at the corner `side` of its secondary facet, and its primary node there has a large gap.
-fn is_far_sliver([own, other]: [u32; 2], side: usize, sides: &Sides, outlook: &Outlook) -> bool {
-    let at = |node: u32| [outlook.q[2 * node as usize], outlook.q[2 * node as usize + 1]];
+fn is_far_sliver([own, other]: [u32; 2], side: usize, sides: &Sides, predicted_motion: &PredictedMotion) -> bool {
+    let at = |node: u32| [predicted_motion.q[2 * node as usize], predicted_motion.q[2 * node as usize + 1]];
     let (facet, face) = (sides.secondary.facets()[own as usize], sides.primary.facets()[other as usize]);
     let ([x_1, x_2], y) = (facet.map(at), at(face[side]));
     let (t, d) = ([x_2[0] - x_1[0], x_2[1] - x_1[1]], [y[0] - x_1[0], y[1] - x_1[1]]);
@@ -43,8 +43,8 @@ fn is_far_sliver([own, other]: [u32; 2], side: usize, sides: &Sides, outlook: &O
     let (s, gap) = ((t[0] * d[0] + t[1] * d[1]) / (length * length), (t[1] * d[0] - t[0] * d[1]) / length);
     let overlap = if side == 0 { s } else { 1.0 - s };
     gap.abs() > FAR_SLIVER * sides.facet_size
-        && overlap <= (outlook.travel::<2>(&facet, &face) / length).min(SHORT)
-        && is_corner(&sides.secondary, own, side, outlook.q)
+        && overlap <= (predicted_motion.motion_bound::<2>(&facet, &face) / length).min(SHORT)
+        && is_corner(&sides.secondary, own, side, predicted_motion.q)
 }
 
 /// True if a surface ends or bends sharply at an end of a facet.
@@ -63,13 +63,13 @@ mod tests {
     use super::super::search::PairSearch;
     use super::*;
 
-    /// True if the lower facet of a side that leans over the right end of a top takes part in a step that slides by `travel`. Nodes 0 to 2
+    /// True if the lower facet of a side that leans over the right end of a top takes part in a step that slides by `motion_bound`. Nodes 0 to 2
     /// belong to the top and the facet before it, nodes 3 to 5 to the side, from the top down.
-    fn takes_part(start: [f64; 2], upper: [f64; 2], middle: [f64; 2], travel: f64) -> bool {
+    fn takes_part(start: [f64; 2], upper: [f64; 2], middle: [f64; 2], motion_bound: f64) -> bool {
         let q = [start, [1.0, 0.0], [0.0, 0.0], upper, middle, [1.08, 0.0]].concat();
         let sides = Sides::new(&[[0, 1], [1, 2]], &[[3, 4], [4, 5]], &q);
         let mut search = PairSearch::new(&sides, &q, 1.0);
-        search.update(&sides, &Outlook::within(&q, travel));
+        search.update(&sides, &PredictedMotion::within(&q, motion_bound));
         let pair = search.candidates.pairs().binary_search(&[1, 1]).expect("it is in reach");
         search.near[pair]
     }

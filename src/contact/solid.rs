@@ -3,7 +3,7 @@
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
 
-use super::faces::{self, Seen, Vector};
+use super::faces::{self, FacetDistance, Vector};
 use super::surface::{Edge, Surface};
 
 /// Allowed overlap as a fraction of the facet size, in addition to the height of curved sides.
@@ -25,7 +25,7 @@ pub struct Solid {
 
 /// Deepest point of two hulls inside of each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sunk {
+pub struct HullPenetration {
     /// Penetration `[length]`.
     pub depth: f64,
     /// Size of the smaller facet there `[length]`.
@@ -64,12 +64,12 @@ impl Solid {
         if is_out {
             return None;
         }
-        let mut nearest: Option<(usize, Seen)> = None;
+        let mut nearest: Option<(usize, FacetDistance)> = None;
         for (found, square) in self.tree.nearest_neighbor_iter_with_distance_2(x.into()) {
             if nearest.is_some_and(|(_, seen)| square > seen.distance * seen.distance) {
                 break;
             }
-            let seen = Seen::new(x, self.surface.facet(found.data as usize), &self.q);
+            let seen = FacetDistance::new(x, self.surface.facet(found.data as usize), &self.q);
             if nearest.is_none_or(|(_, known)| seen.distance < known.distance) {
                 nearest = Some((found.data as usize, seen));
             }
@@ -78,7 +78,7 @@ impl Solid {
     }
 
     /// Deepest node, or middle of a facet or edge, of this hull inside of another one.
-    fn deepest_in(&self, other: &Solid) -> Option<Sunk> {
+    fn deepest_in(&self, other: &Solid) -> Option<HullPenetration> {
         let surface = &self.surface;
         let at = |node: u32| faces::at(node, &self.q);
         let nodes = surface.nodes().iter().enumerate().map(|(index, &node)| (surface.adjacent_facets(index).to_vec(), at(node)));
@@ -90,13 +90,13 @@ impl Solid {
             let (facet, depth) = other.around(x)?;
             let own = on.into_iter().map(|own| own as usize).min_by(|&a, &b| self.allowed[a].total_cmp(&self.allowed[b]))?;
             let size = surface.facet_size(own, &self.q).min(other.surface.facet_size(facet, &other.q));
-            (depth > self.allowed[own] + other.allowed[facet]).then(|| Sunk { depth, size, at: x.into() })
+            (depth > self.allowed[own] + other.allowed[facet]).then(|| HullPenetration { depth, size, at: x.into() })
         };
         nodes.chain(edges).chain(facets).filter_map(sunk).max_by(|a, b| a.depth.total_cmp(&b.depth))
     }
 
     /// Deepest point of two hulls inside of each other, sampled at nodes and at middles of facets and edges.
-    pub fn inside(&self, other: &Solid) -> Option<Sunk> {
+    pub fn inside(&self, other: &Solid) -> Option<HullPenetration> {
         let apart = |i: usize| self.bounds[0][i] >= other.bounds[1][i] || other.bounds[0][i] >= self.bounds[1][i];
         if (0..3).any(apart) {
             return None;

@@ -20,7 +20,7 @@ use super::pair::{invariants, offsets, overlaps};
 use super::patches::Evaluation;
 use super::search::Candidates;
 use super::surface::Sides;
-use super::{CandidateSearch, Outlook, PatchFunctions, RigidObstacle};
+use super::{CandidateSearch, PatchFunctions, PredictedMotion, RigidObstacle};
 use crate::integrators::Derivative;
 use crate::math::tolerances::SLIVER;
 
@@ -191,7 +191,7 @@ impl PatchFunctions for Tie {
 }
 
 impl CandidateSearch for Tie {
-    fn update_candidates(&mut self, _outlook: &Outlook) -> bool {
+    fn update_candidates(&mut self, _outlook: &PredictedMotion) -> bool {
         let first = self.sides.patches.is_empty() && !self.pairs.is_empty();
         if first {
             let count = self.rows_per_node() as u32;
@@ -219,8 +219,8 @@ mod tests {
     fn tied_rings() -> (Tie, Vec<f64>) {
         let Rings { inner, outer, q } = rings(40, 48, 0.0);
         let mut tie = Tie::new(&inner, &outer, &q, 0.05);
-        let outlook = Outlook::within(&q, 0.0);
-        assert!(tie.update_candidates(&outlook) && !tie.update_candidates(&outlook));
+        let predicted_motion = PredictedMotion::within(&q, 0.0);
+        assert!(tie.update_candidates(&predicted_motion) && !tie.update_candidates(&predicted_motion));
         tie.begin_step(&q);
         (tie, q)
     }

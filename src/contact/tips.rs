@@ -18,7 +18,7 @@ const SHARP: f64 = 0.342;
 
 /// Side whose line separates two crossing tips with the least motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Parting {
+pub enum SeparatingSide {
     /// Side of the other tip (0: before, 1: after its node).
     AtOther(usize),
     /// Side of the own tip; `misleading` marks sides of the other tip that do not separate them.
@@ -72,7 +72,7 @@ impl Tip {
     }
 
     /// Side that separates this tip from another one with the least motion; `None` unless both are sharp and cross.
-    pub fn parting(&self, other: &Tip) -> Option<Parting> {
+    pub fn parting(&self, other: &Tip) -> Option<SeparatingSide> {
         if !self.is_sharp() || !other.is_sharp() || !self.crosses(other) {
             return None;
         }
@@ -82,8 +82,8 @@ impl Tip {
         };
         let (others, own) = (other.apart(self), largest(self.apart(other)));
         let found = match (largest(others), own) {
-            (Some((gap, side)), own) if own.is_none_or(|(own, _)| gap >= own) => (gap, Parting::AtOther(side)),
-            (_, Some((gap, _))) => (gap, Parting::AtOwn { misleading: others.map(|gap| gap.is_none()) }),
+            (Some((gap, side)), own) if own.is_none_or(|(own, _)| gap >= own) => (gap, SeparatingSide::AtOther(side)),
+            (_, Some((gap, _))) => (gap, SeparatingSide::AtOwn { misleading: others.map(|gap| gap.is_none()) }),
             _ => return None,
         };
         (found.0 < 0.0).then_some(found.1)
@@ -108,11 +108,11 @@ mod tests {
         assert_eq!([parting([-0.3, -0.3]), parting([0.2, 0.4])], [[None; 2]; 2]);
         // Slightly inside, where the nearer side would lead it through, and the way out.
         for x in [[0.01, -0.3], [0.14, -0.3], [0.2, -0.3]] {
-            let back = Some(Parting::AtOwn { misleading: [false, true] });
-            assert_eq!(parting(x), [Some(Parting::AtOther(1)), back], "{x:?}");
+            let back = Some(SeparatingSide::AtOwn { misleading: [false, true] });
+            assert_eq!(parting(x), [Some(SeparatingSide::AtOther(1)), back], "{x:?}");
         }
         // So deep that the other tip is nearer to one of its sides.
-        let back = Some(Parting::AtOwn { misleading: [true, false] });
-        assert_eq!(parting([0.4, -0.3]), [back, Some(Parting::AtOther(0))]);
+        let back = Some(SeparatingSide::AtOwn { misleading: [true, false] });
+        assert_eq!(parting([0.4, -0.3]), [back, Some(SeparatingSide::AtOther(0))]);
     }
 }

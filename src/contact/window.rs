@@ -7,12 +7,12 @@
 //! least gap <= h/2 + travel      and      largest gap > -1/2 min(|t|, thickness of both bodies)
 //! ```
 //!
-//! with the shortest secondary facet `h`, the relative motion bound `travel` of the pair, and the length `|t|` of its secondary facet;
-//! while its facets face each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 travel` of each other, which every search
+//! with the shortest secondary facet `h`, the relative motion bound `motion_bound` of the pair, and the length `|t|` of its secondary facet;
+//! while its facets face each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 motion_bound` of each other, which every search
 //! covers. The decision depends on the pair and on the start of the step only, not on the search distance or on fast nodes elsewhere.
 //! `slivers.rs` then excludes pairs whose overlap may begin or end in the step beside a corner.
 //!
-//! At rest, bodies that overlap by many facets may be pressed apart. The overlap is then given ([`Outlook::depth`]) and replaces `|t|/2`:
+//! At rest, bodies that overlap by many facets may be pressed apart. The overlap is then given ([`PredictedMotion::depth`]) and replaces `|t|/2`:
 //! boxes may be farther apart by the same amount, and thickness is measured to twice that depth, which keeps far sides excluded.
 
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -33,11 +33,11 @@ const DIAGONAL: f64 = 1.5;
 
 /// Predicted motion of a step, from which its search horizon follows.
 #[derive(Clone, Copy, Debug)]
-pub struct Outlook<'a> {
+pub struct PredictedMotion<'a> {
     /// Positions at the start of the step `[length]`.
     pub q: &'a [f64],
     /// Motion bound of the nodes.
-    pub travel: Travel<'a>,
+    pub motion_bound: MotionBound<'a>,
     /// Factor on the search distance; results do not depend on it.
     pub reach: f64,
     /// Overlap up to which pairs take part at rest, where bodies are pressed apart; 0 in motion `[length]`.
@@ -46,7 +46,7 @@ pub struct Outlook<'a> {
 
 /// Bound of the relative motion of nodes within a step.
 #[derive(Clone, Copy, Debug)]
-pub enum Travel<'a> {
+pub enum MotionBound<'a> {
     /// Common bound for any two nodes `[length]`.
     UpTo(f64),
     /// Bound for each node in any direction.
@@ -65,10 +65,10 @@ pub enum Travel<'a> {
     },
 }
 
-impl<'a> Outlook<'a> {
-    /// Step from `q` in which nodes move relative to each other by at most `travel` `[length]`.
-    pub fn within(q: &'a [f64], travel: f64) -> Self {
-        Outlook { q, travel: Travel::UpTo(travel), reach: 1.0, depth: 0.0 }
+impl<'a> PredictedMotion<'a> {
+    /// Step from `q` in which nodes move relative to each other by at most `motion_bound` `[length]`.
+    pub fn within(q: &'a [f64], motion_bound: f64) -> Self {
+        PredictedMotion { q, motion_bound: MotionBound::UpTo(motion_bound), reach: 1.0, depth: 0.0 }
     }
 
     /// Search distance for facet pairs `[length]`.
@@ -78,10 +78,12 @@ impl<'a> Outlook<'a> {
 
     /// Search horizon: distance within which all pairs are that may take part `[length]`.
     pub(super) fn margin(&self, sides: &Sides) -> f64 {
-        let travel = match self.travel {
-            Travel::UpTo(travel) => travel,
-            Travel::Each { sizes, besides } => largest(sizes, sides.secondary.nodes()) + largest(sizes, sides.primary.nodes()) + besides,
-            Travel::Guessed { displacements, factor } => {
+        let motion_bound = match self.motion_bound {
+            MotionBound::UpTo(motion_bound) => motion_bound,
+            MotionBound::Each { sizes, besides } => {
+                largest(sizes, sides.secondary.nodes()) + largest(sizes, sides.primary.nodes()) + besides
+            }
+            MotionBound::Guessed { displacements, factor } => {
                 let dimension = sides.secondary.dimension();
                 let range = |u: &[f64], axis: usize, surface: &Surface| {
                     let moved = surface.nodes().iter().map(|&node| u[dimension * node as usize + axis]);
@@ -97,15 +99,15 @@ impl<'a> Outlook<'a> {
                 factor * displacements.map(largest).into_iter().fold(0.0, f64::max)
             }
         };
-        sides.facet_size + DIAGONAL * travel + self.depth
+        sides.facet_size + DIAGONAL * motion_bound + self.depth
     }
 
     /// Bound of the relative motion of nodes of two facets, or of a node and a facet, in `D` dimensions `[length]`.
-    pub(super) fn travel<const D: usize>(&self, own: &[u32], other: &[u32]) -> f64 {
-        match self.travel {
-            Travel::UpTo(travel) => travel,
-            Travel::Each { sizes, besides } => largest(sizes, own) + largest(sizes, other) + besides,
-            Travel::Guessed { displacements, factor } => {
+    pub(super) fn motion_bound<const D: usize>(&self, own: &[u32], other: &[u32]) -> f64 {
+        match self.motion_bound {
+            MotionBound::UpTo(motion_bound) => motion_bound,
+            MotionBound::Each { sizes, besides } => largest(sizes, own) + largest(sizes, other) + besides,
+            MotionBound::Guessed { displacements, factor } => {
                 let mut largest = 0.0f64;
                 for u in displacements {
                     for (&a, &b) in own.iter().flat_map(|a| other.iter().map(move |b| (a, b))) {
@@ -181,19 +183,23 @@ impl Window {
     }
 
     /// True if a pair (secondary facet, primary facet) takes part in a step.
-    pub fn admits(&self, pair: [u32; 2], sides: &Sides, outlook: &Outlook) -> bool {
-        let travel = Self::travel(pair, sides, outlook);
-        if !self.is_within(pair, sides, outlook.q, self.facet_size + DIAGONAL * travel + self.depth) {
+    pub fn admits(&self, pair: [u32; 2], sides: &Sides, predicted_motion: &PredictedMotion) -> bool {
+        let motion_bound = Self::motion_bound(pair, sides, predicted_motion);
+        if !self.is_within(pair, sides, predicted_motion.q, self.facet_size + DIAGONAL * motion_bound + self.depth) {
             return false;
         }
-        let gaps = self.gaps(pair, sides, outlook.q, travel);
-        gaps.is_some_and(|gaps| gaps.least <= OPEN * self.facet_size + travel && gaps.largest > -gaps.deep)
+        let gaps = self.gaps(pair, sides, predicted_motion.q, motion_bound);
+        gaps.is_some_and(|gaps| gaps.least <= OPEN * self.facet_size + motion_bound && gaps.largest > -gaps.deep)
     }
 
     /// Bound of the relative motion of a pair's nodes in a step `[length]`.
-    fn travel([own, other]: [u32; 2], sides: &Sides, outlook: &Outlook) -> f64 {
+    fn motion_bound([own, other]: [u32; 2], sides: &Sides, predicted_motion: &PredictedMotion) -> f64 {
         let (own, other) = (sides.secondary.facet(own as usize), sides.primary.facet(other as usize));
-        if sides.secondary.dimension() == 2 { outlook.travel::<2>(own, other) } else { outlook.travel::<3>(own, other) }
+        if sides.secondary.dimension() == 2 {
+            predicted_motion.motion_bound::<2>(own, other)
+        } else {
+            predicted_motion.motion_bound::<3>(own, other)
+        }
     }
 
     /// True if the least gap of a pair on its overlap at `q` is at most the shortest secondary facet. Unlike the distance of axis-aligned
@@ -229,9 +235,14 @@ impl Window {
             return false;
         }
         let moved: Vec<f64> = q_1.iter().zip(q_0).map(|(a, b)| a - b).collect();
-        let outlook = Outlook { q: q_0, travel: Travel::Guessed { displacements: [&moved; 2], factor: 1.0 }, reach: 1.0, depth: 0.0 };
-        let travel = Self::travel(pair, sides, &outlook);
-        self.gaps(pair, sides, q_0, travel).is_some_and(|gaps| gaps.least > 0.0)
+        let predicted_motion = PredictedMotion {
+            q: q_0,
+            motion_bound: MotionBound::Guessed { displacements: [&moved; 2], factor: 1.0 },
+            reach: 1.0,
+            depth: 0.0,
+        };
+        let motion_bound = Self::motion_bound(pair, sides, &predicted_motion);
+        self.gaps(pair, sides, q_0, motion_bound).is_some_and(|gaps| gaps.least > 0.0)
     }
 
     /// True unless a node of `side` (0: secondary) with the adjacent facets `own_facets` is too deep behind facet `other` of the other
@@ -341,20 +352,22 @@ mod tests {
     /// Facing pairs take part from the opening of the window on; pairs of far sides never do.
     #[test]
     fn faces_that_look_through_the_bodies_take_no_part() {
-        for (distance, travel, meet) in [(0.05, 0.0, true), (-0.02, 0.0, true), (0.49, 0.0, true), (0.51, 0.0, false), (0.9, 0.41, true)] {
+        for (distance, motion_bound, meet) in
+            [(0.05, 0.0, true), (-0.02, 0.0, true), (0.49, 0.0, true), (0.51, 0.0, false), (0.9, 0.41, true)]
+        {
             let (sides, q) = sides(distance);
             let window = Window::new(&sides, &q);
-            let outlook = Outlook::within(&q, travel);
+            let predicted_motion = PredictedMotion::within(&q, motion_bound);
             for own in 0..4 {
                 for other in 0..4 {
                     let opposite = own < 2 && other >= 2;
                     let overlap = match (own, other) {
                         // Upper facets [0, 1] and [1, 2]; lower ones [1.3, 2.3] and [0.3, 1.3] along x.
-                        (0, 2) => travel > 0.3,
+                        (0, 2) => motion_bound > 0.3,
                         _ => true,
                     };
                     let expected = opposite && overlap && meet;
-                    assert_eq!(window.admits([own, other], &sides, &outlook), expected, "{own} {other} at {distance}");
+                    assert_eq!(window.admits([own, other], &sides, &predicted_motion), expected, "{own} {other} at {distance}");
                 }
             }
         }
@@ -368,13 +381,15 @@ mod tests {
         // All nodes move together except the left end of the upper plate.
         u.chunks_exact_mut(2).for_each(|u| u[1] = -5.0);
         let together = [&u[..]; 2];
-        let outlook = Outlook { q: &q, travel: Travel::Guessed { displacements: together, factor: 1.0 }, reach: 1.0, depth: 0.0 };
-        assert!(!window.admits([1, 3], &sides, &outlook));
+        let predicted_motion =
+            PredictedMotion { q: &q, motion_bound: MotionBound::Guessed { displacements: together, factor: 1.0 }, reach: 1.0, depth: 0.0 };
+        assert!(!window.admits([1, 3], &sides, &predicted_motion));
         let mut v = u.clone();
         v[1] = -5.2;
-        let outlook = Outlook { travel: Travel::Guessed { displacements: [&u, &v], factor: 1.0 }, ..outlook };
-        assert!(!window.admits([1, 3], &sides, &outlook), "its nodes approach nothing");
-        assert!(window.admits([0, 3], &sides, &outlook));
+        let predicted_motion =
+            PredictedMotion { motion_bound: MotionBound::Guessed { displacements: [&u, &v], factor: 1.0 }, ..predicted_motion };
+        assert!(!window.admits([1, 3], &sides, &predicted_motion), "its nodes approach nothing");
+        assert!(window.admits([0, 3], &sides, &predicted_motion));
     }
 
     #[test]
@@ -395,10 +410,10 @@ mod tests {
         for (distance, depth, meet) in [(-0.14, 0.0, true), (-0.16, 0.0, false), (-0.14, 0.2, true), (-0.16, 0.2, false)] {
             let (sides, q) = sides(distance);
             let mut window = Window::new(&sides, &q);
-            let outlook = Outlook { depth, ..Outlook::within(&q, 0.0) };
+            let predicted_motion = PredictedMotion { depth, ..PredictedMotion::within(&q, 0.0) };
             window.begin(&sides, depth);
-            assert_eq!(window.admits([0, 3], &sides, &outlook), meet, "{distance} {depth}");
-            assert!(!meet || !window.admits([2, 0], &sides, &outlook), "far sides: {distance} {depth}");
+            assert_eq!(window.admits([0, 3], &sides, &predicted_motion), meet, "{distance} {depth}");
+            assert!(!meet || !window.admits([2, 0], &sides, &predicted_motion), "far sides: {distance} {depth}");
         }
         // Only the near faces overlap, by three facets.
         let (upper, mut q) = plate(0, 0.0, -3.0, 4.0);
@@ -408,7 +423,7 @@ mod tests {
         let mut window = Window::new(&sides, &q);
         for (depth, meet) in [(0.0, false), (2.9, false), (3.1, true)] {
             window.begin(&sides, depth);
-            assert_eq!(window.admits([0, 1], &sides, &Outlook { depth, ..Outlook::within(&q, 0.0) }), meet, "{depth}");
+            assert_eq!(window.admits([0, 1], &sides, &PredictedMotion { depth, ..PredictedMotion::within(&q, 0.0) }), meet, "{depth}");
         }
     }
 }

@@ -13,22 +13,24 @@
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
+use super::scheme::{
+    ConservedQuantities, Dissipation, History, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients,
+};
 
-const PROMISES: Promises = Promises { energy: false, momentum: true, angular_momentum: false, order: 2 };
+const PROMISES: ConservedQuantities = ConservedQuantities { energy: false, momentum: true, angular_momentum: false, order: 2 };
 
 /// Update coefficients of the velocity and of the history variable `a_1 = 2 (v_1 - (q_1 - q_0)/dt)/dt`, the acceleration of a motion of
 /// constant acceleration with the velocity `v_1` at the end.
-const fn kinematics(velocity: Affine) -> [Affine; 2] {
-    let Affine { moved, velocity: of_velocity, acceleration } = velocity;
-    [velocity, Affine { moved: 2.0 * (moved - 1.0), velocity: 2.0 * of_velocity, acceleration: 2.0 * acceleration }]
+const fn kinematics(velocity: UpdateCoefficients) -> [UpdateCoefficients; 2] {
+    let UpdateCoefficients { moved, velocity: of_velocity, acceleration } = velocity;
+    [velocity, UpdateCoefficients { moved: 2.0 * (moved - 1.0), velocity: 2.0 * of_velocity, acceleration: 2.0 * acceleration }]
 }
 
 /// The row after a step of `ratio` times the size.
 const fn after(ratio: f64) -> Scheme {
     let (weight, before) = ((ratio + 1.0) / (ratio + 2.0), 1.0 / (ratio + 2.0));
     let [velocity, acceleration] =
-        kinematics(Affine { moved: 1.0 / weight, velocity: -before / weight, acceleration: 0.5 * ratio * before / weight });
+        kinematics(UpdateCoefficients { moved: 1.0 / weight, velocity: -before / weight, acceleration: 0.5 * ratio * before / weight });
     Scheme {
         name: "bdf2",
         summary: "backward differentiation formula of second order: damps fast vibrations within a few steps, and slow ones more than \
@@ -38,7 +40,7 @@ const fn after(ratio: f64) -> Scheme {
         velocity,
         acceleration,
         weight,
-        lag: Lag { used: before, force: 0.0, inertia: 1.0, gamma: 1.0 },
+        lag: LagWeights { used: before, force: 0.0, inertia: 1.0, gamma: 1.0 },
         step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
@@ -53,8 +55,8 @@ pub static BDF2: Scheme = Scheme { step: StepKind::ByRatio(after), ..after(1.0) 
 
 /// First stage of TR-BDF2: the trapezoidal rule; passes on the mean of its forces.
 const FIRST: Scheme = {
-    let [velocity, acceleration] = kinematics(Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 });
-    Scheme { velocity, acceleration, weight: 0.5, lag: Lag { used: 1.0, force: 0.0, inertia: 1.0, gamma: 1.0 }, ..LAST }
+    let [velocity, acceleration] = kinematics(UpdateCoefficients { moved: 2.0, velocity: -1.0, acceleration: 0.0 });
+    Scheme { velocity, acceleration, weight: 0.5, lag: LagWeights { used: 1.0, force: 0.0, inertia: 1.0, gamma: 1.0 }, ..LAST }
 };
 
 /// Second stage of TR-BDF2; passes on half of the force at its end.
@@ -64,7 +66,7 @@ const LAST: Scheme = {
         name: "tr_bdf2",
         summary: "trapezoidal rule and backward differentiation in one step (Bank et al. 1985), of second order: twice the work of a step, \
                   and removes what vibrates faster than the steps at once; keeps the linear momentum alone",
-        lag: Lag { used: row.lag.used, force: 0.5, inertia: 0.0, gamma: 1.0 },
+        lag: LagWeights { used: row.lag.used, force: 0.5, inertia: 0.0, gamma: 1.0 },
         // Of both stages together.
         error: LeadingError { first: 0.0, second: FRAC_1_SQRT_2 - 2.0 / 3.0 },
         ..row

@@ -10,7 +10,9 @@
 //! velocities in the middle of the step that led to the positions, which reduces the order to one.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme, StepKind};
+use super::scheme::{
+    ConservedQuantities, Dissipation, History, LagWeights, LeadingError, Lumping, Parameters, Scheme, StepKind, UpdateCoefficients,
+};
 
 /// Central differences with a lumping of the mass.
 pub const fn central_differences(lumping: Lumping) -> Scheme {
@@ -21,15 +23,15 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
         derivative: Derivative::AT_END,
         remembers: &[History::Force],
         // That at which forces that depend on it act.
-        velocity: Affine { moved: 1.0, velocity: 0.0, acceleration: 0.0 },
-        acceleration: Affine::NONE,
+        velocity: UpdateCoefficients { moved: 1.0, velocity: 0.0, acceleration: 0.0 },
+        acceleration: UpdateCoefficients::NONE,
         weight: 0.5,
-        lag: Lag::once(0.5),
+        lag: LagWeights::once(0.5),
         step: StepKind::Explicit(lumping),
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters::NONE,
-        promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
+        promises: ConservedQuantities { energy: false, momentum: true, angular_momentum: true, order: 2 },
         error: LeadingError { first: 0.0, second: 1.0 / 24.0 },
     }
 }

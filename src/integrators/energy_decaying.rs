@@ -16,7 +16,7 @@
 
 use super::energy_momentum::ROW;
 use super::family::Family;
-use super::scheme::{Dissipation, LeadingError, Parameters, Promises, Scheme};
+use super::scheme::{ConservedQuantities, Dissipation, LeadingError, Parameters, Scheme};
 use crate::math::catalogue::{Interval, Parameter};
 
 /// The scheme for a spectral radius from 0 to 1 in steps without end.
@@ -29,7 +29,7 @@ pub const fn energy_decaying(spectral_radius: f64) -> Scheme {
                   exact, rigid motions undamped, and the energy never grows, for every step size",
         dissipation,
         parameters: Parameters { names: &["spectral_radius"], values: [spectral_radius, 0.0] },
-        promises: Promises { order: if chi > 0.0 { 1 } else { 2 }, ..ROW.promises },
+        promises: ConservedQuantities { order: if chi > 0.0 { 1 } else { 2 }, ..ROW.promises },
         error: LeadingError { first: 0.25 * chi, second: 1.0 / 12.0 + chi * chi / 32.0 },
         ..ROW
     }

@@ -2,7 +2,7 @@
 //! ZAMP 43, 1992; Gonzalez, CMAME 190, 2000).
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
+use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients};
 
 /// Energy and both momenta exact.
 pub static ENERGY_MOMENTUM: Scheme = ROW;
@@ -13,14 +13,14 @@ pub(super) const ROW: Scheme = Scheme {
     summary: "energy-momentum scheme: discrete gradients keep the energy and both momenta exactly, for every step size",
     derivative: Derivative::DiscreteGradient,
     remembers: &[],
-    velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
-    acceleration: Affine::NONE,
+    velocity: UpdateCoefficients { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
+    acceleration: UpdateCoefficients::NONE,
     weight: 1.0,
-    lag: Lag::once(1.0),
+    lag: LagWeights::once(1.0),
     step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,
-    promises: Promises { energy: true, momentum: true, angular_momentum: true, order: 2 },
+    promises: ConservedQuantities { energy: true, momentum: true, angular_momentum: true, order: 2 },
     error: LeadingError::TRAPEZOIDAL,
 };

@@ -19,7 +19,7 @@
 use super::derivative::Derivative;
 use super::family::Family;
 use super::newmark::kinematics;
-use super::scheme::{Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
+use super::scheme::{ConservedQuantities, Dissipation, History, LagWeights, LeadingError, Parameters, Scheme, StepKind};
 use crate::math::catalogue::{Interval, Parameter};
 
 const fn family(name: &'static str, summary: &'static str, parameters: Parameters, alpha_m: f64, alpha_f: f64) -> Scheme {
@@ -34,12 +34,12 @@ const fn family(name: &'static str, summary: &'static str, parameters: Parameter
         velocity,
         acceleration,
         weight: of_forces * (1.0 - alpha_f),
-        lag: Lag { used: 1.0, force: of_forces * alpha_f, inertia: 1.0 - of_forces, gamma },
+        lag: LagWeights { used: 1.0, force: of_forces * alpha_f, inertia: 1.0 - of_forces, gamma },
         step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters,
-        promises: Promises { energy: false, momentum: true, angular_momentum: false, order: 2 },
+        promises: ConservedQuantities { energy: false, momentum: true, angular_momentum: false, order: 2 },
         error: {
             let (beta, lead) = (0.25 * root * root, alpha_m - alpha_f);
             LeadingError { first: 0.0, second: 0.5 * (beta - lead * lead + lead * alpha_m - 1.0 / 12.0).abs() }

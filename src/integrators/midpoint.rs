@@ -1,7 +1,7 @@
 //! Implicit midpoint rule: the forces of the mean configuration. Its energy may grow without bound in stiff, large motions.
 
 use super::derivative::{Configuration, Derivative};
-use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
+use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients};
 
 /// Both momenta exact, the energy not.
 pub static MIDPOINT: Scheme = Scheme {
@@ -9,14 +9,14 @@ pub static MIDPOINT: Scheme = Scheme {
     summary: "implicit midpoint rule: keeps both momenta, but not the energy",
     derivative: Derivative::Gradient(Configuration::Middle),
     remembers: &[],
-    velocity: Affine { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
-    acceleration: Affine::NONE,
+    velocity: UpdateCoefficients { moved: 2.0, velocity: -1.0, acceleration: 0.0 },
+    acceleration: UpdateCoefficients::NONE,
     weight: 1.0,
-    lag: Lag::once(1.0),
+    lag: LagWeights::once(1.0),
     step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,
-    promises: Promises { energy: false, momentum: true, angular_momentum: true, order: 2 },
+    promises: ConservedQuantities { energy: false, momentum: true, angular_momentum: true, order: 2 },
     error: LeadingError::TRAPEZOIDAL,
 };

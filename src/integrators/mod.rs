@@ -37,7 +37,9 @@ pub use midpoint::MIDPOINT;
 pub use newmark::{NEWMARK, newmark};
 pub use projected::{PatchFunction, Projection};
 pub use rest::REST;
-pub use scheme::{Affine, Dissipation, History, Lag, LeadingError, Lumping, Parameters, Promises, Scheme, StepKind};
+pub use scheme::{
+    ConservedQuantities, Dissipation, History, LagWeights, LeadingError, Lumping, Parameters, Scheme, StepKind, UpdateCoefficients,
+};
 pub use statics::STATICS;
 pub use trapezoidal::TRAPEZOIDAL;
 pub use triple_jump::TRIPLE_JUMP;

@@ -10,17 +10,19 @@
 
 use super::derivative::Derivative;
 use super::family::Family;
-use super::scheme::{Affine, Dissipation, History, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
+use super::scheme::{
+    ConservedQuantities, Dissipation, History, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients,
+};
 use crate::math::catalogue::{Interval, Parameter};
 
 const GAMMA: f64 = 0.6;
 const BETA: f64 = 0.25 * (GAMMA + 0.5) * (GAMMA + 0.5);
 
 /// Velocity and acceleration at the end of a step, as functions of the motion in it.
-pub(super) const fn kinematics(beta: f64, gamma: f64) -> [Affine; 2] {
+pub(super) const fn kinematics(beta: f64, gamma: f64) -> [UpdateCoefficients; 2] {
     [
-        Affine { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
-        Affine { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
+        UpdateCoefficients { moved: gamma / beta, velocity: 1.0 - gamma / beta, acceleration: 1.0 - 0.5 * gamma / beta },
+        UpdateCoefficients { moved: 1.0 / beta, velocity: -1.0 / beta, acceleration: 1.0 - 0.5 / beta },
     ]
 }
 
@@ -36,12 +38,12 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
         velocity,
         acceleration,
         weight: gamma,
-        lag: Lag::once(gamma),
+        lag: LagWeights::once(gamma),
         step: StepKind::Whole,
         dissipation: Dissipation::NONE,
         averages_stress: false,
         parameters: Parameters { names: &["beta", "gamma"], values: [beta, gamma] },
-        promises: Promises { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
+        promises: ConservedQuantities { energy: false, momentum: true, angular_momentum: false, order: if gamma == 0.5 { 2 } else { 1 } },
         error: {
             let beyond = gamma - 0.5;
             let second = 0.5 * (beta - 0.5 * beyond - 1.0 / 12.0) + 0.125 * beyond * beyond;

@@ -1,7 +1,7 @@
 //! Statics as a scheme: time stands still, a damping takes the place of inertia, and velocities stay as they are.
 
 use super::derivative::Derivative;
-use super::scheme::{Affine, Dissipation, Lag, LeadingError, Parameters, Promises, Scheme, StepKind};
+use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients};
 
 /// Equilibrium by damped steps; not a time integrator, and not in the catalogue.
 pub static REST: Scheme = Scheme {
@@ -9,14 +9,14 @@ pub static REST: Scheme = Scheme {
     summary: "statics: forces in balance at the end of a damped step",
     derivative: Derivative::AT_END,
     remembers: &[],
-    velocity: Affine { moved: 0.0, velocity: 1.0, acceleration: 0.0 },
-    acceleration: Affine::NONE,
+    velocity: UpdateCoefficients { moved: 0.0, velocity: 1.0, acceleration: 0.0 },
+    acceleration: UpdateCoefficients::NONE,
     weight: 0.5,
-    lag: Lag::once(1.0),
+    lag: LagWeights::once(1.0),
     step: StepKind::Whole,
     dissipation: Dissipation::NONE,
     averages_stress: false,
     parameters: Parameters::NONE,
-    promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },
+    promises: ConservedQuantities { energy: false, momentum: false, angular_momentum: false, order: 1 },
     error: LeadingError { first: 0.0, second: 0.0 },
 };

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! with the static forces `f` of the step (evaluated by the scheme's [`Derivative`]) and `f_0` of the end of the step before. Where forces
-//! act in more than one later step, a weighted sum of earlier forces takes the place of `f_0` ([`Lag`]). Velocity and acceleration at the
-//! end are linear in the displacement `q_1 - q_0` ([`Affine`]); the constant terms come from the history variables ([`History`]). For all
+//! act in more than one later step, a weighted sum of earlier forces takes the place of `f_0` ([`LagWeights`]). Velocity and acceleration at the
+//! end are linear in the displacement `q_1 - q_0` ([`UpdateCoefficients`]); the constant terms come from the history variables ([`History`]). For all
 //! coefficients momenta are changed by forces alone, so that the ledger of every scheme closes.
 //!
 //! A step may consist of stages, each a scheme of its own, and coefficients may depend on the size of the step before ([`StepKind`]).
@@ -31,13 +31,13 @@ pub struct Scheme {
     /// History variables of the scheme, besides positions and velocities.
     pub remembers: &'static [History],
     /// Update coefficients of the velocity at the end of a step.
-    pub velocity: Affine,
+    pub velocity: UpdateCoefficients,
     /// Update coefficients of the acceleration at the end of a step; used if accelerations are a history variable.
-    pub acceleration: Affine,
+    pub acceleration: UpdateCoefficients,
     /// Weight `w` of the forces of the step; forces of earlier steps have the weight `1 - w`.
     pub weight: f64,
     /// Weights of the forces of a step in later steps.
-    pub lag: Lag,
+    pub lag: LagWeights,
     /// Sequence of the step: whole, in stages, explicit or static.
     pub step: StepKind,
     /// Algorithmic dissipation of the vibrations of bodies.
@@ -47,7 +47,7 @@ pub struct Scheme {
     /// User-defined parameters by name.
     pub parameters: Parameters,
     /// Quantities that the scheme conserves, and its order.
-    pub promises: Promises,
+    pub promises: ConservedQuantities,
     /// Leading error coefficients for small time step sizes.
     pub error: LeadingError,
 }
@@ -74,7 +74,7 @@ impl LeadingError {
 /// inertia at the end follows from `gamma phi_1 + (1 - gamma) phi_0 = w f + R`, the next force history is `m_1 = force f + inertia phi_1`.
 /// With `inertia = 0` it contains the forces of the last step alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lag {
+pub struct LagWeights {
     /// Factor of the force history in this step.
     pub used: f64,
     /// Weight of this step's forces in the force history passed to the next step.
@@ -85,10 +85,10 @@ pub struct Lag {
     pub gamma: f64,
 }
 
-impl Lag {
+impl LagWeights {
     /// Forces enter their own step and, with the remaining weight, only the next step.
-    pub const fn once(weight: f64) -> Lag {
-        Lag { used: 1.0, force: 1.0 - weight, inertia: 0.0, gamma: 1.0 }
+    pub const fn once(weight: f64) -> LagWeights {
+        LagWeights { used: 1.0, force: 1.0 - weight, inertia: 0.0, gamma: 1.0 }
     }
 
     /// True if forces enter more than one later step.
@@ -186,7 +186,7 @@ impl Parameters {
 pub enum History {
     /// Accelerations at the end of the step `[length/time^2]`; at the start those of the static forces, `M a_0 = -f_0`.
     Acceleration,
-    /// Static forces at the end of the step, including contact forces, and the older forces that [`Lag`] retains `[force]`.
+    /// Static forces at the end of the step, including contact forces, and the older forces that [`LagWeights`] retains `[force]`.
     Force,
     /// Static force that balances the inertia, `M a_1 = -phi_1` at nodes without support `[force]`.
     Answered,
@@ -195,7 +195,7 @@ pub enum History {
 /// Coefficients, without dimension, of a quantity at the end of a step of size `dt`:
 /// `moved (q_1 - q_0) + velocity dt v_0 + acceleration dt^2 a_0`, divided by `dt` for a velocity and by `dt^2` for an acceleration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Affine {
+pub struct UpdateCoefficients {
     /// Coefficient `c_q` of the displacement in the step.
     pub moved: f64,
     /// Coefficient `c_v` of the velocity at the start.
@@ -204,9 +204,9 @@ pub struct Affine {
     pub acceleration: f64,
 }
 
-impl Affine {
+impl UpdateCoefficients {
     /// Zero coefficients, for rows whose coefficients are unused.
-    pub const NONE: Affine = Affine { moved: 0.0, velocity: 0.0, acceleration: 0.0 };
+    pub const NONE: UpdateCoefficients = UpdateCoefficients { moved: 0.0, velocity: 0.0, acceleration: 0.0 };
 
     /// Velocity component after a step with the displacement component `change` `[length/time]`, without the contribution of the
     /// acceleration.
@@ -230,7 +230,7 @@ impl Affine {
 
 /// Quantities that a scheme conserves in a motion without loads, for every time step size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Promises {
+pub struct ConservedQuantities {
     /// Total energy; it decreases only by the dissipation in the ledger.
     pub energy: bool,
     /// The linear momentum.
@@ -314,7 +314,7 @@ impl Scheme {
     /// Displacement without a change of velocity, relative to which [`Self::inertia`] applies: factors of `v_0` and of `a_0`.
     #[inline(always)]
     pub fn drift(&self, dt: f64) -> [f64; 2] {
-        let Affine { moved, velocity, acceleration } = self.velocity;
+        let UpdateCoefficients { moved, velocity, acceleration } = self.velocity;
         [(1.0 - velocity) / moved * dt, -acceleration / moved * dt * dt]
     }
 
@@ -325,10 +325,10 @@ impl Scheme {
     }
 
     /// Velocity at which the forces of a step act: at its end, or the mean of both ends.
-    pub fn velocity_of_forces(&self) -> Affine {
+    pub fn velocity_of_forces(&self) -> UpdateCoefficients {
         let share = self.derivative.placement().share;
-        let Affine { moved, velocity, acceleration } = self.velocity;
-        Affine { moved: share * moved, velocity: share * velocity + (1.0 - share), acceleration: share * acceleration }
+        let UpdateCoefficients { moved, velocity, acceleration } = self.velocity;
+        UpdateCoefficients { moved: share * moved, velocity: share * velocity + (1.0 - share), acceleration: share * acceleration }
     }
 
     /// Checks that the row is a scheme: motion without forces and under a constant force is exact, and all history variables that are read
@@ -427,7 +427,7 @@ mod tests {
 
     #[test]
     fn forces_of_the_middle_act_at_the_mean_velocity() {
-        assert_eq!(ENERGY_MOMENTUM.velocity_of_forces(), Affine { moved: 1.0, velocity: 0.0, acceleration: 0.0 });
+        assert_eq!(ENERGY_MOMENTUM.velocity_of_forces(), UpdateCoefficients { moved: 1.0, velocity: 0.0, acceleration: 0.0 });
         assert_eq!(TRAPEZOIDAL.velocity_of_forces(), TRAPEZOIDAL.velocity);
         assert_eq!(BACKWARD_EULER.velocity_of_forces(), BACKWARD_EULER.velocity);
     }

@@ -1,7 +1,7 @@
 //! Statics as an integrator: a step goes to the equilibrium at its end, as `settle` does, and time is what loads depend on.
 
 use super::backward_euler::BACKWARD_EULER;
-use super::scheme::{LeadingError, Promises, Scheme, StepKind};
+use super::scheme::{ConservedQuantities, LeadingError, Scheme, StepKind};
 
 /// Statics: equilibria along the loads. The coefficients are those of backward Euler and are unused.
 pub static STATICS: Scheme = Scheme {
@@ -9,7 +9,7 @@ pub static STATICS: Scheme = Scheme {
     summary: "statics, each step to the equilibrium at its end, without inertia; loads, prescribed motions and obstacles take the way \
               of their functions of time, and so does friction; viscosity, dampers and drag do nothing",
     step: StepKind::Equilibria,
-    promises: Promises { energy: false, momentum: false, angular_momentum: false, order: 1 },
+    promises: ConservedQuantities { energy: false, momentum: false, angular_momentum: false, order: 1 },
     error: LeadingError { first: 0.0, second: 0.0 },
     ..BACKWARD_EULER
 };

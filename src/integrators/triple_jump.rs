@@ -10,7 +10,7 @@
 //! The step conserves what each stage conserves. Dissipation would supply energy in the middle stage.
 
 use super::energy_momentum::ROW;
-use super::scheme::{LeadingError, Promises, Scheme, StepKind};
+use super::scheme::{ConservedQuantities, LeadingError, Scheme, StepKind};
 
 /// Cube root of 2.
 const CUBE_ROOT_OF_TWO: f64 = 1.259_921_049_894_873_2;
@@ -24,7 +24,7 @@ const STAGE: Scheme = Scheme {
     name: "triple_jump",
     summary: "energy-momentum scheme in three stages, the middle one back in time, of fourth order: keeps the energy and both momenta, for \
               smooth motions that are wanted to many digits; nothing may damp",
-    promises: Promises { order: 4, ..ROW.promises },
+    promises: ConservedQuantities { order: 4, ..ROW.promises },
     // Its errors are of higher order.
     error: LeadingError { first: 0.0, second: 0.0 },
     ..ROW

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::fronts::{Beside, Front, Inside, Run};
+use super::fronts::{Front, OffDiagonalBlock, PivotBlock, Run};
 use super::panels::Blocks;
 use super::pattern::Block;
 use super::symbolic::Symbolic;
@@ -38,7 +38,7 @@ pub(super) fn add_entries(symbolic: &Symbolic, front: &Front, values: &[f64], sc
 
 /// Adds a block inside the pivot block; inlined for common sizes, so that its loops unroll.
 #[inline(always)]
-fn add_inside(entry: &Inside, rows: usize, columns: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
+fn add_inside(entry: &PivotBlock, rows: usize, columns: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
     for k in 0..columns {
         let source = &values[entry.source.at(0, k)..][..rows];
         let target = &mut blocks.diagonal[entry.target as usize + k * blocks.p..][..rows];
@@ -50,7 +50,7 @@ fn add_inside(entry: &Inside, rows: usize, columns: usize, factor: f64, values: 
 
 /// Adds a block below the pivot block and its transposed counterpart to the right.
 #[inline(always)]
-fn add_beside(entry: &Beside, pivots: usize, others: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
+fn add_beside(entry: &OffDiagonalBlock, pivots: usize, others: usize, factor: f64, values: &[f64], blocks: &mut Blocks) {
     let target = entry.target as usize;
     for k in 0..pivots {
         let source = &values[entry.lower.at(0, k)..][..others];

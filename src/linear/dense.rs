@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::panels::{Blocks, Manner, Scratch};
+use super::panels::{Blocks, EliminationOptions, Scratch};
 use super::strips::{COLUMNS, DEPTH, PANEL, STRIP, SolvePanel, SolveStrip, SubtractProducts, pack_columns, pack_rows, solve_strip};
 use super::tiles::{WIDTH, four, outer_products, store, subtract_from, tiles};
 use crate::math::simd::with_registers;
@@ -26,7 +26,7 @@ impl Blocks<'_> {
     pub(super) fn eliminate<S: Simd>(
         &mut self,
         simd: S,
-        manner: &Manner,
+        manner: &EliminationOptions,
         swaps: &mut [u32],
         scratch: &mut Scratch,
         replaced: &mut impl FnMut(usize),
@@ -96,7 +96,7 @@ impl Blocks<'_> {
     }
 
     /// Eliminates a factored block of pivots from the rows and columns beside it and from the remaining front.
-    fn eliminate_block(&mut self, block: Range<usize>, manner: &Manner, scratch: &mut Scratch) {
+    fn eliminate_block(&mut self, block: Range<usize>, manner: &EliminationOptions, scratch: &mut Scratch) {
         let (p, u, workers, Range { start: from, end: to }) = (self.p, self.u, manner.workers, block.clone());
         let (depth, pivots) = (to - from, self.pivots.min(to) - from);
         self.gather_rows(block, scratch);
@@ -148,7 +148,16 @@ fn unpack(strips: &[f64], columns: &mut [f64], u: usize, workers: &Workers) {
 /// Subtracts the product of row strips and column strips from columns of length `stride`, below row `first`; only the leading `count` of
 /// `depth` terms are nonzero.
 #[expect(clippy::too_many_arguments, reason = "two operands, a result and their sizes")]
-fn subtract(columns: &mut [f64], stride: usize, first: usize, rows: &[f64], right: &[f64], depth: usize, count: usize, manner: &Manner) {
+fn subtract(
+    columns: &mut [f64],
+    stride: usize,
+    first: usize,
+    rows: &[f64],
+    right: &[f64],
+    depth: usize,
+    count: usize,
+    manner: &EliminationOptions,
+) {
     manner.workers.for_each_part(columns, (COLUMNS * stride).max(1), |j, columns| {
         if !(manner.stopped)() {
             let right = &right[j * COLUMNS * depth..];

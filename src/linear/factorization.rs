@@ -20,7 +20,7 @@ use super::partial_pivoting::PartialPivoting;
 use super::pattern::Pattern;
 use super::scaling::{all_finite, largest, spread, vertex_scales};
 use super::symbolic::Symbolic;
-use super::watch::Watch;
+use super::watch::InterruptWatch;
 use crate::machine::memory;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
@@ -93,7 +93,7 @@ pub struct Factorization {
     reserved: u64,
     work: Work,
     workers: Workers,
-    watch: Watch,
+    watch: InterruptWatch,
     fallback: Option<Box<PartialPivoting>>,
     /// True if the fallback has factorized the last matrix and must solve.
     fallen_back: bool,
@@ -122,7 +122,7 @@ impl Factorization {
             reserved: 0,
             work: Work::default(),
             workers: Workers::default(),
-            watch: Watch::default(),
+            watch: InterruptWatch::default(),
             fallback: None,
             fallen_back: false,
             vertex_scale: Vec::new(),
@@ -142,7 +142,7 @@ impl Factorization {
     }
 
     /// Sets the interrupt flag and the progress counter of a long factorisation.
-    pub fn set_watch(&mut self, watch: Watch) {
+    pub fn set_watch(&mut self, watch: InterruptWatch) {
         self.watch = watch;
     }
 

@@ -55,7 +55,7 @@ impl Front {
 
 /// Matrix block in the pivot block of a front.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Inside {
+pub(super) struct PivotBlock {
     pub(super) source: Block,
     /// Place of the block's first entry in the pivot block.
     pub(super) target: u32,
@@ -66,7 +66,7 @@ pub(super) struct Inside {
 
 /// Matrix block below the pivot block, and its counterpart to the right.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Beside {
+pub(super) struct OffDiagonalBlock {
     pub(super) lower: Block,
     pub(super) upper: Block,
     /// Position of the first entry of both blocks; the right one is stored transposed.

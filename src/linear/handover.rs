@@ -5,7 +5,7 @@ use super::factorization::{Factorization, Work};
 use super::iterative::{Iterative, Refusal};
 use super::pattern::Pattern;
 use super::solver::{LinearSolver, SolverMemory, TakenOver};
-use super::watch::Watch;
+use super::watch::InterruptWatch;
 use crate::math::workers::Workers;
 
 /// Choice between direct and iterative solution.
@@ -53,7 +53,7 @@ pub struct Handover {
     /// Work of direct solvers that are gone, and preconditioners.
     done: Work,
     workers: Workers,
-    watch: Watch,
+    watch: InterruptWatch,
 }
 
 /// Solver of a choice for matrices of a pattern; `positions`: coordinates of the leading vertices, as many as each has unknowns.
@@ -80,7 +80,7 @@ pub fn solver_of(
         is_direct: false,
         done: Work::default(),
         workers: workers.clone(),
-        watch: Watch::default(),
+        watch: InterruptWatch::default(),
     };
     solver.analyse(pattern)?;
     // The elimination order of the first pattern belongs to the memory from the start on.
@@ -240,7 +240,7 @@ impl LinearSolver for Handover {
         self.direct.as_ref().map_or_else(|| self.iterative.bytes(), |direct| direct.bytes())
     }
 
-    fn set_watch(&mut self, watch: Watch) {
+    fn set_watch(&mut self, watch: InterruptWatch) {
         if let Some(direct) = &mut self.direct {
             direct.set_watch(watch.clone());
         }

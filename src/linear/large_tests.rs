@@ -4,7 +4,7 @@ use super::factorization::Factorization;
 use super::fixtures::{Noise, System, saddle_point};
 use super::multifrontal::Multifrontal;
 use super::symbolic::Symbolic;
-use super::watch::Watch;
+use super::watch::InterruptWatch;
 use crate::math::workers::Workers;
 
 /// Two dense fronts of `own` nodes, coupled with `shared` others that make a third one.
@@ -43,7 +43,7 @@ fn fronts_of_many_blocks_are_solved_to_round_off_by_any_number_of_threads() {
         let solutions = [1, 3].map(|threads| {
             let (mut factors, workers, mut x) = (Multifrontal::default(), Workers::new(threads), right.clone());
             factors.reserve(&symbolic, &workers).unwrap();
-            factors.factorize(&symbolic, &values, &ones, &workers, &Watch::default());
+            factors.factorize(&symbolic, &values, &ones, &workers, &InterruptWatch::default());
             assert!(factors.replaced().is_empty());
             let swaps = factors.factors().1.iter().zip(symbolic.fronts.iter().flat_map(|front| 0..front.pivots as u32));
             let count = swaps.filter(|(other, own)| *other != own).count();

@@ -49,4 +49,4 @@ pub use lanczos::{Lanczos, Operator, Ritz, product};
 pub use node_matrix::NodeMatrix;
 pub use pattern::{Block, Pattern, Role, Vertex};
 pub use solver::{LinearSolver, SolverMemory, TakenOver};
-pub use watch::Watch;
+pub use watch::InterruptWatch;

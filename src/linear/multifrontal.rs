@@ -13,11 +13,11 @@ use pulp::{Simd, WithSimd};
 
 use super::aligned::AlignedBuffer;
 use super::assembly::{Received, add_entries};
-use super::panels::{self, Blocks, Manner};
+use super::panels::{self, Blocks, EliminationOptions};
 use super::substitution::{Direction, Part, Substitution, parts};
 use super::symbolic::Symbolic;
-use super::waiting::{Side, Waiting};
-use super::watch::Watch;
+use super::waiting::{Side, UpdateStack};
+use super::watch::InterruptWatch;
 use crate::math::simd::with_registers;
 use crate::math::tolerances::LINEAR_PIVOT;
 use crate::math::workers::Workers;
@@ -103,7 +103,7 @@ impl Multifrontal {
 
     /// Factorizes `diag(scale) A diag(scale)`, with one scale per vertex, into allocated buffers. The factors are useless after an
     /// interrupt.
-    pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64], workers: &Workers, watch: &Watch) {
+    pub(super) fn factorize(&mut self, symbolic: &Symbolic, values: &[f64], scale: &[f64], workers: &Workers, watch: &InterruptWatch) {
         self.replaced.clear();
         let Multifrontal { factors, swaps, handed, scratch, replaced, .. } = self;
         let mut whole = Whole { symbolic, factors: factors.all_mut(), swaps };
@@ -208,14 +208,14 @@ impl Multifrontal {
 /// Consecutive fronts that one thread eliminates.
 struct Elimination<'a, 's, 'u> {
     symbolic: &'a Symbolic,
-    waiting: &'a Waiting,
+    waiting: &'a UpdateStack,
     values: &'a [f64],
     scale: &'a [f64],
     segment: &'a mut Segment<'s, 'u>,
     handed: &'a [f64],
     scratch: &'a mut Scratch,
     workers: &'a Workers,
-    watch: &'a Watch,
+    watch: &'a InterruptWatch,
     operations: &'a AtomicU64,
 }
 
@@ -224,8 +224,18 @@ impl WithSimd for Elimination<'_, '_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Elimination { symbolic, waiting: Waiting { places, .. }, values, scale, segment, handed, scratch, workers, watch, operations } =
-            self;
+        let Elimination {
+            symbolic,
+            waiting: UpdateStack { places, .. },
+            values,
+            scale,
+            segment,
+            handed,
+            scratch,
+            workers,
+            watch,
+            operations,
+        } = self;
         let Segment { fronts, factors, swaps, update, replaced } = segment;
         let Scratch { waiting, dense, .. } = scratch;
         let (mut factors, mut swaps) = (&mut factors[..], &mut swaps[..]);
@@ -254,7 +264,7 @@ impl WithSimd for Elimination<'_, '_, '_> {
             let mut blocks = Blocks { pivots: front.pivots, p, u, diagonal, lower, upper, rest };
             Received { symbolic, places, children, waiting, start, handed }.add_up(simd, &mut blocks, workers);
             add_entries(symbolic, front, values, scale, &mut blocks);
-            let manner = Manner { tiny: LINEAR_PIVOT, workers, stopped: &stopped };
+            let manner = EliminationOptions { tiny: LINEAR_PIVOT, workers, stopped: &stopped };
             let (own, rest) = swaps.split_at_mut(front.pivots);
             swaps = rest;
             blocks.eliminate(simd, &manner, own, dense, &mut |k| replaced.push((front.first + k) as u32));

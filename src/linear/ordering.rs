@@ -17,7 +17,7 @@ use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 use serde::{Deserialize, Serialize};
 
 use super::pattern::Pattern;
-use super::watch::Watch;
+use super::watch::InterruptWatch;
 use crate::math::workers::Workers;
 
 /// Parts of at most this many vertices are not dissected: measured on the bearing (its matrices factor a fifth faster than with 200).
@@ -35,7 +35,7 @@ const LONG: usize = 50_000;
 const PATIENCE: Duration = Duration::from_millis(20);
 
 /// Candidate orders of the vertices, in which multipliers may still precede their anchors; empty after an interrupt.
-pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
+pub(super) fn candidates(pattern: &Pattern, watch: &InterruptWatch) -> Vec<Vec<u32>> {
     let mut orders = Vec::new();
     if let Some(graph) = Graph::new(pattern) {
         let minimum_degree = graph.dissection(&MetisOptions { nd_to_amd_switch: u32::MAX, ..MetisOptions::default() });
@@ -50,7 +50,7 @@ pub(super) fn candidates(pattern: &Pattern, watch: &Watch) -> Vec<Vec<u32>> {
 }
 
 /// Additional dissections for large matrices, in an order independent of the number of threads.
-pub(super) fn alternatives(pattern: &Pattern, watch: &Watch, workers: &Workers) -> Vec<Vec<u32>> {
+pub(super) fn alternatives(pattern: &Pattern, watch: &InterruptWatch, workers: &Workers) -> Vec<Vec<u32>> {
     let Some(graph) = Graph::new(pattern).map(Arc::new) else { return Vec::new() };
     let mut orders = ALTERNATIVES.map(|_| None);
     workers.for_each(&mut orders, 1, |k, order| {
@@ -90,7 +90,7 @@ impl Graph {
     /// Nested dissection into small parts with minimum degree in these; `None` after an interrupt.
     ///
     /// The crate cannot be stopped, so a long dissection runs on a thread of its own, which is abandoned after an interrupt.
-    fn watched_dissection(self: Arc<Self>, options: &MetisOptions, watch: &Watch) -> Option<Vec<u32>> {
+    fn watched_dissection(self: Arc<Self>, options: &MetisOptions, watch: &InterruptWatch) -> Option<Vec<u32>> {
         if watch.interrupt.is_none() || self.neighbors.len() < LONG {
             return self.dissection(options);
         }

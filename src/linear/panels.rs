@@ -49,7 +49,7 @@ pub(super) struct Scratch {
 }
 
 /// Parameters of an elimination.
-pub(super) struct Manner<'a> {
+pub(super) struct EliminationOptions<'a> {
     /// Pivots smaller than this are replaced.
     pub(super) tiny: f64,
     pub(super) workers: &'a Workers,
@@ -64,7 +64,7 @@ impl Blocks<'_> {
         &mut self,
         simd: S,
         block: Range<usize>,
-        manner: &Manner,
+        manner: &EliminationOptions,
         swaps: &mut [u32],
         scratch: &mut Scratch,
         replaced: &mut impl FnMut(usize),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::fronts::{Beside, Front, Inside, Numbering, Run};
+use super::fronts::{Front, Numbering, OffDiagonalBlock, PivotBlock, Run};
 use super::pattern::{Block, Pattern};
 use super::tree::{NONE, Tree};
 
@@ -12,8 +12,8 @@ pub(super) struct Places {
     /// Unknowns of the updates, as positions in the order of elimination.
     pub(super) rows: Vec<u32>,
     pub(super) runs: Vec<Run>,
-    pub(super) inside: Vec<Inside>,
-    pub(super) beside: Vec<Beside>,
+    pub(super) inside: Vec<PivotBlock>,
+    pub(super) beside: Vec<OffDiagonalBlock>,
 }
 
 /// Data for finding positions. Vertices are positions in the order, as in the tree.
@@ -143,10 +143,10 @@ impl Finder<'_> {
                 if unknown >= first + pivots {
                     let row = self.local[other as usize] as usize - pivots;
                     let target = (column as usize * u + row) as u32;
-                    places.beside.push(Beside { lower: block, upper, target, pivot: vertex, other: neighbor });
+                    places.beside.push(OffDiagonalBlock { lower: block, upper, target, pivot: vertex, other: neighbor });
                 } else if unknown >= first {
                     let target = column * p as u32 + self.local[other as usize];
-                    places.inside.push(Inside { source: block, target, row: neighbor, column: vertex });
+                    places.inside.push(PivotBlock { source: block, target, row: neighbor, column: vertex });
                 }
             }
         }

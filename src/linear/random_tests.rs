@@ -9,7 +9,7 @@ use proptest::sample::Index;
 
 use super::ordering::{Order, anchored, candidates};
 use super::symbolic::Symbolic;
-use super::{Block, Factorization, LinearError, Pattern, Role, Vertex, Watch};
+use super::{Block, Factorization, InterruptWatch, LinearError, Pattern, Role, Vertex};
 use crate::math::workers::Workers;
 
 /// Largest ratio of singular values of a matrix, scaled to entries of order one, whose solution is compared.
@@ -142,7 +142,7 @@ proptest! {
     #[test]
     fn orders_have_every_vertex_once_and_multipliers_behind_their_anchors(graph in graphs()) {
         let pattern = graph.pattern();
-        for order in candidates(&pattern, &Watch::default()) {
+        for order in candidates(&pattern, &InterruptWatch::default()) {
             let vertices = anchored(&pattern, &order);
             let symbolic = Symbolic::new(&pattern, &vertices);
             let order = Order::new(vertices.clone(), symbolic.parents.clone());

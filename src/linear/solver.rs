@@ -6,7 +6,7 @@ use super::elimination_order::{Account, EliminationOrder};
 use super::error::LinearError;
 use super::factorization::{Factorization, Work};
 use super::pattern::Pattern;
-use super::watch::Watch;
+use super::watch::InterruptWatch;
 
 /// State that a solver keeps from one matrix to the next. The last bits of sums depend on it, so it belongs to the state of a run. Copies
 /// share large data.
@@ -108,7 +108,7 @@ pub trait LinearSolver: Send {
     fn bytes(&self) -> usize;
 
     /// Sets the interrupt flag and the progress counter of long work.
-    fn set_watch(&mut self, watch: Watch);
+    fn set_watch(&mut self, watch: InterruptWatch);
 }
 
 impl LinearSolver for Factorization {
@@ -154,7 +154,7 @@ impl LinearSolver for Factorization {
         self.bytes()
     }
 
-    fn set_watch(&mut self, watch: Watch) {
+    fn set_watch(&mut self, watch: InterruptWatch) {
         self.set_watch(watch);
     }
 }

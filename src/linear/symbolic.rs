@@ -10,7 +10,7 @@ use super::pattern::{Block, Pattern};
 use super::places::Places;
 use super::tiles::padded;
 use super::tree::{NONE, Tree};
-use super::waiting::{Waiting, surplus};
+use super::waiting::{UpdateStack, surplus};
 use crate::math::workers::Workers;
 
 /// Number of operations above which several threads are used: tenths of a millisecond.
@@ -36,8 +36,8 @@ pub(super) struct Symbolic {
     /// matrix.
     pub(super) tasks: Vec<Range<usize>>,
     /// Stack layouts of update matrices: for one thread, and for several tasks.
-    pub(super) alone: Waiting,
-    pub(super) shared: Waiting,
+    pub(super) alone: UpdateStack,
+    pub(super) shared: UpdateStack,
     /// Unknowns of the largest front.
     pub(super) largest: usize,
     /// Floating-point operations of a factorisation.
@@ -54,8 +54,8 @@ impl Symbolic {
         symbolic.places = Places::find(pattern, order, &tree, &numbering, &mut symbolic.fronts, &symbolic.children);
         symbolic.find_tasks();
         symbolic.largest = symbolic.fronts.iter().map(|front| front.p + front.u).max().unwrap_or(0);
-        symbolic.alone = Waiting::new(&symbolic.fronts, &symbolic.children, &[]);
-        symbolic.shared = Waiting::new(&symbolic.fronts, &symbolic.children, &symbolic.tasks);
+        symbolic.alone = UpdateStack::new(&symbolic.fronts, &symbolic.children, &[]);
+        symbolic.shared = UpdateStack::new(&symbolic.fronts, &symbolic.children, &symbolic.tasks);
         symbolic
     }
 
@@ -71,7 +71,7 @@ impl Symbolic {
     }
 
     /// Returns the stack layout of the update matrices and the number of threads.
-    pub(super) fn waiting(&self, workers: &Workers) -> (&Waiting, usize) {
+    pub(super) fn waiting(&self, workers: &Workers) -> (&UpdateStack, usize) {
         if workers.are_many() && !self.tasks.is_empty() { (&self.shared, workers.count()) } else { (&self.alone, 1) }
     }
 

@@ -11,7 +11,7 @@ use super::multifrontal::Multifrontal;
 use super::ordering::{Order, anchored, candidates};
 use super::partial_pivoting::PartialPivoting;
 use super::symbolic::Symbolic;
-use super::{LinearError, Pattern, Vertex, Watch};
+use super::{InterruptWatch, LinearError, Pattern, Vertex};
 use crate::math::tolerances::LINEAR_RESIDUAL;
 use crate::math::workers::Workers;
 
@@ -90,13 +90,13 @@ impl System {
 
 /// Solves without refinement, scaled as given, and returns the solution and how many pivots were replaced.
 fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
-    let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &candidates(&system.pattern, &Watch::default())[0]));
+    let symbolic = Symbolic::new(&system.pattern, &anchored(&system.pattern, &candidates(&system.pattern, &InterruptWatch::default())[0]));
     let scale = |vertex: usize| if vertex < system.nodes { 2f64.powi(-9) } else { 2f64.powi(9) };
     let vertex_scale: Vec<f64> = (0..system.pattern.vertices()).map(scale).collect();
     let unknown_scale: Vec<f64> = (0..system.pattern.unknowns()).map(|i| scale(system.pattern.vertex_of(i))).collect();
     let mut factors = Multifrontal::default();
     factors.reserve(&symbolic, &Workers::default()).unwrap();
-    factors.factorize(&symbolic, &system.values, &vertex_scale, &Workers::default(), &Watch::default());
+    factors.factorize(&symbolic, &system.values, &vertex_scale, &Workers::default(), &InterruptWatch::default());
     let mut x = right.to_vec();
     factors.solve(&symbolic, &unknown_scale, &mut x, &Workers::default());
     (x, factors.replaced().len())
@@ -105,7 +105,7 @@ fn multifrontal(system: &System, right: &[f64]) -> (Vec<f64>, usize) {
 #[test]
 fn every_unknown_is_eliminated_once_and_every_multiplier_after_its_anchor() {
     let system = tied::<2>(30, 4, 2, 0.01);
-    let order = anchored(&system.pattern, &candidates(&system.pattern, &Watch::default())[0]);
+    let order = anchored(&system.pattern, &candidates(&system.pattern, &InterruptWatch::default())[0]);
     let symbolic = Symbolic::new(&system.pattern, &order);
     let mut unknowns = symbolic.unknowns.clone();
     unknowns.sort_unstable();
@@ -484,7 +484,7 @@ fn an_interrupt_ends_a_factorization_and_leaves_the_next_one_alone() {
     let system = tied::<2>(120, 20, 1, 0.3);
     let flag = Arc::new(AtomicBool::new(true));
     let mut factorization = Factorization::new(&system.pattern).unwrap();
-    factorization.set_watch(Watch { interrupt: Some(flag.clone()), progress: None });
+    factorization.set_watch(InterruptWatch { interrupt: Some(flag.clone()), progress: None });
     assert_eq!(factorization.factorize(&system.values), Err(LinearError::Interrupted));
     flag.store(false, Ordering::Relaxed);
     assert!(system.error(&mut factorization).1 < 1e-13);
@@ -514,7 +514,7 @@ fn results_are_the_same_bits_every_time() {
 #[test]
 fn an_order_is_repaired_where_surfaces_have_slid() {
     let system = tied::<2>(60, 8, 0, 0.01);
-    let vertices = anchored(&system.pattern, &candidates(&system.pattern, &Watch::default())[0]);
+    let vertices = anchored(&system.pattern, &candidates(&system.pattern, &InterruptWatch::default())[0]);
     let parents = Symbolic::new(&system.pattern, &vertices).parents;
     let order = Order::new(vertices, parents);
     assert_eq!(order.repaired(&system.pattern), order.vertices, "nothing has slid");
@@ -525,7 +525,7 @@ fn an_order_is_repaired_where_surfaces_have_slid() {
         sorted.sort_unstable();
         assert!(sorted.iter().copied().eq(0..slid.vertices() as u32), "every vertex once");
         let work = |order: &[u32]| Symbolic::new(&slid, &anchored(&slid, order)).operations;
-        let (old, new, best) = (work(&order.vertices), work(&repaired), work(&candidates(&slid, &Watch::default())[0]));
+        let (old, new, best) = (work(&order.vertices), work(&repaired), work(&candidates(&slid, &InterruptWatch::default())[0]));
         assert!(new < old && new < 1.5 * best, "shift {shift}: {old} unrepaired, {new} repaired, {best} anew");
     }
 }

@@ -25,7 +25,7 @@ pub(super) enum Side {
 
 /// Stack positions of all update matrices.
 #[derive(Debug, Default)]
-pub(super) struct Waiting {
+pub(super) struct UpdateStack {
     /// Stack and first position of each front's update matrix.
     pub(super) places: Vec<(Side, usize)>,
     /// Lengths of the buffers for fronts outside tasks, for a task, and for handed-over updates.
@@ -34,11 +34,11 @@ pub(super) struct Waiting {
     pub(super) handed: usize,
 }
 
-impl Waiting {
+impl UpdateStack {
     /// Stack positions for fronts in an order that ends every subtree with its root. A task, a range of fronts, has its own stacks; its
     /// last update is handed over.
     pub(super) fn new(fronts: &[Front], children: &[u32], tasks: &[Range<usize>]) -> Self {
-        let mut waiting = Waiting { places: vec![(Side::Low, 0); fronts.len()], ..Waiting::default() };
+        let mut waiting = UpdateStack { places: vec![(Side::Low, 0); fronts.len()], ..UpdateStack::default() };
         for k in (0..fronts.len()).rev() {
             if let Some(parent) = fronts[k].parent {
                 waiting.places[k].0 = if waiting.places[parent as usize].0 == Side::Low { Side::High } else { Side::Low };

@@ -8,14 +8,14 @@ const LONG: f64 = 5e9;
 
 /// Interrupt flag and progress counter of a factorization; both may be shared with other threads.
 #[derive(Clone, Debug, Default)]
-pub struct Watch {
+pub struct InterruptWatch {
     /// Ends the factorisation when it becomes true.
     pub interrupt: Option<Arc<AtomicBool>>,
     /// Completed thousandths of a long factorization; 0 while none runs.
     pub progress: Option<Arc<AtomicU32>>,
 }
 
-impl Watch {
+impl InterruptWatch {
     /// True if the factorisation is to end.
     pub(super) fn is_interrupted(&self) -> bool {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))

@@ -178,7 +178,7 @@ fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
         let along = mu * (stretches[0].powi(2) - stretches[free[0]].powi(2)) / j;
         compared.close(&format!("along {stretches:?}"), s[(0, 0)] / mu, along / mu);
         free.iter().for_each(|&i| compared.close(&format!("across {stretches:?}"), s[(i, i)] / mu, 0.0));
-        let piece = if free.len() == 2 { Piece::Uniaxial } else { Piece::Equibiaxial };
+        let piece = if free.len() == 2 { HomogeneousTest::Uniaxial } else { HomogeneousTest::Equibiaxial };
         let found = path(&compared.material, piece, &[stretches[0]])[0].nominal_stress;
         compared.close(&format!("{piece:?} {stretches:?}"), found / mu, along * j / stretches[0] / mu);
     };

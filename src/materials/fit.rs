@@ -10,14 +10,14 @@ use nalgebra::{DMatrix, DVector};
 
 use super::batched::BatchedLaw;
 use super::energy::{EnergyError, StoredEnergy};
-use super::homogeneous::{Piece, response};
+use super::homogeneous::{HomogeneousTest, response};
 use crate::math::tolerances::{FIT, FIT_DIFFERENCE, FIT_LINEAR, FIT_RANK};
 
 /// Measurement of a test piece.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// Kind of test.
-    pub piece: Piece,
+    pub piece: HomogeneousTest,
     /// Stretches and nominal stresses.
     pub points: Vec<[f64; 2]>,
 }
@@ -73,7 +73,7 @@ const FOLLOWED: usize = 6;
 const STEPS: usize = 200;
 
 /// Nominal stress of an incompressible test piece at a stretch.
-pub fn incompressible_stress(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> f64 {
+pub fn incompressible_stress(law: &dyn BatchedLaw<6>, piece: HomogeneousTest, stretch: f64) -> f64 {
     let stretches = piece.isochoric(stretch);
     let mut strain = [0.0; 6];
     (0..3).for_each(|i| strain[i] = 0.5 * (stretches[i] - 1.0) * (stretches[i] + 1.0));
@@ -87,7 +87,7 @@ impl StoredEnergy {
     ///
     /// # Errors
     /// A mistake in the energy.
-    pub fn incompressible_stresses(&self, piece: Piece, stretches: &[f64]) -> Result<Vec<f64>, EnergyError> {
+    pub fn incompressible_stresses(&self, piece: HomogeneousTest, stretches: &[f64]) -> Result<Vec<f64>, EnergyError> {
         let law = self.in_space()?;
         Ok(stretches.iter().map(|stretch| incompressible_stress(&law, piece, *stretch)).collect())
     }
@@ -260,11 +260,11 @@ mod tests {
 
     fn sampled(energy: &StoredEnergy) -> Vec<Measured> {
         let law = energy.in_space().unwrap();
-        let test = |(_, piece): &(&str, Piece)| {
+        let test = |(_, piece): &(&str, HomogeneousTest)| {
             let stretches = (1..=12).map(|k| 1.0 + 0.25 * f64::from(k));
             Measured { piece: *piece, points: stretches.map(|l| [l, incompressible_stress(&law, *piece, l)]).collect() }
         };
-        Piece::ALL.iter().map(test).collect()
+        HomogeneousTest::ALL.iter().map(test).collect()
     }
 
     #[test]
@@ -293,10 +293,10 @@ mod tests {
         let energy =
             |values: &[f64]| StoredEnergy::new("c10*(I1bar - 3) + c01*(I2bar - 3)", None, &[("c10", values[0]), ("c01", values[1])]);
         let at = |l: f64| [l, 2.0 * (l - l.powi(-2)) * (0.2 + 0.03 / l)];
-        let measured = [Measured { piece: Piece::Uniaxial, points: vec![at(1.4), at(2.5)] }];
+        let measured = [Measured { piece: HomogeneousTest::Uniaxial, points: vec![at(1.4), at(2.5)] }];
         let found = fit(energy, &[None, None], &measured).unwrap();
         assert!((found.constants[0] - 0.2).abs() < 1e-13 && (found.constants[1] - 0.03).abs() < 1e-13, "{found:?}");
-        let error = fit(energy, &[None, None], &[Measured { piece: Piece::Uniaxial, points: vec![at(2.0)] }]).unwrap_err();
+        let error = fit(energy, &[None, None], &[Measured { piece: HomogeneousTest::Uniaxial, points: vec![at(2.0)] }]).unwrap_err();
         assert_eq!(error, FitError::Points { points: 1, constants: 2 });
     }
 }

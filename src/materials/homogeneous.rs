@@ -17,7 +17,7 @@ use crate::math::tolerances::FREE_STRESS;
 
 /// Homogeneous test of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Piece {
+pub enum HomogeneousTest {
     /// Pulled along the first axis, free across.
     Uniaxial,
     /// Pulled alike along the first two axes, free along the third.
@@ -26,23 +26,26 @@ pub enum Piece {
     PureShear,
 }
 
-impl Piece {
+impl HomogeneousTest {
     /// All test pieces with their names.
-    pub const ALL: [(&'static str, Piece); 3] =
-        [("uniaxial", Piece::Uniaxial), ("equibiaxial", Piece::Equibiaxial), ("pure shear", Piece::PureShear)];
+    pub const ALL: [(&'static str, HomogeneousTest); 3] = [
+        ("uniaxial", HomogeneousTest::Uniaxial),
+        ("equibiaxial", HomogeneousTest::Equibiaxial),
+        ("pure shear", HomogeneousTest::PureShear),
+    ];
 
     /// Stretches of the three axes at constant volume.
     pub fn isochoric(self, stretch: f64) -> [f64; 3] {
         match self {
-            Piece::Uniaxial => [stretch, 1.0 / stretch.sqrt(), 1.0 / stretch.sqrt()],
-            Piece::Equibiaxial => [stretch, stretch, stretch.powi(-2)],
-            Piece::PureShear => [stretch, 1.0, 1.0 / stretch],
+            HomogeneousTest::Uniaxial => [stretch, 1.0 / stretch.sqrt(), 1.0 / stretch.sqrt()],
+            HomogeneousTest::Equibiaxial => [stretch, stretch, stretch.powi(-2)],
+            HomogeneousTest::PureShear => [stretch, 1.0, 1.0 / stretch],
         }
     }
 
     /// Number of prescribed strains among the first two.
     fn given(self) -> usize {
-        if self == Piece::Uniaxial { 1 } else { 2 }
+        if self == HomogeneousTest::Uniaxial { 1 } else { 2 }
     }
 }
 
@@ -62,7 +65,7 @@ const ITERATIONS: usize = 30;
 const HALVINGS: u32 = 12;
 
 /// States of a test piece at successive stretches, up to the first one without a solution. Paths of elastic laws lead away from stretch 1.
-pub fn path(material: &Material, piece: Piece, stretches: &[f64]) -> Vec<Homogeneous> {
+pub fn path(material: &Material, piece: HomogeneousTest, stretches: &[f64]) -> Vec<Homogeneous> {
     let law = &*material.space();
     if material.kinematics() == Kinematics::Linear {
         return stretches.iter().filter_map(|&stretch| linear(law, piece, stretch)).collect();
@@ -115,7 +118,7 @@ impl AtHistory {
 }
 
 /// State at a stretch, starting from another state; the interval is divided if one step fails.
-fn reach(respond: Respond, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
+fn reach(respond: Respond, piece: HomogeneousTest, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
     let (mut state, mut part, mut done) = (*from, 1.0f64, 0.0f64);
     while done < 1.0 {
         let next = (done + part).min(1.0);
@@ -155,14 +158,14 @@ fn metric(strain: &[f64; 6]) -> Matrix3<f64> {
 }
 
 /// Strain components that a test leaves free; pieces held along two axes do not shear at the clamps.
-fn free_components(piece: Piece) -> Vec<usize> {
+fn free_components(piece: HomogeneousTest) -> Vec<usize> {
     if piece.given() == 1 { (1..6).collect() } else { vec![2, 4, 5] }
 }
 
 /// The state of a law of small strains, the stretch less 1.
-fn linear(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> Option<Homogeneous> {
+fn linear(law: &dyn BatchedLaw<6>, piece: HomogeneousTest, stretch: f64) -> Option<Homogeneous> {
     let mut strain = [0.0; 6];
-    strain[..if piece == Piece::Equibiaxial { 2 } else { 1 }].fill(stretch - 1.0);
+    strain[..if piece == HomogeneousTest::Equibiaxial { 2 } else { 1 }].fill(stretch - 1.0);
     let free = free_components(piece);
     let (stress, tangent) = response(law, &strain);
     let residual = DVector::from_iterator(free.len(), free.iter().map(|&i| stress[i]));
@@ -172,7 +175,7 @@ fn linear(law: &dyn BatchedLaw<6>, piece: Piece, stretch: f64) -> Option<Homogen
 }
 
 /// Newton's method for the components whose stress vanishes.
-fn solve(respond: Respond, piece: Piece, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
+fn solve(respond: Respond, piece: HomogeneousTest, from: &Homogeneous, stretch: f64) -> Option<Homogeneous> {
     let given = piece.given();
     let free = free_components(piece);
     let mut strain = from.strain;
@@ -184,7 +187,7 @@ fn solve(respond: Respond, piece: Piece, from: &Homogeneous, stretch: f64) -> Op
     }
     strain[0] = 0.5 * (stretch * stretch - 1.0);
     if given == 2 {
-        strain[1] = if piece == Piece::Equibiaxial { strain[0] } else { 0.0 };
+        strain[1] = if piece == HomogeneousTest::Equibiaxial { strain[0] } else { 0.0 };
     }
     for _ in 0..ITERATIONS {
         let (stress, tangent) = respond(&strain);
@@ -235,7 +238,7 @@ mod tests {
         let stretches: Vec<f64> = (1..=20).map(|k| 1.0 + 0.05 * f64::from(k)).collect();
         for row in CATALOGUE {
             let material = Material::new(row, &row.example(1.0, 1.0)).unwrap();
-            for (name, piece) in Piece::ALL {
+            for (name, piece) in HomogeneousTest::ALL {
                 let states = path(&material, piece, &stretches);
                 assert!(states.len() >= 6, "{} {name}: {} states", row.name, states.len());
                 for state in &states {
@@ -248,9 +251,9 @@ mod tests {
         let energy = StoredEnergy::new("mu/2*(I1bar - 3)", Some("k/2*(J - 1)^2"), &[("mu", 1.0), ("k", 1e5)]).unwrap();
         let rubber = Material::hyperelastic(energy, 1.0).unwrap();
         for (piece, closed) in [
-            (Piece::Uniaxial, (|l: f64| l - l.powi(-2)) as fn(f64) -> f64),
-            (Piece::Equibiaxial, |l| l - l.powi(-5)),
-            (Piece::PureShear, |l| l - l.powi(-3)),
+            (HomogeneousTest::Uniaxial, (|l: f64| l - l.powi(-2)) as fn(f64) -> f64),
+            (HomogeneousTest::Equibiaxial, |l| l - l.powi(-5)),
+            (HomogeneousTest::PureShear, |l| l - l.powi(-3)),
         ] {
             let states = path(&rubber, piece, &[1.5, 2.0, 3.0]);
             assert_eq!(states.len(), 3);

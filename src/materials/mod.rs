@@ -41,7 +41,7 @@ pub use energy::{EnergyError, EnergyText, Jet, ScalarText, StoredEnergy, functio
 pub use fit::{Fit, FitError, Measured, fit, incompressible_stress};
 pub use free_thickness::FreeThickness;
 pub use history::{Heat, HistoryLaw, HistoryLaws, PointHistory, StrainStep, StressOf};
-pub use homogeneous::{Homogeneous, Piece, path};
+pub use homogeneous::{Homogeneous, HomogeneousTest, path};
 pub use law::{Increment, Law};
 pub use laws::Kinematics;
 pub use linear_elasticity::LinearElasticity;

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
 
-use super::homogeneous::{Homogeneous, Piece, path, response};
+use super::homogeneous::{Homogeneous, HomogeneousTest, path, response};
 use super::laws::Kinematics;
 use super::material::Material;
 use crate::math::tensor::{mandel_index, mandel_scale};
@@ -91,7 +91,7 @@ impl Material {
         let directions = directions();
         let mut found = Vec::new();
         let is_elliptic = |state: &Homogeneous| self.least_acoustic(state, &directions) > 0.0;
-        for (test, piece) in Piece::ALL {
+        for (test, piece) in HomogeneousTest::ALL {
             for factor in [STEP, 1.0 / STEP] {
                 let count = (REACH.ln() / STEP.ln()) as i32;
                 let stretches: Vec<f64> = (1..=count).map(|k| factor.powi(k)).collect();

@@ -13,7 +13,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use super::MeshError;
 use super::layers::Layers;
 use super::plane::cross;
-use super::strips::{Layered, Node, Piece, Strip};
+use super::strips::{CurveSegment, Layered, Node, Strip};
 use super::triangulation::Rim;
 
 type Point = [f64; 2];
@@ -135,7 +135,7 @@ impl Growth<'_> {
         let turned: Vec<usize> = (0..pieces.len()).map(|k| pieces[(start + k) % pieces.len()]).collect();
         // stretches with layers and the gaps behind them, in turn
         let stretches: Vec<&[usize]> = turned.chunk_by(|a, b| is_layered(*a) == is_layered(*b)).collect();
-        let mut gaps: Vec<Vec<Piece>> =
+        let mut gaps: Vec<Vec<CurveSegment>> =
             stretches.chunks(2).map(|pair| pair[1].iter().map(|&piece| self.rim.pieces[piece]).collect()).collect();
         let mut strips = Vec::new();
         for (number, pair) in stretches.chunks(2).enumerate() {
@@ -144,7 +144,7 @@ impl Growth<'_> {
             let last = base.len() - 1;
             let start = self.end(&mut gaps[before], base[0], minus(base[1], base[0]), |point| point)?;
             // seen backwards, the body is on the right: mirrored in the x axis it is on the left again
-            let mut behind: Vec<Piece> = gaps[number].iter().rev().map(|&(curve, [from, to])| (curve, [to, from])).collect();
+            let mut behind: Vec<CurveSegment> = gaps[number].iter().rev().map(|&(curve, [from, to])| (curve, [to, from])).collect();
             let end = self.end(&mut behind, base[last], minus(base[last - 1], base[last]), |[x, y]| [x, -y])?;
             gaps[number] = behind.into_iter().rev().map(|(curve, [from, to])| (curve, [to, from])).collect();
             strips.push(self.open(pair[0], &base, start, end)?);
@@ -173,7 +173,7 @@ impl Growth<'_> {
     }
 
     /// The pieces of curves that stacks stand on.
-    fn stands(&self, pieces: &[usize]) -> Vec<Piece> {
+    fn stands(&self, pieces: &[usize]) -> Vec<CurveSegment> {
         let halves = self.halves as f64;
         let part = |piece: &usize| {
             let (curve, [from, to]) = self.rim.pieces[*piece];
@@ -187,7 +187,7 @@ impl Growth<'_> {
 
     /// The column at the start of a strip that stands in the point `foot` and goes off in a direction, with what comes before it, whose
     /// pieces it shortens where it runs along them. All is seen as `seen` does, so that the body is on the left.
-    fn end(&self, gap: &mut Vec<Piece>, foot: Point, ahead: Point, seen: impl Fn(Point) -> Point) -> Result<End, Trouble> {
+    fn end(&self, gap: &mut Vec<CurveSegment>, foot: Point, ahead: Point, seen: impl Fn(Point) -> Point) -> Result<End, Trouble> {
         let Some(&(curve, [from, to])) = gap.last() else { return Err(Trouble::Collision(foot)) };
         let near = self.rim.curves[curve].at(to + (from - to) / 64.0);
         let [here, along] = [seen(foot), unit(seen(ahead))];
@@ -256,7 +256,7 @@ impl Growth<'_> {
     }
 
     /// Columns on a stretch with these ends; without ends it is closed.
-    fn columns(&self, base: &[Point], stands: &[Piece], ends: Option<[Vec<Point>; 2]>) -> Result<Vec<Vec<Point>>, Trouble> {
+    fn columns(&self, base: &[Point], stands: &[CurveSegment], ends: Option<[Vec<Point>; 2]>) -> Result<Vec<Vec<Point>>, Trouble> {
         let (count, thickness) = (base.len() - 1, self.levels[self.levels.len() - 1]);
         let ahead: Vec<Point> = base.windows(2).map(|pair| unit(minus(pair[1], pair[0]))).collect();
         let length = |k: usize| dot(minus(base[k + 1], base[k]), ahead[k]);
@@ -351,7 +351,7 @@ impl Lines {
 
 /// Cuts the end of a gap at a parameter of its last curve; a short rest of a segment is added to its neighbor. Returns `None` if nothing of
 /// the gap is left.
-fn shorten(gap: &mut Vec<Piece>, at: f64) -> Option<()> {
+fn shorten(gap: &mut Vec<CurveSegment>, at: f64) -> Option<()> {
     loop {
         let &(curve, [from, to]) = gap.last()?;
         let left = (at - from) / (to - from);

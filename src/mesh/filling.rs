@@ -14,7 +14,7 @@ type RimEdges = HashMap<[u32; 2], (usize, f64)>;
 pub(super) type PlacedEdges = HashMap<[u32; 2], [f64; 2]>;
 
 /// Cells inside a rim.
-pub(super) struct Filled {
+pub(super) struct FilledRegion {
     /// The cells, without boundaries.
     pub mesh: Mesh,
     edges: RimEdges,
@@ -28,7 +28,7 @@ pub(super) struct Filled {
     pub middles: HashMap<usize, u32>,
 }
 
-impl Filled {
+impl FilledRegion {
     /// The mesh of a kind with these boundaries, its middle nodes where they belong.
     pub fn finished(self, rim: &Rim, boundaries: Vec<Boundary>, kind: CellKind) -> Result<Mesh, MeshError> {
         let mesh = Mesh { boundaries, ..self.mesh };
@@ -42,13 +42,13 @@ impl Filled {
 }
 
 /// Cells of first order inside a rim, triangles where `factor` is 1, quadrilaterals else.
-pub(super) fn filled<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<Filled, E> {
+pub(super) fn filled<E: From<MeshError>>(rim: &Rim, size: &mut CellSize<E>, factor: f64) -> Result<FilledRegion, E> {
     let triangles = triangulate(rim, size, factor)?;
     Ok(if factor == 1.0 { of_triangles(&triangles, rim) } else { quadrilaterals(&triangles, rim) })
 }
 
 /// The triangles themselves.
-fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> Filled {
+fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> FilledRegion {
     let (mut along, mut edges) = (HashMap::new(), RimEdges::new());
     for (nodes, cell) in triangles.iter().zip(0..) {
         for (from, local) in nodes.iter().zip(0..) {
@@ -62,11 +62,11 @@ fn of_triangles(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> Fil
     let connectivity = triangles.as_flattened().iter().map(|&vertex| vertex as u32).collect();
     let mesh = Mesh::new(CellKind::Tri3, points, connectivity);
     let corners = (0..rim.vertices.len()).map(|vertex| (vertex, vertex as u32)).collect();
-    Filled { mesh, edges, placed: PlacedEdges::new(), along, corners, middles: HashMap::new() }
+    FilledRegion { mesh, edges, placed: PlacedEdges::new(), along, corners, middles: HashMap::new() }
 }
 
 /// Three cells of every triangle.
-fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> Filled {
+fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> FilledRegion {
     let mut rim_edges = RimEdges::new();
     let mut points: Vec<[f64; 3]> = Vec::new();
     let mut corner: HashMap<usize, u32> = HashMap::new();
@@ -101,5 +101,5 @@ fn quadrilaterals(Triangles { vertices, triangles }: &Triangles, rim: &Rim) -> F
         }
     }
     let mesh = Mesh::new(CellKind::Quad4, points, connectivity);
-    Filled { mesh, edges: rim_edges, placed: PlacedEdges::new(), along, corners: corner, middles: rim_middles }
+    FilledRegion { mesh, edges: rim_edges, placed: PlacedEdges::new(), along, corners: corner, middles: rim_middles }
 }

@@ -57,7 +57,7 @@ impl Layers {
     ///
     /// # Errors
     /// A boundary that no side belongs to.
-    pub(super) fn near(&self, outline: &[Side], holes: &[Vec<Side>]) -> Result<Near, MeshError> {
+    pub(super) fn near(&self, outline: &[Side], holes: &[Vec<Side>]) -> Result<LayerDistance, MeshError> {
         let loops = std::iter::once(("outer".to_string(), outline));
         let loops = loops.chain((1..).zip(holes).map(|(hole, sides)| (format!("hole {hole}"), &sides[..])));
         let (mut available, mut points): (Vec<String>, Vec<Point>) = (Vec::new(), Vec::new());
@@ -73,7 +73,11 @@ impl Layers {
         }
         match self.boundaries.iter().find(|name| !available.contains(name)) {
             Some(name) => Err(MeshError::UnknownLayers { name: name.clone(), available }),
-            None => Ok(Near { sides: RTree::bulk_load(points), along: self.along.unwrap_or(f64::INFINITY), thickness: self.thickness() }),
+            None => Ok(LayerDistance {
+                sides: RTree::bulk_load(points),
+                along: self.along.unwrap_or(f64::INFINITY),
+                thickness: self.thickness(),
+            }),
         }
     }
 
@@ -95,13 +99,13 @@ impl Layers {
 }
 
 /// Points on the layered sides, near which cells are shorter.
-pub(super) struct Near {
+pub(super) struct LayerDistance {
     sides: RTree<Point>,
     along: f64,
     thickness: f64,
 }
 
-impl Near {
+impl LayerDistance {
     /// Wanted cell size at a point: the minimum of the size in the region and the cell length along the layers, increased with the
     /// distance.
     pub fn size<E: From<MeshError>>(&self, size: &mut CellSize<E>, point: Point) -> Result<f64, E> {

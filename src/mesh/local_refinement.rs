@@ -25,7 +25,7 @@ fn edge(a: u32, b: u32) -> Edge {
 
 /// A piece of a cell of the old mesh: its corners, and where they are on the old cell's reference cell.
 #[derive(Clone, Copy)]
-struct Piece {
+struct ChildCell {
     cell: u32,
     nodes: [u32; 3],
     places: [Place; 3],
@@ -43,7 +43,7 @@ struct Refinement<'a> {
 
 impl Refinement<'_> {
     /// The node in the middle of an edge of a piece, from corner `k` to the next one.
-    fn middle(&mut self, piece: &Piece, k: usize) -> u32 {
+    fn middle(&mut self, piece: &ChildCell, k: usize) -> u32 {
         let (from, to) = (k, (k + 1) % 3);
         let (old, points) = (self.old, &mut self.points);
         *self.middles.entry(edge(piece.nodes[from], piece.nodes[to])).or_insert_with(|| {
@@ -56,7 +56,7 @@ impl Refinement<'_> {
     }
 
     /// Four pieces of one.
-    fn quartered(&mut self, piece: &Piece) -> Vec<Piece> {
+    fn quartered(&mut self, piece: &ChildCell) -> Vec<ChildCell> {
         let middles = [0, 1, 2].map(|k| self.middle(piece, k));
         (0..3).for_each(|k| {
             self.cut.insert(edge(piece.nodes[k], piece.nodes[(k + 1) % 3]));
@@ -69,11 +69,11 @@ impl Refinement<'_> {
         });
         let nodes = nodes.chain(std::iter::once([middles[1], middles[2], middles[0]]));
         let children = children.iter().zip(nodes);
-        children.map(|(places, nodes)| Piece { nodes, places: [places[0], places[1], places[2]], ..*piece }).collect()
+        children.map(|(places, nodes)| ChildCell { nodes, places: [places[0], places[1], places[2]], ..*piece }).collect()
     }
 
     /// The number of the longest edge; of equal ones both neighbors name the same.
-    fn longest(&self, piece: &Piece) -> usize {
+    fn longest(&self, piece: &ChildCell) -> usize {
         let length = |k: usize| {
             let ends = edge(piece.nodes[k], piece.nodes[(k + 1) % 3]);
             let [a, b] = ends.map(|node| self.points[node as usize]);
@@ -87,7 +87,7 @@ impl Refinement<'_> {
     }
 
     /// Bisects a piece across its longest edge, and its halves, until no edge of a piece is cut; adds the pieces to `whole`.
-    fn close(&mut self, piece: Piece, whole: &mut Vec<Piece>) {
+    fn close(&mut self, piece: ChildCell, whole: &mut Vec<ChildCell>) {
         let is_cut = (0..3).any(|k| self.cut.contains(&edge(piece.nodes[k], piece.nodes[(k + 1) % 3])));
         if !is_cut {
             whole.push(piece);
@@ -106,11 +106,12 @@ impl Refinement<'_> {
     }
 
     /// The pieces of every cell, those that are chosen cut into four.
-    fn pieces(&mut self, is_chosen: &[bool]) -> Result<Vec<Piece>, MeshError> {
+    fn pieces(&mut self, is_chosen: &[bool]) -> Result<Vec<ChildCell>, MeshError> {
         let corners = CellKind::Tri3.row().node_places;
-        let mut pieces: Vec<Piece> = Vec::new();
+        let mut pieces: Vec<ChildCell> = Vec::new();
         for (cell, nodes) in self.old.cells().enumerate() {
-            let whole = Piece { cell: cell as u32, nodes: [nodes[0], nodes[1], nodes[2]], places: [corners[0], corners[1], corners[2]] };
+            let whole =
+                ChildCell { cell: cell as u32, nodes: [nodes[0], nodes[1], nodes[2]], places: [corners[0], corners[1], corners[2]] };
             if is_chosen[cell] { pieces.extend(self.quartered(&whole)) } else { pieces.push(whole) }
         }
         loop {
@@ -129,7 +130,7 @@ impl Refinement<'_> {
     }
 
     /// The new mesh.
-    fn mesh(mut self, pieces: &[Piece]) -> Mesh {
+    fn mesh(mut self, pieces: &[ChildCell]) -> Mesh {
         let kind = if self.old.is_quadratic() { CellKind::Tri6 } else { CellKind::Tri3 };
         let mut connectivity = Vec::with_capacity(pieces.len() * kind.nodes());
         for piece in pieces {

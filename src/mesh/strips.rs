@@ -3,7 +3,7 @@
 //! The remaining region is filled first. Nodes of a strip on its rim exist then, identified by a vertex or the middle of a rim segment; the
 //! others are added.
 
-use super::filling::{Filled, PlacedEdges};
+use super::filling::{FilledRegion, PlacedEdges};
 use super::grid::{UNSTRUCTURED, room_for};
 use super::triangulation::Rim;
 use super::{Facet, MeshError};
@@ -12,7 +12,7 @@ use crate::elements::CellKind;
 type Point = [f64; 2];
 
 /// A piece of a curve, with the parameters of its ends.
-pub(super) type Piece = (usize, [f64; 2]);
+pub(super) type CurveSegment = (usize, [f64; 2]);
 
 /// Columns along a stretch of the rim.
 pub(super) struct Strip {
@@ -21,7 +21,7 @@ pub(super) struct Strip {
     /// Role of each column node in the mesh of the remaining region.
     pub nodes: Vec<Vec<Node>>,
     /// Curve segment at the foot of each stack.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<CurveSegment>,
     /// Curve that the first and the last column run along, with the curve parameters of their points; `None` for a column inside the body.
     pub along: [Option<(usize, Vec<f64>)>; 2],
     /// True if the strip follows a whole closed loop.
@@ -76,7 +76,7 @@ enum Side {
 
 impl Layered {
     /// Adds a rim segment without layers.
-    pub fn add_piece(&mut self, (curve, ends): Piece) {
+    pub fn add_piece(&mut self, (curve, ends): CurveSegment) {
         let piece = self.rest.add_piece(self.rest.curve_at(curve, ends[0]), (curve, ends), None);
         self.order.push(Order { curve, source: Source::Piece(piece) });
     }
@@ -119,7 +119,7 @@ impl Layered {
     ///
     /// # Errors
     /// Too many cells.
-    pub fn complete(&self, filled: &mut Filled) -> Result<Vec<(usize, Vec<Facet>)>, MeshError> {
+    pub fn complete(&self, filled: &mut FilledRegion) -> Result<Vec<(usize, Vec<Facet>)>, MeshError> {
         let per_stack = |strip: &Strip| strip.columns[0].len() - 1;
         let cells: usize = self.strips.iter().map(|strip| 2 * per_stack(strip) * strip.columns.len()).sum();
         room_for(cells, UNSTRUCTURED)?;
@@ -163,7 +163,7 @@ impl Stacks {
     }
 
     /// Adds the nodes and cells of a strip.
-    fn added(strip: &Strip, rest: &Rim, filled: &mut Filled) -> Stacks {
+    fn added(strip: &Strip, rest: &Rim, filled: &mut FilledRegion) -> Stacks {
         let levels = strip.columns[0].len() - 1;
         let first = filled.mesh.cell_count() as u32;
         let mut nodes: Vec<Vec<u32>> = Vec::with_capacity(strip.columns.len());

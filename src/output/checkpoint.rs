@@ -13,7 +13,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::counted::{ASIDE, CountedFile, FOLDER, KEPT, Standing};
+use super::counted::{ASIDE, CountedFile, FOLDER, FileCondition, KEPT};
 use super::files::{OutputError, RunFiles};
 use super::history::ROWS;
 use super::journal::{self, Mark};
@@ -271,13 +271,13 @@ impl Checkpoint {
                 None => file.name.clone(),
             };
             let complaint = match file.standing(run) {
-                Standing::There => continue,
-                Standing::Aside => {
+                FileCondition::There => continue,
+                FileCondition::Aside => {
                     aside.push(file.clone());
                     continue;
                 }
-                Standing::Gone => format!("{what} is gone: the run had written it, and does not compute it again"),
-                Standing::Replaced => format!("{what} has another content than the run had written"),
+                FileCondition::Gone => format!("{what} is gone: the run had written it, and does not compute it again"),
+                FileCondition::Replaced => format!("{what} has another content than the run had written"),
             };
             return Err(CheckpointError::Stranger(complaint));
         }

@@ -39,7 +39,7 @@ pub struct CountedFile {
 
 /// Condition of a file that a resumed run relies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Standing {
+pub enum FileCondition {
     /// The file is in place.
     There,
     /// The run has moved the file beside the checkpoints.
@@ -67,16 +67,16 @@ impl CountedFile {
     }
 
     /// Returns the condition of the file in the folder of a run.
-    pub fn standing(&self, run: &Path) -> Standing {
-        let Some(place) = self.place(run) else { return Standing::Gone };
+    pub fn standing(&self, run: &Path) -> FileCondition {
+        let Some(place) = self.place(run) else { return FileCondition::Gone };
         if self.agrees(&place) {
-            Standing::There
+            FileCondition::There
         } else if self.agrees(&self.aside(run)) {
-            Standing::Aside
+            FileCondition::Aside
         } else if place.exists() {
-            Standing::Replaced
+            FileCondition::Replaced
         } else {
-            Standing::Gone
+            FileCondition::Gone
         }
     }
 

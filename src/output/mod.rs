@@ -72,7 +72,7 @@ pub use obstacles::Surroundings;
 #[cfg(feature = "formats")]
 pub use parquet::{Field as TableField, parquet, parquet_in_units, parquet_of};
 pub use picture::{
-    Component, CutPlane, Field, Measure, Panel, PictureOptions, Sight, VIEWS, Vectors, View, picture, picture_of_boundaries, sight,
+    Component, CutPlane, Field, Measure, Panel, PictureBounds, PictureOptions, VIEWS, Vectors, View, picture, picture_of_boundaries, sight,
 };
 pub use plot::{Curve, CurveStyle, Plot, PlotAxis};
 pub use point_log::{PointLog, decoded, encoded};
@@ -87,8 +87,8 @@ pub use reading::parquet_table::read_parquet;
 pub use reading::table::{TableRead, read_table};
 pub use recording::{Recording, Skin, Still, shapes};
 pub use report::{
-    Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation, Mark, News, Report, ReportPage, ReportPicture, ReportTable,
-    kept_rows, labels, marks, report, report_of_several,
+    Activity, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation, Mark, Report, ReportChanges, ReportPage, ReportPicture,
+    ReportTable, kept_rows, labels, marks, report, report_of_several,
 };
 pub use response::Response;
 pub use rows_csv::{RowsCsv, read_rows, rows_csv};

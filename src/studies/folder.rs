@@ -75,7 +75,7 @@ impl PointState {
 
 /// Right to compute a point, until dropped.
 #[derive(Debug)]
-pub struct Claim(#[allow(dead_code, reason = "the lock lasts as long as the file is open")] File);
+pub struct PointLock(#[allow(dead_code, reason = "the lock lasts as long as the file is open")] File);
 
 /// Returns the message of a file that could not be written.
 pub(super) fn unwritten(error: &OutputError) -> Box<Diagnostic> {
@@ -170,11 +170,11 @@ impl StudyFolder {
     ///
     /// # Errors
     /// The file system has no locks.
-    pub fn lock(&self) -> Result<Claim, Box<Diagnostic>> {
+    pub fn lock(&self) -> Result<PointLock, Box<Diagnostic>> {
         let path = self.path().join(LOCK);
         let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(|error| unlocked(&path, &error))?;
         file.lock().map_err(|error| unlocked(&path, &error))?;
-        Ok(Claim(file))
+        Ok(PointLock(file))
     }
 
     /// Path of the folder of a point.
@@ -211,7 +211,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// The folder cannot be created, or has no locks.
-    pub fn claim(&self, point: &Point) -> Result<Option<Claim>, Box<Diagnostic>> {
+    pub fn claim(&self, point: &Point) -> Result<Option<PointLock>, Box<Diagnostic>> {
         let path = self.files.place(&format!("points/{}/{CLAIM}", point.id)).map_err(|error| unwritten(&error))?;
         let open = File::options().create(true).truncate(false).read(true).write(true).open(&path);
         let mut file = open.map_err(|error| unlocked(&path, &error))?;
@@ -226,7 +226,7 @@ impl StudyFolder {
         }
         // The identification is information only, so that a full disk may refuse the write.
         let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(holder().as_bytes()));
-        Ok(Some(Claim(file)))
+        Ok(Some(PointLock(file)))
     }
 
     /// Returns the state of a point.

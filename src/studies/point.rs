@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::folder::{StudyFolder, unwritten};
 use super::plan::{Plan, Point};
-use super::record::{BALANCE, Record, RecordOutcome, Yield};
+use super::record::{BALANCE, PointResult, Record, RecordOutcome};
 use super::transcript::Transcript;
 use super::watchdog::Watchdog;
 use crate::output::checkpoint::{self, Checkpoint, Origin};
@@ -117,7 +117,7 @@ fn run(
         }
         Err(error) => (Report::failed(*error), None, Vec::new()),
     };
-    let results = results.into_iter().map(|(name, value)| Yield { name, value }).collect();
+    let results = results.into_iter().map(|(name, value)| PointResult { name, value }).collect();
     report.error.iter().for_each(|error| transcript.say(&error.render(Ink::Plain)));
     let is_late = watchdog.end();
     let seconds = begun.elapsed().as_secs_f64();

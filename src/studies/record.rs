@@ -47,7 +47,7 @@ impl RecordOutcome {
 
 /// A result of the script.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Yield {
+pub struct PointResult {
     /// Name of the result.
     pub name: String,
     /// Number, text, `true` or `false`, or an array of these.
@@ -64,7 +64,7 @@ pub struct Record {
     /// Cause of an outcome other than completed.
     pub cause: Option<String>,
     /// Results of the script.
-    pub results: Vec<Yield>,
+    pub results: Vec<PointResult>,
     /// Number of warnings.
     pub warnings: u64,
     /// Accepted steps.

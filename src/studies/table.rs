@@ -227,14 +227,14 @@ fn result_column(name: &str, values: Vec<Option<&Value>>) -> StudyColumn {
 mod tests {
     use super::super::design::Rows;
     use super::super::plan::{Limits, Scenario};
-    use super::super::record::{RecordOutcome, Yield};
+    use super::super::record::{PointResult, RecordOutcome};
     use super::*;
 
     #[test]
     fn rows_of_all_kinds() {
         let rows = ["0.5", "1", "2", "3"].map(|value| vec![value.to_string()]).to_vec();
         let plan = Plan::new(Scenario::default(), Limits::default(), Rows { names: vec!["dt".into()], rows }).unwrap();
-        let result = |name: &str, value: Value| Yield { name: name.into(), value };
+        let result = |name: &str, value: Value| PointResult { name: name.into(), value };
         let done = |index: usize, results| {
             PointState::Done(Record { cause: None, results, ..Record::of(&plan.points[index].id, RecordOutcome::Completed, "") })
         };

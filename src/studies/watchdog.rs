@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 const PERIOD: Duration = Duration::from_millis(20);
 
 /// Flag, deadline and action of the point that is watched.
-struct Watched {
+struct WatchedPoint {
     stop: Arc<AtomicBool>,
     deadline: Option<Instant>,
     /// Records the point as given up if it does not stop.
@@ -19,7 +19,7 @@ struct Watched {
 #[derive(Clone)]
 pub struct Watchdog {
     interrupt: Arc<AtomicBool>,
-    watched: Arc<Mutex<Option<Watched>>>,
+    watched: Arc<Mutex<Option<WatchedPoint>>>,
 }
 
 /// Time in which a point must stop after its deadline.
@@ -56,7 +56,7 @@ impl Watchdog {
         let stop = Arc::new(AtomicBool::new(false));
         let deadline = seconds.and_then(|seconds| Instant::now().checked_add(Duration::try_from_secs_f64(seconds).ok()?));
         if let Ok(mut watched) = self.watched.lock() {
-            *watched = Some(Watched { stop: stop.clone(), deadline, give_up: Box::new(give_up) });
+            *watched = Some(WatchedPoint { stop: stop.clone(), deadline, give_up: Box::new(give_up) });
         }
         stop
     }
@@ -64,15 +64,16 @@ impl Watchdog {
     /// Ends watching; returns true if the point was stopped at its deadline.
     pub fn end(&self) -> bool {
         let watched = self.watched.lock().ok().and_then(|mut watched| watched.take());
-        let is_late =
-            |watched: Watched| watched.deadline.is_some_and(|deadline| Instant::now() >= deadline) && watched.stop.load(Ordering::Relaxed);
+        let is_late = |watched: WatchedPoint| {
+            watched.deadline.is_some_and(|deadline| Instant::now() >= deadline) && watched.stop.load(Ordering::Relaxed)
+        };
         watched.is_some_and(is_late)
     }
 }
 
 /// Requests the stop of the watched point on an interrupt or at its deadline. Returns true if the point was given up because it did not
 /// stop.
-fn look(interrupt: &AtomicBool, watched: &Mutex<Option<Watched>>) -> bool {
+fn look(interrupt: &AtomicBool, watched: &Mutex<Option<WatchedPoint>>) -> bool {
     let Ok(watched) = watched.lock() else { return false };
     let Some(watched) = watched.as_ref() else { return false };
     let is_late = |grace: Duration| watched.deadline.is_some_and(|deadline| Instant::now() >= deadline + grace);

@@ -78,8 +78,12 @@ fn free_flight_keeps_what_each_integrator_promises() {
         // All quantities are of order ten. What a step leaves is set by Newton's tolerance, 1e-13 of the energy, and by round-off of the
         // solve.
         assert!(worst(&rows, |row| row.strain) > 1e-3 * energy, "{name}: the bar deforms");
-        let integrators::Promises { energy: keeps_energy, angular_momentum: keeps_angular_momentum, momentum: keeps_momentum, .. } =
-            integrator.promises;
+        let integrators::ConservedQuantities {
+            energy: keeps_energy,
+            angular_momentum: keeps_angular_momentum,
+            momentum: keeps_momentum,
+            ..
+        } = integrator.promises;
         assert_eq!(defect < 1e-11 * energy, keeps_energy, "{name}: energy defect {defect:.1e} of {energy}");
         assert_eq!(gain < 1e-10 * energy, keeps_energy, "{name}: energy gained {gain:.1e} of {energy}");
         assert_eq!(momentum < 1e-11, keeps_momentum, "{name}: linear momentum drifts by {momentum:.1e}");

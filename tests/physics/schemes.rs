@@ -9,7 +9,7 @@ use std::sync::Arc;
 use conserva::dynamics::{
     Constant, Interaction, LoadKind, ModelError, Options, PartDefinition, Prescription, Simulation, TimeFunction, TimeFunctionError,
 };
-use conserva::integrators::{CATALOGUE, Dissipation, ENERGY_MOMENTUM, NEWMARK, Promises, Scheme, TRAPEZOIDAL};
+use conserva::integrators::{CATALOGUE, ConservedQuantities, Dissipation, ENERGY_MOMENTUM, NEWMARK, Scheme, TRAPEZOIDAL};
 use conserva::materials::{Material, NeoHookean, Viscosity};
 use conserva::mesh::rectangle;
 
@@ -288,7 +288,7 @@ fn rows_that_are_no_scheme_are_refused() {
     assert!(refused(greedy).contains("shares that dissipate"));
     let remembering = Scheme { dissipation: Dissipation::to_radius(0.5), ..AVERAGE };
     assert!(refused(remembering).contains("remember nothing"));
-    assert_eq!(AVERAGE.promises, Promises { energy: false, momentum: true, angular_momentum: false, order: 2 });
+    assert_eq!(AVERAGE.promises, ConservedQuantities { energy: false, momentum: true, angular_momentum: false, order: 2 });
     for scheme in CATALOGUE {
         assert_eq!(scheme.check(), Ok(()), "{}", scheme.name);
     }

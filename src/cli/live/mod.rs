@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::output::{Doing, LiveOutcome, LiveReport, NOT_CONSERVING};
+use crate::output::{Activity, LiveOutcome, LiveReport, NOT_CONSERVING};
 use crate::script::{Class, Diagnostic, Event, Ink, Observer, Progress, Report};
 use site::Site;
 
@@ -74,7 +74,7 @@ impl LivePage {
 pub struct LiveObserver {
     report: Arc<LiveReport>,
     next: Rc<dyn Observer>,
-    doing: RefCell<Doing>,
+    doing: RefCell<Activity>,
 }
 
 impl LiveObserver {
@@ -83,7 +83,7 @@ impl LiveObserver {
         LiveObserver { report, next, doing: RefCell::default() }
     }
 
-    fn does(&self, doing: Doing) {
+    fn does(&self, doing: Activity) {
         if *self.doing.borrow() != doing {
             *self.doing.borrow_mut() = doing.clone();
             self.report.does(doing);
@@ -111,7 +111,7 @@ impl Observer for LiveObserver {
     }
 
     fn advanced(&self, progress: &Progress) {
-        self.does(Doing { what: None, until: progress.until });
+        self.does(Activity { what: None, until: progress.until });
         self.next.advanced(progress);
     }
 
@@ -120,12 +120,12 @@ impl Observer for LiveObserver {
     }
 
     fn began(&self, what: &str) {
-        self.does(Doing { what: Some(what.into()), until: None });
+        self.does(Activity { what: Some(what.into()), until: None });
         self.next.began(what);
     }
 
     fn ended(&self) {
-        self.does(Doing::default());
+        self.does(Activity::default());
         self.next.ended();
     }
 

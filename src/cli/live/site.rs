@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::request::{Refusal, Request};
-use crate::output::{LiveReport, News};
+use crate::output::{LiveReport, ReportChanges};
 
 /// Time for which a page is reused for further readers, who request later changes.
 const FRESH: Duration = Duration::from_secs(2);
@@ -86,7 +86,7 @@ type Reader = (Instant, bool);
 #[derive(Default)]
 struct Made {
     pages: HashMap<Option<usize>, (Instant, Arc<Vec<u8>>)>,
-    news: HashMap<(Option<usize>, u64), (Instant, Arc<News>)>,
+    news: HashMap<(Option<usize>, u64), (Instant, Arc<ReportChanges>)>,
 }
 
 /// Content that is served.
@@ -167,7 +167,7 @@ impl Site {
         made.pages.entry(simulation).or_insert_with(make).1.clone()
     }
 
-    fn news(&self, simulation: Option<usize>, known: u64) -> Arc<News> {
+    fn news(&self, simulation: Option<usize>, known: u64) -> Arc<ReportChanges> {
         let mut made = locked(&self.encoding);
         let is_over = self.live.is_over();
         made.news.retain(|_, (at, news)| at.elapsed() < NEW && news.is_last == is_over);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::law::{FrictionLaw, Limit, Sliding};
+use super::law::{FrictionLaw, Limit, SlipState};
 
 /// Largest shear stress `L`, and film stress:
 /// ```text
@@ -35,7 +35,7 @@ impl Default for Coulomb {
 }
 
 impl FrictionLaw for Coulomb {
-    fn limit(&self, Sliding { coefficient, pressure, speed }: Sliding) -> Limit {
+    fn limit(&self, SlipState { coefficient, pressure, speed }: SlipState) -> Limit {
         let (rest, by_speed) = if self.transition_speed.is_finite() {
             let ratio = speed / self.transition_speed;
             let rest = (-ratio.powf(self.exponent)).exp();
@@ -85,17 +85,17 @@ mod tests {
     #[test]
     fn limits_have_exact_derivatives_and_no_units() {
         let law = Coulomb { static_ratio: 1.5, transition_speed: 0.3, exponent: 2.0, adhesion: 0.4, most: 9.0, viscosity: 0.2 };
-        let at = |pressure: f64, speed: f64| law.limit(Sliding { coefficient: 0.5, pressure, speed });
+        let at = |pressure: f64, speed: f64| law.limit(SlipState { coefficient: 0.5, pressure, speed });
         for (pressure, speed) in [(2.0, 0.2), (0.01, 0.1), (50.0, 0.1)] {
             let (found, h) = (at(pressure, speed), 1e-6);
             let slope = |a: Limit, b: Limit| (a.shear - b.shear) / (2.0 * h);
             assert!((slope(at(pressure + h, speed), at(pressure - h, speed)) - found.by_pressure).abs() < 1e-8);
             assert!((slope(at(pressure, speed + h), at(pressure, speed - h)) - found.by_speed).abs() < 1e-8);
-            let other = law.in_units(3.0, 7.0).limit(Sliding { coefficient: 0.5, pressure: 3.0 * pressure, speed: 7.0 * speed });
+            let other = law.in_units(3.0, 7.0).limit(SlipState { coefficient: 0.5, pressure: 3.0 * pressure, speed: 7.0 * speed });
             assert!((other.shear - 3.0 * found.shear).abs() < 1e-13 * other.shear);
         }
         assert_eq!((at(50.0, 0.1).shear, law.film(), law.in_units(3.0, 7.0).film()), (9.0, 0.2, 3.0 / 7.0 * 0.2));
-        let plain = Coulomb::default().limit(Sliding { coefficient: 0.3, pressure: 2.0, speed: 1e300 });
+        let plain = Coulomb::default().limit(SlipState { coefficient: 0.3, pressure: 2.0, speed: 1e300 });
         assert_eq!(plain, Limit { shear: 0.6, by_pressure: 0.3, by_speed: 0.0 });
     }
 }

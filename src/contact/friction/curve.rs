@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::law::{FrictionLaw, Limit, Sliding};
+use super::law::{FrictionLaw, Limit, SlipState};
 
 /// `L = mu f(v) p`; `f` is linear between the given points and constant beyond them.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl FrictionCurve {
 }
 
 impl FrictionLaw for FrictionCurve {
-    fn limit(&self, Sliding { coefficient, pressure, speed }: Sliding) -> Limit {
+    fn limit(&self, SlipState { coefficient, pressure, speed }: SlipState) -> Limit {
         let (mu, slope) = self.at(speed);
         Limit { shear: coefficient * mu * pressure, by_pressure: coefficient * mu, by_speed: coefficient * slope * pressure }
     }
@@ -51,12 +51,12 @@ mod tests {
     #[test]
     fn a_curve_is_linear_between_its_points_and_constant_beyond() {
         let law = FrictionCurve::new(vec![(0.0, 0.5), (1.0, 0.3), (3.0, 0.4)]).unwrap();
-        let at = |speed: f64| law.limit(Sliding { coefficient: 2.0, pressure: 10.0, speed });
+        let at = |speed: f64| law.limit(SlipState { coefficient: 2.0, pressure: 10.0, speed });
         assert_eq!(at(0.0), Limit { shear: 10.0, by_pressure: 1.0, by_speed: 20.0 * (0.3 - 0.5) });
         let found = at(0.5);
         assert!((found.shear - 8.0).abs() < 1e-14 && (found.by_pressure - 0.8).abs() < 1e-14 && (found.by_speed + 4.0).abs() < 1e-13);
         assert_eq!(at(7.0), Limit { shear: 8.0, by_pressure: 0.8, by_speed: 0.0 });
-        let other = law.in_units(3.0, 10.0).limit(Sliding { coefficient: 2.0, pressure: 30.0, speed: 5.0 });
+        let other = law.in_units(3.0, 10.0).limit(SlipState { coefficient: 2.0, pressure: 30.0, speed: 5.0 });
         assert!((other.shear - 24.0).abs() < 1e-13 && (other.by_speed + 1.2).abs() < 1e-13);
     }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// State of a contact point on which the friction limit depends.
 #[derive(Clone, Copy, Debug)]
-pub struct Sliding {
+pub struct SlipState {
     /// Friction coefficient of the point; laws without a coefficient ignore it.
     pub coefficient: f64,
     /// Pressure `[stress]`, never negative.
@@ -34,7 +34,7 @@ pub struct Limit {
 /// Friction law: magnitude of the shear stress. Direction, stick and work are common to all laws.
 pub trait FrictionLaw: fmt::Debug + Send + Sync {
     /// Largest shear stress, never negative.
-    fn limit(&self, at: Sliding) -> Limit;
+    fn limit(&self, at: SlipState) -> Limit;
 
     /// Film shear stress per slip speed, added to dry friction and opposite to the slip `[stress time/length]`.
     fn film(&self) -> f64 {

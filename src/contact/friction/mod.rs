@@ -6,4 +6,4 @@ mod law;
 
 pub use coulomb::{Coulomb, ROUGH};
 pub use curve::FrictionCurve;
-pub use law::{FrictionLaw, Limit, Sliding};
+pub use law::{FrictionLaw, Limit, SlipState};

@@ -21,7 +21,7 @@
 use std::ops::Mul;
 
 use super::profiles::{Form, derivatives, value};
-use super::vertices::{Forces, OfBoth, Vertex, shape_gradients, slope_of};
+use super::vertices::{Forces, PerTriangle, Vertex, shape_gradients, slope_of};
 use crate::contact::numbers::Number;
 
 /// Quadrature points of a triangle (area coordinates) and weights, exact to degree four (Dunavant, IJNME 21, 1985).
@@ -49,7 +49,7 @@ const GAUSS: [(f64, f64); 3] = [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.
 pub struct Closing<T> {
     forms: OfBoth2<Form>,
     /// Gradients of the shape functions of both triangles.
-    gradients: OfBoth<[T; 2]>,
+    gradients: PerTriangle<[T; 2]>,
     /// Slope `m` of the primary triangle, `1/(1 + |m|^2/2)`, and `mu`.
     slope: [T; 2],
     per: T,
@@ -87,7 +87,7 @@ fn differences<T: Number>(of: &[T; 3]) -> [T; 2] {
 
 /// Shape functions of both triangles at a point, given by its area coordinates in three corners of a polygon.
 #[inline(always)]
-fn shapes<T: Number>(corners: [&Vertex<T>; 3], at: &[f64; 3]) -> OfBoth<T> {
+fn shapes<T: Number>(corners: [&Vertex<T>; 3], at: &[f64; 3]) -> PerTriangle<T> {
     let mut shapes = [[T::from(0.0); 3]; 2];
     for side in 0..2 {
         let [a, b, c] = corners.map(|corner| corner.shape(side));
@@ -102,7 +102,7 @@ fn shapes<T: Number>(corners: [&Vertex<T>; 3], at: &[f64; 3]) -> OfBoth<T> {
 impl<T: Number> Closing<T> {
     /// Height profiles of the two triangles of a polygon: double areas of the triangles, plane coordinates and heights of their corners.
     #[inline(always)]
-    pub fn new(areas: &[T; 2], places: &OfBoth<[T; 2]>, heights: &OfBoth<f64>, forms: [Form; 2]) -> Self
+    pub fn new(areas: &[T; 2], places: &PerTriangle<[T; 2]>, heights: &PerTriangle<f64>, forms: [Form; 2]) -> Self
     where
         f64: Mul<T, Output = T>,
     {
@@ -127,7 +127,7 @@ impl<T: Number> Closing<T> {
 
     /// Closed part `C` of the gap at a point.
     #[inline(always)]
-    fn at(&self, [l, m]: &OfBoth<T>) -> T {
+    fn at(&self, [l, m]: &PerTriangle<T>) -> T {
         let [own, other] = [derivatives(&self.forms[0], l), derivatives(&self.forms[1], m)];
         value(&own, l) + value(&other, m) * self.factor(&other)
     }

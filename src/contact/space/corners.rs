@@ -11,7 +11,7 @@ use super::features::{self, Features};
 use super::found::{ALIKE, Found};
 use super::gaps::{Measure, UNKNOWNS};
 use super::profiles::{NodalRows, Profiles};
-use super::second_order::SeenInSpace;
+use super::second_order::ProxySurfacesInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
@@ -21,7 +21,7 @@ use crate::contact::patches::{Evaluation, Place};
 use crate::contact::search::Candidates;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
-use crate::contact::window::{Outlook, Travel};
+use crate::contact::window::{MotionBound, PredictedMotion};
 use crate::integrators::{Configuration, Derivative, PatchFunction, Projection};
 
 /// Constraints per feature, as for a vertex in a pocket; for balls: constraints for all facets around a node, and largest radius in facets.
@@ -83,8 +83,8 @@ pub struct CornersInSpace {
 
 impl CornersInSpace {
     /// Constraints of two surfaces; `None` without sharp features on either side.
-    pub fn kernel(seen: &SeenInSpace) -> Option<Box<dyn ContactKernel>> {
-        let SeenInSpace { secondary, primary, reference, curve, .. } = seen;
+    pub fn kernel(seen: &ProxySurfacesInSpace) -> Option<Box<dyn ContactKernel>> {
+        let ProxySurfacesInSpace { secondary, primary, reference, curve, .. } = seen;
         let profiles = [secondary, primary].map(|surface| Profiles::new(surface, curve));
         let of = |(side, profiles): (&Surface, &Profiles)| Features::with_bumps(side, curve, profiles);
         let features = [(secondary, &profiles[0]), (primary, &profiles[1])].map(of);
@@ -197,10 +197,10 @@ impl CornersInSpace {
     }
 
     /// Selects the constraints of a step from the configurations between which it leads.
-    fn choose(&mut self, configurations: &[&[f64]], outlook: &Outlook) {
+    fn choose(&mut self, configurations: &[&[f64]], predicted_motion: &PredictedMotion) {
         let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
         for q in configurations {
-            let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, outlook)).collect();
+            let found: Vec<Found> = (0..self.kinds.len()).filter_map(|patch| self.find(patch, q, predicted_motion)).collect();
             let found = if self.slots > SLOTS { found } else { self.nearest_facets(found) };
             let is_elsewhere = |row: &Found| self.has_nodal_rows && matches!(self.kinds[row.patch], Kind::Vertex { side: 0, .. });
             let settled = self.settled(&chosen);
@@ -248,20 +248,20 @@ impl CornersInSpace {
     /// Penetration of a constraint: for a vertex near an edge of the other body the least one behind the facets adjacent to that edge.
     fn depth(&self, row: &Found, q: &[f64]) -> f64 {
         let size = self.sides.facet_size;
-        let outlook = Outlook::within(q, size);
+        let predicted_motion = PredictedMotion::within(q, size);
         let others =
             (0..self.kinds.len()).filter(|&patch| self.owner(patch) == self.owner(row.patch) && !matches!(row.measure, Measure::Edges(_)));
-        let beside = others.filter_map(|patch| self.find(patch, q, &outlook)).filter(|other| row.is_beside(other, size));
+        let beside = others.filter_map(|patch| self.find(patch, q, &predicted_motion)).filter(|other| row.is_beside(other, size));
         -beside.map(|other| other.gap).fold(row.gap, f64::max)
     }
 
     /// Constraint of a contact element at a configuration; `None` if absent there.
-    pub(super) fn find(&self, patch: usize, q: &[f64], outlook: &Outlook) -> Option<Found> {
+    pub(super) fn find(&self, patch: usize, q: &[f64], predicted_motion: &PredictedMotion) -> Option<Found> {
         let nodes = self.sides.patches.nodes(patch);
         let own = self.owners_nodes(patch);
-        let travel = outlook.travel::<3>(&nodes[..own], &nodes[own..]);
+        let motion_bound = predicted_motion.motion_bound::<3>(&nodes[..own], &nodes[own..]);
         let size = self.sides.facet_size;
-        let is_near = |gap: f64| gap > -(DEEP * size).max(outlook.depth) && gap < OPEN * size + travel;
+        let is_near = |gap: f64| gap > -(DEEP * size).max(predicted_motion.depth) && gap < OPEN * size + motion_bound;
         match self.kinds[patch] {
             Kind::Vertex { side, vertex, facet } => {
                 let on = self.surface(1 - side).facet(facet);
@@ -320,8 +320,8 @@ impl CornersInSpace {
 
     /// Constraints of this step that are present at `q`, with their state there.
     fn rows_at(&self, q: &[f64]) -> Vec<(usize, Found)> {
-        let outlook = Outlook::within(q, self.sides.facet_size);
-        (0..self.kinds.len()).filter_map(|patch| Some((self.row(patch)?.0, self.find(patch, q, &outlook)?))).collect()
+        let predicted_motion = PredictedMotion::within(q, self.sides.facet_size);
+        (0..self.kinds.len()).filter_map(|patch| Some((self.row(patch)?.0, self.find(patch, q, &predicted_motion)?))).collect()
     }
 }
 
@@ -436,17 +436,22 @@ impl SlipsInSpace for CornersInSpace {
 }
 
 impl CandidateSearch for CornersInSpace {
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let changed = self.candidates.update(&self.owners, &self.partners, outlook.q, outlook.search_margin(&self.sides) + self.radius);
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        let changed = self.candidates.update(
+            &self.owners,
+            &self.partners,
+            predicted_motion.q,
+            predicted_motion.search_margin(&self.sides) + self.radius,
+        );
         if changed {
             self.list_patches();
         }
-        match outlook.travel {
-            Travel::Guessed { displacements: [first, _], .. } => {
-                let predicted: Vec<f64> = outlook.q.iter().zip(first).map(|(q, u)| q + u).collect();
-                self.choose(&[outlook.q, &predicted], outlook);
+        match predicted_motion.motion_bound {
+            MotionBound::Guessed { displacements: [first, _], .. } => {
+                let predicted: Vec<f64> = predicted_motion.q.iter().zip(first).map(|(q, u)| q + u).collect();
+                self.choose(&[predicted_motion.q, &predicted], predicted_motion);
             }
-            _ => self.choose(&[outlook.q], outlook),
+            _ => self.choose(&[predicted_motion.q], predicted_motion),
         }
         changed
     }
@@ -464,7 +469,7 @@ impl CandidateSearch for CornersInSpace {
     fn restore_candidates(&mut self, candidates: &Candidates, q: &[f64]) {
         self.candidates = candidates.clone();
         self.list_patches();
-        self.choose(&[q], &Outlook::within(q, 0.0));
+        self.choose(&[q], &PredictedMotion::within(q, 0.0));
         self.begin_step(q);
     }
 

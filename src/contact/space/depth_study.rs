@@ -5,8 +5,8 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{CornersInSpace, SeenInSpace};
-use crate::contact::window::{Outlook, Travel};
+use super::{CornersInSpace, ProxySurfacesInSpace};
+use crate::contact::window::{MotionBound, PredictedMotion};
 
 type Vector = Vector3<f64>;
 
@@ -103,10 +103,10 @@ fn seen(upper: &Solid, lower: &Solid) -> [f64; 2] {
     let first = upper.points.len() as u32;
     let own: Vec<Vec<u32>> = upper.facets.iter().map(|facet| facet.to_vec()).collect();
     let others: Vec<Vec<u32>> = lower.facets.iter().map(|facet| facet.map(|node| node + first).to_vec()).collect();
-    let sides = SeenInSpace::new([&own, &others], &q);
+    let sides = ProxySurfacesInSpace::new([&own, &others], &q);
     let size = sides.secondary.shortest_facet(&q).min(sides.primary.shortest_facet(&q));
     let mut kernel = CornersInSpace::kernel(&sides).expect("both have edges");
-    kernel.update_candidates(&Outlook { q: &q, travel: Travel::UpTo(0.0), reach: 1.0, depth: 0.0 });
+    kernel.update_candidates(&PredictedMotion { q: &q, motion_bound: MotionBound::UpTo(0.0), reach: 1.0, depth: 0.0 });
     kernel.begin_step(&q);
     let gaps = kernel.start_gap().into_iter().zip(kernel.weights().to_vec()).map(|(gap, weight)| gap / weight);
     [gaps.fold(0.0, |deepest: f64, gap| deepest.max(-gap)), size]

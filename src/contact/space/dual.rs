@@ -154,8 +154,8 @@ mod tests {
 
     use super::*;
     use crate::contact::fixtures::{dense_rows, difference, evaluated, product, tangent_along, unbalance_in_space};
-    use crate::contact::space::{MortarInSpace, SeenInSpace};
-    use crate::contact::{ContactKernel, Correction, Outlook};
+    use crate::contact::space::{MortarInSpace, ProxySurfacesInSpace};
+    use crate::contact::{ContactKernel, Correction, PredictedMotion};
     use crate::integrators::{Configuration, Derivative};
 
     /// Facets of three and four nodes, distorted and warped at random.
@@ -185,8 +185,8 @@ mod tests {
     fn kernel(reference: &[f64], q_0: &[f64]) -> Box<dyn ContactKernel> {
         let below = (0..9).map(|k| (k / 3) * 4 + k % 3).map(|k| vec![k, k + 1, k + 5, k + 4]).collect::<Vec<_>>();
         let above = SECONDARY.map(<[u32]>::to_vec);
-        let mut kernel = MortarInSpace::dual_kernel(&SeenInSpace::new([&above, &below], reference));
-        kernel.update_candidates(&Outlook::within(q_0, 1.0));
+        let mut kernel = MortarInSpace::dual_kernel(&ProxySurfacesInSpace::new([&above, &below], reference));
+        kernel.update_candidates(&PredictedMotion::within(q_0, 1.0));
         kernel.begin_step(q_0);
         kernel
     }

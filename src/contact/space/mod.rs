@@ -36,4 +36,4 @@ pub(super) use obstacle::Shape as ShapeInSpace;
 pub use press_fit::{PressFit, press_fit};
 pub use rigid::RigidInSpace;
 pub use round::RoundInSpace;
-pub use second_order::SeenInSpace;
+pub use second_order::ProxySurfacesInSpace;

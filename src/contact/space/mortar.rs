@@ -8,7 +8,7 @@ use super::dual::{Duals, Shape};
 use super::gaps::Measure;
 use super::pair::{CORNERS, Gradients, NODES, Pair};
 use super::profiles::Profile;
-use super::second_order::SeenInSpace;
+use super::second_order::ProxySurfacesInSpace;
 use super::slip::{self, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
@@ -113,17 +113,17 @@ enum Tangents<'a, 'b> {
 
 impl MortarInSpace {
     /// Contact of two surfaces with standard multipliers, sized in the reference positions. Self-contact lists each pair of facets once.
-    pub fn kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
+    pub fn kernel(seen: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
         Box::new(Self::new(seen))
     }
 
     /// Contact of two surfaces with dual multiplier shape functions: each multiplier loads its own secondary node only.
-    pub fn dual_kernel(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
+    pub fn dual_kernel(seen: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
         Box::new(MortarInSpace { duals: Some(Duals::new(&seen.secondary, &seen.reference)), ..Self::new(seen) })
     }
 
-    fn new(seen: &SeenInSpace) -> Self {
-        let SeenInSpace { secondary, primary, reference, profiles, .. } = seen;
+    fn new(seen: &ProxySurfacesInSpace) -> Self {
+        let ProxySurfacesInSpace { secondary, primary, reference, profiles, .. } = seen;
         let sides = Sides::of(secondary.clone(), primary.clone(), reference);
         let search = PairSearch::new(&sides, reference, SPARE * sides.facet_size);
         let turns = slip::turns(&sides.secondary, reference);

@@ -11,12 +11,12 @@ use super::features::{Features, Vertex};
 use super::found::Found;
 use super::gaps::Measure;
 use super::profiles::NodalRows;
-use super::second_order::SeenInSpace;
+use super::second_order::ProxySurfacesInSpace;
 use super::vectors::Vec3;
 use crate::contact::faces::{self, Vector};
 use crate::contact::kernel::ContactKernel;
 use crate::contact::surface::{Sides, Surface};
-use crate::contact::window::Outlook;
+use crate::contact::window::PredictedMotion;
 
 /// Admissible distance beyond the border of a facet without smooth continuation, in facet sizes. Nodes exactly above the border, as in
 /// matching meshes, are constrained.
@@ -24,8 +24,8 @@ const RIM: f64 = 0.01;
 
 impl CornersInSpace {
     /// Constraints of the nodes of a surface against the facets of another one.
-    pub(crate) fn of_nodes(seen: &SeenInSpace) -> Box<dyn ContactKernel> {
-        let SeenInSpace { secondary, primary, reference, profiles, .. } = seen;
+    pub(crate) fn of_nodes(seen: &ProxySurfacesInSpace) -> Box<dyn ContactKernel> {
+        let ProxySurfacesInSpace { secondary, primary, reference, profiles, .. } = seen;
         let vertex = |&node: &u32| Vertex { node, spokes: Vec::new(), is_bump: true };
         let owned = Features { vertices: secondary.nodes().iter().map(vertex).collect(), ..Features::new(secondary, reference) };
         let mut opposite = Features { vertices: Vec::new(), ..Features::new(primary, reference) };
@@ -65,7 +65,8 @@ impl CornersInSpace {
     pub(super) fn comes_through(&self, q_0: &[f64], q_1: &[f64], tolerance: f64) -> bool {
         let mut has_row = vec![false; self.owners.count()];
         (0..self.kinds.len()).filter(|&patch| self.rows[patch].is_some()).for_each(|patch| has_row[self.owner(patch)] = true);
-        let is_deep = |patch: usize, q: &[f64]| self.find(patch, q, &Outlook::within(q, 0.0)).is_some_and(|row| row.gap < -tolerance);
+        let is_deep =
+            |patch: usize, q: &[f64]| self.find(patch, q, &PredictedMotion::within(q, 0.0)).is_some_and(|row| row.gap < -tolerance);
         (0..self.kinds.len()).any(|patch| !has_row[self.owner(patch)] && is_deep(patch, q_1) && !is_deep(patch, q_0))
     }
 }

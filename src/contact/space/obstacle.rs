@@ -421,7 +421,7 @@ impl Shape {
     }
 
     /// Range of the signed distance on the straight path between two points, with distances above `near` replaced by `near`.
-    pub fn swing(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> f64 {
+    pub fn direction_change(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> f64 {
         // A distance changes by at most the path length.
         if self.is_one_sided() || (x_1 - x_0).norm() <= near * PASSING {
             return 0.0;

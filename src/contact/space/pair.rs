@@ -25,7 +25,7 @@ use super::closing::Closing;
 use super::polygon::{Polygon, VERTICES};
 use super::profiles::{Form, Profile, turned};
 use super::vectors::{Frame, Jet, LANES, Vec3, columns_into, cross, dot, jets, scaled, sub};
-use super::vertices::{Forces, OfBoth};
+use super::vertices::{Forces, PerTriangle};
 use crate::contact::numbers::{Each, Number};
 use crate::math::simd::{Kernel, dispatch};
 
@@ -112,7 +112,7 @@ impl<T: Number> View<T> {
 
     /// Height profiles of the triangles with these corners; `None` if both facets are flat.
     #[inline(always)]
-    fn forms(&self, [[first, ..], [_, second, _]]: &OfBoth<usize>) -> Option<[Form; 2]> {
+    fn forms(&self, [[first, ..], [_, second, _]]: &PerTriangle<usize>) -> Option<[Form; 2]> {
         let [own, other] = self.profiles.as_ref()?;
         // Triangles of a facet start at its corners in order; corners of primary ones are listed in reverse from the second.
         Some([*own.form(*first), turned(other.form(second - self.counts[0]))])
@@ -120,7 +120,7 @@ impl<T: Number> View<T> {
 
     /// Plane coordinates of the corners of both triangles.
     #[inline(always)]
-    fn places(&self, corners: &OfBoth<usize>) -> OfBoth<[T; 2]> {
+    fn places(&self, corners: &PerTriangle<usize>) -> PerTriangle<[T; 2]> {
         let [[a, b, c], [d, e, f]] = *corners;
         [[self.p[a], self.p[b], self.p[c]], [self.p[d], self.p[e], self.p[f]]]
     }
@@ -140,7 +140,7 @@ impl<T: Number> View<T> {
 
     /// True if the bounding boxes of two triangles are disjoint.
     #[inline(always)]
-    fn are_apart(&self, [secondary, primary]: &OfBoth<usize>) -> bool {
+    fn are_apart(&self, [secondary, primary]: &PerTriangle<usize>) -> bool {
         (0..2).any(|axis| {
             let range = |of: &[usize; 3]| {
                 let at = of.map(|k| self.p[k][axis].re());
@@ -258,7 +258,7 @@ pub type Gradients = [Vec3<Each<CORNERS>>; NODES];
 impl Pair<f64> {
     /// Heights of the corners of a polygon's triangles.
     #[inline(always)]
-    fn heights(&self, corners: &OfBoth<usize>) -> OfBoth<f64> {
+    fn heights(&self, corners: &PerTriangle<usize>) -> PerTriangle<f64> {
         corners.map(|corners| corners.map(|point| self.view.h[point]))
     }
 

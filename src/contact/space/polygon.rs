@@ -16,7 +16,7 @@
 use std::ops::Mul;
 
 use super::closing::Closing;
-use super::vertices::{Border, Forces, OfBoth, Vertex, sides, slope};
+use super::vertices::{Forces, PerTriangle, PolygonBorder, Vertex, sides, slope};
 use crate::contact::numbers::Number;
 use crate::math::tolerances::FACING_AREA;
 
@@ -27,14 +27,14 @@ pub const VERTICES: usize = 9;
 #[derive(Clone, Copy)]
 struct Corner<T> {
     p: [T; 2],
-    border: Border,
+    border: PolygonBorder,
 }
 
 /// Part of a primary triangle inside of a secondary one.
 #[derive(Clone)]
 pub struct Polygon<T> {
     /// Point indices of the triangles' corners.
-    pub corners: OfBoth<usize>,
+    pub corners: PerTriangle<usize>,
     /// Twice the areas of the triangles.
     pub areas: [T; 2],
     vertices: [Vertex<T>; VERTICES],
@@ -65,7 +65,7 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
             let (from, to) = (&old[k].p, &old[next].p);
             new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
             // Where the polygon leaves the half plane, the line itself follows.
-            new[left].border = if is_in { Border::Secondary } else { old[k].border };
+            new[left].border = if is_in { PolygonBorder::Secondary } else { old[k].border };
             left += 1;
         }
     }
@@ -87,7 +87,7 @@ fn along_edge<T: Copy, R: Number + Mul<T, Output = R>>(weight: [R; 2], gap: [T; 
 }
 
 /// Triangle to which the force of a polygon edge belongs (0: secondary, 1: primary), and the share of the other triangle.
-pub struct Bearer<T> {
+pub struct EdgeOwner<T> {
     side: usize,
     share: Option<T>,
 }
@@ -120,20 +120,20 @@ impl<T: Number> Polygon<T> {
     #[inline(always)]
     pub fn empty() -> Self {
         let zero = T::from(0.0);
-        let vertex = Vertex { p: [zero; 2], of_secondary: [zero; 3], of_primary: [zero; 3], border: Border::Primary, fan: zero };
+        let vertex = Vertex { p: [zero; 2], of_secondary: [zero; 3], of_primary: [zero; 3], border: PolygonBorder::Primary, fan: zero };
         Polygon { corners: [[0; 3]; 2], areas: [zero; 2], vertices: [vertex; VERTICES], count: 0 }
     }
 
     /// Clips a primary triangle by a secondary one, given by point indices and plane coordinates of their corners; `false` without overlap
     /// or for triangles that do not face each other.
     #[inline(always)]
-    pub fn set(&mut self, corners: OfBoth<usize>, places: &OfBoth<[T; 2]>) -> bool {
+    pub fn set(&mut self, corners: PerTriangle<usize>, places: &PerTriangle<[T; 2]>) -> bool {
         let [[s_0, s_1, s_2], [m_0, m_1, m_2]] = places;
         let areas = [area(s_0, s_1, s_2), area(m_0, m_1, m_2)];
         if areas[0].re() <= 0.0 || areas[1].re() <= FACING_AREA * areas[0].re() {
             return false;
         }
-        let corner = |p: &[T; 2]| Corner { p: *p, border: Border::Primary };
+        let corner = |p: &[T; 2]| Corner { p: *p, border: PolygonBorder::Primary };
         let mut first = [corner(m_0); VERTICES];
         (first[1], first[2]) = (corner(m_1), corner(m_2));
         let mut second = first;
@@ -180,10 +180,10 @@ impl<T: Number> Polygon<T> {
     /// Triangles that share the force of an edge: the one on whose border it lies, and partly the other one if its own border is nearer
     /// than `band` in units of its height; half each where both coincide. This makes the forces continuous, without resultant or moment.
     #[inline(always)]
-    fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> Bearer<T> {
-        let side = if ends[0].border == Border::Secondary { 0 } else { 1 };
+    fn bearer(&self, ends: [&Vertex<T>; 2], band: f64) -> EdgeOwner<T> {
+        let side = if ends[0].border == PolygonBorder::Secondary { 0 } else { 1 };
         if band <= 0.0 {
-            return Bearer { side, share: None };
+            return EdgeOwner { side, share: None };
         }
         let [a, b] = [ends[0].shape(1 - side), ends[1].shape(1 - side)];
         let mut nearest = 0;
@@ -194,10 +194,10 @@ impl<T: Number> Polygon<T> {
         }
         let depth = (a[nearest] + b[nearest]) * 0.5;
         if depth.re() >= band {
-            return Bearer { side, share: None };
+            return EdgeOwner { side, share: None };
         }
         let near = T::from(1.0) - depth * (1.0 / band);
-        Bearer { side, share: Some(near * near * 0.5) }
+        EdgeOwner { side, share: Some(near * near * 0.5) }
     }
 
     /// Coefficients of the corner values of an affine function in the integral of its product with another affine function with the values
@@ -230,7 +230,7 @@ impl<T: Number> Polygon<T> {
 
     /// Gaps at the corners, from heights at the corners of the triangles.
     #[inline(always)]
-    pub fn gaps(&self, heights: &OfBoth<f64>) -> [T; VERTICES] {
+    pub fn gaps(&self, heights: &PerTriangle<f64>) -> [T; VERTICES] {
         let mut gaps = [T::from(0.0); VERTICES];
         for (k, vertex) in self.vertices().iter().enumerate() {
             let [own, other] = [vertex.of_secondary, vertex.of_primary];
@@ -256,8 +256,8 @@ impl<T: Number> Polygon<T> {
     #[inline(always)]
     pub fn forces<W, R>(
         &self,
-        places: &OfBoth<[T; 2]>,
-        heights: &OfBoth<f64>,
+        places: &PerTriangle<[T; 2]>,
+        heights: &PerTriangle<f64>,
         closing: &Option<Closing<T>>,
         weights: &[W; 3],
         band: f64,
@@ -296,7 +296,7 @@ impl<T: Number> Polygon<T> {
                 edge[0] -= closed[0];
                 edge[1] -= closed[1];
             }
-            let Bearer { side, share } = self.bearer(ends, band);
+            let EdgeOwner { side, share } = self.bearer(ends, band);
             match share {
                 Some(share) => {
                     let passed = [edge[0] * share, edge[1] * share];
@@ -317,7 +317,7 @@ impl Polygon<f64> {
         let weight: [f64; VERTICES] = self.weights(weights);
         for k in 0..self.count {
             let (ends, [a, b]) = self.edge(k);
-            let Bearer { side, share: Some(share) } = self.bearer(ends, band) else { continue };
+            let EdgeOwner { side, share: Some(share) } = self.bearer(ends, band) else { continue };
             for (column, (from, up)) in [(0, -share), (1, share)].into_iter().flat_map(|of| [of; 3]).enumerate() {
                 let gap = ends.map(|end| up * end.shape(from)[column % 3]);
                 let mut edge = along_edge([weight[a], weight[b]], gap);

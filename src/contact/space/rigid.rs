@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 use super::facets::Distance;
 use super::obstacle::{ObstacleInSpace, Shape, StepGradient};
-use super::second_order::SeenInSpace;
+use super::second_order::ProxySurfacesInSpace;
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
 use crate::contact::faces;
@@ -54,12 +54,12 @@ pub struct RigidInSpace {
     /// True for nodes or points without constraints: those inside of round parts of a rigid body, which `contact/rolling.rs` constrains.
     is_hidden: Vec<bool>,
     /// Shape from which each constraint is measured in this step; `None` for absent constraints.
-    felt: Vec<Option<Shape>>,
+    obstacle_side: Vec<Option<Shape>>,
 }
 
 impl RigidInSpace {
     /// Contact of a surface with height profiles with an obstacle, sized in the reference positions.
-    pub fn of_curve(seen: &SeenInSpace, obstacle: &ObstacleInSpace) -> Self {
+    pub fn of_curve(seen: &ProxySurfacesInSpace, obstacle: &ObstacleInSpace) -> Self {
         RigidInSpace { heights: seen.heights(0), ..Self::new(seen.secondary.clone(), obstacle, &seen.reference) }
     }
 
@@ -96,7 +96,7 @@ impl RigidInSpace {
             carried: ([0.0; 3], 0.0),
             start,
             neighbors,
-            felt: Vec::new(),
+            obstacle_side: Vec::new(),
         };
         contact.feel();
         contact
@@ -112,8 +112,8 @@ impl RigidInSpace {
     /// Selects the shape from which the gap of each constraint is measured, at the start of the step.
     fn feel(&mut self) {
         let (size, shift) = (self.sides.facet_size, Vector3::from(self.translations[0]));
-        let mut felt = vec![None; self.sides.weights.len()];
-        for (index, of_node) in felt.chunks_exact_mut(self.slots).enumerate().filter(|(index, _)| !self.is_hidden[*index]) {
+        let mut obstacle_side = vec![None; self.sides.weights.len()];
+        for (index, of_node) in obstacle_side.chunks_exact_mut(self.slots).enumerate().filter(|(index, _)| !self.is_hidden[*index]) {
             let x = self.start[index] - shift;
             of_node[0] = Some(self.shape.clone());
             let Shape::Facets(facets) = &self.shape else { continue };
@@ -122,7 +122,10 @@ impl RigidInSpace {
                 // The order is independent of the distances, so that constraints keep their sides and multipliers.
                 let mut sides: Vec<usize> = std::iter::once(nearest).chain(rising).take(SLOTS).collect();
                 sides.sort_unstable();
-                of_node.iter_mut().zip(sides).for_each(|(felt, side)| *felt = Some(Shape::Side(Arc::clone(facets), side)));
+                of_node
+                    .iter_mut()
+                    .zip(sides)
+                    .for_each(|(obstacle_side, side)| *obstacle_side = Some(Shape::Side(Arc::clone(facets), side)));
                 continue;
             }
             // Without the face's plane, a node that a face pushes past an edge, and that returns without the push, has no solution. If its
@@ -135,7 +138,7 @@ impl RigidInSpace {
                 of_node[0] = planes.into_iter().find(is_front).map(|[point, normal]| Shape::Plane { point, normal });
             }
         }
-        self.felt = felt;
+        self.obstacle_side = obstacle_side;
     }
 
     /// Position of a node relative to the obstacle displaced by `translation`.
@@ -167,7 +170,7 @@ impl RigidInSpace {
     /// Present constraints: index, index of the node, shape.
     fn rows_felt(&self) -> impl Iterator<Item = (usize, usize, &Shape)> {
         let slots = self.slots;
-        self.felt.iter().enumerate().filter_map(move |(row, felt)| Some((row, row / slots, felt.as_ref()?)))
+        self.obstacle_side.iter().enumerate().filter_map(move |(row, obstacle_side)| Some((row, row / slots, obstacle_side.as_ref()?)))
     }
 
     /// Signed distance from the whole obstacle at the end of the step for nodes at `q`, with the index of each node that has constraints.
@@ -251,8 +254,8 @@ impl PatchFunctions for RigidInSpace {
 impl SlipsInSpace for RigidInSpace {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
         let x = Vector3::from(z[0].map(|x| x.re())) - Vector3::from(self.translations[1]);
-        let group = |(place, felt): (usize, &Option<Shape>)| {
-            let shape = felt.as_ref()?;
+        let group = |(place, obstacle_side): (usize, &Option<Shape>)| {
+            let shape = obstacle_side.as_ref()?;
             let Distance { normal, curvature, covered, .. } = shape.distance(x);
             let axis = slip::farthest_axis(shape.distance(self.begins(p)).normal.into());
             let normal = std::array::from_fn(|i| slip::linear(normal[i], &[0, 1, 2].map(|k| curvature[(i, k)]), z));
@@ -260,7 +263,7 @@ impl SlipsInSpace for RigidInSpace {
             weights[0] = T::from(self.sides.weights[self.slots * p + place]);
             covered.then(|| Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0 })
         };
-        self.felt[self.slots * p..self.slots * (p + 1)].iter().enumerate().filter_map(group).collect()
+        self.obstacle_side[self.slots * p..self.slots * (p + 1)].iter().enumerate().filter_map(group).collect()
     }
 
     fn carrier(&self) -> Option<Carrier> {
@@ -290,17 +293,17 @@ impl RigidObstacle for RigidInSpace {
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
         let (end, size) = (self.translations[2], self.sides.facet_size);
-        let (mut swing, mut crossing) = (0.0f64, 0.0f64);
+        let (mut direction_change, mut crossing) = (0.0f64, 0.0f64);
         for index in (0..self.start.len()).filter(|&index| !self.is_hidden[index]) {
             let (x_0, x_1) = (self.begins(index), self.position(index, q_1, end));
             let near = size.max(self.sides.weights[self.slots * index].sqrt());
             let moved = (x_1 - x_0).norm();
-            swing = swing.max(self.shape.swing(x_0, x_1, near) / near);
+            direction_change = direction_change.max(self.shape.direction_change(x_0, x_1, near) / near);
             if moved > crossing.max(CROSSING * size) && self.shape.is_crossed(x_0, x_1, near) {
                 crossing = moved;
             }
         }
-        [swing, crossing / size]
+        [direction_change, crossing / size]
     }
 
     fn obstacle_force_into(&self, derivative: Derivative, q_1: &[f64], before: &[f64], lambda: &[f64], force: &mut [f64]) -> f64 {
@@ -325,7 +328,7 @@ mod tests {
 
     use super::super::facets::Facets;
     use super::*;
-    use crate::contact::Outlook;
+    use crate::contact::PredictedMotion;
     use crate::contact::fixtures::{difference, evaluated, product};
 
     fn obstacles() -> Vec<ObstacleInSpace> {
@@ -358,7 +361,7 @@ mod tests {
     fn contact(obstacle: &ObstacleInSpace, q_0: &[f64], translations: &[[f64; 3]; 3]) -> RigidInSpace {
         let mut kernel = RigidInSpace::new(Surface::in_space([&[0, 1, 2][..]]), obstacle, q_0);
         kernel.move_obstacle(translations);
-        assert!(!kernel.update_candidates(&Outlook::within(q_0, 1.0)));
+        assert!(!kernel.update_candidates(&PredictedMotion::within(q_0, 1.0)));
         kernel.begin_step(q_0);
         kernel
     }

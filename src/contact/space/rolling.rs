@@ -6,8 +6,8 @@ use super::facets::Distance;
 use super::obstacle::{Profile, Shape, StepGradient};
 use super::slip::{self, Carrier, Group, SlipsInSpace};
 use super::vectors::Vec3;
-use crate::contact::felt::{Felt, Local};
 use crate::contact::numbers::Number;
+use crate::contact::obstacle_side::{Local, ObstacleSide};
 use crate::contact::patches::Evaluation;
 use crate::contact::rolling::{RollingContact, Slips};
 use crate::contact::slip::SlipStep;
@@ -15,7 +15,7 @@ use crate::contact::slip::SlipStep;
 /// Largest number of sides of an obstacle with pockets that a round part touches simultaneously.
 const SIDES: usize = 3;
 
-impl Felt<3> for Shape {
+impl ObstacleSide<3> for Shape {
     fn sides(&self) -> usize {
         match self {
             Shape::Facets(facets) if facets.has_pockets() => SIDES,
@@ -57,17 +57,17 @@ impl Felt<3> for Shape {
     }
 
     fn passage(&self, x_0: Vector3<f64>, x_1: Vector3<f64>, near: f64) -> (f64, bool) {
-        (self.swing(x_0, x_1, near), self.is_crossed(x_0, x_1, near))
+        (self.direction_change(x_0, x_1, near), self.is_crossed(x_0, x_1, near))
     }
 }
 
 /// Slip of round parts relative to the translating and rotating obstacle.
 impl SlipsInSpace for RollingContact<3, Shape> {
     fn groups<T: Number>(&self, p: usize, z: &[Vec3<T>]) -> Vec<Group<T>> {
-        let first = self.felt_by(p).len() * p;
-        let group = |(place, felt): (usize, &Option<(Shape, Vector3<f64>)>)| {
-            let (felt, at_start) = felt.as_ref()?;
-            let (shares, normal) = self.touching(p, felt, z);
+        let first = self.sides_near(p).len() * p;
+        let group = |(place, obstacle_side): (usize, &Option<(Shape, Vector3<f64>)>)| {
+            let (obstacle_side, at_start) = obstacle_side.as_ref()?;
+            let (shares, normal) = self.touching(p, obstacle_side, z);
             let axis = slip::farthest_axis((*at_start).into());
             let mut weights = [T::from(0.0); slip::NODES];
             for (weight, share) in weights.iter_mut().zip(shares) {
@@ -75,7 +75,7 @@ impl SlipsInSpace for RollingContact<3, Shape> {
             }
             Some(Group { place, weights, tangents: slip::tangents(normal, axis), covered: 1.0 })
         };
-        self.felt_by(p).iter().enumerate().filter_map(group).collect()
+        self.sides_near(p).iter().enumerate().filter_map(group).collect()
     }
 
     fn carrier(&self) -> Option<Carrier> {

@@ -25,7 +25,7 @@ use crate::contact::numbers::Number;
 use crate::contact::patches::Evaluation;
 use crate::contact::slip::SlipStep;
 use crate::contact::surface::{Sides, Surface};
-use crate::contact::window::{Outlook, Travel};
+use crate::contact::window::{MotionBound, PredictedMotion};
 use crate::integrators::{Configuration, Derivative};
 use crate::math::tolerances::{LIES_ALONG, PROJECTED_INCREMENT, REMAINDER};
 
@@ -256,11 +256,11 @@ impl RoundInSpace {
         (0..self.is_there.len()).filter(|&row| self.is_there[row])
     }
 
-    fn is_near(&self, row: usize, q: &[f64], time: usize, outlook: &Outlook) -> bool {
+    fn is_near(&self, row: usize, q: &[f64], time: usize, predicted_motion: &PredictedMotion) -> bool {
         let (ends, size) = (self.ends(row, q, time), self.sides.facet_size);
         let length = (ends[1] - ends[0]).norm();
-        let travel = outlook.travel::<3>(self.sides.patches.nodes(row), &[]) + self.moved();
-        let reach = OPEN * size + travel;
+        let motion_bound = predicted_motion.motion_bound::<3>(self.sides.patches.nodes(row), &[]) + self.moved();
+        let reach = OPEN * size + motion_bound;
         if ends.iter().all(|&end| self.shape.distance(end).gap > reach + length) {
             return false;
         }
@@ -442,15 +442,19 @@ impl SlipsInSpace for RoundInSpace {
 }
 
 impl CandidateSearch for RoundInSpace {
-    fn update_candidates(&mut self, outlook: &Outlook) -> bool {
-        let predicted: Option<Vec<f64>> = match outlook.travel {
-            Travel::Guessed { displacements: [first, _], .. } => Some(outlook.q.iter().zip(first).map(|(q, u)| q + u).collect()),
+    fn update_candidates(&mut self, predicted_motion: &PredictedMotion) -> bool {
+        let predicted: Option<Vec<f64>> = match predicted_motion.motion_bound {
+            MotionBound::Guessed { displacements: [first, _], .. } => {
+                Some(predicted_motion.q.iter().zip(first).map(|(q, u)| q + u).collect())
+            }
             _ => None,
         };
-        let stretches: Vec<Option<Stretch>> = (0..self.is_there.len()).map(|row| self.stretch(row, outlook.q)).collect();
+        let stretches: Vec<Option<Stretch>> = (0..self.is_there.len()).map(|row| self.stretch(row, predicted_motion.q)).collect();
         self.stretches = stretches.iter().map(|stretch| stretch.unwrap_or(Stretch::Whole)).collect();
-        let is_there =
-            |row: usize| self.is_near(row, outlook.q, 0, outlook) || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, outlook));
+        let is_there = |row: usize| {
+            self.is_near(row, predicted_motion.q, 0, predicted_motion)
+                || predicted.as_ref().is_some_and(|q| self.is_near(row, q, 2, predicted_motion))
+        };
         self.is_there = stretches.iter().enumerate().map(|(row, stretch)| stretch.is_some() && is_there(row)).collect();
         // The list of contact elements never changes.
         false
@@ -537,7 +541,7 @@ mod tests {
         let surface = Surface::in_space([&[0, 1, 2, 3][..]]);
         let mut kernel = RoundInSpace::new(&surface, obstacle, q_0, 1.0).expect("it is small");
         kernel.move_obstacle(translations);
-        kernel.update_candidates(&Outlook::within(q_0, 1.0));
+        kernel.update_candidates(&PredictedMotion::within(q_0, 1.0));
         kernel.begin_step(q_0);
         kernel
     }

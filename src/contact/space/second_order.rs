@@ -43,7 +43,7 @@ const OF_QUADRILATERALS: f64 = 1.0 / 3.0;
 const ROUNDS: usize = 3;
 
 /// Contact representation of two surfaces in space: between their nodes, or between points on faces of second order.
-pub struct SeenInSpace<'a> {
+pub struct ProxySurfacesInSpace<'a> {
     /// Side with the constraints.
     pub secondary: Surface,
     /// Side without constraints.
@@ -59,7 +59,7 @@ pub struct SeenInSpace<'a> {
     on_faces: Option<(Combinations, Combinations, Sides)>,
 }
 
-impl<'a> SeenInSpace<'a> {
+impl<'a> ProxySurfacesInSpace<'a> {
     /// Two surfaces given by the nodes of their faces: three, four, six, eight or nine each.
     pub fn new(sides: [&[Vec<u32>]; 2], reference: &'a [f64]) -> Self {
         Self::with_inner(sides, &[], reference)
@@ -71,7 +71,7 @@ impl<'a> SeenInSpace<'a> {
         if sides.into_iter().flatten().all(|face| face.len() <= 4) {
             let [secondary, primary] = sides.map(of);
             let profiles = [&secondary, &primary].map(|surface| profiles(surface, reference, reference, &[]));
-            return SeenInSpace {
+            return ProxySurfacesInSpace {
                 secondary,
                 primary,
                 reference: reference.into(),
@@ -95,7 +95,7 @@ impl<'a> SeenInSpace<'a> {
         let normals = sides.map(|faces| faces.iter().flat_map(|face| corner_normals(face, reference)).collect::<Vec<_>>());
         let profiles = [(&secondary, &normals[0]), (&primary, &normals[1])].map(|(surface, of)| profiles(surface, &seen, &truth, of));
         let on_faces = Some((points, homes, Sides::of(own, other, reference)));
-        SeenInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, on_faces }
+        ProxySurfacesInSpace { secondary, primary, reference: seen.into(), curve: truth.into(), inner, profiles, on_faces }
     }
 
     /// Removes the height profiles for the facet shape `Straight`.
@@ -471,7 +471,7 @@ mod tests {
 
     /// Errors of the curved surface: mean, root mean square, largest.
     fn errors(faces: &[Vec<u32>], q: &[f64]) -> [f64; 3] {
-        let seen = SeenInSpace::new([faces, &[]], q);
+        let seen = ProxySurfacesInSpace::new([faces, &[]], q);
         let (mut sum, mut square, mut most, mut count) = (0.0, 0.0, 0.0f64, 0.0);
         for facet in 0..seen.secondary.count() {
             let nodes = seen.secondary.facet(facet);

@@ -296,8 +296,8 @@ mod tests {
 
     use super::*;
     use crate::contact::fixtures::{dense_rows_of, difference, evaluated, product, tangent_along, unbalance_in_space};
-    use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, RigidInSpace, RoundInSpace, SeenInSpace};
-    use crate::contact::{ContactKernel, Outlook};
+    use crate::contact::space::{CornersInSpace, MortarInSpace, ObstacleInSpace, ProxySurfacesInSpace, RigidInSpace, RoundInSpace};
+    use crate::contact::{ContactKernel, PredictedMotion};
     use crate::integrators::Derivative;
 
     /// Facets of a lower body with three by three nodes.
@@ -314,13 +314,13 @@ mod tests {
     fn kernels(q: &[f64]) -> Vec<Box<dyn ContactKernel>> {
         let faces = [FACETS.map(|facet| facet.to_vec()).to_vec(), vec![vec![9, 10, 11, 12]]];
         let base = base();
-        let seen = SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base);
+        let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), &base);
         let mut kernels = vec![MortarInSpace::kernel(&seen)];
         kernels.extend(CornersInSpace::kernel(&seen));
         // The upper facet lies entirely over the lower ones.
-        kernels.push(MortarInSpace::dual_kernel(&SeenInSpace::new([&faces[1], &faces[0]], &base)));
+        kernels.push(MortarInSpace::dual_kernel(&ProxySurfacesInSpace::new([&faces[1], &faces[0]], &base)));
         for kernel in &mut kernels {
-            kernel.update_candidates(&Outlook::within(q, 1.0));
+            kernel.update_candidates(&PredictedMotion::within(q, 1.0));
             kernel.begin_step(q);
         }
         kernels
@@ -339,7 +339,7 @@ mod tests {
         for kernel in &mut kernels {
             kernel.move_obstacle(&[[0.0; 3], [0.05, -0.02, 0.01], [0.1, -0.04, 0.02]]);
             kernel.carry([0.1, -0.04, 0.02], angle);
-            kernel.update_candidates(&Outlook::within(q, 1.0));
+            kernel.update_candidates(&PredictedMotion::within(q, 1.0));
             kernel.begin_step(q);
         }
         kernels
@@ -468,8 +468,8 @@ mod tests {
         let q_1: Vec<f64> = q_0.iter().enumerate().map(|(k, x)| if k < 27 && k % 3 < 2 { x + by[k % 3] } else { *x }).collect();
         for facets in [FACETS, [[1, 4, 3, 0], [5, 4, 1, 2], [7, 6, 3, 4], [8, 7, 4, 5]]] {
             let faces = [facets.map(|facet| facet.to_vec()).to_vec(), vec![vec![9, 10, 11, 12]]];
-            let mut mortar = MortarInSpace::kernel(&SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), &q_0));
-            mortar.update_candidates(&Outlook::within(&q_0, 1.0));
+            let mut mortar = MortarInSpace::kernel(&ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), &q_0));
+            mortar.update_candidates(&PredictedMotion::within(&q_0, 1.0));
             mortar.begin_step(&q_0);
             let out = slips(&*mortar, &q_0, &q_1, Configuration::Middle);
             for node in 0..9 {

@@ -77,7 +77,7 @@ mod tests {
 
     use super::*;
     use crate::contact::fixtures::{dense_rows, difference, evaluated, product};
-    use crate::contact::{CandidateSearch, Outlook, PatchFunctions};
+    use crate::contact::{CandidateSearch, PatchFunctions, PredictedMotion};
     use crate::integrators::Derivative;
 
     fn largest(values: &[f64]) -> f64 {
@@ -91,7 +91,7 @@ mod tests {
         let secondary = Surface::in_space([&[0u32, 1, 2, 3][..]]);
         let primary = Surface::in_space([&[4u32, 5, 6][..], &[4, 6, 7]]);
         let mut tie = Tie::in_space(secondary, primary, &[8, 8], &q, 0.5);
-        assert!(tie.update_candidates(&Outlook::within(&q, 0.0)));
+        assert!(tie.update_candidates(&PredictedMotion::within(&q, 0.0)));
         tie.begin_step(&q);
         (tie, q)
     }

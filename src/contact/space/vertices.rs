@@ -11,24 +11,24 @@ pub struct Vertex<T> {
     pub p: [T; 2],
     pub of_secondary: [T; 3],
     pub of_primary: [T; 3],
-    pub border: Border,
+    pub border: PolygonBorder,
     pub fan: T,
 }
 
 /// Triangle on whose border an edge of a polygon lies.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Border {
+pub enum PolygonBorder {
     Secondary,
     Primary,
 }
 
 /// Values at the corners of both triangles, secondary first.
-pub type OfBoth<T> = [[T; 3]; 2];
+pub type PerTriangle<T> = [[T; 3]; 2];
 
 /// Derivatives with respect to plane coordinates and heights of the corners.
 pub struct Forces<R> {
-    pub of_p: OfBoth<[R; 2]>,
-    pub of_h: OfBoth<R>,
+    pub of_p: PerTriangle<[R; 2]>,
+    pub of_h: PerTriangle<R>,
 }
 
 impl<T: Copy> Vertex<T> {

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::definitions::Model;
 use super::interactions::BodyBoundary;
-use crate::contact::{ProxyNodes, SeenInSpace, Surface, Tie};
+use crate::contact::{ProxyNodes, ProxySurfacesInSpace, Surface, Tie};
 use crate::mesh::Facet;
 
 /// Facets of a boundary in the plane; node numbers of its body start at `first_node`. A quadratic edge gives two facets.
@@ -58,17 +58,17 @@ pub fn tie_reach(secondary: &Surface, reference: &[f64]) -> f64 {
     0.5 * secondary.shortest_facet(reference)
 }
 
-/// Tie of two boundaries in space, on the points of [`SeenInSpace`], and its reach; `first` maps a body to its first node number.
+/// Tie of two boundaries in space, on the points of [`ProxySurfacesInSpace`], and its reach; `first` maps a body to its first node number.
 pub fn tied_in_space<'a>(
     model: &Model,
     [secondary, to]: [&BodyBoundary; 2],
     reach: Option<f64>,
     first: impl Fn(usize) -> usize,
     reference: &'a [f64],
-) -> (SeenInSpace<'a>, Tie, f64) {
+) -> (ProxySurfacesInSpace<'a>, Tie, f64) {
     let faces = [secondary, to].map(|on| boundary_faces(model, on, first(on.body)));
     let inner = inner_nodes(model, to, first(to.body));
-    let seen = SeenInSpace::with_inner(faces.each_ref().map(|faces| &faces[..]), &inner, reference);
+    let seen = ProxySurfacesInSpace::with_inner(faces.each_ref().map(|faces| &faces[..]), &inner, reference);
     let reach = reach.unwrap_or_else(|| tie_reach(&seen.secondary, &seen.reference));
     let tie = Tie::in_space(seen.secondary.clone(), seen.primary.clone(), &seen.inner, &seen.reference, reach);
     (seen, tie, reach)

@@ -42,7 +42,7 @@ struct Bound {
 
 /// Body inside a rigid obstacle, at the deepest point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Passed {
+pub struct BodyPastObstacle {
     /// Name of the contact with the obstacle.
     pub contact: String,
     /// Name of the body.
@@ -115,12 +115,12 @@ impl ObstacleBounds {
     }
 
     /// Body with the deepest penetration of an obstacle, in facets, for node positions `q` and obstacles at time `time`.
-    pub fn deepest(&self, q: &[f64], time: f64, step: usize) -> Option<Passed> {
+    pub fn deepest(&self, q: &[f64], time: f64, step: usize) -> Option<BodyPastObstacle> {
         let of = |bound: &Bound| {
             let own = &q[bound.dimension * bound.first..bound.dimension * (bound.first + bound.nodes)];
             let (facets, at) = bound.deepest(own, time, DEPTH)?;
             let (contact, body) = (bound.contact.clone(), bound.body.clone());
-            Some(Passed { contact, body, facets, at: at[..bound.dimension].to_vec(), step, time })
+            Some(BodyPastObstacle { contact, body, facets, at: at[..bound.dimension].to_vec(), step, time })
         };
         self.bounds.iter().filter_map(of).max_by(|a, b| a.facets.total_cmp(&b.facets))
     }

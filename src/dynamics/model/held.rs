@@ -15,7 +15,7 @@ const AGAINST_SUPPORT: f64 = 0.001;
 
 /// Definition without effect, on nodes that are supported or moved otherwise.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Held {
+pub enum OverriddenDefinition {
     /// Initial velocity of a body that supports or prescribed motions override at some nodes.
     Thrown {
         /// Name of the body.
@@ -41,73 +41,75 @@ pub enum Held {
     },
 }
 
-impl std::fmt::Display for Held {
+impl std::fmt::Display for OverriddenDefinition {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Held::Thrown { body, boundary, .. } => {
+            OverriddenDefinition::Thrown { body, boundary, .. } => {
                 write!(out, "the initial velocity of body \"{body}\" does not act on \"{boundary}\", which is held or moved")
             }
-            Held::Loaded { boundary } => write!(out, "the load on \"{boundary}\" acts on nodes that are held in its direction"),
-            Held::Overruled { held, moved, direction } => {
+            OverriddenDefinition::Loaded { boundary } => {
+                write!(out, "the load on \"{boundary}\" acts on nodes that are held in its direction")
+            }
+            OverriddenDefinition::Overruled { held, moved, direction } => {
                 write!(out, "the support of \"{held}\" in the direction {direction} holds nothing: \"{moved}\" moves all its nodes")
             }
         }
     }
 }
 
-impl Held {
+impl OverriddenDefinition {
     /// Stable code, which `conserva doc` explains.
     pub fn code(&self) -> &'static str {
         match self {
-            Held::Thrown { .. } => "C0435",
-            Held::Loaded { .. } => "C0436",
-            Held::Overruled { .. } => "C0437",
+            OverriddenDefinition::Thrown { .. } => "C0435",
+            OverriddenDefinition::Loaded { .. } => "C0436",
+            OverriddenDefinition::Overruled { .. } => "C0437",
         }
     }
 
     /// Consequence, one sentence.
     pub fn cause(&self) -> String {
         match self {
-            Held::Thrown { speed, .. } => {
+            OverriddenDefinition::Thrown { speed, .. } => {
                 format!("velocities there differ by up to {}: the nodes stop in the first step, as in an impact", three_digits(*speed))
             }
-            Held::Loaded { .. } => "the supports take it up: it moves nothing, and is part of their reactions".into(),
-            Held::Overruled { .. } => "where a node is held and moved the motion counts".into(),
+            OverriddenDefinition::Loaded { .. } => "the supports take it up: it moves nothing, and is part of their reactions".into(),
+            OverriddenDefinition::Overruled { .. } => "where a node is held and moved the motion counts".into(),
         }
     }
 
     /// Remedy, one sentence.
     pub fn hint(&self) -> &'static str {
         match self {
-            Held::Thrown { .. } => {
+            OverriddenDefinition::Thrown { .. } => {
                 "give a velocity that the supports allow, such as a spin about what holds the body; leave this as it is if a body that \
                  flies is stopped there"
             }
-            Held::Loaded { .. } => "load other nodes, or leave one of the two out",
-            Held::Overruled { .. } => "leave the support or the motion in this direction out",
+            OverriddenDefinition::Loaded { .. } => "load other nodes, or leave one of the two out",
+            OverriddenDefinition::Overruled { .. } => "leave the support or the motion in this direction out",
         }
     }
 }
 
 impl Model {
     /// Velocities, loads and supports that supports or prescribed motions make ineffective, fully or partly.
-    pub fn held(&self) -> Vec<Held> {
+    pub fn held(&self) -> Vec<OverriddenDefinition> {
         let thrown = self.supports.iter().map(|support| &support.on).chain(self.prescriptions.iter().map(|given| &given.on));
         let planes = self.couplings.iter().filter_map(|coupling| match &coupling.kind {
             CouplingKind::Plane { on, .. } => Some(on),
             CouplingKind::Periodic { .. } | CouplingKind::Reference { .. } => None,
         });
-        let mut found: Vec<Held> = Vec::new();
+        let mut found: Vec<OverriddenDefinition> = Vec::new();
         for on in thrown.chain(planes) {
             let speed = self.speed_against(on);
             let body = self.bodies[on.body].name.clone();
-            let is_known = |held: &Held| matches!(held, Held::Thrown { body: known, .. } if *known == body);
+            let is_known = |held: &OverriddenDefinition| matches!(held, OverriddenDefinition::Thrown { body: known, .. } if *known == body);
             if speed > 0.0 && !found.iter().any(is_known) {
-                found.push(Held::Thrown { body, boundary: self.boundary_name(on), speed });
+                found.push(OverriddenDefinition::Thrown { body, boundary: self.boundary_name(on), speed });
             }
         }
         let loaded = self.loads.iter().filter(|load| self.is_held_against(&load.on, &load.kind));
-        found.extend(loaded.map(|load| Held::Loaded { boundary: self.boundary_name(&load.on) }));
+        found.extend(loaded.map(|load| OverriddenDefinition::Loaded { boundary: self.boundary_name(&load.on) }));
         for support in &self.supports {
             let nodes = self.nodes_of(&support.on);
             for moved in self.prescriptions.iter().filter(|moved| moved.on.body == support.on.body) {
@@ -115,7 +117,7 @@ impl Model {
                 let direction = (0..self.dimension()).find(|&i| support.components[i] && moved.moves(i));
                 if let Some(direction) = direction.filter(|_| nodes.iter().all(|node| others.binary_search(node).is_ok())) {
                     let [held, moved] = [&support.on, &moved.on].map(|on| self.boundary_name(on));
-                    found.push(Held::Overruled { held, moved, direction: ["x", "y", "z"][direction] });
+                    found.push(OverriddenDefinition::Overruled { held, moved, direction: ["x", "y", "z"][direction] });
                 }
             }
         }

@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use crate::contact::{Solid, Sunk};
+use crate::contact::{HullPenetration, Solid};
 use crate::mesh::{Mesh, cross, is_inside};
 
 /// Admitted overlap as a fraction of a facet, in addition to the sagitta of curved sides.
@@ -38,7 +38,7 @@ pub enum BodyHull {
 }
 
 /// Mutual penetration of two hulls.
-pub struct Inside {
+pub struct MutualPenetration {
     /// Penetration `[length]`.
     pub depth: f64,
     /// Length of the penetrated facet `[length]`.
@@ -58,11 +58,11 @@ impl BodyHull {
     }
 
     /// Deepest mutual penetration of two hulls; `None` without one.
-    pub fn inside(&self, other: &BodyHull) -> Option<Inside> {
+    pub fn inside(&self, other: &BodyHull) -> Option<MutualPenetration> {
         match (self, other) {
             (BodyHull::Plane(own), BodyHull::Plane(other)) => own.inside(other),
             (BodyHull::Space(own), BodyHull::Space(other)) => {
-                own.inside(other).map(|Sunk { depth, size, at }| Inside { depth, size, at: at.into() })
+                own.inside(other).map(|HullPenetration { depth, size, at }| MutualPenetration { depth, size, at: at.into() })
             }
             _ => None,
         }
@@ -99,13 +99,13 @@ impl Hull {
     }
 
     /// Deepest mutual penetration of two hulls; `None` without one.
-    pub fn inside(&self, other: &Hull) -> Option<Inside> {
+    pub fn inside(&self, other: &Hull) -> Option<MutualPenetration> {
         if !self.meets(other) {
             return None;
         }
         let places = [deepest(self, other), deepest(other, self), crossing(self, other)];
         let (depth, size, at) = places.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(Inside { depth, size, at: at.into() })
+        Some(MutualPenetration { depth, size, at: at.into() })
     }
 
     /// True if the bounding boxes of two hulls overlap.

@@ -6,9 +6,9 @@ use std::fmt;
 
 use super::boundaries::boundary_facets;
 use super::definitions::{BodyDefinition, Model};
-use super::hulls::{ALLOWED, BodyHull, Hull, Inside};
+use super::hulls::{ALLOWED, BodyHull, Hull, MutualPenetration};
 use super::interactions::{Interaction, Partner};
-use crate::contact::{ContactKernel, Evaluation, Obstacle, Outlook, RigidContact, RigidInSpace, Surface};
+use crate::contact::{ContactKernel, Evaluation, Obstacle, PredictedMotion, RigidContact, RigidInSpace, Surface};
 use crate::integrators::Derivative;
 use crate::mesh::Facet;
 
@@ -92,7 +92,7 @@ impl Model {
                 if contact.is_none() && self.are_joined(first, second) {
                     continue;
                 }
-                let Some(Inside { depth, size, at }) = one.inside(other) else { continue };
+                let Some(MutualPenetration { depth, size, at }) = one.inside(other) else { continue };
                 let names = [first, second].map(|body| self.bodies[body].name.clone());
                 found.push(Overlap { kind: OverlapKind::Bodies(names), contact, depth, facets: depth / size, at });
             }
@@ -130,7 +130,7 @@ impl Model {
             _ => Box::new(RigidContact::new(&boundary_facets(self, &interaction.secondary, 0), shape, &reference)),
         };
         kernel.move_obstacle(&[translation; 3]);
-        kernel.update_candidates(&Outlook::within(&reference, 0.0));
+        kernel.update_candidates(&PredictedMotion::within(&reference, 0.0));
         kernel.begin_step(&reference);
         let size = kernel.facet_size();
         let (least, index) = covered_gaps(&*kernel, &reference).min_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -19,12 +19,12 @@ pub struct Prescription {
     /// Displacement `d` in every direction over time `[length]`.
     pub displacement: [Option<Amplitude>; 3],
     /// Prescribed rotation, in addition to the displacements.
-    pub turn: Option<Turn>,
+    pub turn: Option<AxisRotation>,
 }
 
 /// Rotation about an axis.
 #[derive(Clone)]
-pub struct Turn {
+pub struct AxisRotation {
     /// A point of the axis in the reference configuration `[length]`.
     pub center: [f64; 3],
     /// Unit vector of the axis.
@@ -33,7 +33,7 @@ pub struct Turn {
     pub angle: Amplitude,
 }
 
-impl Turn {
+impl AxisRotation {
     /// Third axis, about which all rotations in the plane occur.
     pub const UPRIGHT: [f64; 3] = [0.0, 0.0, 1.0];
 }
@@ -43,7 +43,7 @@ pub struct PrescribedMotion<'a> {
     /// Displacement and velocity.
     shift: [[f64; 2]; 3],
     /// Rotation with its angle and the rate of the angle.
-    turn: Option<(&'a Turn, [f64; 2])>,
+    turn: Option<(&'a AxisRotation, [f64; 2])>,
 }
 
 impl Prescription {
@@ -93,7 +93,7 @@ impl PrescribedMotion<'_> {
     /// Displacement `[length]` and velocity `[length/time]` in one direction, for a node initially at `place`.
     pub fn of(&self, place: [f64; 3], component: usize) -> (f64, f64) {
         let [value, rate] = self.shift[component];
-        let Some((Turn { center, axis, .. }, [angle, spin])) = self.turn else { return (value, rate) };
+        let Some((AxisRotation { center, axis, .. }, [angle, spin])) = self.turn else { return (value, rate) };
         let (axis, arm) = (Vector3::from(*axis), Vector3::from(place) - Vector3::from(center.to_owned()));
         let across = axis.cross(&arm);
         // Small for a small angle: (R - 1) r = sin a x r + (1 - cos) a x (a x r).
@@ -116,7 +116,7 @@ mod tests {
     fn a_turn_is_a_rotation_about_its_axis() {
         let ramp = |value| Arc::new(Ramp { start: 0.0, end: 2.0, value }) as Amplitude;
         let axis = Vector3::new(1.0, 2.0, 2.0) / 3.0;
-        let turn = Turn { center: [0.3, -0.1, 0.2], axis: axis.into(), angle: ramp(3.0) };
+        let turn = AxisRotation { center: [0.3, -0.1, 0.2], axis: axis.into(), angle: ramp(3.0) };
         let on = BodyBoundary { body: 0, boundary: Boundary::of_facets("", Vec::new()) };
         let given = Prescription { on, displacement: [None, Some(ramp(0.5)), None], turn: Some(turn) };
         let place = [1.3, 0.4, -0.7];

@@ -14,16 +14,16 @@ pub enum Remedy {
     /// Support every body against rigid motion, without redundant definitions.
     HoldOnce,
     /// Use smaller increments or a similar easing; the text is appended and names additions or alternatives.
-    Ease(Ease, &'static str),
+    Ease(SmallerIncrements, &'static str),
     /// Suggests to check the definitions, or to follow the path by arc length, which passes a limit point of the load.
     FollowPath,
     /// Suggests a slower load, or smaller increments.
-    LoadSlowly(Ease),
+    LoadSlowly(SmallerIncrements),
 }
 
 /// Kind of smaller increments.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ease {
+pub enum SmallerIncrements {
     /// Time steps below this size `[time]`, or more halvings.
     SmallerStep(f64),
     /// Means other than steps below this size `[time]`, since the residuals grew from halving to halving.
@@ -53,16 +53,16 @@ impl fmt::Display for Remedy {
     }
 }
 
-impl fmt::Display for Ease {
+impl fmt::Display for SmallerIncrements {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Ease::SmallerStep(dt) => write!(out, "use a smaller step than dt = {dt}, or allow more halvings"),
-            Ease::LargerStep(dt) => write!(
+            SmallerIncrements::SmallerStep(dt) => write!(out, "use a smaller step than dt = {dt}, or allow more halvings"),
+            SmallerIncrements::LargerStep(dt) => write!(
                 out,
                 "halving the step down to {dt} came no nearer to a solution: try a larger step, or penalties in place of multipliers in \
                  contacts"
             ),
-            Ease::SupportsAndLoads => write!(out, "check supports and loads"),
+            SmallerIncrements::SupportsAndLoads => write!(out, "check supports and loads"),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::remedy::{Ease, Remedy};
+use super::remedy::{Remedy, SmallerIncrements};
 use crate::machine::memory::written;
 use crate::math::digits::three_digits;
 use crate::math::tolerances::EIGHTH_TURN;
@@ -169,7 +169,7 @@ impl StepError {
     /// Returns the error with the time up to which equilibria were followed appended to the cause.
     pub(in crate::dynamics) fn after_equilibria_until(mut self, reached: f64) -> Self {
         if let StepError::NotConverged { cause, remedy, .. } = &mut self {
-            if *remedy == Remedy::Ease(Ease::SupportsAndLoads, "") {
+            if *remedy == Remedy::Ease(SmallerIncrements::SupportsAndLoads, "") {
                 *remedy = Remedy::FollowPath;
             }
             cause.push_str(&format!("; equilibria were followed up to t = {reached:.4}"));

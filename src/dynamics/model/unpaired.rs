@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::definitions::Model;
-use super::hulls::{BodyHull, Hull, Inside};
+use super::hulls::{BodyHull, Hull, MutualPenetration};
 use crate::mesh::Mesh;
 
 /// Names of two bodies.
@@ -36,7 +36,7 @@ impl UnpairedBodies {
     }
 
     /// Unpaired bodies that penetrate each other at node positions `q`, with the deepest point of each pair.
-    pub fn inside(&self, q: &[f64]) -> Vec<(Names, Inside)> {
+    pub fn inside(&self, q: &[f64]) -> Vec<(Names, MutualPenetration)> {
         let hull = |index: usize| {
             let (_, first, mesh) = &self.bodies[index];
             let dimension = mesh.dimension();

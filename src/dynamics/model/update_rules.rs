@@ -11,7 +11,7 @@ pub struct UpdateRule {
     /// One sentence for the reference.
     pub summary: &'static str,
     /// Constraints that are active in a step, and their gaps at its end.
-    pub holds: Holds,
+    pub holds: ActiveConstraints,
     /// True if closings are plastic impacts whose energy is stored and returned at the opening.
     pub gives_back: bool,
     /// True if the energy is conserved through impact and release for every time step size; it never increases.
@@ -27,7 +27,7 @@ impl UpdateRule {
 
 /// Constraints that are active in a step, and their gaps at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Holds {
+pub enum ActiveConstraints {
     /// Constraints that would overlap are active: the gap at the end is zero, or the gap at the start if that is an overlap.
     Closed,
     /// Constraints that are closed at the start are active: their gap stays constant. Others may penetrate the other side within a step.
@@ -39,7 +39,7 @@ pub static GAP: UpdateRule = UpdateRule {
     name: "gap",
     summary: "closed at the end of a step; each closing loses energy, 3 to 12 % of an impact and more where parts rattle, which the ledger \
               books as contact work (never positive: an overlap at the start is kept, not driven apart)",
-    holds: Holds::Closed,
+    holds: ActiveConstraints::Closed,
     gives_back: false,
     keeps_energy: false,
 };
@@ -48,7 +48,7 @@ pub static GAP: UpdateRule = UpdateRule {
 pub static PERSISTENCY: UpdateRule = UpdateRule {
     name: "persistency",
     summary: "a gap that is closed stays as it is: energy exact through impact and release, penetrates by at most a tenth of a facet",
-    holds: Holds::AsItIs,
+    holds: ActiveConstraints::AsItIs,
     gives_back: false,
     keeps_energy: true,
 };
@@ -59,7 +59,7 @@ pub static VELOCITY: UpdateRule = UpdateRule {
     name: "velocity",
     summary: "closed as with `gap`, and exact energy: what a closing takes is kept in reserve (column `reserve`, part of `potential`) and \
               becomes motion again when the contact opens",
-    holds: Holds::Closed,
+    holds: ActiveConstraints::Closed,
     gives_back: true,
     keeps_energy: true,
 };

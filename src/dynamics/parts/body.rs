@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::carried::Carried;
-use crate::bodies::{Advance, ElementLoop, Present, Recovery, Step};
+use super::carried::RigidBody;
+use crate::bodies::{Advance, BodyState, ElementLoop, Recovery, Step};
 use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Remembered, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
@@ -24,7 +24,7 @@ pub struct Body<const D: usize> {
     /// Recovery of nodal values from values in the cells, computed on first use.
     pub recovery: OnceLock<Recovery>,
     /// Masters and carried nodes of a rigid body; `None` for a deformable one.
-    pub rigid: Option<Carried>,
+    pub rigid: Option<RigidBody>,
 }
 
 impl<const D: usize> Part for Body<D> {
@@ -44,7 +44,7 @@ impl<const D: usize> Part for Body<D> {
     }
 
     fn energy(&self, at: Pose, history: &[f64]) -> f64 {
-        self.elements.strain_energy(Present { u: at.u, history }) + self.elements.relaxing_energy(history)
+        self.elements.strain_energy(BodyState { u: at.u, history }) + self.elements.relaxing_energy(history)
     }
 
     fn memory(&self) -> Vec<f64> {

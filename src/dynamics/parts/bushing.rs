@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::contact::{CandidateSearch, Evaluation, Outlook, PatchFunctions, PointConstraints, PointFunction, PointVector};
+use crate::contact::{CandidateSearch, Evaluation, PatchFunctions, PointConstraints, PointFunction, PointVector, PredictedMotion};
 use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Remembered, Sums};
 use crate::dynamics::model::quantity::Quantity;
@@ -126,7 +126,7 @@ impl PartDefinition for BushingDefinition {
         }
         let mut invariants = PointConstraints::new(d, 1.0);
         invariants.add(vectors, functions, None, self.is_grounded());
-        invariants.update_candidates(&Outlook::within(numbering.reference, 0.0));
+        invariants.update_candidates(&PredictedMotion::within(numbering.reference, 0.0));
         let matrix = |entries: &[f64]| DMatrix::from_row_slice(count, count, entries);
         let [stiffness, damping] = [matrix(&self.stiffness), matrix(&self.damping)];
         Box::new(Bushing { invariants, dimension: d, stiffness, damping, is_outside: self.is_grounded(), places: Vec::new() })

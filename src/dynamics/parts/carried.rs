@@ -4,7 +4,7 @@ use crate::bodies::Frame;
 use crate::math::norms::largest_extent;
 
 /// A rigid body among the bodies of a model.
-pub struct Carried {
+pub struct RigidBody {
     /// Frame of the masters, in which all points of the body are fixed.
     pub frame: Frame,
     /// All nodes of the body in the numbering of the model; they move together.
@@ -19,13 +19,13 @@ pub struct Carried {
     pub size: f64,
 }
 
-impl Carried {
+impl RigidBody {
     /// Rigid body whose nodes begin at `first`; all nodes but the masters are followers.
     pub fn new(points: &[[f64; 3]], frame: Frame, first: usize) -> Self {
         let masters: Vec<u32> = frame.masters.iter().map(|node| node + first as u32).collect();
         let others = (0..points.len() as u32).filter(|node| !frame.masters.contains(node));
         let carried: Vec<(u32, Vec<f64>)> = others.map(|node| (node + first as u32, frame.shares(points[node as usize]))).collect();
-        Carried {
+        RigidBody {
             nodes: (first..first + points.len()).map(|node| node as u32).collect(),
             followers: (0..carried.len()).collect(),
             size: largest_extent(points.iter()),

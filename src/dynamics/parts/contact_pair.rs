@@ -16,7 +16,7 @@ use crate::dynamics::model::amplitude::Amplitude;
 use crate::dynamics::model::interactions::{Coefficient, Friction, Interaction};
 use crate::dynamics::model::joints::Coordinate;
 use crate::dynamics::model::step_error::StepError;
-use crate::dynamics::model::update_rules::{GAP, Holds, UpdateRule};
+use crate::dynamics::model::update_rules::{ActiveConstraints, GAP, UpdateRule};
 use crate::linear::{Block, Pattern};
 use crate::math::tolerances;
 
@@ -256,7 +256,7 @@ impl ContactPair {
 
     /// True if inactive nodes may penetrate the other side within a step.
     pub fn may_penetrate(&self) -> bool {
-        self.update.holds == Holds::AsItIs && self.is_unilateral()
+        self.update.holds == ActiveConstraints::AsItIs && self.is_unilateral()
     }
 
     /// Sets the positions of a rigid obstacle, or the coordinate of a drive, for a step of size `dt` from `time`.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use nalgebra::{Rotation3, Vector3};
 
 use super::body::Body;
-use super::carried::Carried;
+use super::carried::RigidBody;
 use super::contact_pair::{ContactPair, CoupledNodes, PairKind};
 use super::joint_ends::node_vector;
 use crate::bodies::{Inertia, nodal_areas};
@@ -109,7 +109,7 @@ fn weights_of<const D: usize>(model: &Model, bodies: &[Body<D>], on: &BodyBounda
 
 /// Equations of the mean rotation of a boundary with a rigid body: with the unit vectors `e_k` and the arms `r_a` at the start, turned by
 /// `R`, `sum_a w_a R (e_k x r_a) . x_a = sum_j R e_j . y_kj`, `y_kj = sum_a w_a (e_k x r_a)_j x_a`, over the size of the boundary.
-fn mean_rotation<const D: usize>(weighted: &Weighted, first: u32, rigid: &Carried, size: f64) -> PointConstraints {
+fn mean_rotation<const D: usize>(weighted: &Weighted, first: u32, rigid: &RigidBody, size: f64) -> PointConstraints {
     let Weighted { weights, points, center } = weighted;
     let arms: Vec<Vector3<f64>> = points.iter().map(|point| Vector3::from(*point) - Vector3::from(*center)).collect();
     let scale = weights.iter().zip(&arms).map(|((_, share), arm)| share * arm.norm_squared()).sum::<f64>().sqrt();

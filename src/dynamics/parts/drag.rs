@@ -15,7 +15,7 @@ use crate::linear::{Block, Pattern};
 
 /// Boundary or mass of a body on which drag acts.
 #[derive(Clone, Debug)]
-pub enum Dragged {
+pub enum DragTarget {
     /// Nodes of a body with their shares of the area of a boundary `[area]`, and force per area by speed `[stress]`.
     Nodes(usize, Vec<(u32, f64)>, Viscous),
     /// Mass of a body, with the rate `alpha` `[1/time]`.
@@ -28,7 +28,7 @@ pub struct DragDefinition {
     /// Name, unique among the parts.
     pub name: String,
     /// Boundary or mass on which the drag acts.
-    pub on: Dragged,
+    pub on: DragTarget,
 }
 
 impl PartDefinition for DragDefinition {
@@ -38,7 +38,7 @@ impl PartDefinition for DragDefinition {
 
     fn bodies(&self) -> Vec<usize> {
         match self.on {
-            Dragged::Nodes(body, ..) | Dragged::Mass(body, ..) => vec![body],
+            DragTarget::Nodes(body, ..) | DragTarget::Mass(body, ..) => vec![body],
         }
     }
 
@@ -49,12 +49,12 @@ impl PartDefinition for DragDefinition {
     fn part(&self, numbering: &Numbering) -> Box<dyn Part> {
         let dimension = numbering.dimension;
         match &self.on {
-            Dragged::Nodes(body, shares, law) => {
+            DragTarget::Nodes(body, shares, law) => {
                 let first = numbering.first[*body] as u32;
                 let nodes = shares.iter().map(|&(node, share)| (node + first, share)).collect();
                 Box::new(NodeDrag { dimension, nodes, law: law.clone(), places: Vec::new() })
             }
-            Dragged::Mass(body, definition, rate) => {
+            DragTarget::Mass(body, definition, rate) => {
                 let mass = BodyMass::new(definition, *body, numbering);
                 Box::new(MassDrag { dimension, mass, rate: *rate })
             }
@@ -64,20 +64,20 @@ impl PartDefinition for DragDefinition {
     fn changed(&self, change: &Change) -> Arc<dyn PartDefinition> {
         let [mass, length, time] = change.units;
         let on = match &self.on {
-            Dragged::Nodes(body, shares, law) => {
+            DragTarget::Nodes(body, shares, law) => {
                 let area = if change.is_plane { length } else { length * length };
                 let shares = shares.iter().map(|&(node, share)| (node, share * area)).collect();
-                Dragged::Nodes(*body, shares, law.changed([length / time, mass / (length * time * time)]))
+                DragTarget::Nodes(*body, shares, law.changed([length / time, mass / (length * time * time)]))
             }
-            Dragged::Mass(body, definition, rate) => Dragged::Mass(*body, Box::new(changed_mass(definition, change)), rate / time),
+            DragTarget::Mass(body, definition, rate) => DragTarget::Mass(*body, Box::new(changed_mass(definition, change)), rate / time),
         };
         Arc::new(DragDefinition { name: self.name.clone(), on })
     }
 
     fn describe(&self) -> String {
         match &self.on {
-            Dragged::Nodes(_, shares, law) => format!("drag \"{}\": on {} nodes, {}", self.name, shares.len(), law.describe()),
-            Dragged::Mass(_, body, rate) => format!("drag \"{}\": on the mass of \"{}\", rate {rate}", self.name, body.name),
+            DragTarget::Nodes(_, shares, law) => format!("drag \"{}\": on {} nodes, {}", self.name, shares.len(), law.describe()),
+            DragTarget::Mass(_, body, rate) => format!("drag \"{}\": on the mass of \"{}\", rate {rate}", self.name, body.name),
         }
     }
 }

@@ -72,7 +72,7 @@ impl SpringLaw {
     }
 
     /// Effective elongation of a spring, 0 on an inactive side (tension or compression), and its derivative.
-    fn felt(&self, x: f64) -> (f64, f64) {
+    fn transmitted(&self, x: f64) -> (f64, f64) {
         let is_felt = match self.sides {
             Sides::Both => true,
             Sides::Tension => x > 0.0,
@@ -83,7 +83,7 @@ impl SpringLaw {
 
     /// Stored energy at an elongation `[energy]`; 0 at zero elongation.
     pub fn energy(&self, x: f64) -> f64 {
-        let x = self.felt(x).0;
+        let x = self.transmitted(x).0;
         match &self.elastic {
             Elastic::Linear(k) => 0.5 * k * x.powi(2),
             Elastic::Table(points) => integral(points, 0.0, x),
@@ -93,7 +93,7 @@ impl SpringLaw {
 
     /// Force at an elongation `[force]`, and its slope `[force/length]`.
     pub fn force(&self, x: f64) -> (f64, f64) {
-        let (x, is_felt) = self.felt(x);
+        let (x, is_felt) = self.transmitted(x);
         if is_felt == 0.0 {
             return (0.0, 0.0);
         }
@@ -109,7 +109,7 @@ impl SpringLaw {
 
     /// Mean force between two elongations, and its derivative with respect to the second one.
     pub fn mean(&self, x_0: f64, x_1: f64) -> (f64, f64) {
-        let ((c_0, in_0), (c_1, in_1)) = (self.felt(x_0), self.felt(x_1));
+        let ((c_0, in_0), (c_1, in_1)) = (self.transmitted(x_0), self.transmitted(x_1));
         if in_0 == 0.0 && in_1 == 0.0 {
             return (0.0, 0.0);
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::laws::{Equation, RowState};
-use crate::contact::{FrictionLaw, Limit, ROUGH, Sliding};
+use crate::contact::{FrictionLaw, Limit, ROUGH, SlipState};
 use crate::dynamics::model::amplitude::TimeFunctionError;
 use crate::dynamics::model::interactions::{Coefficient, Friction};
 use crate::linear::Block;
@@ -98,7 +98,7 @@ impl FrictionRows {
 
 /// Data of a normal constraint at an iterate, shared by its tangential constraints.
 #[derive(Clone, Copy)]
-pub struct Pressed<'a> {
+pub struct NormalState<'a> {
     /// Friction law.
     pub law: &'a dyn FrictionLaw,
     /// Friction coefficient.
@@ -122,12 +122,12 @@ pub struct Pressed<'a> {
     pub tolerance: f64,
 }
 
-impl Pressed<'_> {
+impl NormalState<'_> {
     /// Largest dry multiplier at the speed of a slip of this size, with its derivatives with respect to the normal multiplier and to the
     /// size.
     pub fn limit(&self, slip: f64) -> Limit {
         let (pressure, speed) = (self.normal.max(0.0) / self.around, slip * self.speed);
-        let limit = self.law.limit(Sliding { coefficient: self.coefficient, pressure, speed });
+        let limit = self.law.limit(SlipState { coefficient: self.coefficient, pressure, speed });
         // Beyond the film's bearing limit, the film stress acts like dry friction.
         let film = if self.is_film_at(slip) { 0.0 } else { ROUGH };
         Limit {
@@ -155,7 +155,7 @@ impl Pressed<'_> {
 /// Tangential constraint at an iterate in the plane.
 pub struct SlipRow<'a> {
     /// Data of the normal constraint.
-    pub pressed: Pressed<'a>,
+    pub pressed: NormalState<'a>,
     /// Tangential multiplier.
     pub lambda: f64,
     /// Slip of the step.
@@ -326,7 +326,7 @@ mod tests {
 
     fn row(law: &dyn FrictionLaw, normal: f64, lambda: f64, slip: f64) -> SlipRow<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = Pressed { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
+        let pressed = NormalState { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipRow { pressed, lambda, slip, rest: 0.0, is_held: false }
     }
 

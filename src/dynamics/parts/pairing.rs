@@ -4,8 +4,8 @@ use super::contact_pair::{ContactPair, CornersOf, PairKind};
 use super::laws::Bilateral;
 use crate::bodies::Frame;
 use crate::contact::{
-    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, RigidContact,
-    RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, SeenInSpace, Surface, Tie, rolling_contact, round_parts,
+    ContactKernel, CornersInSpace, ExactShape, FacetShape, NodeToSegment, Obstacle, ObstacleInSpace, ProxyNodes, ProxySurfacesInSpace,
+    RigidContact, RigidCorners, RigidInSpace, RoundInSpace, RoundPart, RowsOf, Surface, Tie, rolling_contact, round_parts,
 };
 use crate::dynamics::model::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use crate::dynamics::model::definitions::Model;
@@ -106,10 +106,10 @@ impl Pairing<'_> {
     }
 
     /// Contact representation of the surfaces of a contact in space; obstacles have none.
-    fn in_space(&self, interaction: &Interaction) -> SeenInSpace<'_> {
+    fn in_space(&self, interaction: &Interaction) -> ProxySurfacesInSpace<'_> {
         let faces = [std::slice::from_ref(&interaction.secondary), interaction.primary()].map(|side| facets_of_all(side, self.faces));
         let exact = exact_shapes(interaction);
-        let seen = SeenInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
+        let seen = ProxySurfacesInSpace::new(faces.each_ref().map(|faces| &faces[..]), self.reference).of_shape(interaction.facet_shape(3));
         seen.of_exact(exact.map(|shape| shape.map(|shape| move |x, normal| shape.height_in_space(x, normal))))
     }
 

@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 
 use super::body::Body;
-use super::carried::Carried;
+use super::carried::RigidBody;
 use super::contact_pair::{ContactPair, PairKind};
 use super::free_motion::{FreeMotion, geared};
 use super::joint_ends::{End, across, node_vector};
@@ -111,7 +111,7 @@ fn one_sided(mut pair: ContactPair) -> ContactPair {
 }
 
 /// Constant distances between all pairs of masters: `(|x_i - x_j|^2 / l - l) / 2 = 0`.
-fn rigidity<const D: usize>(rigid: &Carried, reference: &[f64]) -> PointConstraints {
+fn rigidity<const D: usize>(rigid: &RigidBody, reference: &[f64]) -> PointConstraints {
     let mut kernel = PointConstraints::new(D, rigid.size);
     let (mut vectors, mut functions) = (Vec::new(), Vec::new());
     for (k, &a) in rigid.masters.iter().enumerate() {
@@ -131,7 +131,7 @@ fn rigidity<const D: usize>(rigid: &Carried, reference: &[f64]) -> PointConstrai
 }
 
 /// Constraints that tie the loaded nodes of a rigid body to its masters.
-fn ties<const D: usize>(rigid: &Carried) -> PointConstraints {
+fn ties<const D: usize>(rigid: &RigidBody) -> PointConstraints {
     let mut kernel = PointConstraints::new(D, rigid.size);
     for (index, (node, shares)) in rigid.carried.iter().enumerate() {
         if rigid.followers.binary_search(&index).is_err() {

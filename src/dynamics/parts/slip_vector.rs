@@ -20,7 +20,7 @@
 //! in that direction, so that equations of slipping constraints have entries of order one for every step size. The residual uses a constant
 //! `c`; iterations use `max(c, 0.1 kappa)`, because with a small `c` relative to `kappa` the trial depends on multipliers only.
 
-use super::friction_rows::Pressed;
+use super::friction_rows::NormalState;
 use super::laws::{Equation, RowState};
 use crate::contact::Limit;
 use crate::math::tolerances;
@@ -31,7 +31,7 @@ type Pair = [f64; 2];
 /// Two tangential constraints of a group at an iterate.
 pub struct SlipVector<'a> {
     /// Data of the normal constraint.
-    pub pressed: Pressed<'a>,
+    pub pressed: NormalState<'a>,
     /// Tangential multipliers.
     pub lambda: Pair,
     /// Slip of the step.
@@ -154,7 +154,7 @@ impl SlipVector<'_> {
         if state == RowState::Open {
             return [Equation::OPEN; 2];
         }
-        let Pressed { stiffness, compliance, normal, .. } = self.pressed;
+        let NormalState { stiffness, compliance, normal, .. } = self.pressed;
         let c = self.pace();
         let e = direction(self.trial(c));
         let slides = matches!(state, RowState::Forward | RowState::Backward);
@@ -218,7 +218,7 @@ mod tests {
 
     fn rows(law: &dyn FrictionLaw, normal: f64, lambda: Pair, slip: Pair, rest: Pair) -> SlipVector<'_> {
         let (coefficient, speed, around, compliance, c, tolerance) = (0.3, 2.0, 1.0, 0.0, 5.0, 1e-9);
-        let pressed = Pressed { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
+        let pressed = NormalState { law, coefficient, normal, sense: 1.0, speed, around, compliance, c, stiffness: 3.0 * c, tolerance };
         SlipVector { pressed, lambda, slip, rest }
     }
 

@@ -62,7 +62,7 @@ struct Spring {
 }
 
 /// Force `pull r_test` of a spring, and its derivative `isotropic I + along r_test r_trial^T` with respect to `r_1`.
-pub(super) struct Pull {
+pub(super) struct SpringForce {
     pull: f64,
     isotropic: f64,
     along: f64,
@@ -70,10 +70,10 @@ pub(super) struct Pull {
     trial: [f64; 3],
 }
 
-impl Pull {
+impl SpringForce {
     /// Adds the force along a line and its derivative.
     pub(super) fn add(&self, line: &Line, weight: f64, sums: &mut Sums) {
-        let &Pull { pull, isotropic, along, test, trial } = self;
+        let &SpringForce { pull, isotropic, along, test, trial } = self;
         let slope = |i: usize, j: usize| along * test[i] * trial[j] + if i == j { isotropic } else { 0.0 };
         line.add(weight, test.map(|r| pull * r), slope, sums);
     }
@@ -81,7 +81,7 @@ impl Pull {
 
 /// Force of a linear spring with the stiffness `k` and the rest length `rest`, from the vectors between its ends and their lengths at start
 /// and end of a step.
-pub(super) fn linear_pull(k: f64, rest: f64, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
+pub(super) fn linear_pull(k: f64, rest: f64, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> SpringForce {
     let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
     // Where two ends have come together as in a spring without a length at rest.
     let stretch = |length: f64| if length > 0.0 { 1.0 - rest / length } else { 1.0 };
@@ -89,21 +89,21 @@ pub(super) fn linear_pull(k: f64, rest: f64, derivative: Derivative, [(r_0, l_0)
         Derivative::DiscreteGradient => {
             let (sum, g) = (l_0 + l_1, 0.5 * k * stretch(0.5 * (l_0 + l_1)));
             let slope = if l_1 > 0.0 { 0.5 * k * rest / (l_1 * sum * sum) } else { 0.0 };
-            Pull { pull: 2.0 * g, isotropic: g, along: 4.0 * slope, test: middle, trial: r_1 }
+            SpringForce { pull: 2.0 * g, isotropic: g, along: 4.0 * slope, test: middle, trial: r_1 }
         }
         Derivative::Gradient(configuration) => {
             let r = if configuration == Configuration::Middle { middle } else { r_1 };
             let l = r[0].hypot(r[1]).hypot(r[2]);
             let (pull, share) = (k * stretch(l), configuration.share());
             let along = if l > 0.0 { share * k * rest / l.powi(3) } else { 0.0 };
-            Pull { pull, isotropic: share * pull, along, test: r, trial: r }
+            SpringForce { pull, isotropic: share * pull, along, test: r, trial: r }
         }
     }
 }
 
 impl Spring {
     /// Force of a spring with any law, and its derivative; zero direction if the ends coincide.
-    fn general(&self, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> Pull {
+    fn general(&self, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> SpringForce {
         let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
         let (share, test, trial, length, (force, slope)) = match derivative {
             Derivative::DiscreteGradient => {
@@ -119,10 +119,10 @@ impl Spring {
         };
         let along_by = if derivative == Derivative::DiscreteGradient { l_1 } else { length };
         if length == 0.0 || along_by == 0.0 {
-            return Pull { pull: slope, isotropic: share * slope, along: 0.0, test, trial };
+            return SpringForce { pull: slope, isotropic: share * slope, along: 0.0, test, trial };
         }
         let pull = force / length;
-        Pull { pull, isotropic: share * pull, along: share * (slope - pull) / (length * along_by), test, trial }
+        SpringForce { pull, isotropic: share * pull, along: share * (slope - pull) / (length * along_by), test, trial }
     }
 }
 

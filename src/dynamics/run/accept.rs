@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::engine::Engine;
 use super::ledger::{LedgerRow, Reaction, heat, unexplained};
-use super::quantities::Touching;
+use super::quantities::EvaluatedContacts;
 use super::slip_memory::{add_heat, slipped};
 use super::state::State;
 use super::velocity_correction::VelocityCorrection;
@@ -62,9 +62,9 @@ impl Outside {
 /// Weighted gaps in the penalty potentials, of every constraint.
 fn penalty_gaps(at: &Linearization, conditions: &Conditions) -> Vec<f64> {
     let gaps = at.pairs.iter().flat_map(|pair| pair.gap.iter());
-    let mut felt: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
-    felt.resize(conditions.shift.len(), 0.0);
-    felt
+    let mut shifted_gaps: Vec<f64> = gaps.zip(&conditions.shift).map(|(gap, shift)| gap + shift).collect();
+    shifted_gaps.resize(conditions.shift.len(), 0.0);
+    shifted_gaps
 }
 
 /// States of the constraints in a step; constraints that were active in its impact count as closed.
@@ -131,7 +131,7 @@ where
         self.book_momentum_defects(&mut row, start, &at, &outside, jump.as_ref());
         let mut slipped = slipped(system, &self.state.slipped, &at, 0.0, (&lambda, &active));
         jump.iter().for_each(|jump| add_heat(&mut slipped, &jump.friction[system.pressing..]));
-        let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &touched, slipped: &slipped };
+        let touching = EvaluatedContacts { evaluations: &at.pairs, slips: &at.slips, lambda: &lambda, active: &touched, slipped: &slipped };
         self.book_contacts(&mut row, &at.q_1, &touching, jump.as_ref(), &frictional);
         row.reactions = self.reactions_after(start, &at, &lambda, jump.as_ref())?;
         let accelerations = self.accelerations_to(&v_1, dt);
@@ -194,13 +194,13 @@ where
         &self,
         row: &mut LedgerRow,
         q: &[f64],
-        touching: &Touching,
+        touching: &EvaluatedContacts,
         jump: Option<&VelocityCorrection>,
         frictional: &[f64],
     ) {
         let pressed = |jump: &VelocityCorrection| touching.lambda.iter().zip(&jump.lambda).map(|(lambda, jump)| lambda + jump).collect();
         let pressing: Option<Vec<f64>> = jump.map(pressed);
-        let touching = Touching { lambda: pressing.as_deref().unwrap_or(touching.lambda), ..*touching };
+        let touching = EvaluatedContacts { lambda: pressing.as_deref().unwrap_or(touching.lambda), ..*touching };
         row.contacts = self.contact_totals(q, &touching);
         row.contacts.iter_mut().zip(frictional).for_each(|(contact, work)| contact.friction_work = *work);
         row.max_penetration = row.contacts.iter().map(|contact| contact.penetration).fold(0.0, f64::max);

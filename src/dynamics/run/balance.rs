@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::part::Pose;
-use crate::dynamics::parts::carried::Carried;
+use crate::dynamics::parts::carried::RigidBody;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::iterate::Forces;
@@ -53,7 +53,7 @@ pub struct Component {
     stiffness: f64,
     extent: f64,
     /// Admissible displacement of a rigid body with joints in a step; infinite for others.
-    pub swing: f64,
+    pub turn_bound: f64,
     /// Largest distance from the axis of a body of revolution.
     radius: f64,
 }
@@ -65,11 +65,11 @@ pub struct Imbalance {
     pub of_nodes: f64,
     /// True if round-off can explain the whole imbalance.
     pub is_round_off: bool,
-    pub components: Vec<Pull>,
+    pub components: Vec<UnbalancedForce>,
 }
 
 /// Unbalanced forces on a component.
-pub struct Pull {
+pub struct UnbalancedForce {
     /// Largest of resultant, torque over radius and nodal forces, relative to the sum of the forces on the component.
     pub relative: f64,
     /// Displacement of the component's center by a step of unit damping, where supports leave it free.
@@ -85,14 +85,14 @@ impl Imbalance {
     }
 }
 
-impl Pull {
+impl UnbalancedForce {
     /// Length of the shift.
     pub fn shift_size(&self) -> f64 {
         self.shift.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
     /// True if both components have equal displacements within round-off.
-    fn is_as(&self, other: &Pull) -> bool {
+    fn is_as(&self, other: &UnbalancedForce) -> bool {
         let apart: f64 = self.shift.iter().zip(&other.shift).map(|(a, b)| (a - b).powi(2)).sum();
         self.shift_size() > 0.0 && apart.sqrt() <= tolerances::ALIKE * self.shift_size()
     }
@@ -127,7 +127,7 @@ impl Balance {
             let aspect = definition.mesh.quality().aspect_ratio.max(1.0);
             let mut numbers: Vec<u32> = Vec::new();
             // What rigid bodies carry along is fixed in a step, but held by nothing.
-            let followers: BTreeSet<usize> = equations.bodies[body].rigid.iter().flat_map(Carried::followers).collect();
+            let followers: BTreeSet<usize> = equations.bodies[body].rigid.iter().flat_map(RigidBody::followers).collect();
             for node in equations.bodies[body].nodes.clone().filter(|node| !followers.contains(node)) {
                 let number = equations.nodes.component_of[node];
                 let place = numbers.iter().rposition(|&known| known == number).unwrap_or_else(|| {
@@ -136,7 +136,7 @@ impl Balance {
                     let own = if definition.rigid.is_some() { modulus } else { definition.material.stiffness() };
                     let stiffness = aspect * own;
                     let rigid_mass = definition.rigid.map(|inertia| inertia.mass);
-                    let (frequency_squared, extent, swing, radius) = (0.0, 0.0, f64::INFINITY, 0.0);
+                    let (frequency_squared, extent, turn_bound, radius) = (0.0, 0.0, f64::INFINITY, 0.0);
                     components.push(Component {
                         body,
                         nodes: Vec::new(),
@@ -145,7 +145,7 @@ impl Balance {
                         modulus,
                         stiffness,
                         extent,
-                        swing,
+                        turn_bound,
                         radius,
                     });
                     numbers.len() - 1
@@ -155,7 +155,7 @@ impl Balance {
             let is_jointed = definition.rigid.is_some() && model.joints.iter().any(|joint| joint.bodies().any(|joined| joined == body));
             for component in &mut components[first..] {
                 component.extent = (0..D).map(|i| extent_along::<D>(&equations.nodes.reference, &component.nodes, i)).fold(0.0, f64::max);
-                component.swing = if is_jointed { SWING * component.extent } else { f64::INFINITY };
+                component.turn_bound = if is_jointed { SWING * component.extent } else { f64::INFINITY };
                 component.radius = component.nodes.iter().map(|&node| equations.nodes.reference[node * D].abs()).fold(0.0, f64::max);
                 component.frequency_squared = component.modulus / definition.material.density() / component.extent.powi(2);
             }
@@ -212,7 +212,7 @@ impl Balance {
             let relative = if scale > 0.0 { pushes.max(largest) / scale } else { 0.0 };
             let mut shift = [0.0; 3];
             shift[..D].copy_from_slice(&motion.as_slice()[..D]);
-            imbalance.components.push(Pull { relative, shift, turn: motion.rows(D, motion.len() - D).norm() });
+            imbalance.components.push(UnbalancedForce { relative, shift, turn: motion.rows(D, motion.len() - D).norm() });
         }
         imbalance
     }
@@ -249,7 +249,7 @@ impl Balance {
         &self,
         equations: &Equations<D>,
         memory: &[Vec<f64>],
-        (number, pull): (usize, &Pull),
+        (number, pull): (usize, &UnbalancedForce),
         q: &[f64],
     ) -> bool
     where
@@ -274,7 +274,7 @@ impl Balance {
 
     /// Admissible displacement of each component: a share of the least distance from possible contact partners `[length]`, infinite without
     /// partners. Components with equal unbalanced displacements fall together and do not approach each other.
-    pub fn clearances<const D: usize>(&self, equations: &Equations<D>, q: &[f64], pulls: &[Pull]) -> Vec<f64> {
+    pub fn clearances<const D: usize>(&self, equations: &Equations<D>, q: &[f64], pulls: &[UnbalancedForce]) -> Vec<f64> {
         let mut component_of = vec![0; equations.nodes.nodal_mass.len()];
         for (number, component) in self.components.iter().enumerate() {
             component.whole(equations).for_each(|node| component_of[node] = number);

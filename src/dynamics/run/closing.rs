@@ -1,6 +1,6 @@
 //! Separation of initial overlaps in `settle`: measured depths, a limited displacement per step, and a check that no overlap remains.
 //!
-//! Overlapping pairs are admitted at any depth ([`Outlook::depth`](crate::contact::Outlook)). A damped step closes only part of the
+//! Overlapping pairs are admitted at any depth ([`PredictedMotion::depth`](crate::contact::Outlook)). A damped step closes only part of the
 //! overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay within its range of
 //! convergence. The target thus exceeds the gap at the start by at most a fraction of a facet, which is reduced when a step fails.
 
@@ -8,7 +8,7 @@ use super::engine::Engine;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::depths::{Depth, Depths};
-use crate::dynamics::model::hulls::{BodyHull, Inside};
+use crate::dynamics::model::hulls::{BodyHull, MutualPenetration};
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
@@ -156,7 +156,7 @@ where
                 continue;
             }
             for other in primary.iter().map(|on| on.body).filter(|&other| other != interaction.secondary.body) {
-                if let Some(Inside { depth, size, at }) = hull(interaction.secondary.body).inside(&hull(other))
+                if let Some(MutualPenetration { depth, size, at }) = hull(interaction.secondary.body).inside(&hull(other))
                     && depth > LEFT_PASSED * size
                 {
                     let (contact, time) = (interaction.name.clone(), self.state.row.time);

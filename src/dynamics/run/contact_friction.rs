@@ -8,7 +8,7 @@
 use super::fields::NodeState;
 use super::loaded::{ContactForces, Loaded};
 use super::slip_memory::{SlipMemory, Tangential, size};
-use crate::contact::Sliding;
+use crate::contact::SlipState;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::RowState;
 use crate::math::tolerances;
@@ -75,7 +75,7 @@ pub fn shears(contact: Loaded, forces: &ContactForces, q: &[f64], [pressures, ar
     let (stride, nodes) = (pair.kernel.rows_per_node(), pair.kernel.secondary().nodes());
     let multipliers = tangential.multipliers();
     let limit = |row: usize, pressure: f64| {
-        friction.law.limit(Sliding { coefficient: friction.coefficients[row], pressure: bearing(pair, pressure), speed: 0.0 }).shear
+        friction.law.limit(SlipState { coefficient: friction.coefficients[row], pressure: bearing(pair, pressure), speed: 0.0 }).shear
     };
     let of = |(index, &pressure): (usize, &f64)| {
         let rows = index * stride..(index + 1) * stride;
@@ -123,7 +123,8 @@ fn sliding_rows(corners: &Loaded, tangential: &Tangential) -> Vec<bool> {
     let Some(friction) = &corners.pair.friction else { return Vec::new() };
     let groups = tangential.active.iter().step_by(tangential.count).zip(tangential.lambda.chunks_exact(tangential.count));
     let slides = |(row, (state, shear)): (usize, (&RowState, &[f64]))| {
-        let sliding = Sliding { coefficient: friction.coefficients[row], pressure: bearing(corners.pair, corners.lambda[row]), speed: 0.0 };
+        let sliding =
+            SlipState { coefficient: friction.coefficients[row], pressure: bearing(corners.pair, corners.lambda[row]), speed: 0.0 };
         let limit = friction.law.limit(sliding).shear;
         state.slides() || limit > 0.0 && size(shear) >= (1.0 - tolerances::ON_CONE) * limit
     };

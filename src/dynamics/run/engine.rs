@@ -9,7 +9,7 @@ use super::halvings::Halvings;
 use super::initial_velocities::initial_velocities;
 use super::ledger::LedgerRow;
 use super::options::{Options, Statistics};
-use super::pace::{Pace, time_of_sound};
+use super::pace::{StepSizeState, time_of_sound};
 use super::report::{FailureReport, TryReport};
 use super::slip_memory::SlipMemory;
 use super::state::{Clock, State};
@@ -20,11 +20,11 @@ use crate::dynamics::model::integrator_limits::check_integrator;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::parts::laws::RowState;
-use crate::dynamics::step::attempts::Preferred;
+use crate::dynamics::step::attempts::PreferredAttempt;
 use crate::dynamics::step::equations::Equations;
 use crate::dynamics::step::newton::Trace;
 use crate::dynamics::step::system::System;
-use crate::linear::Watch;
+use crate::linear::InterruptWatch;
 use crate::machine::memory;
 use crate::math::tolerances;
 
@@ -80,7 +80,7 @@ where
             .map_err(|shortage| ModelError::TooLarge { reason: format!("of {unknowns} unknowns, {shortage}") })?;
         check_integrator(model, &options.integrator, options.control.is_some())?;
         let mut system = System::<D>::new(model, options.threads, &options.integrator, options.solver)?;
-        system.watch(Watch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
+        system.watch(InterruptWatch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
         // A time function that fails does so again, with its error, in the first step.
         let _ = system.equations.move_obstacles(0.0, 0.0);
         let displaced = (0..model.bodies.len()).flat_map(|body| model.initial_displacement(body));
@@ -119,10 +119,10 @@ where
             clock: Clock { origin: 0.0, count: 0, dt: options.dt },
             search: system.search(),
             level: 0,
-            pace: Pace::default(),
+            pace: StepSizeState::default(),
             drift: 0.0,
             pushed: 0.0,
-            preferred: Preferred::default(),
+            preferred: PreferredAttempt::default(),
             carried: 0.0,
             loads_ended: 0.0,
             positions,

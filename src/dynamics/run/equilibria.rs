@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::engine::Engine;
 use super::state::State;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Outlook, Travel};
+use crate::contact::{MotionBound, PredictedMotion};
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::start::{StepKind, StepStart};
@@ -69,9 +69,9 @@ where
     fn balanced(&mut self) -> Result<Balanced, Failure> {
         let state = self.state.clone();
         let still = vec![0.0; self.system.nodes.count()];
-        let travel = Travel::Each { sizes: &still, besides: 0.0 };
-        let outlook = Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 };
-        self.begin_at_rest(&outlook, &[]).map_err(Failure::Fatal)?;
+        let motion_bound = MotionBound::Each { sizes: &still, besides: 0.0 };
+        let predicted_motion = PredictedMotion { q: &state.positions, motion_bound, reach: self.options.reach, depth: 0.0 };
+        self.begin_at_rest(&predicted_motion, &[]).map_err(Failure::Fatal)?;
         let undamped = vec![0.0; self.system.bodies.len()];
         let kind = StepKind::Rest { damping: &undamped, velocities: None };
         let (q_0, u_0) = (&state.positions[..], &state.displacements[..]);

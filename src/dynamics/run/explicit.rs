@@ -13,14 +13,14 @@ use std::sync::Arc;
 use super::engine::Engine;
 use super::state::State;
 use crate::bodies::{Elements, Inverted, Space};
-use crate::contact::{Evaluation, Outlook, Travel};
+use crate::contact::{Evaluation, MotionBound, PredictedMotion};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::contact_impulses::push;
 use crate::dynamics::step::explicit::PartForces;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};
+use crate::dynamics::step::scheme_memory::{ForceHistory, SchemeMemory};
 use crate::dynamics::step::start::{Motion, StepKind, StepStart};
 use crate::integrators::Derivative;
 use crate::math::digits::three_digits;
@@ -30,7 +30,7 @@ use crate::math::tolerances;
 const PASSES: usize = 4;
 
 /// An explicit step in progress.
-pub(super) struct Leap {
+pub(super) struct ExplicitStep {
     /// Size of the step.
     pub dt: f64,
     /// Static forces at the start, including weights and contact.
@@ -80,7 +80,7 @@ where
         }
         self.system.place_after(&start, &mut at);
         let lambda = [state.lambda.clone(), state.lambda.clone()];
-        let mut leap = Leap { dt, f_0, lambda, unpushed: Vec::new(), kick: Vec::new(), pressed_0: Vec::new() };
+        let mut leap = ExplicitStep { dt, f_0, lambda, unpushed: Vec::new(), kick: Vec::new(), pressed_0: Vec::new() };
         if !self.system.pairs.is_empty() {
             self.push_by_multipliers(&start, &mut leap, &mut at)?;
         }
@@ -91,12 +91,12 @@ where
     }
 
     /// Computes the multipliers of a step and their effect on its motion.
-    fn push_by_multipliers(&mut self, start: &StepStart, leap: &mut Leap, at: &mut Linearization) -> Result<(), Failure> {
+    fn push_by_multipliers(&mut self, start: &StepStart, leap: &mut ExplicitStep, at: &mut Linearization) -> Result<(), Failure> {
         let (system, dt) = (&mut self.system, leap.dt);
         system.equations.move_obstacles(start.time, dt).map_err(Failure::Fatal)?;
-        let travel = Travel::Guessed { displacements: [&at.moved, &at.moved], factor: 1.0 };
-        let outlook = Outlook { q: start.q_0, travel, reach: self.options.reach, depth: 0.0 };
-        system.begin_explicit_step(&outlook).map_err(Failure::Linear)?;
+        let motion_bound = MotionBound::Guessed { displacements: [&at.moved, &at.moved], factor: 1.0 };
+        let predicted_motion = PredictedMotion { q: start.q_0, motion_bound, reach: self.options.reach, depth: 0.0 };
+        system.begin_explicit_step(&predicted_motion).map_err(Failure::Linear)?;
         system.evaluate_pairs(&at.q_1, &mut at.pairs);
         let mobility: Vec<f64> = (0..start.q_0.len()).map(|k| system.mobility(k)).collect();
         let (targets, mut begun) = (system.explicit_targets(), None);
@@ -163,7 +163,7 @@ where
     fn forces_at_rest(&mut self, start: &StepStart, at: &mut Linearization, lambda: &mut [f64]) -> Result<PartForces, Failure> {
         if !self.system.pairs.is_empty() {
             self.system.equations.move_obstacles(start.time, 0.0).map_err(Failure::Fatal)?;
-            self.system.begin_explicit_step(&Outlook::within(start.q_0, 0.0)).map_err(Failure::Linear)?;
+            self.system.begin_explicit_step(&PredictedMotion::within(start.q_0, 0.0)).map_err(Failure::Linear)?;
             self.system.evaluate_pairs(start.q_0, &mut at.pairs);
             self.system.press_by_penalties(&at.pairs, lambda);
         }
@@ -201,7 +201,8 @@ where
 impl SchemeMemory {
     /// Stores forces for the start of the next step. `obstacles` is half the force of obstacles `[force]`.
     pub(super) fn keep(&mut self, scheme: &crate::integrators::Scheme, static_forces: &[f64], forces: PartForces, obstacles: &[f64]) {
-        let left = |force: &[f64]| Lagging { left: force.iter().map(|force| scheme.lag.force * force).collect(), answered: Vec::new() };
+        let left =
+            |force: &[f64]| ForceHistory { left: force.iter().map(|force| scheme.lag.force * force).collect(), answered: Vec::new() };
         self.force = left(static_forces);
         self.outside = [left(&forces.load), left(&forces.ground)];
         if obstacles.iter().any(|force| *force != 0.0) {

@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use super::engine::Engine;
-use super::explicit::Leap;
+use super::explicit::ExplicitStep;
 use super::ledger::{LedgerRow, heat, unexplained};
-use super::quantities::Touching;
+use super::quantities::EvaluatedContacts;
 use super::state::State;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::parts::contact_pair::PairKind;
@@ -42,7 +42,7 @@ where
         &mut self,
         start: &StepStart,
         motion: &Motion,
-        leap: Leap,
+        leap: ExplicitStep,
         at: Linearization,
         forces: PartForces,
     ) -> Result<State, Failure> {
@@ -79,7 +79,8 @@ where
         row.potential = self.potential(&at, &penalty_gap, &memory);
         self.book_explicit_work(&mut row, motion, &leap, &at, &forces, (&ends, &v_1));
         self.book_explicit_momenta(&mut row, start, &at, &ends);
-        let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda: &leap.lambda[1], active: &active, slipped: &[] };
+        let touching =
+            EvaluatedContacts { evaluations: &at.pairs, slips: &at.slips, lambda: &leap.lambda[1], active: &active, slipped: &[] };
         self.book_contacts(&mut row, &at.q_1, &touching, None, &[]);
         let middle = |k: usize| 0.5 * (start.q_0[k] + at.q_1[k]);
         row.reactions = self.reactions(middle, |k| ends.reactions[0][k] + ends.reactions[1][k]);
@@ -116,7 +117,7 @@ where
     }
 
     /// External forces at both ends of a step with the static forces `f_1` and the velocities `v_1` at its end.
-    fn ends(&self, motion: &Motion, leap: &Leap, at: &Linearization, forces: &PartForces, [f_1, v_1]: [&[f64]; 2]) -> Ends {
+    fn ends(&self, motion: &Motion, leap: &ExplicitStep, at: &Linearization, forces: &PartForces, [f_1, v_1]: [&[f64]; 2]) -> Ends {
         let (system, unknowns, dt) = (&self.system, f_1.len(), leap.dt);
         let nothing = || [vec![0.0; unknowns], vec![0.0; unknowns]];
         let (mut obstacles, mut obstacle_work) = (nothing(), [0.0; 2]);
@@ -161,7 +162,7 @@ where
         &self,
         row: &mut LedgerRow,
         motion: &Motion,
-        leap: &Leap,
+        leap: &ExplicitStep,
         at: &Linearization,
         forces: &PartForces,
         (ends, v_1): (&Ends, &[f64]),

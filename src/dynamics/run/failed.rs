@@ -4,7 +4,7 @@ use super::diagnosis::{Evidence, rigid_motion_of};
 use super::engine::Engine;
 use super::report::{FailureCause, FailureReport, TryReport};
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::remedy::Ease;
+use crate::dynamics::model::remedy::SmallerIncrements;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::newton::Trace;
@@ -43,9 +43,9 @@ where
     pub fn given_up(&mut self, report: FailureReport) -> StepError {
         let FailureReport { time, step, dt, halvings, .. } = report;
         let ease = match dt > 0.0 {
-            true if report.is_worse_when_smaller() => Ease::LargerStep(dt),
-            true => Ease::SmallerStep(self.options.dt),
-            false => Ease::SupportsAndLoads,
+            true if report.is_worse_when_smaller() => SmallerIncrements::LargerStep(dt),
+            true => SmallerIncrements::SmallerStep(self.options.dt),
+            false => SmallerIncrements::SupportsAndLoads,
         };
         let (cause, remedy) = (report.explanation(), report.remedy(ease));
         let is_singular = matches!(report.cause, FailureCause::SingularSystem { .. });

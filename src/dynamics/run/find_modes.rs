@@ -9,10 +9,10 @@ use super::modes::{Mode, Modes, ModesError};
 use super::state::State;
 use super::steps::Steps;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Outlook, Travel};
+use crate::contact::{MotionBound, PredictedMotion};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::dynamics::step::vibrations::{VibrationState, Vibrations};
 use crate::linear::{Lanczos, LinearError, Ritz, product};
 use crate::math::tolerances;
 
@@ -71,10 +71,11 @@ where
     ) -> Result<T, StepError> {
         let (state, tally) = (self.state.clone(), self.tally());
         let still = vec![0.0; self.system.nodes.count()];
-        let travel = Travel::Each { sizes: &still, besides: 0.0 };
+        let motion_bound = MotionBound::Each { sizes: &still, besides: 0.0 };
         self.count_turns();
-        self.begin_at_rest(&Outlook { q: &state.positions, travel, reach: self.options.reach, depth: 0.0 }, &[])?;
-        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
+        self.begin_at_rest(&PredictedMotion { q: &state.positions, motion_bound, reach: self.options.reach, depth: 0.0 }, &[])?;
+        let rest =
+            VibrationState { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
         let options = &self.options;
         let found = search(&mut Vibrations::new(&mut self.system, rest), &state, &|| options.interrupted());
         self.count_from(&tally);

@@ -10,16 +10,16 @@ use std::sync::Arc;
 use super::engine::Engine;
 use super::ledger::LedgerRow;
 use super::paths::{CriticalKind, CriticalPoint, Path, PathEnd, PathError, PathOptions, PathPoint};
-use super::settle_progress::Care;
+use super::settle_progress::SettleEffort;
 use super::steps::Steps;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Outlook, Travel};
+use crate::contact::{MotionBound, PredictedMotion};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::step::contact_set::constraint_rows;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::start::{StepKind, StepStart};
-use crate::dynamics::step::vibrations::{Rest, Vibrations};
+use crate::dynamics::step::vibrations::{VibrationState, Vibrations};
 use crate::linear::product;
 use crate::math::tolerances;
 
@@ -86,7 +86,7 @@ where
 
     fn follow(&mut self, options: &PathOptions, told: &mut dyn FnMut(&LedgerRow)) -> Result<Path, StepError> {
         let begun = self.state.row.time;
-        self.settle_once(begun, Care::Exact)?;
+        self.settle_once(begun, SettleEffort::Exact)?;
         let mut points = vec![self.point(0.0)];
         let (mut before, mut first, mut arc): (Option<Vec<f64>>, Option<f64>, f64) = (None, None, 0.0);
         let end = loop {
@@ -187,7 +187,8 @@ where
     /// The present state as a point of a path.
     fn point(&mut self, length: f64) -> PathPoint {
         let state = self.state.clone();
-        let rest = Rest { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
+        let rest =
+            VibrationState { time: state.row.time, at: state.pose(), memory: &state.memory, lambda: &state.lambda, active: &state.active };
         let mut vibrations = Vibrations::new(&mut self.system, rest);
         let unstable = vibrations.factorize(0.0).ok().and_then(|()| vibrations.below());
         PathPoint { state, unstable, length }
@@ -199,7 +200,7 @@ where
         let positions = self.system.nodes.positions(&guess.u);
         let state = Arc::make_mut(&mut self.state);
         (state.positions, state.displacements, state.lambda) = (positions, guess.u.clone(), guess.lambda.clone());
-        let report = self.settle_once(guess.load, Care::Exact)?;
+        let report = self.settle_once(guess.load, SettleEffort::Exact)?;
         let row = &mut Arc::make_mut(&mut self.state).row;
         *row = LedgerRow {
             step: row.step + 1,
@@ -262,8 +263,13 @@ where
         let q = self.system.nodes.positions(&guess.u);
         Arc::make_mut(&mut self.state).row.time = guess.load;
         let still = vec![0.0; self.system.nodes.count()];
-        let outlook = Outlook { q: &q, travel: Travel::Each { sizes: &still, besides: 0.0 }, reach: self.options.reach, depth: 0.0 };
-        self.begin_at_rest(&outlook, &[]).map_err(Failure::Fatal)?;
+        let predicted_motion = PredictedMotion {
+            q: &q,
+            motion_bound: MotionBound::Each { sizes: &still, besides: 0.0 },
+            reach: self.options.reach,
+            depth: 0.0,
+        };
+        self.begin_at_rest(&predicted_motion, &[]).map_err(Failure::Fatal)?;
         Ok(q)
     }
 

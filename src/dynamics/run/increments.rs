@@ -12,7 +12,7 @@ use super::engine::Engine;
 use super::ledger::LedgerRow;
 use super::options::SettleReport;
 use super::settle::STRIDE;
-use super::settle_progress::Care;
+use super::settle_progress::SettleEffort;
 use super::slip_memory::{SlipMemory, friction_work, joint_friction};
 use super::state::{Clock, State};
 use crate::bodies::{Elements, Space};
@@ -43,7 +43,7 @@ where
             (self.state.row.time, self.statistics.newton_iterations, self.system.counters.factorizations);
         let (before, row_before) = (self.state.slipped.clone(), self.state.row.clone());
         Arc::make_mut(&mut self.state).slipped.iter_mut().for_each(|memory| memory.slip = 0.0);
-        let settled = if time == from { self.settle_once(time, Care::Patient) } else { self.settle_later(from, time) };
+        let settled = if time == from { self.settle_once(time, SettleEffort::Patient) } else { self.settle_later(from, time) };
         let mut report = settled?;
         report.newton_iterations = self.statistics.newton_iterations - iterations;
         let factorizations = self.system.counters.factorizations - factorizations;
@@ -83,7 +83,7 @@ where
         let begun = self.state.clone();
         let may_be_at_once = !self.goes_far(from, time)?;
         if may_be_at_once {
-            match self.settle_once(time, Care::Exact) {
+            match self.settle_once(time, SettleEffort::Exact) {
                 Err(StepError::NotConverged { .. } | StepError::StillOverlaps { .. }) => self.take_back(&begun),
                 outcome => return outcome,
             }
@@ -91,7 +91,7 @@ where
         match self.settle_in_increments(from, time) {
             Err(error @ StepError::NotConverged { .. }) if may_be_at_once => {
                 self.take_back(&begun);
-                self.settle_once(time, Care::Patient).map_err(|again| if again.is_interrupt() { again } else { error })
+                self.settle_once(time, SettleEffort::Patient).map_err(|again| if again.is_interrupt() { again } else { error })
             }
             outcome => outcome,
         }
@@ -115,11 +115,11 @@ where
             }
             let next = after(share);
             let care = if is_jump {
-                Care::Patient
+                SettleEffort::Patient
             } else if next == 1.0 {
-                Care::Exact
+                SettleEffort::Exact
             } else {
-                Care::Coarse
+                SettleEffort::Coarse
             };
             match self.settle_once(time(next), care) {
                 Ok(report) if next == 1.0 => return Ok(SettleReport { steps: steps + report.steps, ..report }),
@@ -140,7 +140,7 @@ where
     }
 
     /// Equilibrium at a time, starting from the present state.
-    pub(super) fn settle_once(&mut self, time: f64, care: Care) -> Result<SettleReport, StepError> {
+    pub(super) fn settle_once(&mut self, time: f64, care: SettleEffort) -> Result<SettleReport, StepError> {
         if time != self.state.row.time {
             let state = Arc::make_mut(&mut self.state);
             state.row.time = time;

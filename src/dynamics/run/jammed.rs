@@ -3,7 +3,7 @@
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Evaluation, Sliding};
+use crate::contact::{Evaluation, SlipState};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::integrators::Derivative;
@@ -41,7 +41,7 @@ where
             let along = (evaluation.gradient_end[only] / size).abs().min(1.0);
             let across = (1.0 - along * along).sqrt();
             let coefficient = friction.coefficients[local];
-            let most = friction.law.limit(Sliding { coefficient, pressure: 1.0, speed: 0.0 }).shear;
+            let most = friction.law.limit(SlipState { coefficient, pressure: 1.0, speed: 0.0 }).shear;
             let (body, number) = system.owner(node as usize);
             (most * across > along).then(|| StepError::Jammed {
                 contact: pair.name.clone(),

@@ -2,10 +2,10 @@
 
 use super::engine::Engine;
 use super::ledger::ContactTotals;
-use super::pace::{Measure, Stepped, Touch};
+use super::pace::{FirstTouch, Measure, Stepped};
 use super::state::State;
 use super::substeps::Substeps;
-use crate::bodies::{Elements, Present, Space};
+use crate::bodies::{BodyState, Elements, Space};
 use crate::dynamics::parts::body::Body;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::counters::Counters;
@@ -65,7 +65,7 @@ where
             let strains = |state: &State| {
                 let (u, history) = (&state.displacements[..], &state.memory[body.number][..]);
                 let mut strains = Vec::new();
-                body.elements.visit_stresses(Present { u, history }, &mut |point| {
+                body.elements.visit_stresses(BodyState { u, history }, &mut |point| {
                     strains.push(point.kept.map_or(0.0, |kept| kept.plastic_strain));
                 });
                 strains
@@ -96,7 +96,7 @@ where
 }
 
 /// First touch of a contact within a step: the deepest among the contacts that have been open.
-fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl Fn(usize) -> bool) -> Option<Touch> {
+fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl Fn(usize) -> bool) -> Option<FirstTouch> {
     let none = ContactTotals::default();
     let (mut depth, mut is_kept) = (0.0f64, false);
     for (index, now) in after.iter().enumerate() {
@@ -107,6 +107,6 @@ fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl 
             is_kept |= now.active > 0;
         }
     }
-    let passed = (depth > 0.0).then_some(Touch::Passed(depth));
-    passed.or(is_kept.then_some(Touch::Kept))
+    let passed = (depth > 0.0).then_some(FirstTouch::Passed(depth));
+    passed.or(is_kept.then_some(FirstTouch::Kept))
 }

@@ -63,7 +63,7 @@ impl StepControl {
 
 /// State of the step size controller.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Pace {
+pub struct StepSizeState {
     /// Size of the next step, 0 if not chosen yet `[time]`.
     dt: f64,
     /// Usual size of steps, in which short steps at impacts have little weight `[time]`.
@@ -100,7 +100,7 @@ pub struct Stepped<'a> {
     /// True if the step is shorter than chosen, to end at an event.
     pub is_cut: bool,
     /// First touch of a contact at another time than the end of the step.
-    pub touch: Option<Touch>,
+    pub touch: Option<FirstTouch>,
     /// Round-off of the positions if contacts or rigid bodies depend on them; otherwise 0 `[length]`.
     pub round_off: f64,
     /// Largest plastic strain of the step at a point.
@@ -109,7 +109,7 @@ pub struct Stepped<'a> {
 
 /// First touch of a contact within a step, not at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Touch {
+pub enum FirstTouch {
     /// Penetration of the sides at the end of the step `[length]`.
     Passed(f64),
     /// The update rule prevented penetration within the step.
@@ -122,7 +122,7 @@ pub trait Measure {
     fn size(&self, vector: &[f64], free: bool) -> f64;
 }
 
-impl Pace {
+impl StepSizeState {
     /// Size of the next step; `first` if none has been chosen `[time]`.
     pub fn size(&self, control: &StepControl, first: f64) -> f64 {
         let size = if self.dt > 0.0 { self.dt } else { first };
@@ -135,10 +135,10 @@ impl Pace {
     }
 
     /// Returns the controller with the open times of contacts advanced by a step of size `dt`; `closed` are the contact states at its end.
-    pub fn with_contacts(self, dt: f64, closed: impl Iterator<Item = bool>) -> Pace {
+    pub fn with_contacts(self, dt: f64, closed: impl Iterator<Item = bool>) -> StepSizeState {
         let so_far = |contact: usize| self.open.get(contact).copied().unwrap_or(f64::MAX);
         let open = closed.enumerate().map(|(contact, is_closed)| if is_closed { 0.0 } else { so_far(contact) + dt }).collect();
-        Pace { open, ..self }
+        StepSizeState { open, ..self }
     }
 
     /// Discards the history of the motion after a discontinuity.
@@ -148,15 +148,15 @@ impl Pace {
     }
 
     /// Returns the controller after a failure of Newton's method: the next step is no longer than `dt`.
-    pub fn held(&self, dt: f64) -> Pace {
-        Pace { dt: self.dt.min(dt), ..self.clone() }
+    pub fn held(&self, dt: f64) -> StepSizeState {
+        StepSizeState { dt: self.dt.min(dt), ..self.clone() }
     }
 
     /// Returns the controller after a sufficiently accurate step.
     ///
     /// # Errors
     /// The step is not accurate enough: the size of the next try.
-    pub fn after(&self, step: &Stepped, control: &StepControl, first: f64, measure: &impl Measure) -> Result<Pace, f64> {
+    pub fn after(&self, step: &Stepped, control: &StepControl, first: f64, measure: &impl Measure) -> Result<StepSizeState, f64> {
         let &Stepped { scheme, dt, u: [u_0, u_1], is_cut, touch, round_off, .. } = step;
         let velocity: Vec<f64> = u_1.iter().zip(u_0).map(|(u_1, u_0)| (u_1 - u_0) / dt).collect();
         let speed = self.speed.max(measure.size(&velocity, false));
@@ -180,8 +180,8 @@ impl Pace {
             return Err((dt * (AIM / plastic_ratio).clamp(SHORTER, LESS)).max(smallest));
         }
         let missed = match touch {
-            Some(Touch::Passed(depth)) => depth,
-            Some(Touch::Kept) => 0.5 * dt * speed,
+            Some(FirstTouch::Passed(depth)) => depth,
+            Some(FirstTouch::Kept) => 0.5 * dt * speed,
             None => 0.0,
         };
         if missed > allowed && may_shrink {
@@ -189,7 +189,7 @@ impl Pace {
         }
         // A motion that has just begun requires no shorter steps.
         let ratio = if has_begun { ratio } else { ratio.min(AIM) };
-        let mut next = Pace { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
+        let mut next = StepSizeState { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
         next.steps.extend(self.steps.first().cloned());
         if growth.is_none() {
             // The first one, of which nothing is known.

@@ -7,7 +7,7 @@ use super::ledger::{ContactTotals, ProbeValues, Reaction};
 use super::loaded::Loaded;
 use super::slip_memory::{SlipMemory, Tangential};
 use super::state::State;
-use crate::bodies::{Elements, Present, Recovery, Space, StressError, Stresses};
+use crate::bodies::{BodyState, Elements, Recovery, Space, StressError, Stresses};
 use crate::contact::Evaluation;
 use crate::dynamics::model::interactions::Partner;
 use crate::dynamics::parts::body::Body;
@@ -17,7 +17,7 @@ use crate::dynamics::parts::nodal::{add_force, add_moment, half_product};
 use crate::dynamics::step::equations::Equations;
 
 /// Evaluated contact pairs with multipliers and states at a configuration.
-pub struct Touching<'a> {
+pub struct EvaluatedContacts<'a> {
     /// Normal constraints of the pairs.
     pub evaluations: &'a [Evaluation],
     /// Tangential constraints of the pairs.
@@ -104,9 +104,9 @@ where
     }
 
     /// Present state of a body, as passed to its element loop.
-    pub(super) fn present(&self, body: &Body<D>) -> Present<'_> {
+    pub(super) fn present(&self, body: &Body<D>) -> BodyState<'_> {
         let history = self.state.memory.get(body.number).map_or(&[][..], Vec::as_slice);
-        Present { u: &self.state.displacements, history }
+        BodyState { u: &self.state.displacements, history }
     }
 
     /// Stress and strain at the nodes of a body.
@@ -266,11 +266,11 @@ where
     /// A contact and its corners with the evaluations of all pairs, in the present state.
     fn loaded<'a>(&'a self, index: usize, [evaluations, slips]: &'a [Vec<Evaluation>; 2]) -> (Loaded<'a>, Vec<Loaded<'a>>) {
         let State { lambda, active, slipped, .. } = &*self.state;
-        loaded(&self.system, index, &Touching { evaluations, slips, lambda, active, slipped })
+        loaded(&self.system, index, &EvaluatedContacts { evaluations, slips, lambda, active, slipped })
     }
 
     /// Sums over each contact at `q`.
-    pub fn contact_totals(&self, q: &[f64], touching: &Touching) -> Vec<ContactTotals> {
+    pub fn contact_totals(&self, q: &[f64], touching: &EvaluatedContacts) -> Vec<ContactTotals> {
         let of = |(index, _): (usize, &ContactPair)| {
             let (contact, corners) = loaded(&self.system, index, touching);
             totals::<D>(contact, &corners, q)
@@ -325,8 +325,8 @@ fn mean(points: &[(usize, f64, CellStress)]) -> CellStress {
 }
 
 /// A contact and its corners with their evaluations and multipliers.
-fn loaded<'a, const D: usize>(system: &'a Equations<D>, index: usize, touching: &Touching<'a>) -> (Loaded<'a>, Vec<Loaded<'a>>) {
-    let &Touching { evaluations, slips, lambda, active, slipped } = touching;
+fn loaded<'a, const D: usize>(system: &'a Equations<D>, index: usize, touching: &EvaluatedContacts<'a>) -> (Loaded<'a>, Vec<Loaded<'a>>) {
+    let &EvaluatedContacts { evaluations, slips, lambda, active, slipped } = touching;
     let of = |k: usize| {
         let pair = &system.pairs[k];
         let tangential = pair.friction.as_ref().map(|friction| Tangential {

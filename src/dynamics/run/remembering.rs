@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
-use crate::contact::Outlook;
+use crate::contact::PredictedMotion;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::step::failure::Failure;
 use crate::dynamics::step::iterate::Linearization;
-use crate::dynamics::step::scheme_memory::{Lagging, SchemeMemory};
+use crate::dynamics::step::scheme_memory::{ForceHistory, SchemeMemory};
 use crate::dynamics::step::start::{StepKind, StepStart};
 use crate::integrators::{Derivative, History};
 
@@ -36,7 +36,7 @@ where
         let start = StepStart { time: state.row.time, q_0, u_0, memory: &state.memory, kind };
         self.system.equations.move_obstacles(state.row.time, 0.0)?;
         self.count_turns();
-        let begun = self.system.begin_step(&Outlook::within(&state.positions, 0.0)).map_err(Failure::Linear);
+        let begun = self.system.begin_step(&PredictedMotion::within(&state.positions, 0.0)).map_err(Failure::Linear);
         let at = begun.and_then(|()| self.system.linearize(&start, q_0, &vec![0.0; q_0.len()], &state.lambda));
         let remembered = at.and_then(|at| self.memory_at(&start, &at).map(|memory| (at, memory)));
         let (at, remembered) = remembered.map_err(|failure| self.error_of(failure))?;
@@ -72,7 +72,7 @@ where
         }
         if scheme.remembers(History::Force) {
             let outside = self.outside_at(start, at, &multipliers).map_err(Failure::Fatal)?;
-            remembered.outside = outside.map(|force| Lagging::steady(&scheme, &force));
+            remembered.outside = outside.map(|force| ForceHistory::steady(&scheme, &force));
         }
         Ok(remembered)
     }

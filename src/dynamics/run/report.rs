@@ -1,6 +1,6 @@
 //! Report of a failed step for the user.
 
-use crate::dynamics::model::remedy::{Ease, Remedy};
+use crate::dynamics::model::remedy::{Remedy, SmallerIncrements};
 use crate::math::digits::three_digits;
 
 /// Cause of a failed step.
@@ -226,7 +226,7 @@ impl FailureReport {
     }
 
     /// Suggested remedy; `ease` is the kind of smaller increments.
-    pub(super) fn remedy(&self, ease: Ease) -> Remedy {
+    pub(super) fn remedy(&self, ease: SmallerIncrements) -> Remedy {
         match &self.cause {
             FailureCause::NoEquilibrium { missing: Some(Missing::Guidance | Missing::Friction), .. } => Remedy::Guide,
             _ if self.unheld.is_some() => Remedy::HoldBeforeRest,

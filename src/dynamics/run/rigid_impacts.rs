@@ -9,11 +9,11 @@
 use super::engine::Engine;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Evaluation, Sliding};
+use crate::contact::{Evaluation, SlipState};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::failure::Failure;
-use crate::dynamics::step::impact_law::{Course, ImpactContact, ImpactLaw};
+use crate::dynamics::step::impact_law::{ImpactContact, ImpactLaw, ImpactSolution};
 use crate::dynamics::step::impact_rows::Responses;
 use crate::dynamics::step::newton::Solution;
 use crate::dynamics::step::start::Motion;
@@ -27,7 +27,7 @@ const NOISE: f64 = 4.0;
 const ATTEMPTS: usize = 20;
 
 /// Normal constraint of a contact between rigid sides that is active at the end of the step.
-struct Touch {
+struct ImpactConstraint {
     /// Index of its pair.
     pair: usize,
     /// Index among all constraints.
@@ -94,7 +94,7 @@ where
     }
 
     /// Normal constraints of rigid contacts that are closed at the end of the step; `None` if there is no impact.
-    fn touches(&self, motion: &Motion, solution: &Solution, conditions: &Conditions, rates: &[f64]) -> Option<Vec<Touch>> {
+    fn touches(&self, motion: &Motion, solution: &Solution, conditions: &Conditions, rates: &[f64]) -> Option<Vec<ImpactConstraint>> {
         let (mut touches, mut is_impact, held) = (Vec::new(), false, self.system.closed_gaps());
         let mut before = None;
         // Of closed contacts: the midpoint rule carries round-off of the positions in a short step on as a speed that alternates.
@@ -118,14 +118,14 @@ where
                     was_closed = before[row] <= slow;
                 }
                 is_impact |= approaches || (acts && !was_closed);
-                touches.push(Touch { pair: index, row, was_closed });
+                touches.push(ImpactConstraint { pair: index, row, was_closed });
             }
         }
         is_impact.then_some(touches)
     }
 
     /// Constraints of a touch: the normal one and its tangential ones.
-    fn rows_of(&self, touch: &Touch) -> Vec<usize> {
+    fn rows_of(&self, touch: &ImpactConstraint) -> Vec<usize> {
         let pair = &self.system.pairs[touch.pair];
         let slips = self.slips_of(pair, touch.row);
         std::iter::once(touch.row).chain(slips).collect()
@@ -137,7 +137,7 @@ where
     }
 
     /// Contacts of an impact, with the friction coefficients at their slip speeds and pressures.
-    fn impact_contacts(&self, motion: &Motion, solution: &Solution, touches: &[Touch], rates: &[f64]) -> Vec<ImpactContact> {
+    fn impact_contacts(&self, motion: &Motion, solution: &Solution, touches: &[ImpactConstraint], rates: &[f64]) -> Vec<ImpactContact> {
         let mut first = 0;
         let made = touches.iter().map(|touch| {
             let pair = &self.system.pairs[touch.pair];
@@ -152,7 +152,7 @@ where
                 // Pressure of an impact that lasts a step.
                 let pressure = rates[touch.row].abs().max(f64::MIN_POSITIVE) * self.system.nodes.largest_nodal_mass
                     / (motion.dt * covered.powi(2) * around);
-                let at = Sliding { coefficient: friction.coefficients[local], pressure, speed: slip };
+                let at = SlipState { coefficient: friction.coefficients[local], pressure, speed: slip };
                 contact.friction = friction.law.limit(at).shear / pressure;
             }
             contact
@@ -185,7 +185,7 @@ where
         solution: &Solution,
         conditions: &Conditions,
         law: &ImpactLaw,
-        touches: &[Touch],
+        touches: &[ImpactConstraint],
         rows: &[usize],
         ending: Vec<f64>,
     ) -> Outcome {
@@ -216,12 +216,14 @@ where
         course.pressing = 0.0;
         law.compress(&mut course, |_| true);
         let compressed = course;
-        let total = |course: &Course| -> Vec<f64> { (0..rows.len()).map(|i| taken[i] + before_closing[i] + course.impulses[i]).collect() };
-        let work = |course: &Course| -> f64 {
+        let total =
+            |course: &ImpactSolution| -> Vec<f64> { (0..rows.len()).map(|i| taken[i] + before_closing[i] + course.impulses[i]).collect() };
+        let work = |course: &ImpactSolution| -> f64 {
             total(course).iter().zip(ending.iter().zip(&course.rates)).map(|(p, (before, after))| 0.5 * p * (before + after)).sum()
         };
         // Friction of the step in these contacts is replaced by that of the impact.
-        let lost = |course: &Course| -> f64 { course.friction.iter().sum::<f64>() - slipped.iter().sum::<f64>() - closing - work(course) };
+        let lost =
+            |course: &ImpactSolution| -> f64 { course.friction.iter().sum::<f64>() - slipped.iter().sum::<f64>() - closing - work(course) };
         let (available, nominal) = (lost(&compressed), -compressed.pressing);
         let mut share = if nominal > 0.0 { (available.max(0.0) / nominal).sqrt() } else { 0.0 };
         let mut course = compressed.clone();

@@ -17,18 +17,18 @@ use super::balance::{Balance, Imbalance};
 use super::closing::Closing;
 use super::engine::Engine;
 use super::options::SettleReport;
-use super::quantities::Touching;
+use super::quantities::EvaluatedContacts;
 use super::report::{FailureCause, Missing};
-use super::settle_progress::{Care, Progress};
+use super::settle_progress::{Progress, SettleEffort};
 use super::slip_memory::slipped;
 use super::state::State;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Outlook, Surface, Travel};
+use crate::contact::{MotionBound, PredictedMotion, Surface};
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::RowState;
-use crate::dynamics::step::attempts::Preferred;
+use crate::dynamics::step::attempts::PreferredAttempt;
 use crate::dynamics::step::conditions::Conditions;
 use crate::dynamics::step::contact_set::meets;
 use crate::dynamics::step::equations::Equations;
@@ -84,7 +84,7 @@ const MAX_STOOD: usize = 3;
 const COARSE: f64 = 1e5;
 
 /// Evaluation of the present state in `settle`.
-struct Present {
+struct EvaluatedState {
     positions: Vec<f64>,
     displacements: Vec<f64>,
     /// Positions with prescribed motion, the displacement to these positions, and its size.
@@ -116,7 +116,7 @@ where
     Space<D>: Elements<D>,
 {
     /// Settles at the present time, prescribed nodes moved by at most `stride` in a step `[length]`.
-    pub(super) fn settle_from_here(&mut self, stride: f64, care: Care) -> Result<SettleReport, StepError> {
+    pub(super) fn settle_from_here(&mut self, stride: f64, care: SettleEffort) -> Result<SettleReport, StepError> {
         self.tries.clear();
         let iterations_before = self.statistics.newton_iterations;
         let balance = Balance::new(&self.system, &self.model);
@@ -124,7 +124,7 @@ where
         let mut progress = Progress::new(begun.len(), Closing::of(&self.model), stride, care);
         let at = loop {
             let present = self.look(&balance, &progress)?;
-            if present.is_closed && present.imbalance.excess() <= if care == Care::Coarse { COARSE } else { 1.0 } {
+            if present.is_closed && present.imbalance.excess() <= if care == SettleEffort::Coarse { COARSE } else { 1.0 } {
                 break present.at;
             }
             if present.is_closed && progress.has_only_ripples(present.imbalance.excess()) {
@@ -146,7 +146,7 @@ where
         state.search = self.system.search();
         self.system.lead_positions(&mut state.displacements, &mut state.positions);
         let State { positions: q, lambda, active, slipped, .. } = &*self.state;
-        let touching = Touching { evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
+        let touching = EvaluatedContacts { evaluations: &at.pairs, slips: &at.slips, lambda, active, slipped };
         let contacts = self.contact_totals(q, &touching);
         let reaction = |k: usize| at.forces.whole(at.forces.residual(k));
         let mut reactions = self.reactions(|k| q[k], reaction);
@@ -195,7 +195,7 @@ where
     }
 
     /// Judges the present state, with the contact pairs of a state at rest.
-    fn look(&mut self, balance: &Balance, progress: &Progress) -> Result<Present, StepError> {
+    fn look(&mut self, balance: &Balance, progress: &Progress) -> Result<EvaluatedState, StepError> {
         let (positions, displacements) = (self.state.positions.clone(), self.state.displacements.clone());
         let (mut displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
         let prescribed = &self.system.supports.prescribed;
@@ -211,9 +211,9 @@ where
         let moved = displacements_to(&self.system, self.state.pose(), &displacement, &predicted);
         let prescribed = largest_size(&moved);
         let still = vec![0.0; self.system.nodes.count()];
-        let travel = Travel::Each { sizes: &still, besides: 2.0 * prescribed };
+        let motion_bound = MotionBound::Each { sizes: &still, besides: 2.0 * prescribed };
         let reaches = progress.closing.reaches(&self.system, &positions, self.state.row.time);
-        self.begin_at_rest(&Outlook { q: &positions, travel, reach: self.options.reach, depth: 0.0 }, &reaches)?;
+        self.begin_at_rest(&PredictedMotion { q: &positions, motion_bound, reach: self.options.reach, depth: 0.0 }, &reaches)?;
         let undamped = vec![0.0; self.system.bodies.len()];
         let memory = self.state.memory.clone();
         let (time, kind) = (self.state.row.time, StepKind::Rest { damping: &undamped, velocities: None });
@@ -226,7 +226,7 @@ where
         let is_carried = self.rest_friction && self.state.carried != time && self.system.pairs.iter().any(ContactPair::carries);
         let is_closed = prescribed == 0.0 && !is_carried && meets(&self.system, &at, &self.conditions_at_rest(&start));
         let imbalance = balance.judge(&self.system, at.pose(), &at.forces);
-        Ok(Present { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
+        Ok(EvaluatedState { positions, displacements, predicted, moved, prescribed, is_whole, reaches, at, imbalance, is_closed })
     }
 
     /// True if only round-off remains and a further step has halved neither the imbalance of sums nor that of nodes. That step is undone,
@@ -251,8 +251,8 @@ where
     }
 
     /// Takes a damped step or, if it is refused, increases the damping or the expected motion for the next attempt.
-    fn step_to_rest(&mut self, balance: &Balance, present: &Present, progress: &mut Progress) -> Result<(), StepError> {
-        let Present { positions, displacements, imbalance, .. } = present;
+    fn step_to_rest(&mut self, balance: &Balance, present: &EvaluatedState, progress: &mut Progress) -> Result<(), StepError> {
+        let EvaluatedState { positions, displacements, imbalance, .. } = present;
         let plan = self.plan(balance, present, progress);
         // How far nodes may move: as their component is expected to, and both sides as far as is prescribed.
         let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| progress.leeway * size).collect();
@@ -260,8 +260,13 @@ where
         let facet = self.shortest_facet();
         let unexpected = if progress.leeway > 1.0 && facet.is_finite() { progress.leeway * FALL * facet } else { 0.0 };
         let besides = 2.0 * present.prescribed + unexpected + progress.closing.motion(&self.system, &present.reaches);
-        let outlook = Outlook { q: positions, travel: Travel::Each { sizes: &sizes, besides }, reach: self.options.reach, depth: 0.0 };
-        self.begin_at_rest(&outlook, &present.reaches)?;
+        let predicted_motion = PredictedMotion {
+            q: positions,
+            motion_bound: MotionBound::Each { sizes: &sizes, besides },
+            reach: self.options.reach,
+            depth: 0.0,
+        };
+        self.begin_at_rest(&predicted_motion, &present.reaches)?;
         let mut predicted = present.predicted.clone();
         balance.shift(&self.system, &plan.shift, &mut predicted);
         let mut moved: Vec<f64> = predicted.iter().zip(positions).map(|(new, old)| new - old).collect();
@@ -273,7 +278,8 @@ where
         let closes_in_part = progress.closing.limit(&self.system, positions, &mut conditions);
         let outcome = self.damped_step(&start, [&predicted, &moved], &conditions, progress.care);
         let is_part = closes_in_part || (present.prescribed > 0.0 && !present.is_whole);
-        let refused = match outcome.and_then(|solution| self.check_search(&outlook, progress.leeway, &solution).map(|()| solution)) {
+        let refused = match outcome.and_then(|solution| self.check_search(&predicted_motion, progress.leeway, &solution).map(|()| solution))
+        {
             Err(Failure::Fatal(error)) => return Err(error),
             Err(failure) => Some(failure),
             Ok(solution) if present.is_pushed_by(&solution.at.moved, &self.system) => {
@@ -293,7 +299,7 @@ where
             Ok(_) => None,
         };
         let is_overlooked = matches!(refused, Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }));
-        if progress.tries == MAX_TRIES || (progress.care != Care::Patient && refused.is_some() && !is_overlooked) {
+        if progress.tries == MAX_TRIES || (progress.care != SettleEffort::Patient && refused.is_some() && !is_overlooked) {
             return Err(match refused {
                 Some(failure) => self.failed(&failure, 0.0, 0),
                 None => self.no_equilibrium(balance, imbalance, progress),
@@ -319,7 +325,7 @@ where
     }
 
     /// Damping of the next step, and expected displacements of the components.
-    fn plan(&self, balance: &Balance, Present { imbalance, positions: q, at, .. }: &Present, progress: &Progress) -> Plan {
+    fn plan(&self, balance: &Balance, EvaluatedState { imbalance, positions: q, at, .. }: &EvaluatedState, progress: &Progress) -> Plan {
         let facet = self.shortest_facet();
         let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
         // What is far from all others may fall farther, but not turn farther.
@@ -328,7 +334,7 @@ where
         let mut damping = vec![0.0f64; self.system.bodies.len()];
         let load = balance.largest_load::<D>(&at.forces);
         for ((component, pull), &fall) in balance.components.iter().zip(&imbalance.components).zip(&falls) {
-            let loose = (pull.shift_size() / fall.min(component.swing)).max(pull.turn / turn.min(component.swing));
+            let loose = (pull.shift_size() / fall.min(component.turn_bound)).max(pull.turn / turn.min(component.turn_bound));
             let needed = loose.max(component.least_damping::<D>(&at.forces, load));
             damping[component.body] = damping[component.body].max(progress.excess * needed);
         }
@@ -350,11 +356,11 @@ where
     }
 
     /// Starts a step at rest.
-    pub(super) fn begin_at_rest(&mut self, outlook: &Outlook, reaches: &[f64]) -> Result<(), StepError> {
+    pub(super) fn begin_at_rest(&mut self, predicted_motion: &PredictedMotion, reaches: &[f64]) -> Result<(), StepError> {
         self.system.equations.move_obstacles(self.state.row.time, 0.0)?;
         self.system.equations.carry(self.state.carried, self.state.row.time)?;
-        self.system.begin_deep_step(outlook, reaches).map_err(|error| self.error_of(Failure::Linear(error)))?;
-        self.system.equations.begin_friction(self.state.row.time, outlook.q)
+        self.system.begin_deep_step(predicted_motion, reaches).map_err(|error| self.error_of(Failure::Linear(error)))?;
+        self.system.equations.begin_friction(self.state.row.time, predicted_motion.q)
     }
 
     /// Conditions of a static step, in which every update rule closes the gaps.
@@ -378,7 +384,7 @@ where
         start: &StepStart,
         [predicted, moved]: [&[f64]; 2],
         conditions: &Conditions,
-        care: Care,
+        care: SettleEffort,
     ) -> Result<Solution, Failure> {
         // The energy of a strain that is round-off of what is seen: of displacements next to nothing.
         let round_off = if self.system.sees_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
@@ -391,13 +397,13 @@ where
             lambda: &self.state.lambda,
             conditions,
             energy: self.system.strain_energy(start.u_0, start.memory).max(floor),
-            tolerance: if care == Care::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
+            tolerance: if care == SettleEffort::Coarse { options.tolerance.max(tolerances::ON_THE_WAY) } else { options.tolerance },
             is_still: false,
             is_exact: false,
             at_least: 1,
             // A mechanism takes fewer factorizations by shorter steps.
-            is_patient: care == Care::Patient && !self.system.is_mechanism(),
-            preferred: Preferred::default(),
+            is_patient: care == SettleEffort::Patient && !self.system.is_mechanism(),
+            preferred: PreferredAttempt::default(),
             interrupted: &|| options.interrupted(),
         };
         solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace)
@@ -428,7 +434,7 @@ where
     }
 }
 
-impl Present {
+impl EvaluatedState {
     /// True if the unbalanced forces do positive work along a displacement; Newton's method may also converge to unstable equilibria
     /// against them. Always true while contacts or prescribed motions are not satisfied, and for forces or displacements at round-off (gaps
     /// are met to 1e-12 of a facet).

@@ -22,7 +22,7 @@ const NEARER: f64 = 0.9;
 
 /// Effort and accuracy of the search for an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Care {
+pub(super) enum SettleEffort {
     /// Search with all remedies if a damped step is refused.
     Patient,
     /// Search that ends where a damped step is refused, because the caller has another method.
@@ -33,7 +33,7 @@ pub(super) enum Care {
 
 /// Damping, increments and counters that the damped steps so far determine for the next one.
 pub(super) struct Progress {
-    pub(super) care: Care,
+    pub(super) care: SettleEffort,
     /// Number of accepted damped steps.
     pub(super) steps: usize,
     /// Number of steps that closed a part of an overlap or followed a part of a prescribed motion.
@@ -69,7 +69,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    pub(super) fn new(unknowns: usize, closing: Closing, stride: f64, care: Care) -> Self {
+    pub(super) fn new(unknowns: usize, closing: Closing, stride: f64, care: SettleEffort) -> Self {
         Progress {
             care,
             steps: 0,

@@ -23,11 +23,11 @@ use super::stable_step::StableStep;
 use super::state::State;
 use super::steps::Steps;
 use super::tally::Tally;
-use super::validity::{Excess, ExcessKind, SPURIOUS};
-use crate::dynamics::model::bounds::{ObstacleBounds, Passed};
+use super::validity::{ExcessKind, OutOfValidity, SPURIOUS};
+use crate::dynamics::model::bounds::{BodyPastObstacle, ObstacleBounds};
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::hulls::{ALLOWED, Inside};
+use crate::dynamics::model::hulls::{ALLOWED, MutualPenetration};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::model::unpaired::{Names, UnpairedBodies};
 use crate::math::digits::{percent, three_digits};
@@ -38,7 +38,7 @@ pub struct Simulation {
     steps: Box<dyn Steps>,
     unpaired: UnpairedBodies,
     bounds: ObstacleBounds,
-    passed: Option<Passed>,
+    passed: Option<BodyPastObstacle>,
 }
 
 impl Simulation {
@@ -375,7 +375,7 @@ impl Simulation {
     /// Bodies whose laws are used beyond their range.
     fn excessive(&self) -> Vec<RunFinding> {
         let row = self.row();
-        let of = |Excess { body, kind, value, cell, angle }: Excess| {
+        let of = |OutOfValidity { body, kind, value, cell, angle }: OutOfValidity| {
             let cell = format!("cell {cell} of body \"{body}\"");
             let (share, angle) = (percent(value), three_digits(angle));
             let (kind, limit, is_beyond, explanation) = match kind {
@@ -424,9 +424,9 @@ impl Simulation {
     /// Finding on bodies that penetrate each other without an interaction between them.
     fn passed_through(&self) -> Option<RunFinding> {
         let inside = self.unpaired.inside(&self.steps.state().positions);
-        let depth = |(_, inside): &(Names, Inside)| inside.depth / inside.size;
+        let depth = |(_, inside): &(Names, MutualPenetration)| inside.depth / inside.size;
         let worst = inside.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
-        let ([first, second], Inside { at, .. }) = worst;
+        let ([first, second], MutualPenetration { at, .. }) = worst;
         let (row, facets) = (self.row(), depth(worst));
         let at: Vec<String> = at.iter().map(|x| format!("{x:.3}")).collect();
         let explanation = format!(
@@ -439,7 +439,7 @@ impl Simulation {
 
     /// Finding on a body that was inside a rigid obstacle with a part outside its contact definition.
     fn passed_obstacle(&self) -> Option<RunFinding> {
-        let Passed { contact, body, facets, at, step, time } = self.passed.as_ref()?;
+        let BodyPastObstacle { contact, body, facets, at, step, time } = self.passed.as_ref()?;
         let at: Vec<String> = at.iter().map(|x| format!("{x:.3}")).collect();
         let explanation = format!("\"{body}\" was {facets:.2} facets deep in it at ({}), where it has no secondary surface", at.join(", "));
         let (kind, contact) = (RunFindingKind::PassedObstacle, Some(contact.clone()));

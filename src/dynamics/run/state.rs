@@ -5,11 +5,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::ledger::LedgerRow;
-use super::pace::Pace;
+use super::pace::StepSizeState;
 use super::slip_memory::SlipMemory;
 use crate::dynamics::model::part::Pose;
 use crate::dynamics::parts::laws::RowState;
-use crate::dynamics::step::attempts::Preferred;
+use crate::dynamics::step::attempts::PreferredAttempt;
 use crate::dynamics::step::scheme_memory::SchemeMemory;
 use crate::dynamics::step::search_history::SearchHistory;
 
@@ -47,14 +47,14 @@ pub struct State {
     /// Number of halvings with which the next nominal step begins.
     pub(super) level: usize,
     /// State of the step size controller.
-    pub(super) pace: Pace,
+    pub(super) pace: StepSizeState,
     /// Sum of the ledger's energy defects since the run began or was last settled: Newton's tolerance has a sign, which may be the same in
     /// every step `[energy]`.
     pub(super) drift: f64,
     /// Integral over time of the largest force component at a node: its mean works on the round-off of positions `[force * time]`.
     pub(super) pushed: f64,
     /// Attempt of Newton's method that the next step tries first.
-    pub(super) preferred: Preferred,
+    pub(super) preferred: PreferredAttempt,
     /// Time up to which the motion of obstacles is included in slips: that of the state, except while an equilibrium is computed.
     pub(super) carried: f64,
     /// End of the last step in which a load acted.

@@ -18,7 +18,7 @@ use super::section_force::SectionForce;
 use super::stable_step::StableStep;
 use super::state::State;
 use super::tally::Tally;
-use super::validity::Excess;
+use super::validity::OutOfValidity;
 use crate::dynamics::model::step_error::StepError;
 
 /// Interface of a simulation in either dimension.
@@ -48,7 +48,7 @@ pub trait Steps: Send {
     fn body(&self, body: usize) -> BodyTotals;
     fn cell_stresses(&self, body: usize, places: CellPlaces) -> Vec<CellStress>;
     fn section_force(&self, body: usize, point: [f64; 3], normal: [f64; 3]) -> Option<SectionForce>;
-    fn excesses(&self) -> Vec<Excess>;
+    fn excesses(&self) -> Vec<OutOfValidity>;
     fn redundant_constraints(&self) -> Vec<RedundantConstraints>;
     fn stress_errors(&self) -> Vec<(&str, f64)>;
     fn loose_joints(&self) -> Vec<(String, f64)>;

@@ -6,7 +6,7 @@ use super::engine::Engine;
 use super::options::Options;
 use super::state::State;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Outlook, Travel};
+use crate::contact::{MotionBound, PredictedMotion};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::PairKind;
 use crate::dynamics::step::failure::Failure;
@@ -85,11 +85,15 @@ where
         // What takes part: nodes may move by the prediction or by their velocities.
         let rigid = displacements_to(&self.system, state.pose(), &displacement, &predicted);
         let elastic: Vec<f64> = state.velocities.iter().map(|v| dt * v).collect();
-        let outlook =
-            Outlook { q: &state.positions, travel: Travel::Guessed { displacements: [&rigid, &elastic], factor }, reach, depth: 0.0 };
+        let predicted_motion = PredictedMotion {
+            q: &state.positions,
+            motion_bound: MotionBound::Guessed { displacements: [&rigid, &elastic], factor },
+            reach,
+            depth: 0.0,
+        };
         self.system.equations.move_obstacles(time, dt).map_err(Failure::Fatal)?;
         self.count_turns();
-        self.system.begin_step(&outlook).map_err(Failure::Linear)?;
+        self.system.begin_step(&predicted_motion).map_err(Failure::Linear)?;
         self.system.equations.begin_friction(time + 0.5 * dt, &state.positions).map_err(Failure::Fatal)?;
 
         let (v_0, remembered, prescribed_v_1) = (&state.velocities[..], &*state.remembered, &prescribed_v_1[..]);
@@ -128,7 +132,7 @@ where
                 outcome => break outcome?,
             }
         };
-        let taken_back = match self.check_search(&outlook, MORE_MOTION, &solution) {
+        let taken_back = match self.check_search(&predicted_motion, MORE_MOTION, &solution) {
             Ok(()) if may_be_halved => self.system.came_through(&state.positions, &solution.at, &conditions).map(Failure::Foreseen),
             outcome => outcome.err(),
         };
@@ -168,7 +172,7 @@ where
 
     /// Checks that bodies moved no farther than a multiple of the admission distance of facet pairs, and not into a facet that was not
     /// admitted. The search horizon has no influence.
-    pub fn check_search(&self, outlook: &Outlook, multiple: f64, solution: &Solution) -> Result<(), Failure> {
+    pub fn check_search(&self, predicted_motion: &PredictedMotion, multiple: f64, solution: &Solution) -> Result<(), Failure> {
         let q_1 = &solution.at.q_1;
         for pair in self.system.pairs.iter().filter(|pair| pair.kind == PairKind::Surfaces) {
             let moved = |nodes: &[u32]| {
@@ -177,10 +181,12 @@ where
                     largest.max(range.map(|k| (q_1[k] - self.state.positions[k]).powi(2)).sum::<f64>().sqrt())
                 })
             };
-            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes()) > multiple * pair.kernel.margin(outlook) {
+            if moved(pair.kernel.secondary().nodes()) + moved(pair.kernel.primary().nodes())
+                > multiple * pair.kernel.margin(predicted_motion)
+            {
                 return Err(Failure::BeyondSearch { pair: pair.name.clone() });
             }
-            if pair.kernel.overlooks(outlook.q, q_1, tolerances::OVERLOOKED * pair.kernel.facet_size()) {
+            if pair.kernel.overlooks(predicted_motion.q, q_1, tolerances::OVERLOOKED * pair.kernel.facet_size()) {
                 return Err(Failure::Overlooked { pair: pair.name.clone() });
             }
         }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::halvings::{Halving, Halvings};
-use crate::dynamics::model::bounds::Passed;
+use crate::dynamics::model::bounds::BodyPastObstacle;
 
 /// Counters of a simulation, for continuation. No step depends on them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub struct Tally {
     pub(super) assemblies: usize,
     pub(super) causes: Halvings,
     /// Deepest penetration of a body into a rigid obstacle by a part outside its contact definition.
-    pub(super) passed: Option<Passed>,
+    pub(super) passed: Option<BodyPastObstacle>,
 }
 
 impl Tally {

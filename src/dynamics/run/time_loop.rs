@@ -26,7 +26,7 @@ use super::state::{Clock, State};
 use super::steps::Steps;
 use super::substeps::Substeps;
 use super::tally::Tally;
-use super::validity::Excess;
+use super::validity::OutOfValidity;
 use crate::bodies::{Elements, Space};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::ContactPair;
@@ -207,7 +207,7 @@ where
         self.body_totals(body)
     }
 
-    fn excesses(&self) -> Vec<Excess> {
+    fn excesses(&self) -> Vec<OutOfValidity> {
         self.excessive_cells()
     }
 

@@ -26,7 +26,7 @@ const LEAST_TURN: f64 = 0.001;
 
 /// Body whose material law is used outside its range of validity.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Excess {
+pub struct OutOfValidity {
     /// The body.
     pub body: String,
     /// Kind of use outside the range of validity.
@@ -86,7 +86,7 @@ where
     Space<D>: Elements<D>,
 {
     /// Worst use of every linear or Saint Venant-Kirchhoff law beyond its range of validity.
-    pub fn excessive_cells(&self) -> Vec<Excess> {
+    pub fn excessive_cells(&self) -> Vec<OutOfValidity> {
         let mut found = Vec::new();
         for (body, definition) in self.system.bodies.iter().zip(&self.model.bodies) {
             match definition.material.kinematics() {
@@ -95,7 +95,8 @@ where
                 _ if definition.material.name() == SOFTENS => {
                     let least = body.elements.cliques().iter().map(|nodes| self.motion_of(nodes).map_or(1.0, |motion| motion.least()));
                     let worst = least.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-                    let excess = |(cell, value)| Excess { body: body.name.clone(), kind: ExcessKind::Crushed, value, cell, angle: 0.0 };
+                    let excess =
+                        |(cell, value)| OutOfValidity { body: body.name.clone(), kind: ExcessKind::Crushed, value, cell, angle: 0.0 };
                     found.extend(worst.map(excess));
                 }
                 Kinematics::GreenLagrange => found.extend(self.beyond_table(body, &definition.material)),
@@ -105,7 +106,7 @@ where
     }
 
     /// Point of a body with the largest plastic strain beyond the end of a tabulated hardening curve; `None` without one.
-    fn beyond_table(&self, body: &Body<D>, material: &Material) -> Option<Excess> {
+    fn beyond_table(&self, body: &Body<D>, material: &Material) -> Option<OutOfValidity> {
         let last = material.plasticity()?.hardening.last_strain()?;
         let (mut cell, mut value) = (0, 0.0);
         body.elements.visit_stresses(self.present(body), &mut |point| {
@@ -114,15 +115,15 @@ where
                 (cell, value) = (point.cell, strain);
             }
         });
-        Some(Excess { body: body.name.clone(), kind: ExcessKind::BeyondTable, value, cell, angle: last })
+        Some(OutOfValidity { body: body.name.clone(), kind: ExcessKind::BeyondTable, value, cell, angle: last })
     }
 
     /// Worst effect of rotation on a linear elastic body: strain or moment where a support rotates, otherwise the angle.
-    fn turned(&self, body: &Body<D>) -> Option<Excess> {
+    fn turned(&self, body: &Body<D>) -> Option<OutOfValidity> {
         let motions: Vec<CellMotion> = body.elements.cliques().iter().filter_map(|nodes| self.motion_of(nodes)).collect();
         let angles = motions.iter().map(CellMotion::angle).enumerate();
         let (cell, angle) = angles.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let excess = |kind, value, angle| Excess { body: body.name.clone(), kind, value, cell, angle };
+        let excess = |kind, value, angle| OutOfValidity { body: body.name.clone(), kind, value, cell, angle };
         if angle > tolerances::TURNED {
             return Some(excess(ExcessKind::Turned, angle, angle));
         }

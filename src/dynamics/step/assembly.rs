@@ -8,7 +8,7 @@ use std::time::Instant;
 use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
-use super::start::{StepStart, Stopping, Told};
+use super::start::{IterateInputs, StepStart, Stopping};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep, TangentSink};
@@ -212,7 +212,7 @@ where
     }
 
     /// Writes velocities, positions of loads and mass factors at an iterate to `told`, as far as the force elements need them.
-    pub(super) fn visit(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut Told) {
+    pub(super) fn visit(&self, start: &StepStart, q_1: &[f64], moved: &[f64], told: &mut IterateInputs) {
         told.inertia.clear();
         told.inertia.extend((0..self.bodies.len()).map(|body| start.inertia(body)));
         let others = !self.others.is_empty();
@@ -224,7 +224,7 @@ where
     /// # Errors
     /// A time function failed.
     pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Heats), StepError> {
-        let mut told = Told::default();
+        let mut told = IterateInputs::default();
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         let mut heats = Heats::default();
@@ -251,7 +251,7 @@ where
         if self.bodies.iter().all(|body| body.elements.history() == 0) {
             return Ok((memory.clone(), Heats::default()));
         }
-        let (mut after, told, mut heats) = (memory.to_vec(), Told::default(), Heats::default());
+        let (mut after, told, mut heats) = (memory.to_vec(), IterateInputs::default(), Heats::default());
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         for (body, kept) in self.bodies.iter().zip(&mut after) {
             let remembered = body.remembered(&iterate, kept)?;
@@ -263,7 +263,7 @@ where
 
     /// Dissipation of the time integrator's viscous stress in a step that ends at the iterate `at` `[energy]`.
     pub fn dissipated_by_strains(&self, start: &StepStart, at: &Linearization) -> f64 {
-        let (chi, told) = (start.dissipation().strain, Told::default());
+        let (chi, told) = (start.dissipation().strain, IterateInputs::default());
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         self.dampings.iter().filter(|_| chi > 0.0).map(|damping| damping.dissipated(&iterate, chi)).sum()
     }
@@ -277,7 +277,7 @@ where
         if !self.others.iter().any(|part| part.is_outside()) {
             return Ok(None);
         }
-        let mut told = Told::default();
+        let mut told = IterateInputs::default();
         self.visit(start, q_1, moved, &mut told);
         let iterate = Iterate { weight: 1.0, ..start.iterate(q_1, u_1, &told) };
         let (mut internal, mut load) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()]);

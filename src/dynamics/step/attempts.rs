@@ -37,14 +37,14 @@ const PREFERRED_STEPS: u8 = 8;
 
 /// Attempt that succeeded after the usual first one failed; the next steps try it first, because causes of failure persist for some steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Preferred {
+pub struct PreferredAttempt {
     /// Index into `ATTEMPTS`.
     attempt: u8,
     /// Number of successive steps solved by this attempt.
     steps: u8,
 }
 
-impl Preferred {
+impl PreferredAttempt {
     /// True if the index is in the list of attempts; a state read from a file may contain any index.
     pub fn is_sound(self) -> bool {
         usize::from(self.attempt) < ATTEMPTS.len()
@@ -57,12 +57,12 @@ impl Preferred {
     }
 
     /// Preference after a step solved by the attempt with this index.
-    pub fn after(self, attempt: usize) -> Preferred {
+    pub fn after(self, attempt: usize) -> PreferredAttempt {
         let attempt = attempt as u8;
         match attempt {
-            0 => Preferred::default(),
-            _ if attempt == self.attempt && self.steps < PREFERRED_STEPS => Preferred { attempt, steps: self.steps + 1 },
-            _ => Preferred { attempt, steps: 1 },
+            0 => PreferredAttempt::default(),
+            _ if attempt == self.attempt && self.steps < PREFERRED_STEPS => PreferredAttempt { attempt, steps: self.steps + 1 },
+            _ => PreferredAttempt { attempt, steps: 1 },
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::equations::Equations;
 use super::start::StepStart;
 use crate::dynamics::model::step_error::StepError;
-use crate::dynamics::model::update_rules::Holds;
+use crate::dynamics::model::update_rules::ActiveConstraints;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind};
 use crate::dynamics::parts::laws::{Row, RowStart, RowState};
 use crate::integrators::Derivative;
@@ -176,7 +176,7 @@ impl<const D: usize> Equations<D> {
         let mut shift = vec![0.0; gap_n.len()];
         let end_point = start.derivative() == Derivative::AT_END;
         for pair in &self.pairs {
-            let (closed, keeps) = (pair.closed, pair.update.holds == Holds::AsItIs);
+            let (closed, keeps) = (pair.closed, pair.update.holds == ActiveConstraints::AsItIs);
             for row in pair.rows.clone() {
                 let start = RowStart { gap: gap_n[row], penalty_gap: penalty_gap[row], held: held[row], closed, keeps, end_point };
                 let demand = pair.law.demand(&start);

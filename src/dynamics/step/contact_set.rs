@@ -9,7 +9,7 @@ use super::equations::Equations;
 use super::iterate::Linearization;
 use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
-use crate::dynamics::parts::friction_rows::{FrictionRows, Pressed, SlipRow};
+use crate::dynamics::parts::friction_rows::{FrictionRows, NormalState, SlipRow};
 use crate::dynamics::parts::laws::RowState;
 use crate::dynamics::parts::slip_group::SlipGroup;
 use crate::dynamics::parts::slip_vector::SlipVector;
@@ -64,7 +64,7 @@ impl<'a> SlipPlace<'a> {
         let first = self.rows.start;
         let local = pressing - pair.rows.start;
         let length = self.covered * pair.kernel.weights()[local];
-        let pressed = Pressed {
+        let pressed = NormalState {
             law: &*friction.law,
             coefficient: friction.coefficients[local],
             normal: sense * lambda[pressing],

@@ -75,7 +75,7 @@ pub struct Convergence {
 }
 
 /// Decision after an iterate.
-pub enum Judgement {
+pub enum IterateDecision {
     /// The iterate is the solution.
     Done,
     /// Another iteration follows.
@@ -100,7 +100,7 @@ impl Convergence {
     }
 
     /// Judges an iterate; not before the iteration `at_least` is it a solution.
-    pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> Judgement {
+    pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> IterateDecision {
         let falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.last_energy;
         self.last_energy = record.energy;
         let merit = record.energy.max(1.0) * record.violation.max(1.0);
@@ -113,7 +113,7 @@ impl Convergence {
         let is_exact = !self.is_exact || !falls || record.energy <= EXACT;
         let is_enough = record.enough > 0.0 && record.residual <= record.enough;
         if iteration >= at_least && is_met && (record.energy <= 1.0 && is_exact || is_round_off || is_enough) {
-            return Judgement::Done;
+            return IterateDecision::Done;
         }
         let distance = (record.residual / record.target).max(record.violation);
         // What is met has only its energy to lose.
@@ -124,6 +124,6 @@ impl Convergence {
         }
         let is_idle = self.idle > MAX_IDLE && !self.is_patient;
         let is_over = iteration >= if is_met && falls || falls_far { LONGER * self.most } else { self.most };
-        if is_idle || is_over { Judgement::GivesUp } else { Judgement::GoesOn }
+        if is_idle || is_over { IterateDecision::GivesUp } else { IterateDecision::GoesOn }
     }
 }

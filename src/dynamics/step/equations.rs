@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::iterate::Linearization;
 use super::making::PointInertia;
-use crate::bodies::{Elements, Present, Space};
+use crate::bodies::{BodyState, Elements, Space};
 use crate::contact::Correction;
 use crate::dynamics::model::part::{Part, PartHistories, Pose};
 use crate::dynamics::model::step_error::StepError;
@@ -79,7 +79,7 @@ where
 
     /// Initial history variables of all force elements, at rest with displacements `u`.
     pub fn memory_at_rest(&self, u: &[f64]) -> PartHistories {
-        let of_body = |body: &Body<D>| body.elements.relaxed(Present { u, history: &body.memory() });
+        let of_body = |body: &Body<D>| body.elements.relaxed(BodyState { u, history: &body.memory() });
         let others = self.parts().skip(self.bodies.len()).map(|part| part.memory());
         Arc::new(self.bodies.iter().map(of_body).chain(others).collect())
     }
@@ -87,7 +87,7 @@ where
     /// History variables of all parts in an equilibrium at a time: plastic strains of bodies remain, rate-dependent stresses (viscosity)
     /// have relaxed.
     pub fn relaxed(&self, time: f64, at: Pose, memory: &[Vec<f64>]) -> PartHistories {
-        let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(Present { u: at.u, history }));
+        let bodies = self.bodies.iter().zip(memory).map(|(body, history)| body.elements.relaxed(BodyState { u: at.u, history }));
         let others = self.parts().zip(memory).skip(self.bodies.len()).map(|(part, memory)| part.settled(time, at, memory));
         Arc::new(bodies.chain(others).collect())
     }
@@ -99,7 +99,7 @@ where
 
     /// Strain energy with the history variables `memory` `[energy]`.
     pub fn strain_energy(&self, u: &[f64], memory: &[Vec<f64>]) -> f64 {
-        let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(Present { u, history });
+        let of = |(body, history): (&Body<D>, &Vec<f64>)| body.elements.strain_energy(BodyState { u, history });
         self.bodies.iter().zip(memory).map(of).sum()
     }
 }

@@ -5,10 +5,10 @@ use std::time::Instant;
 use super::equations::Equations;
 use super::failure::Failure;
 use super::iterate::Linearization;
-use super::start::{StepStart, Told};
+use super::start::{IterateInputs, StepStart};
 use super::system::System;
 use crate::bodies::{Elements, Space};
-use crate::contact::{Evaluation, Outlook};
+use crate::contact::{Evaluation, PredictedMotion};
 use crate::dynamics::model::part::{Iterate, Sums};
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::dynamics::parts::laws::Row;
@@ -34,12 +34,12 @@ where
     ///
     /// # Errors
     /// The contacts do not fit into memory.
-    pub fn begin_explicit_step(&mut self, outlook: &Outlook) -> Result<(), LinearError> {
-        if self.find_candidates(outlook, &[]) {
+    pub fn begin_explicit_step(&mut self, predicted_motion: &PredictedMotion) -> Result<(), LinearError> {
+        if self.find_candidates(predicted_motion, &[]) {
             self.matrix.is_stale = true;
             self.ensure_patches().map_err(|shortage| LinearError::out_of_memory(self.nodes.reference.len(), shortage))?;
         }
-        self.begin_pairs(outlook);
+        self.begin_pairs(predicted_motion);
         Ok(())
     }
 
@@ -110,7 +110,7 @@ where
     /// # Errors
     /// A cell is inside out.
     pub fn force_change(&self, start: &StepStart, motion: &[f64], dt: f64, size: f64) -> Result<Vec<f64>, Failure> {
-        let told = Told::default();
+        let told = IterateInputs::default();
         let at = |size: f64| -> Result<Vec<f64>, Failure> {
             let moved = |from: &[f64]| -> Vec<f64> { from.iter().zip(motion).map(|(from, x)| from + size * x).collect() };
             let (q_1, u_1) = (moved(start.q_0), moved(start.u_0));

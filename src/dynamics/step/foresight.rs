@@ -141,9 +141,9 @@ fn travel_at_obstacle(pair: &ContactPair, q: &[f64], v: &[f64], dt: f64) -> f64 
 /// Relative motion of the nodes of a pair and its rigid obstacle in a step to `q_1`, in facets, if too large: through the obstacle or, if
 /// predicted, towards it.
 fn passing(pair: &ContactPair, q_1: &[f64], is_predicted: bool) -> Option<f64> {
-    let [swing, crossing] = pair.kernel.passage(q_1);
-    let is_too_far = is_predicted && swing > tolerances::PASSING || crossing > 0.0;
-    is_too_far.then_some(swing.max(crossing))
+    let [direction_change, crossing] = pair.kernel.passage(q_1);
+    let is_too_far = is_predicted && direction_change > tolerances::PASSING || crossing > 0.0;
+    is_too_far.then_some(direction_change.max(crossing))
 }
 
 /// Largest depth, in secondary facets, of nodes of a pair behind the other side that were open at the start of the step.

@@ -57,7 +57,7 @@ pub struct ImpactLaw {
 
 /// Course of an impact.
 #[derive(Clone, Debug, Default)]
-pub struct Course {
+pub struct ImpactSolution {
     /// Rates of the constraints.
     pub rates: Vec<f64>,
     /// Impulses of the constraints.
@@ -82,8 +82,8 @@ impl ImpactLaw {
     }
 
     /// State of an impact before its compression, with the given rates.
-    pub fn before(&self, rates: Vec<f64>) -> Course {
-        Course { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
+    pub fn before(&self, rates: Vec<f64>) -> ImpactSolution {
+        ImpactSolution { impulses: vec![0.0; rates.len()], friction: vec![0.0; self.contacts.len()], pressing: 0.0, rates }
     }
 
     /// Changes rates by impulses.
@@ -95,7 +95,7 @@ impl ImpactLaw {
     }
 
     /// Compression phase: ends the approach of the participating contacts.
-    pub fn compress(&self, course: &mut Course, takes_part: impl Fn(usize) -> bool) {
+    pub fn compress(&self, course: &mut ImpactSolution, takes_part: impl Fn(usize) -> bool) {
         let approach: Vec<f64> = self.contacts.iter().map(|contact| course.rates[contact.first].min(0.0)).collect();
         let targets =
             |s: f64| (0..approach.len()).map(|c| if takes_part(c) { (1.0 - s) * approach[c] } else { f64::NEG_INFINITY }).collect();
@@ -103,7 +103,7 @@ impl ImpactLaw {
     }
 
     /// Applies the restitution phase: returns compression impulses, scaled by `share` times each contact's coefficient.
-    pub fn restore(&self, course: &mut Course, share: f64) {
+    pub fn restore(&self, course: &mut ImpactSolution, share: f64) {
         let given: Vec<f64> =
             self.contacts.iter().map(|contact| share * contact.restitution * course.impulses[contact.first].max(0.0)).collect();
         if given.iter().any(|given| *given > 0.0) {
@@ -112,7 +112,7 @@ impl ImpactLaw {
     }
 
     /// Integrates a phase part by part; `part(end, length)` returns the conditions of a part.
-    fn follow(&self, course: &mut Course, part: impl Fn(f64, f64) -> Part) {
+    fn follow(&self, course: &mut ImpactSolution, part: impl Fn(f64, f64) -> Part) {
         let (mut done, mut length) = (0.0, 1.0);
         let mut guess = vec![0.0; course.rates.len()];
         while done < 1.0 {

@@ -2,7 +2,7 @@
 //!
 //! There is no stored "last iterate": every evaluation reads the linearization that it is given.
 
-use super::start::Told;
+use super::start::IterateInputs;
 use crate::contact::Evaluation;
 use crate::dynamics::model::part::Pose;
 
@@ -75,19 +75,19 @@ impl Forces {
 
 /// Storage of discarded iterates, for reuse, and number of iterates in a step.
 #[derive(Default)]
-pub struct Spare {
+pub struct IterateStore {
     gone: Vec<Linearization>,
     /// Internal forces.
     pub(super) internal: Vec<f64>,
     /// Displacement on which the mass acts in the equations of a step.
     pub(super) motion: Vec<f64>,
     /// Velocities, positions of loads and mass factors passed to parts.
-    pub(super) told: Told,
+    pub(super) told: IterateInputs,
     /// Number of iterates in this step, and in the previous one.
     iterates: [usize; 2],
 }
 
-impl Spare {
+impl IterateStore {
     /// Resets the iterate count at the start of a step.
     pub fn begin_step(&mut self) {
         self.iterates = [0, self.iterates[0]];

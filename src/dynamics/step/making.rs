@@ -9,7 +9,7 @@ use crate::dynamics::model::error::ModelError;
 use crate::dynamics::model::growth::unsound;
 use crate::dynamics::model::part::Part;
 use crate::dynamics::parts::body::Body;
-use crate::dynamics::parts::carried::Carried;
+use crate::dynamics::parts::carried::RigidBody;
 use crate::dynamics::parts::loads::NodalLoad;
 use crate::dynamics::parts::rigid_bodies::used_nodes;
 use crate::integrators::{Lumping, Scheme};
@@ -39,7 +39,7 @@ pub(super) fn part_followers<const D: usize>(
     let mut followers = BTreeSet::new();
     for body in bodies {
         let (Some(rigid), Some(inertia)) = (&mut body.rigid, &model.bodies[body.number].rigid) else { continue };
-        let Carried { carried, followers: own, .. } = rigid;
+        let RigidBody { carried, followers: own, .. } = rigid;
         own.retain(|&index| !used.contains(&carried[index].0));
         followers.extend(own.iter().map(|&index| carried[index].0));
         let tied: Vec<&(u32, Vec<f64>)> = carried.iter().filter(|(node, _)| used.contains(node)).collect();
@@ -80,7 +80,7 @@ where
         }
         reference.extend(body.mesh.points.iter().flat_map(|point| point[..D].to_vec()));
         let nodes = first..reference.len() / D;
-        let rigid = frame.map(|(_, frame)| Carried::new(&body.mesh.points, frame, first));
+        let rigid = frame.map(|(_, frame)| RigidBody::new(&body.mesh.points, frame, first));
         bodies.push(Body {
             name: body.name.clone(),
             number,

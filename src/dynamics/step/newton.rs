@@ -4,10 +4,10 @@
 //! again; increments are limited to a tenth of a facet; nodes with a sliver of overlap are excluded from the step; convergence is decided
 //! by the natural residual `min(lambda, c Phi)` and by the energy that the residual can still move, not by an unchanged set.
 
-use super::attempts::{ATTEMPTS, Preferred, Strategy};
+use super::attempts::{ATTEMPTS, PreferredAttempt, Strategy};
 use super::conditions::Conditions;
 use super::contact_set::{constraint_rows, drop_slivers, has_row, pairs_at, slips_at, starting_set, worst_violation};
-use super::convergence::{Convergence, Iteration, Judgement};
+use super::convergence::{Convergence, IterateDecision, Iteration};
 use super::failure::Failure;
 use super::iterate::Linearization;
 use super::start::StepStart;
@@ -28,7 +28,7 @@ pub struct Solution {
     /// Contact state of every constraint.
     pub active: Vec<RowState>,
     /// The attempt that a later step tries first.
-    pub preferred: Preferred,
+    pub preferred: PreferredAttempt,
 }
 
 impl Solution {
@@ -73,7 +73,7 @@ pub struct Task<'a> {
     /// Do not abandon stagnating attempts (used where the step cannot be halved).
     pub is_patient: bool,
     /// Order of solution attempts, the last successful one first.
-    pub preferred: Preferred,
+    pub preferred: PreferredAttempt,
     /// Returns true if the user interrupts the run.
     pub interrupted: &'a dyn Fn() -> bool,
 }
@@ -202,13 +202,13 @@ where
         }
         let mut record = attempt.measure(&at);
         match convergence.judge(iteration, task.at_least, &record) {
-            Judgement::Done => return Ok(attempt.solution(at)),
-            Judgement::GivesUp => {
+            IterateDecision::Done => return Ok(attempt.solution(at)),
+            IterateDecision::GivesUp => {
                 record.active = attempt.active.iter().filter(|row| row.is_closed()).count();
                 trace.iterations.push(record);
                 break;
             }
-            Judgement::GoesOn => {}
+            IterateDecision::GoesOn => {}
         }
         *iterations += 1;
         let (mut set, increment, new_lambda);
@@ -245,7 +245,7 @@ where
         let idle = slips_at(self.system, &at).filter(|place| !active[place.pressing].is_closed());
         let idle: Vec<usize> = idle.flat_map(|place| place.rows).collect();
         idle.into_iter().for_each(|row| active[row] = RowState::Open);
-        Solution { at, active, preferred: Preferred::default() }
+        Solution { at, active, preferred: PreferredAttempt::default() }
     }
 
     /// The first iterate: the predicted one or, where that has prescribed motion at rest, what the linearisation at the start makes of this

@@ -12,9 +12,9 @@ pub struct SchemeMemory {
     /// Time step size of the step that led here, 0 without a step of this integrator `[time]`.
     pub dt: f64,
     /// Static forces.
-    pub force: Lagging,
+    pub force: ForceHistory,
     /// External part of the static forces, which changes the momenta in the next step: loads, and forces of obstacles and of the ground.
-    pub outside: [Lagging; 2],
+    pub outside: [ForceHistory; 2],
     /// Accelerations at the end of the step.
     pub acceleration: Vec<f64>,
     /// Initial energy plus the energy supplied since, the scale for judging explicit steps `[energy]`.
@@ -23,23 +23,23 @@ pub struct SchemeMemory {
 
 /// Force history of one kind of forces `[force]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Lagging {
-    /// Force history passed to the next step ([`Lag`](crate::integrators::Lag)).
+pub struct ForceHistory {
+    /// Force history passed to the next step ([`LagWeights`](crate::integrators::Lag)).
     pub left: Vec<f64>,
     /// Force that balances the inertia at the end of the step.
     pub answered: Vec<f64>,
 }
 
-impl Lagging {
+impl ForceHistory {
     /// Force history of a constant force.
-    pub fn steady(scheme: &Scheme, force: &[f64]) -> Lagging {
+    pub fn steady(scheme: &Scheme, force: &[f64]) -> ForceHistory {
         let left = scheme.left();
         let answered = if scheme.remembers(History::Answered) { force.to_vec() } else { Vec::new() };
-        Lagging { left: force.iter().map(|force| left * force).collect(), answered }
+        ForceHistory { left: force.iter().map(|force| left * force).collect(), answered }
     }
 
     /// Force history after a step whose own contribution is `own`.
-    pub fn after(&self, scheme: &Scheme, own: &[f64]) -> Lagging {
+    pub fn after(&self, scheme: &Scheme, own: &[f64]) -> ForceHistory {
         let lag = scheme.lag;
         let factor = lag.force / scheme.weight;
         let mut left: Vec<f64> = own.iter().map(|own| factor * own).collect();
@@ -58,7 +58,7 @@ impl Lagging {
         if !scheme.remembers(History::Answered) {
             answered.clear();
         }
-        Lagging { left, answered }
+        ForceHistory { left, answered }
     }
 
     fn len(&self) -> usize {
@@ -81,6 +81,6 @@ impl SchemeMemory {
 
     /// Number of stored numbers.
     pub fn len(&self) -> usize {
-        self.force.len() + self.outside.iter().map(Lagging::len).sum::<usize>() + self.acceleration.len()
+        self.force.len() + self.outside.iter().map(ForceHistory::len).sum::<usize>() + self.acceleration.len()
     }
 }

@@ -4,7 +4,7 @@ use super::scheme_memory::SchemeMemory;
 use crate::dynamics::model::part::{Iterate, Pose};
 use crate::dynamics::parts::force_shares::ForceShares;
 use crate::dynamics::parts::supports::PrescribedUnknown;
-use crate::integrators::{Affine, Configuration, Derivative, Dissipation, History, REST, Scheme};
+use crate::integrators::{Configuration, Derivative, Dissipation, History, REST, Scheme, UpdateCoefficients};
 
 /// Initial values and integration of a step.
 pub struct StepStart<'a> {
@@ -58,7 +58,7 @@ pub struct Stopping {
 
 /// Quantities of an iterate passed to force elements, besides positions and displacements.
 #[derive(Default)]
-pub struct Told {
+pub struct IterateInputs {
     /// Factor of each body's mass in the tangent.
     pub inertia: Vec<f64>,
     /// Positions at which loads act.
@@ -82,7 +82,7 @@ impl StepStart<'_> {
     pub fn stopping(&self, moved: &[f64], prescribed: &[PrescribedUnknown]) -> Option<Stopping> {
         let StepKind::Motion(motion) = &self.kind else { return None };
         let (slope, mut stopping) = (motion.scheme.velocity.moved, Vec::with_capacity(moved.len()));
-        motion.affine_into(Affine { moved: 0.0, ..motion.scheme.velocity }, moved, &mut stopping);
+        motion.affine_into(UpdateCoefficients { moved: 0.0, ..motion.scheme.velocity }, moved, &mut stopping);
         stopping.iter_mut().for_each(|v| *v *= -motion.dt / slope);
         for (prescribed, v_1) in prescribed.iter().zip(motion.prescribed_v_1) {
             stopping[prescribed.unknown] = moved[prescribed.unknown] - motion.dt / slope * v_1;
@@ -168,7 +168,14 @@ impl StepStart<'_> {
     }
 
     /// Evaluates the positions of loads and the velocities of forces at an iterate, if `positions` and `velocities` are given.
-    pub fn visit(&self, q_1: &[f64], moved: &[f64], prescribed: &[PrescribedUnknown], [positions, velocities]: [bool; 2], told: &mut Told) {
+    pub fn visit(
+        &self,
+        q_1: &[f64],
+        moved: &[f64],
+        prescribed: &[PrescribedUnknown],
+        [positions, velocities]: [bool; 2],
+        told: &mut IterateInputs,
+    ) {
         if positions {
             self.derivative().placement().test.positions_into(self.q_0, q_1, &mut told.q_test);
         }
@@ -178,7 +185,7 @@ impl StepStart<'_> {
     }
 
     /// Iterate as passed to force elements.
-    pub fn iterate<'b>(&'b self, q_1: &'b [f64], u_1: &'b [f64], told: &'b Told) -> Iterate<'b> {
+    pub fn iterate<'b>(&'b self, q_1: &'b [f64], u_1: &'b [f64], told: &'b IterateInputs) -> Iterate<'b> {
         let velocity_slope = match &self.kind {
             StepKind::Motion(Motion { scheme, dt, .. }) => scheme.velocity_of_forces().moved / dt,
             StepKind::Rest { .. } => 0.0,
@@ -245,7 +252,7 @@ impl Motion<'_> {
         if self.scheme.remembers(History::Acceleration) { &self.remembered.acceleration } else { &[] }
     }
 
-    fn affine_into(&self, row: Affine, moved: &[f64], out: &mut Vec<f64>) {
+    fn affine_into(&self, row: UpdateCoefficients, moved: &[f64], out: &mut Vec<f64>) {
         out.clear();
         out.extend(moved.iter().zip(self.v_0).map(|(moved, v_0)| row.velocity(*moved, *v_0, self.dt)));
         out.iter_mut().zip(self.accelerations()).for_each(|(v, a_0)| *v += row.velocity_by(*a_0, self.dt));

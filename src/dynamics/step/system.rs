@@ -15,12 +15,12 @@ use std::time::Instant;
 
 use super::counters::Counters;
 use super::equations::{Equations, parts};
-use super::iterate::Spare;
+use super::iterate::IterateStore;
 use super::making::{PointInertia, bodies_of, deformable, loads_of, mass_of, part_followers, varying_gravity};
 use super::matrix::{Matrix, pattern_of};
 use super::search_history::SearchHistory;
 use crate::bodies::{Elements, Space};
-use crate::contact::Outlook;
+use crate::contact::PredictedMotion;
 use crate::dynamics::model::boundaries::middles;
 use crate::dynamics::model::definitions::Model;
 use crate::dynamics::model::error::ModelError;
@@ -33,7 +33,7 @@ use crate::dynamics::parts::rigid_bodies::point_pairs;
 use crate::dynamics::parts::step_damping::StepDamping;
 use crate::dynamics::parts::supports::Supports;
 use crate::integrators::Scheme;
-use crate::linear::{Block, LinearError, Pattern, SolverChoice, TakenOver, Watch, Work};
+use crate::linear::{Block, InterruptWatch, LinearError, Pattern, SolverChoice, TakenOver, Work};
 use crate::machine::memory::Shortage;
 use crate::math::workers::Workers;
 
@@ -47,7 +47,7 @@ pub struct System<const D: usize> {
     /// Counters of the work done so far.
     pub counters: Counters,
     /// Reusable storage of earlier iterates.
-    pub spare: Spare,
+    pub spare: IterateStore,
     /// Search results and solver data for the next step, as last returned.
     search: Arc<SearchHistory>,
     /// True if an iterate is far from a solution, so that tangents omit the geometric stiffness of contact forces: with inaccurate
@@ -136,7 +136,7 @@ where
             equations,
             matrix,
             counters: Counters::default(),
-            spare: Spare::default(),
+            spare: IterateStore::default(),
             search: Arc::default(),
             is_far: false,
             given: Vec::new(),
@@ -166,7 +166,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Sets the interrupt flag and progress counter of long factorizations.
-    pub fn watch(&mut self, watch: Watch) {
+    pub fn watch(&mut self, watch: InterruptWatch) {
         self.matrix.solver.set_watch(watch);
     }
 
@@ -216,17 +216,17 @@ impl<const D: usize> System<D> {
     ///
     /// # Errors
     /// The equations do not fit into memory.
-    pub fn begin_step(&mut self, outlook: &Outlook) -> Result<(), LinearError> {
-        self.begin_deep_step(outlook, &[])
+    pub fn begin_step(&mut self, predicted_motion: &PredictedMotion) -> Result<(), LinearError> {
+        self.begin_deep_step(predicted_motion, &[])
     }
 
     /// Begins a step at rest; `depths`: largest penetration at which each pair is admitted, as in motion beyond the list.
     ///
     /// # Errors
     /// The equations do not fit into memory.
-    pub fn begin_deep_step(&mut self, outlook: &Outlook, depths: &[f64]) -> Result<(), LinearError> {
-        let changed = self.find_candidates(outlook, depths);
-        self.matrix.solver.locate(outlook.q);
+    pub fn begin_deep_step(&mut self, predicted_motion: &PredictedMotion, depths: &[f64]) -> Result<(), LinearError> {
+        let changed = self.find_candidates(predicted_motion, depths);
+        self.matrix.solver.locate(predicted_motion.q);
         if changed || self.matrix.is_stale {
             let clock = Instant::now();
             self.ensure_patches().map_err(|shortage| LinearError::out_of_memory(self.nodes.reference.len(), shortage))?;
@@ -239,27 +239,27 @@ impl<const D: usize> System<D> {
             self.place();
             self.counters.times.factorization += clock.elapsed();
         }
-        self.begin_pairs(outlook);
+        self.begin_pairs(predicted_motion);
         Ok(())
     }
 
     /// Finds the candidate pairs of each contact; returns true if they changed.
-    pub(super) fn find_candidates(&mut self, outlook: &Outlook, depths: &[f64]) -> bool {
+    pub(super) fn find_candidates(&mut self, predicted_motion: &PredictedMotion, depths: &[f64]) -> bool {
         self.spare.begin_step();
         let clock = Instant::now();
         let mut changed = false;
         for (pair, depth) in self.equations.pairs.iter_mut().zip(depths.iter().copied().chain(std::iter::repeat(0.0))) {
-            changed |= pair.kernel.update_candidates(&Outlook { depth, ..*outlook });
+            changed |= pair.kernel.update_candidates(&PredictedMotion { depth, ..*predicted_motion });
         }
         self.counters.times.search += clock.elapsed();
         changed
     }
 
     /// Updates the data of contacts that depend on the start of a step.
-    pub(super) fn begin_pairs(&mut self, outlook: &Outlook) {
+    pub(super) fn begin_pairs(&mut self, predicted_motion: &PredictedMotion) {
         let clock = Instant::now();
         for pair in &mut self.equations.pairs {
-            pair.kernel.begin_step(outlook.q);
+            pair.kernel.begin_step(predicted_motion.q);
         }
         self.counters.times.contact += clock.elapsed();
     }
@@ -270,7 +270,7 @@ impl<const D: usize> System<D> {
     /// The contacts do not fit into memory.
     pub fn survey(&mut self, q: &[f64]) -> Result<(), Shortage> {
         for pair in &mut self.equations.pairs {
-            self.matrix.is_stale |= pair.kernel.update_candidates(&Outlook::within(q, 0.0));
+            self.matrix.is_stale |= pair.kernel.update_candidates(&PredictedMotion::within(q, 0.0));
         }
         self.ensure_patches()?;
         self.equations.pairs.iter_mut().for_each(|pair| pair.kernel.begin_step(q));

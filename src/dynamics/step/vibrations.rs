@@ -31,7 +31,7 @@ const OPPOSED: ForceShares = ForceShares { lagging: -1.0, alone: -1.0 };
 
 /// A state about which a model vibrates.
 #[derive(Clone, Copy)]
-pub struct Rest<'a> {
+pub struct VibrationState<'a> {
     /// Time of the state `[time]`.
     pub time: f64,
     /// Positions and displacements.
@@ -47,7 +47,7 @@ pub struct Rest<'a> {
 /// The shifted matrix of a state in the solver.
 pub struct Vibrations<'a, const D: usize> {
     system: &'a mut System<D>,
-    rest: Rest<'a>,
+    rest: VibrationState<'a>,
     /// Values of the factorized matrix.
     values: Vec<f64>,
     /// Number of active constraints.
@@ -65,7 +65,7 @@ where
     Space<D>: Elements<D>,
 {
     /// Vibrations about the state `rest`, at which the contacts of `system` have begun a step at rest.
-    pub fn new(system: &'a mut System<D>, rest: Rest<'a>) -> Self {
+    pub fn new(system: &'a mut System<D>, rest: VibrationState<'a>) -> Self {
         Vibrations { system, rest, values: Vec::new(), held: 0, asymmetry: 0.0, stiffest: 0.0, factorizations: 0 }
     }
 
@@ -94,7 +94,7 @@ where
 
     /// Computes the symmetric shifted stiffness at a pose with the multipliers `lambda`, without constraints.
     fn stiffness_at(&mut self, pose: Pose, lambda: &[f64], shift: f64) -> Result<Linearization, Failure> {
-        let (Pose { q, u }, Rest { time, memory, .. }) = (pose, self.rest);
+        let (Pose { q, u }, VibrationState { time, memory, .. }) = (pose, self.rest);
         let damping = vec![-shift; self.system.bodies.len()];
         let start = StepStart { time, q_0: q, u_0: u, memory, kind: StepKind::Rest { damping: &damping, velocities: None } };
         let mut at = self.system.linearize(&start, q, &vec![0.0; q.len()], lambda)?;

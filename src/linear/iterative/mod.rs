@@ -19,7 +19,7 @@ use saddle::{Saddle, Scaled};
 use super::error::LinearError;
 use super::pattern::Pattern;
 use super::scaling::{all_finite, largest, spread, vertex_scales};
-use super::watch::Watch;
+use super::watch::InterruptWatch;
 use crate::math::tolerances;
 use crate::math::workers::Workers;
 
@@ -87,7 +87,7 @@ impl Iterative {
         values: &[f64],
         right: &mut [f64],
         workers: &Workers,
-        watch: &Watch,
+        watch: &InterruptWatch,
     ) -> Result<f64, Refusal> {
         let Iterative { preconditioner: Some(preconditioner), krylov, scale, iterations, .. } = self else {
             return Err(Refusal::Unsuited);
@@ -157,7 +157,7 @@ struct ScaledSystem<'a> {
     preconditioner: &'a mut Preconditioner,
     scratch: Vec<f64>,
     workers: &'a Workers,
-    watch: &'a Watch,
+    watch: &'a InterruptWatch,
 }
 
 impl System for ScaledSystem<'_> {

@@ -1,7 +1,7 @@
 //! Tests of the iterative solver against the direct one, on elastic blocks of hexahedra.
 
 use super::Iterative;
-use crate::linear::{Factorization, LinearSolver, Pattern, SolverChoice, Vertex, Watch, solver_of};
+use crate::linear::{Factorization, InterruptWatch, LinearSolver, Pattern, SolverChoice, Vertex, solver_of};
 use crate::math::tolerances::LINEAR_REFINED;
 use crate::math::workers::Workers;
 
@@ -136,7 +136,7 @@ fn iterated(model: &Model, threads: usize) -> (usize, Vec<f64>) {
     let (mut solver, workers) = (Iterative::default(), Workers::new(threads));
     assert_eq!(solver.prepare(&model.pattern, &model.positions, &model.values, &workers), Ok(()));
     let mut x = model.right.clone();
-    let error = solver.solve(&model.pattern, &model.values, &mut x, &workers, &Watch::default());
+    let error = solver.solve(&model.pattern, &model.values, &mut x, &workers, &InterruptWatch::default());
     assert!(error.is_ok_and(|error| error <= LINEAR_REFINED), "{error:?}");
     (solver.iterations, x)
 }

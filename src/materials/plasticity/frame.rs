@@ -18,7 +18,7 @@ pub(super) const fn variables<const S: usize>(back_stresses: usize) -> usize {
 
 /// History variables of a quadrature point in eight elements.
 #[derive(Clone, Copy)]
-pub(super) struct Kept<const FMA: bool, const S: usize> {
+pub(super) struct PlasticPoint<const FMA: bool, const S: usize> {
     /// `P - I`, `P = F_p^-1`.
     pub(super) frame: Matrix<FMA>,
     /// Equivalent plastic strain.
@@ -39,11 +39,11 @@ pub(super) struct Stretches<const FMA: bool> {
     pub(super) directions: Matrix<FMA>,
 }
 
-impl<const FMA: bool, const S: usize> Kept<FMA, S> {
+impl<const FMA: bool, const S: usize> PlasticPoint<FMA, S> {
     /// Reads the history variables of a point.
     #[inline(always)]
     pub(super) fn read(history: &[Lanes<false>], back_stresses: usize) -> Self {
-        let mut kept = Kept {
+        let mut kept = PlasticPoint {
             frame: [[Lanes::ZERO; 3]; 3],
             alpha: Lanes(history[0].0),
             heat: Lanes(history[1].0),

@@ -2,7 +2,7 @@
 
 use super::constants::{ElasticPlastic, MOST_BACK_STRESSES};
 use super::flow::{Flow, FlowStep, Rule, Slopes};
-use super::frame::{Kept, Stretches, variables};
+use super::frame::{PlasticPoint, Stretches, variables};
 use super::logarithm::{
     Matrix, adjoint, applied, applied_back, congruence, curvature, deviator, dot, first_difference, place, plus, product,
     product_with_transpose, symmetric_map, times, trace,
@@ -26,7 +26,7 @@ pub(crate) struct PlasticLaw {
 
 /// Step in the principal directions of its end configuration.
 struct Step<const FMA: bool, const S: usize> {
-    kept: Kept<FMA, S>,
+    kept: PlasticPoint<FMA, S>,
     /// Stretches at start and end.
     ends: [Stretches<FMA>; 2],
     /// Rotation between principal directions, `R_ij = n_1i . n_0j`, `n_1` at the end, `n_0` at the start.
@@ -66,7 +66,7 @@ impl PlasticLaw {
         (dt, rule): (f64, Rule),
         with_slopes: bool,
     ) -> Step<FMA, S> {
-        let kept = Kept::<FMA, S>::read(history, self.back_stresses());
+        let kept = PlasticPoint::<FMA, S>::read(history, self.back_stresses());
         let ends = [kept.stretches(strains[0]), kept.stretches(strains[1])];
         let mut turn = [[Lanes::ZERO; 3]; 3];
         for i in 0..3 {
@@ -227,7 +227,7 @@ impl PlasticLaw {
             heat = heat - dot(&acting, &gained) * constants.factor();
         }
         let elastic = plus(&flow.strain, Lanes::splat(-1.0), &step.strains[1]);
-        let mut moved = Kept {
+        let mut moved = PlasticPoint {
             frame: kept.moved_frame(stretches, &elastic),
             alpha: flow.multiplier.mul_add(Lanes::splat(super::flow::ROOT), kept.alpha),
             heat: kept.heat + heat,
@@ -250,7 +250,7 @@ impl PlasticLaw {
     /// Stored energy at a strain with history variables.
     #[inline(always)]
     fn energy<const FMA: bool, const S: usize>(&self, strain: &Components<S>, history: &[Lanes<false>]) -> Lanes<false> {
-        let kept = Kept::<FMA, S>::read(history, self.back_stresses());
+        let kept = PlasticPoint::<FMA, S>::read(history, self.back_stresses());
         let Stretches { logarithms, .. } = kept.stretches(strain);
         let volume = trace(&logarithms);
         let shape = deviator(&logarithms);
@@ -264,7 +264,7 @@ impl PlasticLaw {
     /// Second Piola-Kirchhoff stress at a strain with history variables.
     #[inline(always)]
     fn stress<const FMA: bool, const S: usize>(&self, strain: &Components<S>, history: &[Lanes<false>]) -> Components<S> {
-        let kept = Kept::<FMA, S>::read(history, self.back_stresses());
+        let kept = PlasticPoint::<FMA, S>::read(history, self.back_stresses());
         let stretches = kept.stretches(strain);
         let mut logarithm = [Lanes::ZERO; S];
         logarithm[..3].copy_from_slice(&stretches.logarithms);
@@ -359,7 +359,7 @@ macro_rules! history_law {
                 dispatch(Stresses(self, strain, history, stresses));
             }
             fn shown(&self, history: &[Lanes<false>], lane: usize) -> Option<PointHistory> {
-                let kept = Kept::<false, $size>::read(history, self.back_stresses());
+                let kept = PlasticPoint::<false, $size>::read(history, self.back_stresses());
                 let mut back = [0.0; $size];
                 for (strain, constants) in kept.back.iter().zip(&self.constants.back_stresses) {
                     back.iter_mut().zip(strain).for_each(|(sum, component)| *sum += constants.factor() * component.0[lane]);

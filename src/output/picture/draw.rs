@@ -2,7 +2,7 @@
 
 use super::arrows::{arrows_into, factor, far_end, key_into, longest};
 use super::marks::{Axes, TRIAD_ROOM, bar_into, triad_into};
-use super::options::{Measure, Panel, PictureOptions, Sight};
+use super::options::{Measure, Panel, PictureBounds, PictureOptions};
 use super::scale::{INK, Scale, TEXT};
 use super::skin::{Skin, cut_surface};
 use super::view::{Bounds, Camera, View};
@@ -86,11 +86,11 @@ pub fn picture(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &Pi
     out
 }
 
-/// Returns the visible region of a picture of these bodies, to be joined with those of other pictures ([`Sight::with`]).
-pub fn sight(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &PictureOptions) -> Sight {
+/// Returns the visible region of a picture of these bodies, to be joined with those of other pictures ([`PictureBounds::with`]).
+pub fn sight(bodies: &[BodyFields], obstacles: &[PlacedObstacle], options: &PictureOptions) -> PictureBounds {
     let bodies: &[BodyFields] = &options.shown_of(bodies);
     let (layout, _) = Layout::new(bodies, obstacles, options, options.width.max(NARROWEST), 0.0);
-    Sight { bounds: layout.bounds, longest: options.vectors.as_ref().map_or(0.0, |(vectors, _)| longest(bodies, *vectors)) }
+    PictureBounds { bounds: layout.bounds, longest: options.vectors.as_ref().map_or(0.0, |(vectors, _)| longest(bodies, *vectors)) }
 }
 
 fn panel_values(bodies: &[BodyFields], panel: &Panel) -> Vec<Vec<f64>> {

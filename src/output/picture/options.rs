@@ -39,18 +39,18 @@ impl Measure {
 
 /// Visible region of a picture, common to all pictures of a movie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sight {
+pub struct PictureBounds {
     /// Bounding box of the visible region in the plane of the picture.
     pub(super) bounds: Bounds,
     /// Magnitude of the longest vector shown by an arrow.
     pub(super) longest: f64,
 }
 
-impl Sight {
+impl PictureBounds {
     /// Returns the union of two visible regions.
-    pub fn with(self, other: Sight) -> Sight {
+    pub fn with(self, other: PictureBounds) -> PictureBounds {
         let corners = [self.bounds.low, self.bounds.high(), other.bounds.low, other.bounds.high()];
-        Sight { bounds: Bounds::of(corners.iter()), longest: self.longest.max(other.longest) }
+        PictureBounds { bounds: Bounds::of(corners.iter()), longest: self.longest.max(other.longest) }
     }
 }
 
@@ -80,7 +80,7 @@ pub struct PictureOptions {
     /// Unit of lengths; empty if not given.
     pub length_unit: String,
     /// Visible region; `None` to determine it from the bodies.
-    pub sight: Option<Sight>,
+    pub sight: Option<PictureBounds>,
 }
 
 impl PictureOptions {

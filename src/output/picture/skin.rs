@@ -44,7 +44,7 @@ impl Skin {
             skin.facets = hull;
             return skin;
         };
-        let mut knife = Knife::new(section, &skin.points);
+        let mut knife = CuttingPlane::new(section, &skin.points);
         skin.normal = section.normal;
         skin.facets = hull.iter().map(|facet| knife.cut(facet).0).filter(|facet| facet.len() > 2).collect();
         for (cell, (kind, nodes)) in body.mesh.cells_with_kinds().enumerate() {
@@ -71,7 +71,7 @@ impl Skin {
 }
 
 /// Clipping of polygons at a plane.
-pub(super) struct Knife {
+pub(super) struct CuttingPlane {
     /// Heights of the points above the plane.
     heights: Vec<f64>,
     /// Points of the cut by their edges (end nodes ascending), in the order of creation.
@@ -79,9 +79,9 @@ pub(super) struct Knife {
     cuts: Vec<Cut>,
 }
 
-impl Knife {
+impl CuttingPlane {
     pub fn new(section: &CutPlane, points: &[[f64; 3]]) -> Self {
-        Knife { heights: section.heights(points), at: HashMap::new(), cuts: Vec::new() }
+        CuttingPlane { heights: section.heights(points), at: HashMap::new(), cuts: Vec::new() }
     }
 
     /// True if a point is kept.
@@ -165,7 +165,7 @@ impl Knife {
 
 /// Returns the part of an obstacle's surface that a section plane keeps, and the line segments of the cut.
 pub(super) fn cut_surface(surface: ObstacleSurface, section: &CutPlane) -> (ObstacleSurface, Vec<[[f64; 3]; 2]>) {
-    let mut knife = Knife::new(section, &surface.points);
+    let mut knife = CuttingPlane::new(section, &surface.points);
     let (left, edges): (Vec<_>, Vec<_>) = surface.facets.iter().map(|facet| knife.cut(facet)).unzip();
     let points = knife.finish(surface.points).0;
     let edges = edges.into_iter().flatten().map(|edge| edge.map(|point| points[point as usize])).collect();

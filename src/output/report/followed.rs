@@ -5,27 +5,27 @@
 
 /// Entries with the numbers of the changes that added these.
 #[derive(Clone, Debug)]
-pub struct Followed<T> {
+pub struct TrackedEntries<T> {
     entries: Vec<(u64, T)>,
     dropped: u64,
 }
 
 /// Changes that a reader has not received.
 #[derive(Clone, Debug, PartialEq)]
-pub struct News<T> {
+pub struct Changes<T> {
     /// Numbers of all remaining entries, if entries were dropped that the reader may have.
     pub left: Option<Vec<u64>>,
     /// Entries that the reader does not have, with their numbers.
     pub added: Vec<(u64, T)>,
 }
 
-impl<T> Default for Followed<T> {
+impl<T> Default for TrackedEntries<T> {
     fn default() -> Self {
-        Followed { entries: Vec::new(), dropped: 0 }
+        TrackedEntries { entries: Vec::new(), dropped: 0 }
     }
 }
 
-impl<T: Clone> Followed<T> {
+impl<T: Clone> TrackedEntries<T> {
     /// Adds an entry with the change `number`, which exceeds all earlier ones.
     pub fn push(&mut self, number: u64, entry: T) {
         self.entries.push((number, entry));
@@ -46,10 +46,10 @@ impl<T: Clone> Followed<T> {
     }
 
     /// Returns the changes after the change number `known`.
-    pub fn since(&self, known: u64) -> News<T> {
+    pub fn since(&self, known: u64) -> Changes<T> {
         let left = (self.dropped > known).then(|| self.entries.iter().map(|(number, _)| *number).collect());
         let first = self.entries.partition_point(|(number, _)| *number <= known);
-        News { left, added: self.entries[first..].to_vec() }
+        Changes { left, added: self.entries[first..].to_vec() }
     }
 }
 
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_reader_of_any_age_comes_to_the_same_list() {
-        let mut list: Followed<u64> = Followed::default();
+        let mut list: TrackedEntries<u64> = TrackedEntries::default();
         let mut readers: Vec<(u64, Vec<(u64, u64)>)> = vec![(0, Vec::new())];
         for number in 1..200u64 {
             match number % 17 {
@@ -70,13 +70,13 @@ mod tests {
             readers.push((number, list.entries().to_vec()));
         }
         for (known, mut has) in readers {
-            let News { left, added } = list.since(known);
+            let Changes { left, added } = list.since(known);
             if let Some(left) = left {
                 has.retain(|(number, _)| left.contains(number));
             }
             has.extend(added);
             assert_eq!(has, list.entries(), "known: {known}");
         }
-        assert_eq!(list.since(199), News { left: None, added: Vec::new() });
+        assert_eq!(list.since(199), Changes { left: None, added: Vec::new() });
     }
 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::followed::Followed;
+use super::followed::TrackedEntries;
 use super::marks::Mark;
 use super::rows::{MEASURES, ROWS, measures};
 use super::tables::ReportTable;
@@ -83,13 +83,13 @@ pub struct FollowedSimulation {
     /// Problem, and the revision number of its last change.
     pub problem: (u64, Arc<LiveProblem>),
     /// Rows that are kept.
-    pub rows: Followed<Arc<LiveRow>>,
+    pub rows: TrackedEntries<Arc<LiveRow>>,
     /// Number of rows of the whole history.
     pub row_count: usize,
     /// Length of the intervals of which only the last row and the peaks are kept.
     stretch: usize,
     /// The stills.
-    pub stills: Followed<Arc<Still>>,
+    pub stills: TrackedEntries<Arc<Still>>,
     /// Findings of the run, and the number of the change that last updated them.
     pub findings: (u64, Vec<String>),
     /// Outcome; `None` while the simulation runs.
@@ -98,7 +98,7 @@ pub struct FollowedSimulation {
 
 /// Current activity of the run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Doing {
+pub struct Activity {
     /// Description of a computation without steps.
     pub what: Option<String>,
     /// Time until which steps are taken.
@@ -115,7 +115,7 @@ pub struct Shared {
     /// Warnings issued to the user, and the number of the change that added the last one.
     pub warnings: (u64, Vec<String>),
     /// Current activity of the run.
-    pub doing: Doing,
+    pub doing: Activity,
     /// Outcome; `None` while the run goes on.
     pub outcome: Option<LiveOutcome>,
 }
@@ -153,7 +153,7 @@ impl LiveReport {
     }
 
     /// Sets the current activity of the run.
-    pub fn does(&self, doing: Doing) {
+    pub fn does(&self, doing: Activity) {
         self.look().doing = doing;
     }
 
@@ -166,7 +166,7 @@ impl LiveReport {
     pub fn end(&self, outcome: LiveOutcome) {
         let mut shared = self.look();
         shared.next();
-        shared.doing = Doing::default();
+        shared.doing = Activity::default();
         shared.outcome = Some(outcome);
     }
 }
@@ -283,10 +283,10 @@ impl LiveSimulation {
             columns: Arc::new(columns),
             shaped: change,
             problem: (change, Arc::default()),
-            rows: Followed::default(),
+            rows: TrackedEntries::default(),
             row_count: 0,
             stretch: 0,
-            stills: Followed::default(),
+            stills: TrackedEntries::default(),
             findings: (change, Vec::new()),
             outcome: None,
         });

@@ -22,9 +22,9 @@ mod template;
 #[cfg(test)]
 mod tests;
 
-pub use live::{Doing, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation};
+pub use live::{Activity, LiveModel, LiveOutcome, LiveProblem, LiveReport, LiveSimulation};
 pub use marks::{Mark, marks};
-pub use news::News;
+pub use news::ReportChanges;
 pub use page::{Report, ReportPicture, report};
 pub use rows::kept_rows;
 pub use several::{ReportPage, labels, report_of_several};

@@ -14,7 +14,7 @@ use super::page::{Report, bytes_of, fields, page, pressing};
 use crate::output::recording::Still;
 
 /// Answer to a reader's request for changes.
-pub struct News {
+pub struct ReportChanges {
     /// The answer, JSON.
     pub bytes: Arc<Vec<u8>>,
     /// True if the run has ended, so that no further changes follow.
@@ -73,7 +73,7 @@ impl LiveReport {
     }
 
     /// Returns the changes of a simulation after the change number `known`; without a simulation, the state of the run alone.
-    pub fn news(&self, simulation: Option<usize>, known: u64) -> News {
+    pub fn news(&self, simulation: Option<usize>, known: u64) -> ReportChanges {
         let shared = self.look();
         let state = self.state(&shared, simulation);
         let (change, is_last) = (shared.change, shared.outcome.is_some());
@@ -86,7 +86,7 @@ impl LiveReport {
             answer["warnings"] = warnings.map(|warnings| [warnings, followed.findings.1.clone()].concat()).into();
             tell(&mut answer, &followed, known);
         }
-        News { bytes: Arc::new(answer.to_string().into_bytes()), is_last }
+        ReportChanges { bytes: Arc::new(answer.to_string().into_bytes()), is_last }
     }
 
     /// Returns the current activity of the run, or its outcome.

@@ -9,7 +9,7 @@ use super::blob::blob;
 use super::geometry::Surface;
 use super::marks::Mark;
 use super::tables::ReportTable;
-use super::template::{Filling, fill};
+use super::template::{TemplateParts, fill};
 use crate::dynamics::{BodyDefinition, PlacedObstacle};
 use crate::output::colormap::viridis;
 use crate::output::obstacle_surfaces::ObstacleSurface;
@@ -122,7 +122,7 @@ pub fn page(report: &Report, live: Value) -> Vec<u8> {
     // A page that follows a run may connect only to its own server.
     let connections = if is_live { "; connect-src 'self'" } else { "" };
     let program: Vec<&str> = PROGRAM.into_iter().chain(is_live.then_some(FOLLOWING)).chain([LAST]).collect();
-    fill(PAGE, &Filling { title: &report.name, connections, program: &program, data: &data, blobs: &blobs })
+    fill(PAGE, &TemplateParts { title: &report.name, connections, program: &program, data: &data, blobs: &blobs })
 }
 
 /// Encodes numbers for the page.

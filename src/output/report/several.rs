@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::assets::{COMPARISON, LAST_OF_SEVERAL, PROGRAM};
 use super::page::LAYOUT;
-use super::template::{Filling, fill};
+use super::template::{TemplateParts, fill};
 use crate::output::reading::error::{ReadError, bytes_of};
 use crate::output::reading::folder::RunFolder;
 
@@ -128,7 +128,7 @@ pub fn report_of_several(runs: Vec<(String, ReportPage)>) -> Vec<u8> {
     }
     let data = json!({ "version": env!("CARGO_PKG_VERSION"), "runs": all });
     let program: Vec<&str> = PROGRAM.into_iter().chain([LAST_OF_SEVERAL]).collect();
-    fill(COMPARISON, &Filling { title: &title, connections: "", program: &program, data: &data, blobs: &blobs })
+    fill(COMPARISON, &TemplateParts { title: &title, connections: "", program: &program, data: &data, blobs: &blobs })
 }
 
 #[cfg(test)]

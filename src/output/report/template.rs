@@ -6,7 +6,7 @@ use super::assets::{HEAD, STYLE};
 use crate::output::markup::escaped;
 
 /// Parts that are inserted into a template.
-pub struct Filling<'a> {
+pub struct TemplateParts<'a> {
     /// Title of the page.
     pub title: &'a str,
     /// Addition to the policy that limits what the page may load.
@@ -20,7 +20,7 @@ pub struct Filling<'a> {
 }
 
 /// Fills the template of a page with this body.
-pub fn fill(body: &str, filling: &Filling) -> Vec<u8> {
+pub fn fill(body: &str, filling: &TemplateParts) -> Vec<u8> {
     let mut page = String::with_capacity(1 << 20);
     let template = [HEAD, body].concat();
     let mut rest = template.as_str();

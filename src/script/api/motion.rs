@@ -11,8 +11,8 @@ use super::units::Units;
 use crate::bodies::Inertia;
 use crate::contact::{Obstacle, ObstacleInSpace};
 use crate::dynamics::{
-    Amplitude, Change, Coefficient, Coordinate, CouplingKind, Friction, JointDefinition, JointKind, LedgerRow, LoadKind, Model, Partner,
-    PlaceFunction, Prescription, Rescaled, Sector, Support, TimeFunction, TimeFunctionError, Turn,
+    Amplitude, AxisRotation, Change, Coefficient, Coordinate, CouplingKind, Friction, JointDefinition, JointKind, LedgerRow, LoadKind,
+    Model, Partner, PlaceFunction, Prescription, Rescaled, Sector, Support, TimeFunction, TimeFunctionError,
 };
 use crate::materials::Material;
 use crate::math::tolerances::QUARTER_TURN;
@@ -325,7 +325,7 @@ impl Motion {
             return Err(oblique(&format!("the prescribed displacement of \"{}\"", model.boundary_name(&given.on))));
         }
         let [x, y, z] = self.along([x, y, z]);
-        let turn = given.turn.as_ref().map(|Turn { center, axis, angle }| Turn {
+        let turn = given.turn.as_ref().map(|AxisRotation { center, axis, angle }| AxisRotation {
             center: self.point(*center),
             axis: self.vector(*axis, 1.0),
             angle: self.amplitude(angle, 1.0),

@@ -196,16 +196,16 @@ impl PlaceFunction for ScriptFunction {
 }
 
 /// Time function that records whether it was evaluated and ever nonzero.
-pub struct Watched {
+pub struct RecordedTimeFunction {
     inner: Arc<dyn TimeFunction>,
     asked: AtomicBool,
     acted: AtomicBool,
 }
 
-impl Watched {
+impl RecordedTimeFunction {
     /// Watches a time function.
     pub fn new(inner: Arc<dyn TimeFunction>) -> Self {
-        Watched { inner, asked: AtomicBool::new(false), acted: AtomicBool::new(false) }
+        RecordedTimeFunction { inner, asked: AtomicBool::new(false), acted: AtomicBool::new(false) }
     }
 
     /// True if the function has returned a value other than zero.
@@ -219,7 +219,7 @@ impl Watched {
     }
 }
 
-impl TimeFunction for Watched {
+impl TimeFunction for RecordedTimeFunction {
     fn value(&self, time: f64) -> Result<f64, TimeFunctionError> {
         let value = self.inner.value(time)?;
         self.asked.store(true, Ordering::Relaxed);

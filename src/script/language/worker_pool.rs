@@ -53,7 +53,7 @@ pub struct Blueprint {
 
 /// A closure by its name, with its captured values.
 #[derive(Clone, Debug)]
-pub struct Carried {
+pub struct PortableClosure {
     /// Name of the closure.
     pub name: String,
     /// Values of captured variables.
@@ -70,7 +70,7 @@ pub type Reading = fn(&Engine, &Dynamic) -> Result<Plain, Failure>;
 
 /// Message of a script.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Told {
+pub enum ScriptOutput {
     /// A printed line.
     Line(String),
     /// A check that holds: its key, and its message.
@@ -96,7 +96,7 @@ pub struct Computed {
     /// Outcome of the call.
     pub outcome: Outcome,
     /// Messages of the call.
-    pub told: Vec<Told>,
+    pub told: Vec<ScriptOutput>,
     /// Parameters that the closure requested, with their values.
     pub asked: Vec<(String, Plain)>,
     /// Files that the closure read.
@@ -113,16 +113,16 @@ impl Computed {
 }
 
 /// Session that calls closures for another session.
-pub trait Hand {
+pub trait ClosureCaller {
     /// True if the session has the closure.
-    fn knows(&self, closure: &Carried) -> bool;
+    fn knows(&self, closure: &PortableClosure) -> bool;
 
     /// Calls a closure independently of earlier calls.
-    fn compute(&mut self, closure: &Carried, arguments: &[Plain]) -> Computed;
+    fn compute(&mut self, closure: &PortableClosure, arguments: &[Plain]) -> Computed;
 }
 
 /// Makes a session on the calling thread; `None` if the texts cannot be compiled, or a module no longer exists.
-pub type NewWorker = fn(&Blueprint) -> Option<Box<dyn Hand>>;
+pub type NewWorker = fn(&Blueprint) -> Option<Box<dyn ClosureCaller>>;
 
 /// Function that creates workers; `None` where the session has none.
 #[derive(Default)]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use rhai::{AST, Array, Dynamic, Engine, Map, Scope};
 
-use super::cursor::{Cursor, Level, PieceKind};
+use super::cursor::{Cursor, Level, TextTokenKind};
 use super::help::topics;
 use crate::dynamics::LedgerRow;
 use crate::mesh::{MESH_ENDINGS, Mesh};
@@ -92,19 +92,19 @@ impl Words<'_> {
     fn names(&self, cursor: &Cursor, has_word: bool) -> Vec<Candidate> {
         let end = cursor.pieces.len() - usize::from(has_word);
         let previous = end.checked_sub(1).and_then(|index| cursor.kind(index));
-        if previous == Some(PieceKind::Dot) {
+        if previous == Some(TextTokenKind::Dot) {
             return self.members(cursor, end - 1);
         }
-        if previous == Some(PieceKind::Path) {
+        if previous == Some(TextTokenKind::Path) {
             let alias = end.checked_sub(2).map_or("", |index| cursor.slice(index));
             let functions = self.modules.get(alias).into_iter().flatten();
             return functions.map(|signature| script_function(signature)).collect();
         }
-        if previous == Some(PieceKind::Number) && !has_word {
+        if previous == Some(TextTokenKind::Number) && !has_word {
             return Vec::new();
         }
         if let Some((_, keys, level)) = self.options(cursor) {
-            let is_key = level.key.is_none() && matches!(previous, Some(PieceKind::Open('#') | PieceKind::Sign(',')));
+            let is_key = level.key.is_none() && matches!(previous, Some(TextTokenKind::Open('#') | TextTokenKind::Sign(',')));
             if is_key {
                 let free = keys.iter().filter(|key| !level.keys.iter().any(|written| written == key.name));
                 return free
@@ -193,25 +193,25 @@ impl Words<'_> {
     pub(super) fn resolve(&self, cursor: &Cursor, end: usize) -> Known {
         let Some(last) = end.checked_sub(1) else { return Known::Nothing };
         match cursor.kind(last) {
-            Some(PieceKind::Name) if cursor.is_member(last) => match self.resolve(cursor, last - 1) {
+            Some(TextTokenKind::Name) if cursor.is_member(last) => match self.resolve(cursor, last - 1) {
                 Known::Value(value) => self.property_of(&value, cursor.slice(last)),
                 Known::Type(name) => self.returned(name, cursor.slice(last)),
                 Known::Nothing => Known::Nothing,
             },
-            Some(PieceKind::Name) => match (self.scope.get(cursor.slice(last)), self.unknown.get(cursor.slice(last))) {
+            Some(TextTokenKind::Name) => match (self.scope.get(cursor.slice(last)), self.unknown.get(cursor.slice(last))) {
                 (_, Some(kind)) => kind.map_or(Known::Nothing, Known::Type),
                 (Some(value), None) => Known::Value(value.flatten_clone()),
                 (None, None) => Known::Nothing,
             },
-            Some(PieceKind::Text { closed: true }) => Known::Value("".into()),
-            Some(PieceKind::Close(']')) => {
+            Some(TextTokenKind::Text { closed: true }) => Known::Value("".into()),
+            Some(TextTokenKind::Close(']')) => {
                 let before = cursor.opening(last).and_then(|open| open.checked_sub(1)).and_then(|before| cursor.kind(before));
-                let is_indexed = matches!(before, Some(PieceKind::Name | PieceKind::Close(_) | PieceKind::Text { .. }));
+                let is_indexed = matches!(before, Some(TextTokenKind::Name | TextTokenKind::Close(_) | TextTokenKind::Text { .. }));
                 if is_indexed { Known::Nothing } else { Known::Value(Dynamic::from(Array::new())) }
             }
-            Some(PieceKind::Close(')')) => {
+            Some(TextTokenKind::Close(')')) => {
                 let Some(name) = cursor.opening(last).and_then(|open| open.checked_sub(1)) else { return Known::Nothing };
-                if cursor.kind(name) != Some(PieceKind::Name) {
+                if cursor.kind(name) != Some(TextTokenKind::Name) {
                     return Known::Nothing;
                 }
                 if !cursor.is_member(name) {
@@ -282,7 +282,8 @@ impl Words<'_> {
     /// Names that a string at the cursor may hold.
     fn in_string(&self, cursor: &Cursor, written: &str) -> Vec<String> {
         let string = cursor.pieces.len() - 1;
-        if string.checked_sub(1).is_some_and(|before| cursor.kind(before) == Some(PieceKind::Name) && cursor.slice(before) == "import") {
+        if string.checked_sub(1).is_some_and(|before| cursor.kind(before) == Some(TextTokenKind::Name) && cursor.slice(before) == "import")
+        {
             return self.files(written, &["rhai"]).into_iter().map(|name| name.trim_end_matches(".rhai").to_string()).collect();
         }
         if let Some(columns) = self.columns_at(cursor, string) {
@@ -340,7 +341,7 @@ impl Words<'_> {
 
     /// Columns of the history in whose brackets the string is: `history["`.
     fn columns_at(&self, cursor: &Cursor, string: usize) -> Option<Vec<String>> {
-        let bracket = string.checked_sub(1).filter(|bracket| cursor.kind(*bracket) == Some(PieceKind::Open('[')))?;
+        let bracket = string.checked_sub(1).filter(|bracket| cursor.kind(*bracket) == Some(TextTokenKind::Open('[')))?;
         match self.resolve(cursor, bracket) {
             Known::Value(value) => {
                 let history = value.try_cast::<HistoryHandle>()?;
@@ -406,17 +407,17 @@ impl Words<'_> {
         if let Some((_, keys, level)) = self.options(&cursor) {
             if let Some(written) = &level.key {
                 let key = keys.iter().find(|key| key.name == written)?;
-                return (last == PieceKind::Sign(':')).then(|| format!("{gap}{}", key.requirement()));
+                return (last == TextTokenKind::Sign(':')).then(|| format!("{gap}{}", key.requirement()));
             }
             let free = keys.iter().filter(|key| !level.keys.iter().any(|written| written == key.name)).map(parameter_name);
             let free = free.collect::<Vec<_>>().join(", ");
-            return matches!(last, PieceKind::Open('#') | PieceKind::Sign(',')).then(|| format!("{gap}{free} }})"));
+            return matches!(last, TextTokenKind::Open('#') | TextTokenKind::Sign(',')).then(|| format!("{gap}{free} }})"));
         }
         let level = cursor.levels.last()?;
-        if !matches!(last, PieceKind::Open('(') | PieceKind::Sign(',')) {
+        if !matches!(last, TextTokenKind::Open('(') | TextTokenKind::Sign(',')) {
             return None;
         }
-        let gap = if last == PieceKind::Open('(') { "" } else { gap };
+        let gap = if last == TextTokenKind::Open('(') { "" } else { gap };
         if let Some(function) = self.called_at(&cursor, level) {
             let rest: Vec<String> = function.parameters.iter().skip(level.commas).map(parameter_name).collect();
             return Some(format!("{gap}{})", rest.join(", ")));

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 /// Kinds of tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PieceKind {
+pub enum TextTokenKind {
     /// A name or a word of the language.
     Name,
     /// A number.
@@ -35,9 +35,9 @@ pub enum PieceKind {
 
 /// A token of a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Piece {
+pub struct TextToken {
     /// Kind of the token.
-    pub kind: PieceKind,
+    pub kind: TextTokenKind,
     /// Range of bytes.
     pub range: Range<usize>,
 }
@@ -46,7 +46,7 @@ pub struct Piece {
 const INTERPOLATIONS: usize = 4;
 
 /// Cuts a text into pieces; white space is left out.
-pub fn pieces(text: &str) -> Vec<Piece> {
+pub fn pieces(text: &str) -> Vec<TextToken> {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(piece) = piece_from(text, at, INTERPOLATIONS) {
         at = piece.range.end;
@@ -56,13 +56,13 @@ pub fn pieces(text: &str) -> Vec<Piece> {
 }
 
 /// Cuts a text into pieces; the code of interpolations `${ … }` follows the string in which it stands, between its braces.
-pub fn pieces_with_interpolations(text: &str) -> Vec<Piece> {
+pub fn pieces_with_interpolations(text: &str) -> Vec<TextToken> {
     let mut found = Vec::new();
     add_pieces(text, 0..text.len(), INTERPOLATIONS, &mut found);
     found
 }
 
-fn add_pieces(text: &str, range: Range<usize>, depth: usize, found: &mut Vec<Piece>) {
+fn add_pieces(text: &str, range: Range<usize>, depth: usize, found: &mut Vec<TextToken>) {
     let mut at = range.start;
     while let Some(piece) = piece_from(&text[..range.end], at, depth) {
         at = piece.range.end;
@@ -71,11 +71,11 @@ fn add_pieces(text: &str, range: Range<usize>, depth: usize, found: &mut Vec<Pie
         found.push(piece);
         while is_interpolated && let Some(start) = text[from..content_end].find("${").map(|found| from + found + 1) {
             let end = block_end(&text[..content_end], start, depth - 1).unwrap_or(content_end);
-            let brace = |kind, at: usize| Piece { kind, range: at..at + 1 };
-            found.push(brace(PieceKind::Open('{'), start));
+            let brace = |kind, at: usize| TextToken { kind, range: at..at + 1 };
+            found.push(brace(TextTokenKind::Open('{'), start));
             add_pieces(text, start + 1..end.max(start + 1), depth - 1, found);
             if end < content_end {
-                found.push(brace(PieceKind::Close('}'), end));
+                found.push(brace(TextTokenKind::Close('}'), end));
             }
             from = (end + 1).min(content_end);
         }
@@ -83,7 +83,7 @@ fn add_pieces(text: &str, range: Range<usize>, depth: usize, found: &mut Vec<Pie
 }
 
 /// Returns the first piece of a text from a byte on.
-fn piece_from(text: &str, from: usize, depth: usize) -> Option<Piece> {
+fn piece_from(text: &str, from: usize, depth: usize) -> Option<TextToken> {
     let at = from + text[from..].find(|letter: char| !letter.is_whitespace())?;
     let (rest, is_word) = (&text[at..], |letter: char| letter.is_alphanumeric() || letter == '_');
     let first = rest.chars().next()?;
@@ -91,36 +91,36 @@ fn piece_from(text: &str, from: usize, depth: usize) -> Option<Piece> {
     let (kind, length) = match first {
         '/' if rest.starts_with("//") => {
             let (length, closed) = until(rest.find('\n'), 0);
-            (PieceKind::Comment { closed }, length)
+            (TextTokenKind::Comment { closed }, length)
         }
         '/' if rest.starts_with("/*") => {
             let (length, closed) = until(comment_end(rest), 0);
-            (PieceKind::Comment { closed }, length)
+            (TextTokenKind::Comment { closed }, length)
         }
         '"' | '`' => {
             let (length, closed) = until(string_end(text, at, depth).map(|end| end - at), 1);
-            (PieceKind::Text { closed }, length)
+            (TextTokenKind::Text { closed }, length)
         }
         '\'' => match letter_length(rest) {
-            Some(length) => (PieceKind::Text { closed: true }, length),
-            None => (PieceKind::Sign(first), 1),
+            Some(length) => (TextTokenKind::Text { closed: true }, length),
+            None => (TextTokenKind::Sign(first), 1),
         },
-        '#' if rest.starts_with("#{") => (PieceKind::Open('#'), 2),
-        '(' | '[' | '{' => (PieceKind::Open(first), 1),
-        ')' | ']' | '}' => (PieceKind::Close(first), 1),
-        '?' if rest.starts_with("?.") => (PieceKind::Dot, 2),
-        '.' if !rest.starts_with("..") => (PieceKind::Dot, 1),
-        '.' => (PieceKind::Sign('.'), if rest.starts_with("..=") { 3 } else { 2 }),
-        ':' if rest.starts_with("::") => (PieceKind::Path, 2),
+        '#' if rest.starts_with("#{") => (TextTokenKind::Open('#'), 2),
+        '(' | '[' | '{' => (TextTokenKind::Open(first), 1),
+        ')' | ']' | '}' => (TextTokenKind::Close(first), 1),
+        '?' if rest.starts_with("?.") => (TextTokenKind::Dot, 2),
+        '.' if !rest.starts_with("..") => (TextTokenKind::Dot, 1),
+        '.' => (TextTokenKind::Sign('.'), if rest.starts_with("..=") { 3 } else { 2 }),
+        ':' if rest.starts_with("::") => (TextTokenKind::Path, 2),
         _ if first.is_ascii_digit() => {
             let fraction = |index: usize| rest[index + 1..].starts_with(|next: char| next.is_ascii_digit());
             let end = rest.char_indices().find(|&(index, letter)| !(is_word(letter) || letter == '.' && fraction(index)));
-            (PieceKind::Number, end.map_or(rest.len(), |(index, _)| index))
+            (TextTokenKind::Number, end.map_or(rest.len(), |(index, _)| index))
         }
-        _ if is_word(first) => (PieceKind::Name, rest.find(|letter| !is_word(letter)).unwrap_or(rest.len())),
-        other => (PieceKind::Sign(other), other.len_utf8()),
+        _ if is_word(first) => (TextTokenKind::Name, rest.find(|letter| !is_word(letter)).unwrap_or(rest.len())),
+        other => (TextTokenKind::Sign(other), other.len_utf8()),
     };
-    Some(Piece { kind, range: at..at + length })
+    Some(TextToken { kind, range: at..at + length })
 }
 
 /// Returns the byte behind a comment `/* … */`, which may hold others.
@@ -171,8 +171,8 @@ fn block_end(text: &str, open: usize, depth: usize) -> Option<usize> {
     let (mut at, mut braces) = (open, 0usize);
     while let Some(piece) = piece_from(text, at, depth) {
         match piece.kind {
-            PieceKind::Open('{' | '#') => braces += 1,
-            PieceKind::Close('}') => braces -= 1,
+            TextTokenKind::Open('{' | '#') => braces += 1,
+            TextTokenKind::Close('}') => braces -= 1,
             _ => {}
         }
         if braces == 0 {
@@ -203,7 +203,7 @@ pub struct Cursor<'a> {
     /// The text.
     pub text: &'a str,
     /// Tokens without comments.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<TextToken>,
     /// Open brackets, the outermost first.
     pub levels: Vec<Level>,
     /// True if the cursor is in a comment.
@@ -216,8 +216,8 @@ impl<'a> Cursor<'a> {
     /// Reads a text up to the cursor.
     pub fn new(text: &'a str) -> Self {
         let mut pieces = pieces(text);
-        let in_comment = pieces.last().is_some_and(|last| matches!(last.kind, PieceKind::Comment { closed: false }));
-        pieces.retain(|piece| !matches!(piece.kind, PieceKind::Comment { .. }));
+        let in_comment = pieces.last().is_some_and(|last| matches!(last.kind, TextTokenKind::Comment { closed: false }));
+        pieces.retain(|piece| !matches!(piece.kind, TextTokenKind::Comment { .. }));
         let mut cursor = Cursor { text, pieces, levels: Vec::new(), in_comment, is_crossed: false };
         for index in 0..cursor.pieces.len() {
             cursor.enter(index);
@@ -228,20 +228,20 @@ impl<'a> Cursor<'a> {
     /// Reads a text, in front of all brackets; [`Self::enter`] goes on token by token.
     pub fn at_start(text: &'a str) -> Self {
         let mut pieces = pieces(text);
-        pieces.retain(|piece| !matches!(piece.kind, PieceKind::Comment { .. }));
+        pieces.retain(|piece| !matches!(piece.kind, TextTokenKind::Comment { .. }));
         Cursor { text, pieces, levels: Vec::new(), in_comment: false, is_crossed: false }
     }
 
     /// Takes a token into the open brackets.
     pub fn enter(&mut self, index: usize) {
         let name = |index: usize| match self.pieces.get(index).map(|piece| piece.kind) {
-            Some(PieceKind::Name) => Some(self.slice(index).to_string()),
-            Some(PieceKind::Text { closed: true }) => Some(self.slice(index).trim_matches('"').to_string()),
+            Some(TextTokenKind::Name) => Some(self.slice(index).to_string()),
+            Some(TextTokenKind::Text { closed: true }) => Some(self.slice(index).trim_matches('"').to_string()),
             _ => None,
         };
         match self.pieces[index].kind {
-            PieceKind::Open(bracket) => self.levels.push(Level { bracket, piece: index, commas: 0, keys: Vec::new(), key: None }),
-            PieceKind::Close(bracket) => {
+            TextTokenKind::Open(bracket) => self.levels.push(Level { bracket, piece: index, commas: 0, keys: Vec::new(), key: None }),
+            TextTokenKind::Close(bracket) => {
                 let expected = match self.levels.pop().map(|level| level.bracket) {
                     Some('(') => ')',
                     Some('[') => ']',
@@ -250,13 +250,13 @@ impl<'a> Cursor<'a> {
                 };
                 self.is_crossed |= expected != bracket;
             }
-            PieceKind::Sign(',') => {
+            TextTokenKind::Sign(',') => {
                 if let Some(level) = self.levels.last_mut() {
                     level.commas += 1;
                     level.key = None;
                 }
             }
-            PieceKind::Sign(':') if index > 0 => {
+            TextTokenKind::Sign(':') if index > 0 => {
                 let key = name(index - 1);
                 if let (Some(level), Some(key)) = (self.levels.last_mut().filter(|level| level.bracket == '#'), key) {
                     level.keys.push(key.clone());
@@ -273,31 +273,31 @@ impl<'a> Cursor<'a> {
     }
 
     /// The kind of a piece.
-    pub fn kind(&self, index: usize) -> Option<PieceKind> {
+    pub fn kind(&self, index: usize) -> Option<TextTokenKind> {
         self.pieces.get(index).map(|piece| piece.kind)
     }
 
     /// Returns the start of the content of the string at the cursor.
     pub fn in_string(&self) -> Option<usize> {
         let last = self.pieces.last()?;
-        (last.kind == PieceKind::Text { closed: false }).then_some(last.range.start + 1)
+        (last.kind == TextTokenKind::Text { closed: false }).then_some(last.range.start + 1)
     }
 
     /// Returns the token with the name of the function whose call is open at a level.
     pub fn callee(&self, level: &Level) -> Option<usize> {
         let before = level.piece.checked_sub(1)?;
-        (level.bracket == '(' && self.kind(before) == Some(PieceKind::Name)).then_some(before)
+        (level.bracket == '(' && self.kind(before) == Some(TextTokenKind::Name)).then_some(before)
     }
 
     /// True if the token is a name behind a dot.
     pub fn is_member(&self, index: usize) -> bool {
-        index > 0 && self.kind(index - 1) == Some(PieceKind::Dot)
+        index > 0 && self.kind(index - 1) == Some(TextTokenKind::Dot)
     }
 
     /// Returns the name that ends at the cursor, with its start; empty in front of a name.
     pub fn word(&self) -> (usize, &'a str) {
         match self.pieces.last() {
-            Some(last) if last.kind == PieceKind::Name && last.range.end == self.text.len() => {
+            Some(last) if last.kind == TextTokenKind::Name && last.range.end == self.text.len() => {
                 (last.range.start, &self.text[last.range.clone()])
             }
             _ => (self.text.len(), ""),
@@ -309,8 +309,8 @@ impl<'a> Cursor<'a> {
         let mut depth = 0usize;
         for index in (0..=close).rev() {
             match self.pieces[index].kind {
-                PieceKind::Close(_) => depth += 1,
-                PieceKind::Open(_) => {
+                TextTokenKind::Close(_) => depth += 1,
+                TextTokenKind::Open(_) => {
                     depth -= 1;
                     if depth == 0 {
                         return Some(index);

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::completion::KEYWORDS;
-use super::cursor::{Piece, PieceKind, pieces_with_interpolations};
+use super::cursor::{TextToken, TextTokenKind, pieces_with_interpolations};
 
 /// Kind of a declared name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl Declarations {
     /// Reads a text.
     pub fn of(text: &str) -> Self {
         let mut pieces = pieces_with_interpolations(text);
-        pieces.retain(|piece| !matches!(piece.kind, PieceKind::Comment { .. }));
+        pieces.retain(|piece| !matches!(piece.kind, TextTokenKind::Comment { .. }));
         let mut reader =
             Reader { text, pieces, found: Declarations::default(), scopes: vec![Scope::default()], depth: 0, pending: Vec::new() };
         let mut calls = Vec::new();
@@ -136,7 +136,7 @@ struct Scope {
 
 struct Reader<'a> {
     text: &'a str,
-    pieces: Vec<Piece>,
+    pieces: Vec<TextToken>,
     found: Declarations,
     scopes: Vec<Scope>,
     /// Open brackets.
@@ -146,7 +146,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn kind(&self, index: usize) -> Option<PieceKind> {
+    fn kind(&self, index: usize) -> Option<TextTokenKind> {
         self.pieces.get(index).map(|piece| piece.kind)
     }
 
@@ -158,34 +158,36 @@ impl Reader<'_> {
         &self.text[self.range(index)]
     }
 
-    fn is(&self, index: usize, kind: PieceKind) -> bool {
+    fn is(&self, index: usize, kind: TextTokenKind) -> bool {
         self.kind(index) == Some(kind)
     }
 
     fn is_name(&self, index: usize) -> bool {
-        self.is(index, PieceKind::Name) && !KEYWORDS.contains(&self.word(index))
+        self.is(index, TextTokenKind::Name) && !KEYWORDS.contains(&self.word(index))
     }
 
     /// Reads the piece at an index; returns the index of the next one.
     fn read(&mut self, index: usize, calls: &mut Vec<Range<usize>>) -> usize {
         let Some(kind) = self.kind(index) else { return index + 1 };
         match kind {
-            PieceKind::Open(bracket) => self.open(index, bracket),
-            PieceKind::Close(_) => {
+            TextTokenKind::Open(bracket) => self.open(index, bracket),
+            TextTokenKind::Close(_) => {
                 self.depth = self.depth.saturating_sub(1);
                 self.end_scopes(self.depth + 1, self.range(index).start);
             }
-            PieceKind::Sign(',' | ';') => {
+            TextTokenKind::Sign(',' | ';') => {
                 let end = self.range(index).start;
                 self.end_expressions(end);
-                if kind == PieceKind::Sign(';') {
+                if kind == TextTokenKind::Sign(';') {
                     self.end_statement(end);
                 }
             }
-            PieceKind::Sign('|') => return self.bar(index),
-            PieceKind::Name => return self.name(index, calls),
+            TextTokenKind::Sign('|') => return self.bar(index),
+            TextTokenKind::Name => return self.name(index, calls),
             // `Fn("name")`
-            PieceKind::Text { closed: true } if index > 1 && self.is(index - 1, PieceKind::Open('(')) && self.word(index - 2) == "Fn" => {
+            TextTokenKind::Text { closed: true }
+                if index > 1 && self.is(index - 1, TextTokenKind::Open('(')) && self.word(index - 2) == "Fn" =>
+            {
                 let range = self.range(index);
                 calls.push(range.start + 1..range.end.saturating_sub(1).max(range.start + 1));
             }
@@ -268,16 +270,16 @@ impl Reader<'_> {
     }
 
     /// Reads the names of a list up to a closing piece; returns their declarations and the index behind.
-    fn parameters(&mut self, mut index: usize, close: PieceKind) -> (Vec<usize>, usize) {
+    fn parameters(&mut self, mut index: usize, close: TextTokenKind) -> (Vec<usize>, usize) {
         let mut names = Vec::new();
         while let Some(kind) = self.kind(index) {
             match kind {
                 _ if kind == close => return (names, index + 1),
-                PieceKind::Name if self.is_name(index) => {
+                TextTokenKind::Name if self.is_name(index) => {
                     let end = self.range(index).end;
                     names.push(self.declare(index, Role::Parameter, end..end));
                 }
-                PieceKind::Sign(',') => {}
+                TextTokenKind::Sign(',') => {}
                 _ => break,
             }
             index += 1;
@@ -288,16 +290,16 @@ impl Reader<'_> {
     /// Reads `|`: the parameters of a closure, or an operator.
     fn bar(&mut self, index: usize) -> usize {
         let is_operand = |before: usize| match self.kind(before) {
-            Some(PieceKind::Name) => !matches!(self.word(before), "return" | "in" | "if" | "while" | "throw" | "else"),
-            Some(PieceKind::Number | PieceKind::Text { .. } | PieceKind::Close(_)) => true,
+            Some(TextTokenKind::Name) => !matches!(self.word(before), "return" | "in" | "if" | "while" | "throw" | "else"),
+            Some(TextTokenKind::Number | TextTokenKind::Text { .. } | TextTokenKind::Close(_)) => true,
             _ => false,
         };
         if index.checked_sub(1).is_some_and(is_operand) {
             // `||` is one operator.
-            return index + 1 + usize::from(self.is(index + 1, PieceKind::Sign('|')));
+            return index + 1 + usize::from(self.is(index + 1, TextTokenKind::Sign('|')));
         }
-        let (names, next) = self.parameters(index + 1, PieceKind::Sign('|'));
-        let is_block = self.is(next, PieceKind::Open('{'));
+        let (names, next) = self.parameters(index + 1, TextTokenKind::Sign('|'));
+        let is_block = self.is(next, TextTokenKind::Open('{'));
         let scope = Scope { depth: self.depth, is_expression: !is_block, names, ..Scope::default() };
         if is_block {
             self.pending.push(scope)
@@ -309,8 +311,8 @@ impl Reader<'_> {
 
     fn name(&mut self, index: usize, calls: &mut Vec<Range<usize>>) -> usize {
         let before = index.checked_sub(1).and_then(|before| self.kind(before));
-        if matches!(before, Some(PieceKind::Dot)) {
-            if self.is(index + 1, PieceKind::Open('(')) {
+        if matches!(before, Some(TextTokenKind::Dot)) {
+            if self.is(index + 1, TextTokenKind::Open('(')) {
                 calls.push(self.range(index));
             }
             return index + 1;
@@ -358,11 +360,11 @@ impl Reader<'_> {
     /// Reads `fn name(…)`.
     fn function(&mut self, index: usize) -> usize {
         self.end_statement(self.range(index).start);
-        if !self.is_name(index + 1) || !self.is(index + 2, PieceKind::Open('(')) {
+        if !self.is_name(index + 1) || !self.is(index + 2, TextTokenKind::Open('(')) {
             return index + 1;
         }
         let number = self.declare(index + 1, Role::Function, 0..0);
-        let (names, next) = self.parameters(index + 3, PieceKind::Close(')'));
+        let (names, next) = self.parameters(index + 3, TextTokenKind::Close(')'));
         let start = self.range(index + 2).start;
         self.found.all[number].value = start..self.range(next.saturating_sub(1)).end.max(start);
         self.found.all[number].visible = 0..self.text.len();
@@ -372,8 +374,8 @@ impl Reader<'_> {
 
     /// Reads the variables of `for x in`, `for (x, i) in` or `catch (error)`, which the next block has.
     fn head(&mut self, index: usize, first: usize) -> usize {
-        let (names, next) = match self.is(first, PieceKind::Open('(')) {
-            true => self.parameters(first + 1, PieceKind::Close(')')),
+        let (names, next) = match self.is(first, TextTokenKind::Open('(')) {
+            true => self.parameters(first + 1, TextTokenKind::Close(')')),
             false if self.is_name(first) => {
                 let end = self.range(first).end;
                 (vec![self.declare(first, Role::Parameter, end..end)], first + 1)
@@ -385,14 +387,15 @@ impl Reader<'_> {
     }
 
     /// Notes the use of a name, unless it is the key of a map.
-    fn used(&mut self, index: usize, before: Option<PieceKind>, calls: &mut Vec<Range<usize>>) {
+    fn used(&mut self, index: usize, before: Option<TextTokenKind>, calls: &mut Vec<Range<usize>>) {
         let follows = self.kind(index + 1);
-        let is_key = matches!(before, Some(PieceKind::Open('#') | PieceKind::Sign(','))) && follows == Some(PieceKind::Sign(':'));
+        let is_key =
+            matches!(before, Some(TextTokenKind::Open('#') | TextTokenKind::Sign(','))) && follows == Some(TextTokenKind::Sign(':'));
         if is_key {
             return;
         }
         let (name, range) = (self.word(index).to_string(), self.range(index));
-        if before == Some(PieceKind::Path) {
+        if before == Some(TextTokenKind::Path) {
             let is_constant = index >= 2 && self.word(index - 2) == "global";
             let constant = self.found.all.iter().rposition(|of| of.role == Role::Variable && of.is_global && of.name == name);
             self.found.uses.extend(constant.filter(|_| is_constant).map(|number| (range, number)));
@@ -400,14 +403,14 @@ impl Reader<'_> {
         }
         let wanted = |number: &usize| {
             let of = &self.found.all[*number];
-            of.name == name && (of.role == Role::Module) == (follows == Some(PieceKind::Path))
+            of.name == name && (of.role == Role::Module) == (follows == Some(TextTokenKind::Path))
         };
         let mut is_outside = false;
         for scope in self.scopes.iter().rev() {
             let visible = |number: &usize| !is_outside || self.found.all[*number].role == Role::Module;
             if let Some(number) = scope.names.iter().rev().copied().find(|number| wanted(number) && visible(number)) {
                 // A call of a variable's name is a call of a function.
-                if follows != Some(PieceKind::Open('(')) {
+                if follows != Some(TextTokenKind::Open('(')) {
                     self.found.uses.push((range, number));
                     return;
                 }
@@ -415,8 +418,8 @@ impl Reader<'_> {
             is_outside |= scope.is_function;
         }
         match follows {
-            Some(PieceKind::Open('(')) => calls.push(range),
-            Some(PieceKind::Path) => {}
+            Some(TextTokenKind::Open('(')) => calls.push(range),
+            Some(TextTokenKind::Path) => {}
             _ => {
                 let function = self.found.all.iter().position(|of| of.role == Role::Function && of.name == name);
                 self.found.uses.extend(function.map(|number| (range, number)));

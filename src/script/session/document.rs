@@ -14,7 +14,7 @@ use rhai::{AST, Engine, Scope};
 
 use super::compile::{compile, constants};
 use super::completion::{Candidate, KEYWORDS, Words};
-use super::cursor::{Cursor, Piece, PieceKind};
+use super::cursor::{Cursor, TextToken, TextTokenKind};
 use super::declarations::{Declaration, Declarations, Role};
 use super::formatting::formatted;
 use super::imports::module_functions;
@@ -278,7 +278,7 @@ impl Document {
         let cursor = Cursor::new(before);
         let (start, word) = cursor.word();
         let end = cursor.pieces.len() - usize::from(!word.is_empty());
-        let is_member = end.checked_sub(1).and_then(|index| cursor.kind(index)) == Some(PieceKind::Dot);
+        let is_member = end.checked_sub(1).and_then(|index| cursor.kind(index)) == Some(TextTokenKind::Dot);
         if cursor.in_comment || cursor.in_string().is_some() || !is_member {
             return (start, Vec::new());
         }
@@ -296,7 +296,7 @@ impl Document {
     /// Explanation of the name at a byte.
     pub fn hover(&self, byte: usize) -> Option<Explained> {
         let cursor = Cursor::new(&self.text);
-        let is_here = |piece: &Piece| piece.kind == PieceKind::Name && piece.range.start <= byte && byte <= piece.range.end;
+        let is_here = |piece: &TextToken| piece.kind == TextTokenKind::Name && piece.range.start <= byte && byte <= piece.range.end;
         let index = cursor.pieces.iter().position(is_here);
         if let Some(number) = self.declarations.at(byte).filter(|_| index.is_none_or(|index| !self.is_method(&cursor, index))) {
             let here = self.declarations.occurrences(number).into_iter().find(|here| here.start <= byte && byte <= here.end)?;
@@ -308,7 +308,7 @@ impl Document {
         let key = self.words(range.end, |words| {
             let before = Cursor::new(&self.text[..range.end]);
             let (function, keys, _) = words.options(&before)?;
-            let is_key = cursor.kind(index + 1) == Some(PieceKind::Sign(':'));
+            let is_key = cursor.kind(index + 1) == Some(TextTokenKind::Sign(':'));
             let key = keys.iter().find(|key| is_key && key.name == name)?;
             Some(format!("`{name}` of `{}`: {}\n\n{}; default: {}", function.name, key.summary, key.requirement(), key.absent))
         });
@@ -403,7 +403,7 @@ impl Document {
         }
         let cursor = Cursor::new(&self.text);
         let index = cursor.pieces.iter().position(|piece| piece.range.start <= byte && byte <= piece.range.end)?;
-        let alias = index.checked_sub(2).filter(|_| cursor.kind(index - 1) == Some(PieceKind::Path))?;
+        let alias = index.checked_sub(2).filter(|_| cursor.kind(index - 1) == Some(TextTokenKind::Path))?;
         let file = self.module_file(cursor.slice(alias))?;
         let text = crate::machine::files::read_text(&file).ok()?;
         let of_module = Declarations::of(&text);

@@ -11,7 +11,7 @@ use super::compile::{compile, constants};
 use crate::mesh::Mesh;
 use crate::output::checkpoint::{Checkpoint, CheckpointError, SavedSimulation};
 use crate::output::{History, RowStore, decoded, encoded};
-use crate::script::api::files::writing::Wanted;
+use crate::script::api::files::writing::RequestedFile;
 use crate::script::api::meshes::handle::MeshHandle;
 use crate::script::api::remedies::ScriptWords;
 use crate::script::api::simulations::states::StateHandle;
@@ -71,7 +71,7 @@ impl Calls {
     /// # Errors
     /// The message that a script would end with.
     pub fn file(&self, function: usize, values: Vec<Dynamic>) -> Result<Option<Vec<u8>>, Box<Diagnostic>> {
-        let wanted: Rc<Wanted> = self.session.borrow().host.slots.get();
+        let wanted: Rc<RequestedFile> = self.session.borrow().host.slots.get();
         wanted.ask();
         let outcome = self.call(function, values);
         let bytes = wanted.take();

@@ -2,7 +2,7 @@
 //!
 //! Texts inside of lines stay as they are, and so do lines that begin inside of a string or a comment.
 
-use super::cursor::{PieceKind, pieces};
+use super::cursor::{TextTokenKind, pieces};
 
 /// Columns per open bracket.
 const WIDTH: usize = 4;
@@ -41,11 +41,11 @@ pub fn formatted(text: &str) -> String {
         result.push('\n');
         while let Some(piece) = pieces.get(next).filter(|piece| piece.range.start < end) {
             match piece.kind {
-                PieceKind::Open(_) => depths.push(number),
-                PieceKind::Close(_) => drop(depths.pop()),
+                TextTokenKind::Open(_) => depths.push(number),
+                TextTokenKind::Close(_) => drop(depths.pop()),
                 _ => {}
             }
-            if !matches!(piece.kind, PieceKind::Comment { .. }) {
+            if !matches!(piece.kind, TextTokenKind::Comment { .. }) {
                 last = Some(piece.kind);
             }
             next += 1;
@@ -53,7 +53,10 @@ pub fn formatted(text: &str) -> String {
         at = end;
     }
     // The end of a string that is not closed belongs to it.
-    if pieces.last().is_some_and(|last| matches!(last.kind, PieceKind::Text { closed: false } | PieceKind::Comment { closed: false })) {
+    if pieces
+        .last()
+        .is_some_and(|last| matches!(last.kind, TextTokenKind::Text { closed: false } | TextTokenKind::Comment { closed: false }))
+    {
         return text.to_string();
     }
     let kept = result.trim_end().len();
@@ -65,10 +68,10 @@ pub fn formatted(text: &str) -> String {
 }
 
 /// True if a statement goes on in a line: between the last token before and the first one in it.
-fn continues(last: Option<PieceKind>, first: Option<PieceKind>) -> bool {
-    let is_open = !matches!(last, None | Some(PieceKind::Sign(';' | ',') | PieceKind::Open(_) | PieceKind::Close('}')));
-    let is_operator = matches!(first, Some(PieceKind::Dot)) || matches!(first, Some(PieceKind::Sign(sign)) if sign != ';');
-    matches!(last, Some(PieceKind::Sign(sign)) if !matches!(sign, ';' | ',' | '|')) || is_open && is_operator
+fn continues(last: Option<TextTokenKind>, first: Option<TextTokenKind>) -> bool {
+    let is_open = !matches!(last, None | Some(TextTokenKind::Sign(';' | ',') | TextTokenKind::Open(_) | TextTokenKind::Close('}')));
+    let is_operator = matches!(first, Some(TextTokenKind::Dot)) || matches!(first, Some(TextTokenKind::Sign(sign)) if sign != ';');
+    matches!(last, Some(TextTokenKind::Sign(sign)) if !matches!(sign, ';' | ',' | '|')) || is_open && is_operator
 }
 
 #[cfg(test)]

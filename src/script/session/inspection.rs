@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use rhai::Engine;
 
 use super::completion::{KEYWORDS, Known, Words};
-use super::cursor::{Cursor, PieceKind};
+use super::cursor::{Cursor, TextTokenKind};
 use super::declarations::Declarations;
 use crate::script::language::diagnostics::Diagnostic;
 use crate::script::language::function::{Form, Function};
@@ -74,7 +74,7 @@ impl Words<'_> {
         let mut found = Vec::new();
         for index in 0..cursor.pieces.len() {
             cursor.enter(index);
-            if cursor.kind(index) == Some(PieceKind::Sign(':'))
+            if cursor.kind(index) == Some(TextTokenKind::Sign(':'))
                 && let Some((function, key, names)) = self.unknown_key(&cursor)
             {
                 let range = cursor.pieces[index - 1].range.clone();
@@ -93,7 +93,7 @@ impl Words<'_> {
         let key = map.key.clone().filter(|_| map.bracket == '#')?;
         // The map is the whole argument.
         let before = map.piece.checked_sub(1).and_then(|before| cursor.kind(before));
-        let is_argument = matches!(before, Some(PieceKind::Open('(') | PieceKind::Sign(',')));
+        let is_argument = matches!(before, Some(TextTokenKind::Open('(') | TextTokenKind::Sign(',')));
         let function = self.called_at(cursor, call).filter(|_| is_argument)?;
         let has = |other: &Function| match other.parameters.get(call.commas).map(|parameter| &parameter.kind) {
             Some(Kind::Options(keys)) => keys.iter().any(|known| known.name == key),
@@ -116,10 +116,10 @@ impl Words<'_> {
         let mut depth = 0usize;
         for piece in &cursor.pieces {
             match piece.kind {
-                PieceKind::Open(_) => depth += 1,
-                PieceKind::Close(_) => depth = depth.saturating_sub(1),
-                PieceKind::Sign(_) if depth == 0 => return None,
-                PieceKind::Name if depth == 0 && KEYWORDS.contains(&&text[piece.range.clone()]) => return None,
+                TextTokenKind::Open(_) => depth += 1,
+                TextTokenKind::Close(_) => depth = depth.saturating_sub(1),
+                TextTokenKind::Sign(_) if depth == 0 => return None,
+                TextTokenKind::Name if depth == 0 && KEYWORDS.contains(&&text[piece.range.clone()]) => return None,
                 _ => {}
             }
         }

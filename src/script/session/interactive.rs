@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use rhai::{AST, Dynamic, ParseErrorType, Scope, ScriptFnMetadata, Token};
 
 use super::completion::{Candidate, KEYWORDS, Words};
-use super::cursor::{Cursor, Piece, PieceKind, pieces};
+use super::cursor::{Cursor, TextToken, TextTokenKind, pieces};
 use super::help;
 use super::imports::Imports;
 use super::pages::PAGES;
@@ -371,14 +371,14 @@ impl Interactive {
     /// Stretches of a text to be colored.
     pub fn styles(&self, text: &str) -> Vec<(Range<usize>, Style)> {
         let registry = Registry::of(&self.session.host);
-        let style = |piece: &Piece| {
+        let style = |piece: &TextToken| {
             let word = &text[piece.range.clone()];
             Some(match piece.kind {
-                PieceKind::Name if KEYWORDS.contains(&word) => Style::Keyword,
-                PieceKind::Name if registry.named(word).next().is_some() => Style::Function,
-                PieceKind::Number => Style::Number,
-                PieceKind::Text { .. } => Style::Text,
-                PieceKind::Comment { .. } => Style::Comment,
+                TextTokenKind::Name if KEYWORDS.contains(&word) => Style::Keyword,
+                TextTokenKind::Name if registry.named(word).next().is_some() => Style::Function,
+                TextTokenKind::Number => Style::Number,
+                TextTokenKind::Text { .. } => Style::Text,
+                TextTokenKind::Comment { .. } => Style::Comment,
                 _ => return None,
             })
         };

@@ -28,7 +28,9 @@ use crate::script::language::observer::{Observer, Progress};
 use crate::script::language::plain::Plain;
 use crate::script::language::registry::Registry;
 use crate::script::language::sandbox::Sandbox;
-use crate::script::language::worker_pool::{Blueprint, Carried, Computed, Hand, MakeWorker, Outcome, Program, Told, Unit, outcome_of};
+use crate::script::language::worker_pool::{
+    Blueprint, ClosureCaller, Computed, MakeWorker, Outcome, PortableClosure, Program, ScriptOutput, Unit, outcome_of,
+};
 
 /// Key under which the host stores the context of the program.
 const PROGRAM: &str = "the program";
@@ -45,7 +47,7 @@ struct Worker {
 }
 
 /// Makes a worker on this thread; `None` if its folder or an import can no longer be read.
-pub fn start_worker(blueprint: &Blueprint) -> Option<Box<dyn Hand>> {
+pub fn start_worker(blueprint: &Blueprint) -> Option<Box<dyn ClosureCaller>> {
     let notes = Rc::new(Notes::default());
     let sandbox = Sandbox::new(&blueprint.home, &blueprint.settings.allow_read).ok()?;
     let host = Rc::new(Host::new(blueprint.settings.clone(), sandbox, notes.clone()));
@@ -111,7 +113,7 @@ impl Worker {
         self.aside = Some(begin_study(&self.host, None));
     }
 
-    fn call(&self, closure: &Carried, arguments: &[Plain]) -> Outcome {
+    fn call(&self, closure: &PortableClosure, arguments: &[Plain]) -> Outcome {
         let Some(callback) = self.closure(&closure.name) else {
             let error = Diagnostic::error(Class::Internal, "a session does not know a closure of another one");
             return Outcome::Refused(Message::of(&error));
@@ -123,22 +125,22 @@ impl Worker {
     }
 
     /// Returns the messages of a call, with the keys that identify checks.
-    fn told(&self) -> Vec<Told> {
+    fn told(&self) -> Vec<ScriptOutput> {
         let mut keys = self.host.forget_told().into_iter().map(|(key, _)| key);
         let named = |told| match told {
-            Told::Passed(_, line) => Told::Passed(keys.next().unwrap_or_default(), line),
+            ScriptOutput::Passed(_, line) => ScriptOutput::Passed(keys.next().unwrap_or_default(), line),
             other => other,
         };
         self.notes.told.take().into_iter().map(named).collect()
     }
 }
 
-impl Hand for Worker {
-    fn knows(&self, closure: &Carried) -> bool {
+impl ClosureCaller for Worker {
+    fn knows(&self, closure: &PortableClosure) -> bool {
         self.closure(&closure.name).is_some()
     }
 
-    fn compute(&mut self, closure: &Carried, arguments: &[Plain]) -> Computed {
+    fn compute(&mut self, closure: &PortableClosure, arguments: &[Plain]) -> Computed {
         self.forget();
         let host = &self.host;
         let before: BTreeSet<String> = host.sources.all().into_iter().map(|(name, _)| name).collect();
@@ -166,20 +168,20 @@ impl Drop for Worker {
 /// Observer that records the messages of a call.
 #[derive(Default)]
 struct Notes {
-    told: RefCell<Vec<Told>>,
+    told: RefCell<Vec<ScriptOutput>>,
 }
 
 impl Observer for Notes {
     fn print(&self, line: &str) {
-        self.told.borrow_mut().push(Told::Line(line.into()));
+        self.told.borrow_mut().push(ScriptOutput::Line(line.into()));
     }
 
     fn passed(&self, line: &str) {
-        self.told.borrow_mut().push(Told::Passed(String::new(), line.into()));
+        self.told.borrow_mut().push(ScriptOutput::Passed(String::new(), line.into()));
     }
 
     fn warn(&self, warning: &Diagnostic) {
-        self.told.borrow_mut().push(Told::Warning(Message::of(warning)));
+        self.told.borrow_mut().push(ScriptOutput::Warning(Message::of(warning)));
     }
 
     fn advanced(&self, _: &Progress) {}

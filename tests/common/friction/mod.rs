@@ -5,7 +5,7 @@ pub mod rigid;
 pub mod soft;
 pub mod work;
 
-use conserva::integrators::{self, Promises};
+use conserva::integrators::{self, ConservedQuantities};
 
 use super::common::Random;
 
@@ -72,7 +72,7 @@ pub fn figures(mass: f64) -> String {
 }
 
 /// Lines of [`figures`] for the quantities that an integrator conserves: the defects of others are those of the integrator.
-pub fn promised_figures(mass: f64, promises: &Promises) -> String {
+pub fn promised_figures(mass: f64, promises: &ConservedQuantities) -> String {
     let mut lines = String::from(
         "let h = sim.history;\n\
          let scale = 1e-300;\n\

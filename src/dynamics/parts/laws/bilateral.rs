@@ -1,6 +1,6 @@
 //! Bilateral constraints (ties): zero gap with a multiplier of any sign.
 
-use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
+use super::law::{ConstraintCondition, Equation, Row, RowLaw, RowStart, RowState};
 
 /// Law `Phi = 0`.
 #[derive(Debug)]
@@ -11,8 +11,8 @@ impl RowLaw for Bilateral {
         true
     }
 
-    fn demand(&self, start: &RowStart) -> Demand {
-        Demand { gap: start.gap, target: if start.keeps { start.gap } else { 0.0 }, is_member: true, shift: 0.0 }
+    fn demand(&self, start: &RowStart) -> ConstraintCondition {
+        ConstraintCondition { gap: start.gap, target: if start.keeps { start.gap } else { 0.0 }, is_member: true, shift: 0.0 }
     }
 
     fn first_state(&self, _row: &Row) -> RowState {

@@ -96,7 +96,7 @@ pub struct RowStart {
 }
 
 /// Condition of a step on a constraint.
-pub struct Demand {
+pub struct ConstraintCondition {
     /// `Phi` at the start of the step, as used by the law.
     pub gap: f64,
     /// `Phi` of an active constraint at the end of the step.
@@ -113,7 +113,7 @@ pub struct Row {
     pub gap: f64,
     /// Multiplier.
     pub lambda: f64,
-    /// `Phi` at the start of the step, as [`Demand::gap`].
+    /// `Phi` at the start of the step, as [`ConstraintCondition::gap`].
     pub gap_n: f64,
     /// `Phi` at the end of the step if the constraint is active.
     pub target: f64,
@@ -176,7 +176,7 @@ pub trait RowLaw: fmt::Debug + Send + Sync {
     }
 
     /// Condition of the step on the constraint.
-    fn demand(&self, start: &RowStart) -> Demand;
+    fn demand(&self, start: &RowStart) -> ConstraintCondition;
 
     /// State at the first iteration.
     fn first_state(&self, row: &Row) -> RowState;

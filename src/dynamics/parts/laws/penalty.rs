@@ -1,6 +1,6 @@
 //! Penalty potentials: the pressure is the mean of `kappa/2 min(Phi, 0)^2` over the step.
 
-use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
+use super::law::{ConstraintCondition, Equation, Row, RowLaw, RowStart, RowState};
 
 /// Law `lambda = p(Phi)`.
 #[derive(Debug)]
@@ -12,9 +12,9 @@ impl RowLaw for Penalty {
     }
 
     /// Conditions of the step; overlap found by newly admitted facet pairs, not caused by motion, stores no energy.
-    fn demand(&self, start: &RowStart) -> Demand {
+    fn demand(&self, start: &RowStart) -> ConstraintCondition {
         let shift = if start.end_point { 0.0 } else { (start.penalty_gap.min(0.0) - start.gap.min(0.0)).max(0.0) };
-        Demand { gap: if start.end_point { start.gap } else { start.gap + shift }, target: 0.0, is_member: true, shift }
+        ConstraintCondition { gap: if start.end_point { start.gap } else { start.gap + shift }, target: 0.0, is_member: true, shift }
     }
 
     fn first_state(&self, _row: &Row) -> RowState {

@@ -1,6 +1,6 @@
 //! Multiplier of a joint's friction: the limit of the friction force, a function of the multipliers of the joint's constraints.
 
-use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
+use super::law::{ConstraintCondition, Equation, Row, RowLaw, RowStart, RowState};
 use crate::math::tolerances::SLIP_NOISE;
 
 /// Law `lambda = Phi`, where the solver of a step evaluates `Phi` from other multipliers.
@@ -12,8 +12,8 @@ impl RowLaw for Reaction {
         false
     }
 
-    fn demand(&self, _start: &RowStart) -> Demand {
-        Demand { gap: 0.0, target: 0.0, is_member: true, shift: 0.0 }
+    fn demand(&self, _start: &RowStart) -> ConstraintCondition {
+        ConstraintCondition { gap: 0.0, target: 0.0, is_member: true, shift: 0.0 }
     }
 
     fn first_state(&self, _row: &Row) -> RowState {

@@ -1,7 +1,7 @@
 //! Unilateral contact: `Phi >= 0`, `lambda >= 0`, `lambda Phi = 0` (Signorini), relative to the target of the step.
 
 use super::bilateral::held;
-use super::law::{Demand, Equation, Row, RowLaw, RowStart, RowState};
+use super::law::{ConstraintCondition, Equation, Row, RowLaw, RowStart, RowState};
 use crate::math::tolerances;
 
 /// Unilateral law `Phi >= target`, `lambda >= 0`.
@@ -12,10 +12,10 @@ use crate::math::tolerances;
 pub struct Unilateral;
 
 impl RowLaw for Unilateral {
-    fn demand(&self, start: &RowStart) -> Demand {
+    fn demand(&self, start: &RowStart) -> ConstraintCondition {
         let &RowStart { gap, held, closed, keeps, .. } = start;
         let (target, is_member) = if keeps { (gap, gap <= held + closed) } else { (gap.min(held), true) };
-        Demand { gap, target, is_member, shift: 0.0 }
+        ConstraintCondition { gap, target, is_member, shift: 0.0 }
     }
 
     fn first_state(&self, row: &Row) -> RowState {

@@ -14,7 +14,7 @@ const MOST_GROUPS: usize = 256;
 const NO_GROUPS: [&str; 4] = ["GlobalIds", "GlobalCellIds", "GlobalElementId", "ElementId"];
 
 /// Cells of a piece of a grid.
-pub(super) struct Piece {
+pub(super) struct GridPiece {
     pub points: Vec<f64>,
     pub connectivity: Vec<i64>,
     /// End of each cell in the connectivity.
@@ -46,7 +46,7 @@ impl Content {
     }
 
     /// Adds a piece. Names of groups are given by array and value, or made of both.
-    pub(super) fn add(&mut self, mut piece: Piece, names: &BTreeMap<(String, i64), String>) -> Result<(), MeshError> {
+    pub(super) fn add(&mut self, mut piece: GridPiece, names: &BTreeMap<(String, i64), String>) -> Result<(), MeshError> {
         let first = self.tables.points.len() as u64;
         for (index, point) in (first..).zip(piece.points.chunks_exact(3)) {
             self.tables.add_node(index, [point[0], point[1], point[2]], piece.at[0])?;

@@ -1,7 +1,7 @@
 //! Grids in the legacy format (VTK file formats, "Simple legacy formats"), as text or binary, versions 1 to 5.1.
 
 use super::data::{Numbers, Scalar, of_bytes, of_text};
-use super::grid::{Content, Piece};
+use super::grid::{Content, GridPiece};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 use crate::mesh::files::words::malformed;
@@ -35,17 +35,17 @@ pub(in crate::mesh::files) fn read(bytes: &[u8]) -> Result<Content, MeshError> {
             }
             "POINTS" => {
                 let points = file.numbers(count(1)?.saturating_mul(3), word(&words, 2))?.reals();
-                piece.get_or_insert_with(|| Piece::empty(at)).points = points;
+                piece.get_or_insert_with(|| GridPiece::empty(at)).points = points;
             }
-            "CELLS" => cells(&mut file, piece.get_or_insert_with(|| Piece::empty(at)), [count(1)?, count(2)?])?,
+            "CELLS" => cells(&mut file, piece.get_or_insert_with(|| GridPiece::empty(at)), [count(1)?, count(2)?])?,
             "CELL_TYPES" => {
                 let types = file.whole(count(1)?, "int")?;
-                piece.get_or_insert_with(|| Piece::empty(at)).types = types;
+                piece.get_or_insert_with(|| GridPiece::empty(at)).types = types;
             }
             "CELL_DATA" => section = Section::Cells(count(1)?),
             "POINT_DATA" => section = Section::Points(count(1)?),
             "METADATA" => while file.line().is_some_and(|line| !line.is_empty()) {},
-            _ => data(&mut file, &words, section, piece.get_or_insert_with(|| Piece::empty(at)), &mut content)?,
+            _ => data(&mut file, &words, section, piece.get_or_insert_with(|| GridPiece::empty(at)), &mut content)?,
         }
     }
     let missing = |section| FileError { at: file.place(), problem: FileProblem::MissingSection { section } };
@@ -66,9 +66,9 @@ enum Section {
     Cells(usize),
 }
 
-impl Piece {
-    fn empty(at: Place) -> Piece {
-        Piece { points: Vec::new(), connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), groups: Vec::new(), at: [at; 2] }
+impl GridPiece {
+    fn empty(at: Place) -> GridPiece {
+        GridPiece { points: Vec::new(), connectivity: Vec::new(), ends: Vec::new(), types: Vec::new(), groups: Vec::new(), at: [at; 2] }
     }
 }
 
@@ -77,7 +77,7 @@ fn word<'a>(words: &[&'a str], index: usize) -> &'a str {
 }
 
 /// Cells: until version 4 each with the number of its nodes before them, from version 5 on as offsets and connectivity.
-fn cells(file: &mut File, piece: &mut Piece, [count, size]: [usize; 2]) -> Result<(), MeshError> {
+fn cells(file: &mut File, piece: &mut GridPiece, [count, size]: [usize; 2]) -> Result<(), MeshError> {
     piece.at[1] = file.place();
     let before = file.at;
     let line = file.next_line().unwrap_or_default();
@@ -110,7 +110,7 @@ fn cells(file: &mut File, piece: &mut Piece, [count, size]: [usize; 2]) -> Resul
 }
 
 /// An array of points or cells, or the fields of a file; single whole numbers of cells are groups.
-fn data(file: &mut File, words: &[&str], section: Section, piece: &mut Piece, content: &mut Content) -> Result<(), MeshError> {
+fn data(file: &mut File, words: &[&str], section: Section, piece: &mut GridPiece, content: &mut Content) -> Result<(), MeshError> {
     let at = file.place();
     let expected = "a keyword of the legacy format, such as CELLS or SCALARS";
     let tuples = match section {

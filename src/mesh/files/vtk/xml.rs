@@ -8,7 +8,7 @@ use roxmltree::{Document, Node};
 
 use super::super::text::utf8;
 use super::data::{Layout, Numbers, Scalar, of_base64, of_bytes, of_text, unpacked};
-use super::grid::{Content, Piece};
+use super::grid::{Content, GridPiece};
 use crate::mesh::MeshError;
 use crate::mesh::file_error::{FileError, FileProblem, Place};
 
@@ -86,7 +86,7 @@ impl<'a> File<'a> {
         Ok(File { layout, appended: &tail[start..], is_text, offsets })
     }
 
-    fn piece(&self, piece: Node, content: &mut Content) -> Result<Piece, MeshError> {
+    fn piece(&self, piece: Node, content: &mut Content) -> Result<GridPiece, MeshError> {
         let count = |key: &'static str| {
             let value = piece.attribute(key).unwrap_or("nothing");
             value.trim().parse::<usize>().map_err(|_| {
@@ -119,7 +119,7 @@ impl<'a> File<'a> {
             .flat_map(arrays_of)
             .filter_map(|node| node.attribute("Name"))
             .for_each(|name| content.leave_out(name));
-        Ok(Piece {
+        Ok(GridPiece {
             points: self.numbers(place, Some(points.saturating_mul(3)))?.reals(),
             connectivity: of_cells("connectivity")?,
             ends: of_cells("offsets")?,

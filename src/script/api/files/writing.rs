@@ -26,12 +26,12 @@ pub trait Destination {
 
 /// Bytes of the file that the next call would write, for a program that shows the file in place of writing it.
 #[derive(Default)]
-pub struct Wanted {
+pub struct RequestedFile {
     is_asked: Cell<bool>,
     bytes: RefCell<Option<Vec<u8>>>,
 }
 
-impl Wanted {
+impl RequestedFile {
     /// Keeps the bytes of the next file.
     pub fn ask(&self) {
         self.is_asked.set(true);
@@ -44,8 +44,8 @@ impl Wanted {
     }
 
     /// Buffer for the bytes of the file of a call, if requested.
-    pub fn of(call: &Call) -> Option<Rc<Wanted>> {
-        let wanted: Rc<Wanted> = call.host.slots.get();
+    pub fn of(call: &Call) -> Option<Rc<RequestedFile>> {
+        let wanted: Rc<RequestedFile> = call.host.slots.get();
         wanted.is_asked.get().then_some(wanted)
     }
 
@@ -83,7 +83,7 @@ pub fn write(
         call.host.findings.borrow_mut().push(format!("would write {path}"));
         return Ok(Dynamic::UNIT);
     }
-    if let Some(wanted) = Wanted::of(call) {
+    if let Some(wanted) = RequestedFile::of(call) {
         return Ok(wanted.put(content()?));
     }
     write_at(call, into, &path, &content()?)?;

@@ -3,7 +3,7 @@
 use rhai::{Array, Dynamic};
 
 use super::handle::MaterialHandle;
-use crate::materials::{Material, Piece, path};
+use crate::materials::{HomogeneousTest, Material, path};
 use crate::math::catalogue::Interval;
 use crate::output::{Curve, Plot, PlotAxis};
 use crate::script::api::files::writing::{path_parameter, write_drawing};
@@ -23,16 +23,16 @@ const POINTS: usize = 60;
 /// The functions of this file.
 pub fn functions() -> Vec<Function> {
     let stresses = [
-        ("uniaxial", Piece::Uniaxial, "nominal stress (force per undeformed area) of a bar pulled to a stretch, its sides free"),
-        ("equibiaxial", Piece::Equibiaxial, "nominal stress of a sheet pulled alike in two directions, its thickness free"),
-        ("pure_shear", Piece::PureShear, "nominal stress of a wide strip pulled along its short side, its thickness free"),
+        ("uniaxial", HomogeneousTest::Uniaxial, "nominal stress (force per undeformed area) of a bar pulled to a stretch, its sides free"),
+        ("equibiaxial", HomogeneousTest::Equibiaxial, "nominal stress of a sheet pulled alike in two directions, its thickness free"),
+        ("pure_shear", HomogeneousTest::PureShear, "nominal stress of a wide strip pulled along its short side, its thickness free"),
     ];
     let mut all: Vec<Function> = stresses.into_iter().map(|(name, piece, summary)| stress(name, piece, summary)).collect();
     all.extend([uniaxial_path(), check(), plot()]);
     all
 }
 
-fn stress(name: &'static str, piece: Piece, summary: &'static str) -> Function {
+fn stress(name: &'static str, piece: HomogeneousTest, summary: &'static str) -> Function {
     Function {
         name,
         form: Form::Method(MaterialHandle::receiver()),
@@ -79,7 +79,7 @@ fn uniaxial_path() -> Function {
                 ends.push(all.len() - 1);
                 last = stretch;
             }
-            let states = path(&material, Piece::Uniaxial, &all);
+            let states = path(&material, HomogeneousTest::Uniaxial, &all);
             match ends.iter().position(|&end| end >= states.len()) {
                 None => Ok(Dynamic::from(ends.iter().map(|&end| Dynamic::from(states[end].nominal_stress)).collect::<Array>())),
                 Some(missing) => {
@@ -161,7 +161,7 @@ fn plot() -> Function {
             let title = options.argument("title");
             let title = if title.is_given() { title.text()? } else { material.name().replace('_', " ") };
             let y = PlotAxis { included: Some(0.0), ..PlotAxis::new(options.text("y_label")?) };
-            let curves = Piece::ALL.into_iter().map(|(name, piece)| curve(&material, name, piece, [low, high])).collect();
+            let curves = HomogeneousTest::ALL.into_iter().map(|(name, piece)| curve(&material, name, piece, [low, high])).collect();
             let plot = Plot { title, x: PlotAxis::new("stretch"), y, curves, ..Plot::default() };
             Ok(write_drawing(call, None, || Ok(plot.draw()))?)
         }),
@@ -169,7 +169,7 @@ fn plot() -> Function {
 }
 
 /// Nominal stress over stretch, from the least stretch to the greatest.
-fn curve(material: &Material, name: &str, piece: Piece, [low, high]: [f64; 2]) -> Curve {
+fn curve(material: &Material, name: &str, piece: HomogeneousTest, [low, high]: [f64; 2]) -> Curve {
     let side = |stretch: f64| if stretch == 1.0 { Vec::new() } else { path(material, piece, &way(stretch, POINTS)) };
     let states = side(low).into_iter().rev().map(|state| (state.stretch, state.nominal_stress));
     let states = states.chain([(1.0, 0.0)]).chain(side(high).into_iter().map(|state| (state.stretch, state.nominal_stress)));

@@ -4,7 +4,7 @@ use rhai::{Array, Dynamic, Map};
 
 use super::energies::refused;
 use crate::machine::files;
-use crate::materials::{CATALOGUE, EnergyError, EnergyText, Fit, FitError, HYPERELASTIC, Measured, Piece, StoredEnergy, fit};
+use crate::materials::{CATALOGUE, EnergyError, EnergyText, Fit, FitError, HYPERELASTIC, HomogeneousTest, Measured, StoredEnergy, fit};
 use crate::output::{Curve, CurveStyle, Plot, PlotAxis};
 use crate::script::api::files::writing::{path_parameter, write_drawing};
 use crate::script::language::arguments::{Argument, Arguments, Options};
@@ -16,10 +16,10 @@ use crate::script::language::values::{as_number, describe};
 use crate::script::language::wording::{did_you_mean, listed};
 
 /// Options of the tests, with names for plots.
-const TESTS: [(&str, &str, Piece); 3] = [
-    ("uniaxial", "uniaxial", Piece::Uniaxial),
-    ("equibiaxial", "equibiaxial", Piece::Equibiaxial),
-    ("pure_shear", "pure shear", Piece::PureShear),
+const TESTS: [(&str, &str, HomogeneousTest); 3] = [
+    ("uniaxial", "uniaxial", HomogeneousTest::Uniaxial),
+    ("equibiaxial", "equibiaxial", HomogeneousTest::Equibiaxial),
+    ("pure_shear", "pure shear", HomogeneousTest::PureShear),
 ];
 
 /// Points of a curve.

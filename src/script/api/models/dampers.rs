@@ -9,7 +9,7 @@ use super::change::change;
 use super::ends::{constants_parameter, end_parameters, ends_of, one_of, text_of};
 use super::handle::{BodyHandle, BoundaryHandle, ModelHandle};
 use crate::bodies::nodal_areas;
-use crate::dynamics::{DamperDefinition, DamperElement, DragDefinition, Dragged, Viscous};
+use crate::dynamics::{DamperDefinition, DamperElement, DragDefinition, DragTarget, Viscous};
 use crate::materials::Viscosity;
 use crate::math::catalogue::Interval;
 use crate::script::api::examples::{TOUCH, plate_example};
@@ -124,7 +124,7 @@ pub fn add_drag() -> Function {
             if on.boundary.facets.is_empty() {
                 return Err(argument.fail("drag needs a boundary with facets").hint("choose a boundary that has facets").into());
             }
-            let on = Dragged::Nodes(on.body, shares, law);
+            let on = DragTarget::Nodes(on.body, shares, law);
             change(call, &model, |data| data.model.parts.push(Arc::new(DragDefinition { name, on })))?;
             Ok(Dynamic::UNIT)
         }),
@@ -165,7 +165,7 @@ pub fn add_damping() -> Function {
             let material = if time > 0.0 { material.with_viscosity(viscosity) } else { material };
             definition.material = material.clone();
             let name = format!("damping of {}", definition.name);
-            let on = Dragged::Mass(body.index, Box::new(definition), rate);
+            let on = DragTarget::Mass(body.index, Box::new(definition), rate);
             change(call, &model, |data| {
                 data.model.bodies[body.index].material = material;
                 if rate > 0.0 {

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use crate::dynamics::Model;
-use crate::script::api::time_functions::Watched;
+use crate::script::api::time_functions::RecordedTimeFunction;
 use crate::script::language::sources::Place;
 
 /// A load with its place in the script, for the warning about a load that never acted.
@@ -16,7 +16,7 @@ pub struct LoadNote {
     /// Place of the definition.
     pub place: Option<Place>,
     /// Time function of the load.
-    pub amplitude: Arc<Watched>,
+    pub amplitude: Arc<RecordedTimeFunction>,
 }
 
 /// A model under construction, with the places of its definitions.

@@ -4,8 +4,8 @@ use super::data::ModelData;
 use super::joint_friction::friction_text;
 use crate::contact::{FacetShape, Obstacle, ObstacleInSpace};
 use crate::dynamics::{
-    Amplitude, BodyBoundary, BodyDefinition, Coordinate, Coupling, CouplingKind, Gear, Interaction, JointKind, Model, Partner,
-    Prescription, Turn,
+    Amplitude, AxisRotation, BodyBoundary, BodyDefinition, Coordinate, Coupling, CouplingKind, Gear, Interaction, JointKind, Model,
+    Partner, Prescription,
 };
 use crate::script::api::meshes::handle::describe_mesh;
 use crate::script::language::digits::{number_text, vector_text};
@@ -55,7 +55,7 @@ pub fn prescribed(given: &Prescription) -> Vec<(String, String)> {
     let along = ["x", "y", "z"].into_iter().zip(&given.displacement);
     let along = along.filter_map(|(name, function)| Some((name.to_string(), function.as_ref()?.describe())));
     let turn = given.turn.iter().map(|turn| {
-        let axis = if turn.axis == Turn::UPRIGHT { String::new() } else { format!(" and the axis {}", vector_text(&turn.axis)) };
+        let axis = if turn.axis == AxisRotation::UPRIGHT { String::new() } else { format!(" and the axis {}", vector_text(&turn.axis)) };
         let center = if axis.is_empty() { &turn.center[..2] } else { &turn.center[..] };
         (format!("angle about {}{axis}", vector_text(center)), turn.angle.describe())
     });

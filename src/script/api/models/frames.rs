@@ -6,7 +6,7 @@ use rhai::Dynamic;
 
 use super::change::change;
 use super::handle::ModelHandle;
-use crate::dynamics::{RotatingFrameDefinition, Spin, Turn};
+use crate::dynamics::{AxisRotation, RotatingFrameDefinition, Spin};
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Arguments, Options};
@@ -63,7 +63,7 @@ fn frame_of(options: &Options, model: &ModelHandle) -> Result<RotatingFrameDefin
             if is_round {
                 [0.0, 1.0, 0.0]
             } else {
-                Turn::UPRIGHT
+                AxisRotation::UPRIGHT
             }
         }
         (2, true) => {

@@ -12,7 +12,7 @@ use crate::dynamics::{Amplitude, Load, LoadKind};
 use crate::math::catalogue::Interval;
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
-use crate::script::api::time_functions::{Watched, amplitude_of};
+use crate::script::api::time_functions::{RecordedTimeFunction, amplitude_of};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::digits::{number_text, vector_text};
 use crate::script::language::failure::Failure;
@@ -129,7 +129,7 @@ fn add_load(call: &Call, kind: LoadKind, word: &str) -> Result<Dynamic, Failure>
     let on = boundary_of(&call.argument("boundary"), &model)?;
     let function = amplitude_of(&call.argument("amplitude"))?;
     let title = format!("{word} on \"{}\" with amplitude {}", model.0.borrow().model.boundary_name(&on), function.describe());
-    let amplitude = Arc::new(Watched::new(function));
+    let amplitude = Arc::new(RecordedTimeFunction::new(function));
     let note = LoadNote { title, place: call.place(&Default::default()), amplitude: amplitude.clone() };
     change(call, &model, |data| {
         let amplitude: Amplitude = amplitude;

@@ -9,7 +9,7 @@ use super::change::change;
 use super::ends::{GROUND, end_parameters, ends_of};
 use super::handle::{BodyHandle, ModelHandle};
 use crate::bodies::Frame;
-use crate::dynamics::{ActuatorDefinition, ActuatorElement, MotorDefinition, Turn};
+use crate::dynamics::{ActuatorDefinition, ActuatorElement, AxisRotation, MotorDefinition};
 use crate::script::api::examples::{TOUCH, plate_example};
 use crate::script::api::time_functions::amplitude_of;
 use crate::script::language::arguments::{Argument, Arguments, Options};
@@ -89,10 +89,10 @@ pub fn add_motor() -> Function {
 }
 
 /// Index of a rigid body, with its masters.
-pub type Mastered = (usize, Vec<u32>);
+pub type BodyWithMasters = (usize, Vec<u32>);
 
 /// Returns two rigid bodies with their masters, or one and the ground; `what` describes the element for messages.
-pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[Option<Mastered>; 2], Failure> {
+pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[Option<BodyWithMasters>; 2], Failure> {
     let (from, to) = (options.argument("from"), options.argument("to"));
     let is_ground = to.value().read_lock::<ImmutableString>().is_some_and(|word| *word == GROUND);
     let first = masters_of(&from, model, what)?;
@@ -104,7 +104,7 @@ pub fn bodies_of(options: &Options, model: &ModelHandle, what: &str) -> Result<[
 }
 
 /// Returns a rigid body with its masters.
-fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Mastered, Failure> {
+fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<BodyWithMasters, Failure> {
     if !argument.is_given() {
         return Err(argument.missing());
     }
@@ -124,7 +124,7 @@ fn masters_of(argument: &Argument, model: &ModelHandle, what: &str) -> Result<Ma
 fn axis_of(options: &Options, dimension: usize) -> Result<[f64; 3], Failure> {
     let argument = options.argument("axis");
     match (dimension, argument.is_given()) {
-        (2, false) => Ok(Turn::UPRIGHT),
+        (2, false) => Ok(AxisRotation::UPRIGHT),
         (2, true) => Err(argument.fail("the model is plane: a motor turns about the third axis").hint("remove the option")),
         (_, false) => Err(argument.missing()),
         (_, true) => {

@@ -5,7 +5,7 @@ use rhai::Dynamic;
 use super::arguments::{boundary_of, boundary_parameter};
 use super::change::change;
 use super::handle::ModelHandle;
-use crate::dynamics::{Amplitude, Prescription, Support, Turn};
+use crate::dynamics::{Amplitude, AxisRotation, Prescription, Support};
 use crate::math::norms::length;
 use crate::script::api::examples::plate_example;
 use crate::script::api::time_functions::amplitude_of;
@@ -61,7 +61,7 @@ pub fn prescribe() -> Function {
             let dimension = model.0.borrow().model.dimension();
             let displacement = along_axes(&options, dimension)?;
             let turn = match axis_of_turn(&options, dimension, "angle: |t| …")? {
-                Some([center, axis]) => Some(Turn { center, axis, angle: amplitude_of(&options.argument("angle"))? }),
+                Some([center, axis]) => Some(AxisRotation { center, axis, angle: amplitude_of(&options.argument("angle"))? }),
                 None => None,
             };
             if turn.is_none() && displacement.iter().all(Option::is_none) {
@@ -125,8 +125,8 @@ pub(super) fn axis_of_turn(options: &Options, dimension: usize, such_as: &str) -
         };
     }
     let center = if about.is_given() { about.vector(dimension)? } else { [0.0; 3] };
-    let direction = if axis.is_given() { axis.vector(3)? } else { Turn::UPRIGHT };
-    if dimension == 2 && direction != Turn::UPRIGHT {
+    let direction = if axis.is_given() { axis.vector(3)? } else { AxisRotation::UPRIGHT };
+    if dimension == 2 && direction != AxisRotation::UPRIGHT {
         return Err(axis.fail("the model is plane: it turns about the third axis").hint("remove the option"));
     }
     let size = length(direction);

@@ -1,7 +1,7 @@
 //! Hints on runs: failed steps, and findings.
 
 use super::words::ScriptWords;
-use crate::dynamics::{Ease, Remedy, RunFinding, RunFindingKind, StepError};
+use crate::dynamics::{Remedy, RunFinding, RunFindingKind, SmallerIncrements, StepError};
 use crate::script::language::digits::brief;
 
 impl ScriptWords for StepError {
@@ -47,14 +47,14 @@ impl ScriptWords for Remedy {
     }
 }
 
-impl ScriptWords for Ease {
+impl ScriptWords for SmallerIncrements {
     fn remedy(&self) -> String {
         match self {
-            Ease::SmallerStep(dt) => format!("use a smaller step than dt = {dt}, or allow more `max_halvings`"),
-            Ease::LargerStep(dt) => format!(
+            SmallerIncrements::SmallerStep(dt) => format!("use a smaller step than dt = {dt}, or allow more `max_halvings`"),
+            SmallerIncrements::LargerStep(dt) => format!(
                 "halving the step down to dt = {dt} came no nearer to a solution: try a larger dt, or `penalty` in the options of contacts"
             ),
-            Ease::SupportsAndLoads => self.to_string(),
+            SmallerIncrements::SupportsAndLoads => self.to_string(),
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::script::language::host::Host;
 
 /// Intervals and limits of the frames and stills that are kept of a run.
 #[derive(Clone, Copy)]
-pub struct Keeping {
+pub struct RecordingLimits {
     /// Time between two frames of the fields.
     pub fields_every: Option<f64>,
     /// Largest number of stills of the recording.
@@ -78,7 +78,7 @@ impl Artifacts {
         host: &Host,
         name: Option<&str>,
         model: &Model,
-        keeping: Keeping,
+        keeping: RecordingLimits,
         row: &LedgerRow,
         further: Columns,
         start: Start,

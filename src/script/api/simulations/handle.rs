@@ -8,7 +8,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::artifacts::{Artifacts, Keeping};
+use super::artifacts::{Artifacts, RecordingLimits};
 use super::columns::{Probe, history_columns};
 use super::integrators::title;
 use super::journal::Journal;
@@ -57,11 +57,11 @@ pub struct SimulationData {
     /// Computing time of the solver.
     pub spent: Cell<Duration>,
     /// Frames and stills that are kept of the run.
-    pub keeping: Keeping,
+    pub keeping: RecordingLimits,
     /// Hint for the last step that failed.
     pub hint: RefCell<String>,
     /// States before the last steps, to go back to; empty where the session cannot go back.
-    pub past: RefCell<VecDeque<Past>>,
+    pub past: RefCell<VecDeque<PastState>>,
     /// Probes, with the points that they follow.
     pub probes: RefCell<Vec<Probe>>,
     /// Closures that run after every step.
@@ -86,7 +86,7 @@ pub struct SimulationData {
 
 /// State before a step, with the number of history rows.
 #[derive(Clone)]
-pub struct Past {
+pub struct PastState {
     /// State; `None` if an earlier process has computed it.
     pub state: Option<Arc<State>>,
     /// Rows of the history.

@@ -11,7 +11,7 @@ use super::pictures::{keys, shown};
 use crate::dynamics::{BodyFields, LedgerRow, LoadKind, Mode, Modes, ModesError, PlacedObstacle};
 use crate::math::catalogue::Interval;
 use crate::math::tolerances::EFFECTIVE_MASS;
-use crate::output::{Field, Frame, MovieFormat, PictureOptions, Sight, movie, picture, sight};
+use crate::output::{Field, Frame, MovieFormat, PictureBounds, PictureOptions, movie, picture, sight};
 use crate::script::api::examples::plate_example;
 use crate::script::api::files::writing::{path_parameter, write, write_drawing};
 use crate::script::language::arguments::{Arguments, Options};
@@ -444,7 +444,7 @@ fn movie_function() -> Function {
             let content = || {
                 let at = |index: usize| modes.moved(mode, deflection * (TAU * index as f64 / PICTURES as f64).cos());
                 let extremes = [0, PICTURES / 2].map(|index| sight(&at(index), &modes.0.obstacles, &shown));
-                shown.sight = extremes.into_iter().reduce(Sight::with);
+                shown.sight = extremes.into_iter().reduce(PictureBounds::with);
                 for panel in shown.panels.iter_mut().filter(|panel| panel.field == Field::Displacement) {
                     panel.range = panel.range.or(Some([0.0, deflection]));
                 }

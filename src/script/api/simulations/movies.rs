@@ -4,7 +4,7 @@ use super::handle::SimulationHandle;
 use super::pictures::{keys, shown};
 use super::writing::write_course;
 use crate::math::catalogue::Interval;
-use crate::output::{Drawing, Field, MovieFormat, PictureOptions, Sight, Still, movie, picture, shapes, sight};
+use crate::output::{Drawing, Field, MovieFormat, PictureBounds, PictureOptions, Still, movie, picture, shapes, sight};
 use crate::script::api::examples::flight_example;
 use crate::script::api::files::writing::path_parameter;
 use crate::script::language::arguments::Arguments;
@@ -83,7 +83,7 @@ fn drawn(call: &Call, handle: &SimulationHandle, mut shown: PictureOptions, titl
         let (bodies, obstacles) = at(still);
         sight(&bodies, &obstacles, &shown)
     };
-    let all = stills.iter().map(|still| seen(still)).reduce(Sight::with);
+    let all = stills.iter().map(|still| seen(still)).reduce(PictureBounds::with);
     shown.sight = all;
     let draw = |index: usize| {
         let still = &stills[index];

@@ -4,7 +4,7 @@
 
 use std::cell::Cell;
 
-use super::handle::{Past, SimulationHandle};
+use super::handle::{PastState, SimulationHandle};
 use crate::script::language::host::Host;
 
 /// Bytes of memory that the states before the last steps of a simulation may take.
@@ -46,7 +46,7 @@ fn calls_back(text: &str) -> bool {
 
 impl SimulationHandle {
     /// Keeps the state before a step where the session can go back; drops the oldest states if they exceed the memory limit.
-    pub fn keep_past(&self, host: &Host, mut before: Past) {
+    pub fn keep_past(&self, host: &Host, mut before: PastState) {
         if !goes_back(host) {
             return;
         }

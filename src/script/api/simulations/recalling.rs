@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::artifacts::Artifacts;
-use super::handle::{Past, SimulationHandle, Simulations};
+use super::handle::{PastState, SimulationHandle, Simulations};
 use super::journal::{Journal, is_kept, of_another_model, something_else, unreadable};
 use crate::dynamics::{State, Tally, TimeFunction};
 use crate::output::checkpoint::SavedSimulation;
@@ -111,7 +111,7 @@ fn simulations(host: &Host) -> Result<Option<Vec<SavedSimulation>>, Failure> {
 }
 
 /// Returns the states before the last steps, the newest last, up to the first unknown one.
-fn known_states(past: &VecDeque<Past>) -> Vec<Arc<State>> {
+fn known_states(past: &VecDeque<PastState>) -> Vec<Arc<State>> {
     let mut known: Vec<Arc<State>> = past.iter().rev().map_while(|past| past.state.clone()).collect();
     known.reverse();
     known

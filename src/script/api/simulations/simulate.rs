@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use rhai::Dynamic;
 
-use super::artifacts::{Artifacts, Columns, Keeping, Start};
+use super::artifacts::{Artifacts, Columns, RecordingLimits, Start};
 use super::columns::{Probe, probe_columns};
 use super::doubts::warn_of_numbers;
 use super::following;
@@ -176,8 +176,8 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     warn_of_numbers(call, &model.model, !integrator.is_static());
     let overlaps = if accepts_overlap { Vec::new() } else { model.model.overlaps() };
     let history = new_history(call.host, simulation.row())?;
-    let so_far = SoFar { history, probes: Vec::new(), spent: begun.elapsed() };
-    let handle = create(call, model, simulation, motion, Keeping { fields_every, stills, stills_inside }, so_far)?;
+    let so_far = InitialHistory { history, probes: Vec::new(), spent: begun.elapsed() };
+    let handle = create(call, model, simulation, motion, RecordingLimits { fields_every, stills, stills_inside }, so_far)?;
     *handle.0.overlaps.borrow_mut() = overlaps;
     handle.0.accepts_overlap.set(accepts_overlap);
     handle.note_contact();
@@ -301,7 +301,7 @@ pub fn kernels(call: &Call, model: &Model, motion: Option<Motion>, options: Opti
 }
 
 /// History of a simulation at its creation.
-pub struct SoFar {
+pub struct InitialHistory {
     /// Rows of the history so far, at least the initial one.
     pub history: History,
     /// Probes, with the points that they follow.
@@ -330,8 +330,8 @@ pub fn create(
     model: ModelData,
     simulation: Simulation,
     motion: Option<Motion>,
-    keeping: Keeping,
-    SoFar { history, probes, spent }: SoFar,
+    keeping: RecordingLimits,
+    InitialHistory { history, probes, spent }: InitialHistory,
 ) -> Result<SimulationHandle, Failure> {
     let name = unique_name(call.host, &model.model.name);
     // The first simulation writes into the folder of the run itself.

@@ -10,7 +10,7 @@ use rhai::Dynamic;
 
 use super::handle::{SimulationHandle, busy};
 use super::recalling::go_on;
-use super::simulate::{SoFar, create, kernels};
+use super::simulate::{InitialHistory, create, kernels};
 use super::step_control::{STEP_SIZE, StepSize};
 use crate::dynamics::State;
 use crate::math::catalogue::Interval;
@@ -174,7 +174,7 @@ fn branch() -> Function {
             }
             simulation.restore(&state);
             let (history, probes) = (handle.0.history.borrow().clone(), handle.0.probes.borrow().clone());
-            let so_far = SoFar { history, probes, spent: begun.elapsed() };
+            let so_far = InitialHistory { history, probes, spent: begun.elapsed() };
             let branch = create(call, model, simulation, motion, handle.0.keeping, so_far)?;
             if let (Some(own), Some(original)) = (branch.0.artifacts.borrow_mut().as_mut(), handle.0.artifacts.borrow().as_ref()) {
                 own.record_behind(original.recording().clone());

@@ -8,7 +8,7 @@ use rhai::{Dynamic, EvalAltResult};
 
 use super::artifacts::Artifacts;
 use super::following;
-use super::handle::{Past, SimulationHandle, busy};
+use super::handle::{PastState, SimulationHandle, busy};
 use super::journal::Journal;
 use super::recalling::go_on;
 use super::step_failures::overlap_text;
@@ -204,7 +204,7 @@ impl SimulationHandle {
         let data = &self.0;
         let state = || data.simulation.try_borrow().map(|simulation| simulation.shared_state()).map_err(|_| busy(call));
         let known = if data.is_behind.get() { None } else { Some(state()?) };
-        let mut before = Past { state: known, rows: data.history.borrow().len(), is_known: data.is_known.get(), size: 0 };
+        let mut before = PastState { state: known, rows: data.history.borrow().len(), is_known: data.is_known.get(), size: 0 };
         let (computation, mut rows, mut stepped) = (Computation::Step(end), Vec::new(), Ok(()));
         if let Some(Outcome::Stepped(recalled)) = self.recalled(call, computation)? {
             rows = recalled;

@@ -5,7 +5,7 @@ use rhai::{Array, Dynamic};
 use super::handle::SimulationHandle;
 use super::history::unknown_column;
 use crate::output::OutputError;
-use crate::script::api::files::writing::{Destination, Wanted, checked_path, note_picture, told, write};
+use crate::script::api::files::writing::{Destination, RequestedFile, checked_path, note_picture, told, write};
 use crate::script::language::arguments::Arguments;
 use crate::script::language::failure::Failure;
 use crate::script::language::function::Call;
@@ -34,7 +34,7 @@ pub fn write_course(
         return write(call, Some(into), endings, content);
     }
     into.looked()?;
-    if let Some(wanted) = Wanted::of(call) {
+    if let Some(wanted) = RequestedFile::of(call) {
         return Ok(wanted.put(content()?));
     }
     if into.0.artifacts.borrow().as_ref().is_some_and(|artifacts| artifacts.has_written(&path)) {

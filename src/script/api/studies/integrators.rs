@@ -87,7 +87,7 @@ struct Task<'a> {
 }
 
 /// Result of a run with one integrator and step size.
-struct Course {
+struct ComparedRun {
     integrator: Scheme,
     dt: f64,
     rows: Vec<LedgerRow>,
@@ -176,7 +176,7 @@ fn sizes_of(options: &Options) -> Result<Vec<StepSize>, Failure> {
 
 impl Task<'_> {
     /// Runs the model once; a failed run is a result, but a model that cannot be made is an error.
-    fn run(&self, integrator: Scheme, size: &StepSize) -> Result<Course, Box<EvalAltResult>> {
+    fn run(&self, integrator: Scheme, size: &StepSize) -> Result<ComparedRun, Box<EvalAltResult>> {
         let call = self.call;
         let value = {
             let _aside = begin_study(call.host, None);
@@ -207,7 +207,7 @@ impl Task<'_> {
             StepSize::Chosen(_) => simulation.time() / (rows.len() - 1).max(1) as f64,
         };
         let (positions, factorizations) = (simulation.state().positions, simulation.statistics().factorizations);
-        Ok(Course { integrator, dt, rows, positions, factorizations, spent: begun.elapsed(), failure, error: None, order: None })
+        Ok(ComparedRun { integrator, dt, rows, positions, factorizations, spent: begun.elapsed(), failure, error: None, order: None })
     }
 
     fn steps(&self, simulation: &mut Simulation, rows: &mut Vec<LedgerRow>) -> Result<(), StepError> {
@@ -225,7 +225,7 @@ impl Task<'_> {
 }
 
 /// Computes errors of the completed runs, and orders between the step sizes of each integrator.
-fn measure(courses: &mut [Course], reference: &Course) {
+fn measure(courses: &mut [ComparedRun], reference: &ComparedRun) {
     for course in courses.iter_mut().filter(|course| course.failure.is_empty() && reference.failure.is_empty()) {
         let distance = course.positions.iter().zip(&reference.positions).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         course.error = Some(distance);
@@ -238,7 +238,7 @@ fn measure(courses: &mut [Course], reference: &Course) {
     }
 }
 
-impl Course {
+impl ComparedRun {
     fn is_measured(&self) -> bool {
         self.error.is_some()
     }
@@ -315,12 +315,12 @@ impl Course {
 fn write(
     files: &RunFiles,
     name: &str,
-    courses: &[Course],
+    courses: &[ComparedRun],
     labels: &[String],
     sizes: &[StepSize],
 ) -> Result<(), crate::output::OutputError> {
     let mut header = vec!["integrator"];
-    let widest = courses.iter().map(Course::columns).max_by_key(Vec::len).unwrap_or_default();
+    let widest = courses.iter().map(ComparedRun::columns).max_by_key(Vec::len).unwrap_or_default();
     header.extend(widest.iter().map(|(name, _)| *name));
     header.push(FAILURE);
     let exact: Vec<Vec<String>> = courses.iter().map(|course| course.fields(&header, |value| Plain::Number(value).field())).collect();
@@ -346,10 +346,10 @@ fn told_apart(curves: impl Iterator<Item = Curve>) -> Vec<Curve> {
 }
 
 /// Returns plots over time of the runs with the largest step size, and a work-precision diagram if there are several step sizes.
-fn plots(courses: &[Course], labels: &[String], sizes: &[StepSize]) -> Vec<(&'static str, Drawing)> {
-    let first: Vec<&Course> = courses.iter().step_by(sizes.len()).collect();
-    let over_time = |title: &str, is_logarithmic: bool, of: &dyn Fn(&Course) -> Vec<f64>| {
-        let curve = |(course, label): (&&Course, &String)| Curve {
+fn plots(courses: &[ComparedRun], labels: &[String], sizes: &[StepSize]) -> Vec<(&'static str, Drawing)> {
+    let first: Vec<&ComparedRun> = courses.iter().step_by(sizes.len()).collect();
+    let over_time = |title: &str, is_logarithmic: bool, of: &dyn Fn(&ComparedRun) -> Vec<f64>| {
+        let curve = |(course, label): (&&ComparedRun, &String)| Curve {
             label: label.clone(),
             x: course.rows.iter().map(|row| row.time).collect(),
             y: of(course),
@@ -360,9 +360,9 @@ fn plots(courses: &[Course], labels: &[String], sizes: &[StepSize]) -> Vec<(&'st
         let title = format!("{title}, dt = {}", sizes[0]);
         Plot { title, x: axis("time", false), y: axis("", is_logarithmic), curves, size: [760.0, 420.0] }.draw()
     };
-    let each = |of: fn(&LedgerRow) -> f64| move |course: &Course| course.rows.iter().map(of).collect::<Vec<f64>>();
+    let each = |of: fn(&LedgerRow) -> f64| move |course: &ComparedRun| course.rows.iter().map(of).collect::<Vec<f64>>();
     let sums = |of: fn(&LedgerRow) -> f64| {
-        move |course: &Course| {
+        move |course: &ComparedRun| {
             let mut sum = 0.0;
             let add = |row: &LedgerRow| {
                 sum += of(row);
@@ -383,9 +383,9 @@ fn plots(courses: &[Course], labels: &[String], sizes: &[StepSize]) -> Vec<(&'st
         ("angular-momentum", over_time("angular momentum", false, &each(turn))),
         ("iterations", over_time("Newton iterations so far", false, &sums(|row| row.newton_iterations as f64))),
     ];
-    if courses.iter().any(Course::is_measured) {
-        let curve = |(courses, label): (&[Course], &String)| {
-            let known: Vec<&Course> = courses.iter().filter(|course| course.is_measured()).collect();
+    if courses.iter().any(ComparedRun::is_measured) {
+        let curve = |(courses, label): (&[ComparedRun], &String)| {
+            let known: Vec<&ComparedRun> = courses.iter().filter(|course| course.is_measured()).collect();
             let x = known.iter().map(|course| course.factorizations as f64).collect();
             Curve { label: label.clone(), x, y: known.iter().filter_map(|course| course.error).collect(), ..Curve::default() }
         };

@@ -27,7 +27,7 @@ use crate::script::language::message::Message;
 use crate::script::language::plain::Plain;
 use crate::script::language::settings::{Checkpoints, Settings};
 use crate::script::language::worker_pool::{
-    Blueprint, Carried, Computed, Hand, MakeWorker, NewWorker, Outcome, Program, Reading, Told, outcome_of,
+    Blueprint, ClosureCaller, Computed, MakeWorker, NewWorker, Outcome, PortableClosure, Program, Reading, ScriptOutput, outcome_of,
 };
 
 /// Period at which interrupts are checked.
@@ -74,7 +74,7 @@ impl<'a> WorkerPool<'a> {
         let start_worker = call.host.slots.get::<MakeWorker>().0;
         let carried = captured.iter().cloned().collect::<Option<Vec<Plain>>>();
         let found = carried.zip(start_worker).and_then(|(captured, start_worker)| {
-            let closure = Carried { name: callback.name().into(), captured, reading };
+            let closure = PortableClosure { name: callback.name().into(), captured, reading };
             Threads::begin(start_worker, &blueprint(call, threads)?, &closure, threads)
         });
         let form = found.map_or(Form::Here { callback, captured, reading }, Form::Threads);
@@ -139,9 +139,9 @@ fn accept(host: &Host, index: usize, computed: Computed, results: &mut dyn Resul
     }
     for told in computed.told.iter().filter(|_| results.is_told(&computed.outcome)) {
         match told {
-            Told::Line(line) => Printed::show(host, line),
-            Told::Passed(key, line) => host.passed_as(key, line),
-            Told::Warning(message) => host.warn(message.diagnostic(&host.sources)),
+            ScriptOutput::Line(line) => Printed::show(host, line),
+            ScriptOutput::Passed(key, line) => host.passed_as(key, line),
+            ScriptOutput::Warning(message) => host.warn(message.diagnostic(&host.sources)),
         }
     }
     let overrides = host.slots.get::<Overrides>();
@@ -192,7 +192,7 @@ struct Job {
 }
 
 /// Message of a worker thread.
-enum News {
+enum WorkerMessage {
     /// Start of the thread; true if the thread can compute points.
     Begun(bool),
     /// Index and result of a point.
@@ -210,7 +210,7 @@ struct Thread {
 /// Threads with sessions of their own.
 struct Threads {
     jobs: Option<Sender<Job>>,
-    news: Receiver<News>,
+    news: Receiver<WorkerMessage>,
     threads: Vec<Thread>,
     /// The last point of interest.
     last: Arc<AtomicUsize>,
@@ -218,7 +218,7 @@ struct Threads {
 
 impl Threads {
     /// Starts `count` threads; `None` if they do not find the closure.
-    fn begin(start_worker: NewWorker, blueprint: &Blueprint, closure: &Carried, count: usize) -> Option<Self> {
+    fn begin(start_worker: NewWorker, blueprint: &Blueprint, closure: &PortableClosure, count: usize) -> Option<Self> {
         let (jobs, queue) = channel();
         let (sender, news) = channel();
         let (queue, last) = (Arc::new(Mutex::new(queue)), Arc::new(AtomicUsize::new(usize::MAX)));
@@ -242,7 +242,7 @@ impl Threads {
         drop(sender);
         // All threads are equal, so the first answer holds for all.
         match worker_pool.news.recv() {
-            Ok(News::Begun(true)) => Some(worker_pool),
+            Ok(WorkerMessage::Begun(true)) => Some(worker_pool),
             _ => None,
         }
     }
@@ -274,7 +274,7 @@ impl Threads {
                 break outcome;
             }
             match self.news.recv_timeout(PATIENCE) {
-                Ok(News::Computed(index, computed)) => {
+                Ok(WorkerMessage::Computed(index, computed)) => {
                     if is_result(&computed)
                         && let Err(failure) = results.computed(&points[index], &computed)
                     {
@@ -284,7 +284,7 @@ impl Threads {
                     count += 1;
                     say(count);
                 }
-                Ok(News::Begun(_)) | Err(RecvTimeoutError::Timeout) => {}
+                Ok(WorkerMessage::Begun(_)) | Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break Err(Failure::new(Class::Internal, "all threads of a study have ended")),
             }
             if let Err(failure) = host.go_on() {
@@ -335,22 +335,22 @@ impl Drop for Threads {
 struct Work {
     start_worker: NewWorker,
     blueprint: Blueprint,
-    closure: Carried,
+    closure: PortableClosure,
     queue: Arc<Mutex<Receiver<Job>>>,
-    news: Sender<News>,
+    news: Sender<WorkerMessage>,
     last: Arc<AtomicUsize>,
     index: Arc<AtomicUsize>,
 }
 
 impl Work {
-    fn hand(&self) -> Option<Box<dyn Hand>> {
+    fn hand(&self) -> Option<Box<dyn ClosureCaller>> {
         let hand = catch_unwind(AssertUnwindSafe(|| (self.start_worker)(&self.blueprint)));
         hand.ok()?.filter(|hand| hand.knows(&self.closure))
     }
 
     fn run(self) {
         let mut hand = self.hand();
-        let _ = self.news.send(News::Begun(hand.is_some()));
+        let _ = self.news.send(WorkerMessage::Begun(hand.is_some()));
         while let Some(worker) = &mut hand {
             let job = match self.queue.lock() {
                 Ok(queue) => queue.recv(),
@@ -368,7 +368,7 @@ impl Work {
                 hand = self.hand();
                 Computed::only(Outcome::Failed(Message::of(&defect(&*panic))))
             });
-            if self.news.send(News::Computed(index, Box::new(computed))).is_err() {
+            if self.news.send(WorkerMessage::Computed(index, Box::new(computed))).is_err() {
                 break;
             }
         }
@@ -385,12 +385,12 @@ mod tests {
     /// Doubles numbers; 3 is a defect, which changes the session.
     struct Doubler(bool);
 
-    impl Hand for Doubler {
-        fn knows(&self, closure: &Carried) -> bool {
+    impl ClosureCaller for Doubler {
+        fn knows(&self, closure: &PortableClosure) -> bool {
             closure.name == "double"
         }
 
-        fn compute(&mut self, _: &Carried, point: &[Plain]) -> Computed {
+        fn compute(&mut self, _: &PortableClosure, point: &[Plain]) -> Computed {
             let number = point[0].number().unwrap();
             assert!(!self.0, "it was hired anew");
             self.0 = number == 3.0;
@@ -435,7 +435,7 @@ mod tests {
             constants: Vec::new(),
             units: Vec::new(),
         };
-        let closure = Carried { name: name.into(), captured: Vec::new(), reading: |_, _| Ok(Plain::Nothing) };
+        let closure = PortableClosure { name: name.into(), captured: Vec::new(), reading: |_, _| Ok(Plain::Nothing) };
         Threads::begin(|_| Some(Box::new(Doubler(false))), &blueprint, &closure, count)
     }
 

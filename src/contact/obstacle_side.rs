@@ -20,7 +20,7 @@ impl<const D: usize> Local<D> {
 }
 
 /// A rigid obstacle, or one of its sides, for constraints of round parts. Points are in the frame of the obstacle.
-pub(super) trait Felt<const D: usize>: Clone + Send + Sync {
+pub(super) trait ObstacleSide<const D: usize>: Clone + Send + Sync {
     /// Largest number of sides of the obstacle that a round part touches simultaneously.
     fn sides(&self) -> usize;
     /// Sides that a round part of this radius about `x` may touch: at most [`Self::sides`], in an order independent of their distances.
