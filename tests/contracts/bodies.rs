@@ -1,7 +1,7 @@
 //! What the element loop promises for every cell kind, material and integrator, on random states of a distorted mesh:
 //! exact tangent; directionality and orthogonality of the discrete gradient to round-off; indifference to rigid motions.
 
-use conserva::bodies::{BodyCells, Dilatation, ElementLoop, Elements, Formulation, Plane, Present, Space, Step};
+use conserva::bodies::{BodyCells, BodyState, Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
 use conserva::elements::CellKind;
 use conserva::integrators::{BACKWARD_EULER, Derivative, ENERGY_MOMENTUM, MEAN_VALUE, MIDPOINT, Scheme, TRAPEZOIDAL};
 use conserva::linear::{NodeMatrix, Pattern, Vertex};
@@ -124,7 +124,7 @@ where
     }
 
     fn strain_energy(&self, q: &[f64]) -> f64 {
-        self.elements.strain_energy(Present { u: &self.displacements(q), history: &[] })
+        self.elements.strain_energy(BodyState { u: &self.displacements(q), history: &[] })
     }
 
     /// Force and values of the tangent of a step.

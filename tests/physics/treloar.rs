@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use conserva::materials::{CATALOGUE, Fit, Measured, Piece, StoredEnergy, fit};
+use conserva::materials::{CATALOGUE, Fit, HomogeneousTest, Measured, StoredEnergy, fit};
 
-fn table(name: &str, piece: Piece) -> Measured {
+fn table(name: &str, piece: HomogeneousTest) -> Measured {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/materials").join(name);
     let text = std::fs::read_to_string(path).unwrap();
     let point = |line: &str| {
@@ -16,7 +16,7 @@ fn table(name: &str, piece: Piece) -> Measured {
 }
 
 fn tests() -> [Measured; 2] {
-    [table("treloar_uniaxial.csv", Piece::Uniaxial), table("treloar_equibiaxial.csv", Piece::Equibiaxial)]
+    [table("treloar_uniaxial.csv", HomogeneousTest::Uniaxial), table("treloar_equibiaxial.csv", HomogeneousTest::Equibiaxial)]
 }
 
 fn fitted(law: &str, names: &[&str]) -> Fit {

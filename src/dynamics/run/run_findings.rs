@@ -610,14 +610,14 @@ mod tests {
 
     #[test]
     fn every_kind_is_listed() {
-        use MotionKind::{Approach, CameThrough, Passing, SlipState};
+        use MotionKind::{Approach, CameThrough, Passing, Sliding};
         use RunFindingKind::{
             BeyondTable, CoarseCells, Crushed, Depth, Discarded, EnergyDefect, EnergyTaken, Failures, Leap, Motion, NotConserved,
             PassedObstacle, PassedThrough, PositiveContactWork, ReserveHeld, TakenOver, TooFast, Turned,
         };
         let kinds = [PositiveContactWork, EnergyDefect, NotConserved, Leap, Depth, EnergyTaken, ReserveHeld];
-        let kinds = kinds.into_iter().chain([SlipState, Approach, CameThrough, Passing].map(Motion)).chain([
-            TooFast(SlipState),
+        let kinds = kinds.into_iter().chain([Sliding, Approach, CameThrough, Passing].map(Motion)).chain([
+            TooFast(Sliding),
             PassedThrough,
             PassedObstacle,
             Turned,
