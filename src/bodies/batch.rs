@@ -14,7 +14,7 @@ use crate::math::tolerances::STRAIN_INCREMENT;
 /// Largest number of nodes or points for which loops are unrolled: that of first-order cells.
 const FEW: usize = 4;
 
-/// Most quadrature points of a cell.
+/// Largest number of quadrature points of a cell.
 pub(super) const MOST_POINTS: usize = 27;
 
 /// Shape functions of a reference cell at its quadrature points.

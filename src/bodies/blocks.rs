@@ -30,7 +30,7 @@ impl<const D: usize> Blocks<D> {
         self.blocks.iter().map(|(_, block)| &**block)
     }
 
-    /// Loops with their history variables, which are empty where all are.
+    /// Loops with their parts of the history variables; all parts are empty if `history` is empty.
     fn with_history<'a>(&'a self, history: &'a [f64]) -> impl Iterator<Item = (&'a dyn ElementLoop<D>, &'a [f64])> {
         self.loops().scan(0, move |start, block| {
             let own = *start..*start + block.history();

@@ -198,7 +198,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             work.integrate_force(step.derivative, step.weight);
         }
         if let (Some(points), Some(answer)) = (special, answer) {
-            // Around the axis nothing may turn inside out either.
+            // A hoop stretch of zero or less inverts a cell, too.
             if points.hoop[1][..Q].iter().any(|hoop| hoop.0.iter().any(|hoop| *hoop <= -1.0)) {
                 return false;
             }
@@ -287,7 +287,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
             let points = work.special_points(self.batch, table, [None, self.u.filter(|_| is_axisymmetric)]);
             for hoop in &points.hoop[1][..Q] {
                 for lane in 0..WIDTH {
-                    // A body of revolution that crosses its axis is inside out, too.
+                    // A body of revolution that crosses its axis is inverted, too.
                     let least = &mut deformation.smallest_determinants[lane];
                     *least = least.min(*least * (1.0 + hoop.0[lane])).min(1.0 + hoop.0[lane]);
                 }

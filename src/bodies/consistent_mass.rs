@@ -106,7 +106,7 @@ mod tests {
     use crate::materials::NeoHookean;
     use crate::mesh::Mesh;
 
-    /// Gauss points and weights of the interval from -1 to 1, of as many as are wanted, by Newton's method on Legendre's polynomial.
+    /// Gauss points and weights on [-1, 1], `count` of them, by Newton's method on the Legendre polynomial.
     fn gauss(count: usize) -> Vec<(f64, f64)> {
         let point = |k: usize| {
             let (mut x, mut slope) = ((std::f64::consts::PI * (k as f64 + 0.75) / (count as f64 + 0.5)).cos(), 0.0);
@@ -124,7 +124,7 @@ mod tests {
         (0..count).map(point).collect()
     }
 
-    /// Points and weights of a rule of much higher degree than the mass has; of simplices by repeated integration over `0 <= y <= 1 - x`.
+    /// Points and weights of a rule of much higher degree than the mass; simplices by repeated integration over `0 <= y <= 1 - x`.
     fn fine_rule(shape: CellShape) -> Vec<([f64; 3], f64)> {
         let line = gauss(9);
         let over = |from: f64, to: f64| line.iter().map(move |(x, w)| (from + 0.5 * (to - from) * (x + 1.0), 0.5 * (to - from) * w));

@@ -9,8 +9,8 @@
 //! p = (U(theta_1) - U(theta_0)) / (theta_1 - theta_0),     S = DG[W_d] + p DG[J]
 //! ```
 //!
-//! `S` is symmetric, so the angular momentum is kept, and `p` times the change of `theta` is that of `U`. (Mean dilatation:
-//! Nagtegaal, Parks and Rice, CMAME 4, 1974; Simo, Taylor and Pister, CMAME 51, 1985. Their conserving form is ours.)
+//! `S` is symmetric, so the angular momentum is kept, and `p` times the change of `theta` is that of `U`. (Mean dilatation: Nagtegaal,
+//! Parks and Rice, CMAME 4, 1974; Simo, Taylor and Pister, CMAME 51, 1985. The conserving form is new here.)
 //!
 //! A linear dilatation is the same with more than one mode: `theta_g = sum_i phi_i(g) sum_h w_h phi_i(h) J_h / n_i` with polynomials
 //! `phi_i` of degree 0 and 1 in the undeformed coordinates, orthogonal in the sums over the points of the cell, and `n_i = sum_h w_h

@@ -122,7 +122,7 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// with the weighted mass; these columns are zero elsewhere. Without `values` only the force, to the same bytes.
     ///
     /// # Errors
-    /// A cell that is inside out at `u_1`, the same one for any number of threads; forces and values are then of no use.
+    /// A cell that is inside out at `u_1`, the same one for any number of threads; forces and values are then undefined.
     fn assemble(&self, step: &Step, force: &mut [f64], values: Option<&mut [f64]>, workers: &Workers) -> Result<(), Inverted>;
 
     /// Adds force and derivative that [`Self::assemble`] would set, in a configuration in which no cell is inside out.

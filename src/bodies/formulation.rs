@@ -93,7 +93,7 @@ impl FormulationError {
         }
     }
 
-    /// Returns a hint on mending the error.
+    /// Suggested remedy.
     pub fn hint(&self) -> String {
         use FormulationError::*;
         match self {
@@ -113,8 +113,8 @@ fn takes_linear(kind: CellKind) -> bool {
 }
 
 impl Formulation {
-    /// The formulation for a mesh and a material where nothing is said of the dilatation: where the law hardly changes its volume and cells
-    /// and law can, it is linear in biquadratic and triquadratic cells and one mean in all others.
+    /// Default formulation for a mesh and a material: if the law is nearly incompressible, and cells and law allow it, the dilatation is
+    /// linear in biquadratic and triquadratic cells and one mean in all others.
     pub fn suited(plane: Plane, mesh: &Mesh, material: &Material) -> Self {
         let can = plane != Plane::Stress && material.kinematics() == Kinematics::GreenLagrange && material.split().is_some();
         let dilatation = if !can || mesh.kinds().all(CellKind::has_one_point) || !material.hardly_changes_volume() {

@@ -27,7 +27,7 @@ pub trait Elements<const D: usize> {
 struct Chosen<'a, const D: usize> {
     body: &'a BodyCells<'a>,
     loops: Vec<Box<dyn ElementLoop<D>>>,
-    /// Spans of nodes of the blocks so far, in which sums go on.
+    /// Node spans of the blocks so far; later blocks add to the sums there.
     touched: Vec<Range<usize>>,
 }
 

@@ -45,7 +45,7 @@ pub(super) struct Physics<const S: usize, const L: usize> {
     pub(super) special: Option<Special<L>>,
     /// Law in space, for the stress across the plane; without its volumetric part in cells with a dilatation of their own.
     pub(super) spatial_law: Arc<dyn BatchedLaw<6>>,
-    /// The law whose strain across the plane is solved for.
+    /// Law in plane stress, which determines the strain across the plane.
     plane_stress: Option<PlaneStress>,
     /// Strain measure of the law.
     pub(super) strain: Strain,

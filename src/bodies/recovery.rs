@@ -79,7 +79,7 @@ impl<'a> Patches<'a> {
                 patches.add_sample(&[index]);
                 continue;
             }
-            // wedges are to each other as the triangles that they stand on
+            // Wedges are paired across quadrilateral sides, like the triangles of their bases.
             for facet in kind.facets().iter().filter(|facet| !is_wedge || facet.len() == 4) {
                 let mut nodes: Vec<u32> = facet.iter().map(|&local| cell[local]).collect();
                 nodes.sort_unstable();

@@ -98,7 +98,7 @@ impl<const L: usize> Answer<L> {
 }
 
 impl<const L: usize> Special<L> {
-    /// The stresses of a step, into `answer`.
+    /// Writes the stresses of a step to `answer`.
     pub(super) fn respond<const D: usize>(&self, points: &SpecialPoints<D>, course: BatchStep, answer: &mut Answer<L>) {
         dispatch(Respond { special: self, points, course, answer });
     }
@@ -203,7 +203,7 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
     fn run<const FMA: bool>(self) {
         let Respond { special, points, course, answer } = self;
         let (count, derivative) = (points.count, course.derivative);
-        // At start, end and middle.
+        // Strains at start, end and middle of the step.
         let mut strains = [[[Lanes::ZERO; L]; MOST_POINTS]; 3];
         let mut changes = [[Lanes::ZERO; MOST_POINTS]; 3];
         for q in 0..count {
@@ -241,7 +241,7 @@ impl<const D: usize, const L: usize> Kernel for Respond<'_, D, L> {
         let (volumes, modes) = (points.volumes(), special.modes(points));
         let theta = |k: usize| modes.projected(volumes, |q| changes[k][q]);
         let (theta, mut of_points) = ([theta(0), theta(1), theta(2)], [Pressure::ZERO; MOST_POINTS]);
-        // A mean is the same at all points.
+        // A mean dilatation is equal at all points.
         for q in 0..if special.is_linear { count } else { 1 } {
             of_points[q] = match derivative {
                 Derivative::DiscreteGradient => Pressure::between(&**law, theta[0][q], theta[1][q]),

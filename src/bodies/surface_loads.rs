@@ -139,7 +139,7 @@ pub fn torque_forces<const D: usize>(weights: &[(u32, f64)], q: &[f64], moment: 
         let r = place(node) - center;
         inertia += (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * w;
     }
-    // In the plane the polar moment alone counts.
+    // In the plane only the polar moment is needed.
     let omega = match D {
         2 => Some(Vector3::new(0.0, 0.0, moment[2] / inertia.m33)).filter(|_| inertia.m33 > 0.0),
         _ => inertia.try_inverse().map(|inverse| inverse * Vector3::from(moment)),

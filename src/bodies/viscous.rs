@@ -1,4 +1,4 @@
-//! Viscosity in addition to another law: stresses on the strain increment in a step, and relaxing branches.
+//! Viscosity in addition to another law: stresses proportional to the strain increment of a step, and relaxing branches.
 //!
 //! With the Green-Lagrange strain `E`, in a step from `E_0` to `E_1` of size `dt` (formulas: [`Viscosity`]):
 //!
@@ -29,7 +29,7 @@ pub(super) struct ViscousLaw<const S: usize> {
 /// Viscous part of a step at a point.
 struct Contribution<const S: usize> {
     stress: Components<S>,
-    /// The part of the stress on the rate of strain.
+    /// Viscous stress by the strain rate.
     of_rate: Components<S>,
     heat: Lanes<false>,
 }
@@ -343,7 +343,7 @@ mod tests {
         fn tangent_is_the_derivative_of_the_force(&self, name: &str) {
             let [u_0, u_1] = &self.ends;
             let at_rest = self.elements.relaxed(BodyState { u: u_1, history: &vec![0.0; self.elements.history()] });
-            // A step back, so that there is something to remember.
+            // A backward step, for nonzero history variables.
             let history = self.elements.advance(&Self::step(Derivative::DiscreteGradient, [u_1, u_0], &at_rest)).history;
             for derivative in Derivative::ALL {
                 let mut values = vec![0.0; self.pattern.values()];
@@ -360,7 +360,7 @@ mod tests {
                         for i in 0..D {
                             let difference = (up[node as usize * D + i] - down[node as usize * D + i]) / (2.0 * h);
                             let value = values[place.at(i, unknown % D)];
-                            // Of some hundreds, around the axis some thousands: truncation h^2, round-off 1e-16/h.
+                            // Values are some hundreds, around the axis some thousands: truncation h^2, round-off 1e-16/h.
                             assert!((difference - value).abs() < 1e-5, "{name} {derivative:?}: {difference} {value}");
                         }
                     }

@@ -139,7 +139,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         for h in &self.gradient_1 {
             let determinant = determinant_and_cofactor(&deformation_gradient(h)).0;
             for lane in 0..WIDTH {
-                // Also takes the new one where the comparison has no answer.
+                // A NaN determinant replaces the smallest one, so that the result is NaN.
                 let keep = smallest.0[lane] < determinant.0[lane] || smallest.0[lane].is_nan();
                 smallest.0[lane] = if keep { smallest.0[lane] } else { determinant.0[lane] };
             }
@@ -256,7 +256,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         self.finish();
     }
 
-    /// Sums begin.
+    /// Zeroes force and tangent.
     #[inline(always)]
     fn clear(&mut self) {
         self.force = [[Lanes::ZERO; D]; A];

@@ -115,7 +115,7 @@ pub enum Finding {
     Untied {
         /// Name of the tie.
         tie: String,
-        /// Number of such nodes.
+        /// Number of secondary nodes without an opposite primary point.
         nodes: usize,
         /// Number of all secondary nodes.
         of: usize,

@@ -11,7 +11,7 @@ use crate::integrators::Derivative;
 use crate::math::workers::Workers;
 
 /// Variants of the discrete gradient of a mortar sum. All conserve energy; they differ at the kinks where overlaps change their ends. In
-/// space forces at nearly coinciding edges pass from one facet to the other within a band, or with a kink.
+/// space, forces at nearly coinciding edges pass from one facet to the next continuously within a band, or with a kink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Correction {
     /// Gradient at mid-step, corrected in each contact element.
@@ -260,9 +260,9 @@ pub trait RigidObstacle {
     /// surfaces, whose forces cancel. `before` are multipliers of the gradient at the start of the step, `lambda` those of the algorithmic
     /// gradient.
     ///
-    /// The ledger counts this work as work of loads: together with it the contact forces do `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
+    /// The ledger counts this work as work of loads. Its sum with the work of the contact forces is
     ///
-    /// It belongs to the ledger as work of loads: the step's contact forces do `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))` and this work.
+    /// `sum_A lambda_A (Phi_A(q_1) - Phi_A(q_0))`.
     fn obstacle_force_into(&self, _derivative: Derivative, _q_1: &[f64], _before: &[f64], _lambda: &[f64], _force: &mut [f64]) -> f64 {
         0.0
     }

@@ -558,7 +558,7 @@ mod tests {
                 return Ok(());
             }
             let step = f64::min(2e-4, 0.005 * width);
-            // The same facets for all difference quotients: no kink and no end near the evaluated configurations.
+            // One facet for all difference quotients: no kink and no end of the chain near the evaluated configurations.
             let facet = |q: &[f64], row: usize| {
                 let p = (0..kernel.patches().len()).find(|&p| kernel.patches().rows(p)[0] as usize == row).unwrap();
                 kernel.start[p].measures(&{

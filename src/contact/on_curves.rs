@@ -28,7 +28,7 @@ pub(super) struct OnCurves {
     /// Inner constraints as combinations of outer ones, `S`.
     rows: Combinations,
     row_nodes: Vec<u32>,
-    /// Home nodes of each point: inner contact elements with equal homes are merged.
+    /// Home nodes of each point, the nodes that define the point; inner contact elements with equal home nodes are merged.
     homes: Combinations,
     /// Inner contact elements merged into each outer one.
     members: Vec<Vec<Member>>,

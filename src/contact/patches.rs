@@ -131,7 +131,7 @@ pub struct Evaluation {
     places: Vec<[usize; 2]>,
 }
 
-/// Start of a block that has no room.
+/// Block start that marks a block without storage.
 const NO_ROOM: usize = usize::MAX;
 
 impl Evaluation {
@@ -214,7 +214,7 @@ impl Evaluation {
         }
     }
 
-    /// Sets the blocks of patch `p` to zero if they are not, where there is room for all patches.
+    /// Zeroes the blocks of patch `p` if the patch was live and the evaluation stores all patches.
     pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
         if std::mem::replace(&mut self.live[p], false) {
             let gradient = patches.gradient_range(p);
@@ -246,7 +246,7 @@ impl Evaluation {
     }
 }
 
-/// A block that is at `everywhere` with room for all patches, where it is with a start of its own.
+/// Range of a block: `everywhere` if all patches are stored, else from its own start `first`; empty for [`NO_ROOM`].
 fn placed(everywhere: Range<usize>, first: Option<usize>) -> Range<usize> {
     match first {
         None => everywhere,
@@ -311,7 +311,7 @@ mod tests {
         assert_eq!((out.tangent_range(&patches, 1), out.tangent_range(&patches, 2)), (0..0, 0..16));
         out.drop_tangent();
         assert_eq!((out.tangent.capacity(), out.tangent_range(&patches, 2)), (0, 0..0));
-        // Room for all again.
+        // `prepare` restores the storage of all patches.
         out.prepare(&patches, 3);
         assert_eq!((out.live.contains(&true), out.gradient_range(&patches, 1), out.tangent.len()), (false, 4..10, 68));
         assert!(out.gradient_end.iter().all(|entry| *entry == 0.0));

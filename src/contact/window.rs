@@ -4,16 +4,16 @@
 //! count as a deep overlap. A pair therefore takes part while, on its overlap,
 //!
 //! ```text
-//! least gap <= h/2 + travel      and      largest gap > -1/2 min(|t|, thickness of both bodies)
+//! least gap <= h/2 + motion_bound      and      largest gap > -1/2 min(|t|, thickness of both bodies)
 //! ```
 //!
-//! with the shortest secondary facet `h`, the relative motion bound `motion_bound` of the pair, and the length `|t|` of its secondary facet;
-//! while its facets face each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 motion_bound` of each other, which every search
-//! covers. The decision depends on the pair and on the start of the step only, not on the search distance or on fast nodes elsewhere.
-//! `slivers.rs` then excludes pairs whose overlap may begin or end in the step beside a corner.
+//! with the shortest secondary facet `h`, the relative motion bound `motion_bound` of the pair, and the length `|t|` of its secondary
+//! facet; while its facets face each other ([`OPPOSITE`]), and while their boxes are within `h + 3/2 motion_bound` of each other, which
+//! every search covers. The decision depends on the pair and on the start of the step only, not on the search distance or on fast nodes
+//! elsewhere. `slivers.rs` then excludes pairs whose overlap may begin or end in the step beside a corner.
 //!
-//! At rest, bodies that overlap by many facets may be pressed apart. The overlap is then given ([`PredictedMotion::depth`]) and replaces `|t|/2`:
-//! boxes may be farther apart by the same amount, and thickness is measured to twice that depth, which keeps far sides excluded.
+//! At rest, bodies that overlap by many facets may be pressed apart. The overlap is then given ([`PredictedMotion::depth`]) and replaces
+//! `|t|/2`: boxes may be farther apart by the same amount, and thickness is measured to twice that depth, which keeps far sides excluded.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};

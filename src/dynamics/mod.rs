@@ -1,4 +1,5 @@
-//! Floor 5: models, their equations, steps, runs. The rooms go one way: `model`, `parts`, `step`, `run`; each names only those before it.
+//! Floor 5: models, their equations, steps, runs. Dependencies have one direction: `run` uses `step`, `step` uses `parts`, `parts` uses
+//! `model`.
 
 mod model;
 mod parts;

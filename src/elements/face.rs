@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::CellKind;
 
-/// Most nodes of a face.
+/// Largest number of nodes of a face.
 pub const MOST_FACE_NODES: usize = 9;
 
 /// A quadrature point of a face.
@@ -14,12 +14,12 @@ pub struct FacePoint {
     pub weight: f64,
     /// Values of the shape functions, one for each node of the face.
     pub shapes: Vec<f64>,
-    /// Their slopes in the two directions of the face.
+    /// Derivatives of the shape functions with respect to the two face coordinates.
     pub slopes: Vec<[f64; 2]>,
 }
 
-/// Six points of a triangle, exact to degree four (Strang and Fix 1973; Dunavant 1985): two coordinates of three points that permutation
-/// makes of one, and the weight.
+/// Six-point rule of a triangle, exact to degree four (Strang and Fix 1973; Dunavant 1985): for each of two sets of three points related by
+/// permutation, the two equal coordinates and the weight.
 const TRIANGLE: [(f64, f64); 2] =
     [(0.445_948_490_915_964_9, 0.111_690_794_839_005_73), (0.091_576_213_509_770_74, 0.054_975_871_827_660_934)];
 
@@ -41,7 +41,7 @@ pub fn face_points(nodes: usize) -> &'static [FacePoint] {
 }
 
 impl FacePoint {
-    /// Tangents of the face in its two directions there, its nodes at these places.
+    /// Tangents of the face in its two directions at the point, for the node positions `nodes`.
     pub fn tangents(&self, nodes: &[[f64; 3]]) -> [[f64; 3]; 2] {
         let mut tangents = [[0.0; 3]; 2];
         for (x, slopes) in nodes.iter().zip(&self.slopes) {
@@ -52,7 +52,7 @@ impl FacePoint {
         tangents
     }
 
-    /// Normal of the face there, outward, of the size of its area over the weight.
+    /// Outward normal of the face at the point; times the weight it is the area vector.
     pub fn normal(&self, nodes: &[[f64; 3]]) -> [f64; 3] {
         let [a, b] = self.tangents(nodes);
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

@@ -1,8 +1,8 @@
 //! Quadratic serendipity hexahedron: corners as in `hex8`, then the middles of the edges in the order of [`CellShape::edges`]; 3 x 3 x 3
 //! Gauss points.
 //!
-//! `N = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a)(xi xi_a + eta eta_a + zeta zeta_a - 2)/8` at the corners,
-//! `(1 - xi^2)(1 + eta eta_a)(1 + zeta zeta_a)/4` and its like at the middles (Hughes, The Finite Element Method, 2000, section 3.7).
+//! `N = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a)(xi xi_a + eta eta_a + zeta zeta_a - 2)/8` at the corners, `(1 - xi^2)(1 + eta
+//! eta_a)(1 + zeta zeta_a)/4` and corresponding functions at the middles (Hughes, The Finite Element Method, 2000, section 3.7).
 
 use super::hex27::{self, gauss};
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};

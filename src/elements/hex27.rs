@@ -58,7 +58,7 @@ pub(super) static ROW: CellRow = CellRow {
     xdmf: (0x32, "Hexahedron_27"),
     gmsh_type: 12,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26],
-    // The center, and behind it the faces in the order of the sides.
+    // Abaqus numbers the center, then the faces in the order of the sides.
     abaqus_order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 26, 24, 23, 25, 21, 22, 20],
     quadrature: quadrature::<Hex27, 3, 27, 27>,
     shape: shape::<Hex27, 3, 27, 27>,

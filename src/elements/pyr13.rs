@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! corners of the base   (1 + x)(1 + y) t (t (x + y) - 1)/4 with x = xi xi_a, y = eta eta_a      apex   (1 - t)(1 - 2 t)
-//! middles of the base   (1 - xi^2)(1 + y) t^2/2 and its like                       of rising edges   (1 + x)(1 + y) t (1 - t)
+//! middles of the base   (1 - xi^2)(1 + y) t^2/2 etc.                               of rising edges   (1 + x)(1 + y) t (1 - t)
 //! ```
 
 use super::hex27::gauss;
@@ -55,7 +55,7 @@ pub struct Pyr13;
 /// Value and gradient of a function with respect to `xi`, `eta` and `t`.
 type Function = (f64, [f64; 3]);
 
-/// A function of the base, given that of `xi`, that of `eta` and that of `t`, each with its slope.
+/// Product of functions of `xi`, `eta` and `t`, each given with its derivative.
 fn product((x, dx): (f64, f64), (y, dy): (f64, f64), (t, dt): (f64, f64)) -> Function {
     (x * y * t, [dx * y * t, x * dy * t, x * y * dt])
 }

@@ -1,9 +1,9 @@
 //! Linear pyramid: nodes of the base counter-clockwise as seen from the apex, then the apex; 2 x 2 x 2 Gauss points.
 //!
-//! Reference coordinates are those of the cube [-1, 1]^3 whose face zeta = 1 is collapsed into the apex: a point of the cube stands at the
-//! place `(xi (1 - zeta)/2, eta (1 - zeta)/2, zeta)` of the pyramid. In these the rational shape functions of G. Bedrosian (International
-//! Journal for Numerical Methods in Engineering 35, 1992) are polynomials, `N = (1 + xi xi_a)(1 + eta eta_a)(1 - zeta)/8` at the base and
-//! `(1 + zeta)/2` at the apex, so that Gauss points integrate them as exactly as those of a hexahedron.
+//! Reference coordinates are those of the cube [-1, 1]^3 whose face zeta = 1 is collapsed into the apex: a point of the cube corresponds to
+//! the place `(xi (1 - zeta)/2, eta (1 - zeta)/2, zeta)` of the pyramid. In these the rational shape functions of G. Bedrosian
+//! (International Journal for Numerical Methods in Engineering 35, 1992) are polynomials, `N = (1 + xi xi_a)(1 + eta eta_a)(1 - zeta)/8` at
+//! the base and `(1 + zeta)/2` at the apex, so that Gauss points integrate them as exactly as those of a hexahedron.
 
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};
 

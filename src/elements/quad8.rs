@@ -1,7 +1,7 @@
 //! Quadratic serendipity quadrilateral: corners as in `quad4`, then the middles of the edges 1-2, 2-3, 3-4, 4-1; 3 x 3 Gauss points.
 //!
-//! `N = (1 + xi xi_a)(1 + eta eta_a)(xi xi_a + eta eta_a - 1)/4` at the corners, `(1 - xi^2)(1 + eta eta_a)/2` and its like at the middles
-//! (Hughes, The Finite Element Method, 2000, section 3.7).
+//! `N = (1 + xi xi_a)(1 + eta eta_a)(xi xi_a + eta eta_a - 1)/4` at the corners, `(1 - xi^2)(1 + eta eta_a)/2` and corresponding functions
+//! at the middles (Hughes, The Finite Element Method, 2000, section 3.7).
 
 use super::quad9::{self, FACETS, gauss};
 use super::reference_cell::{CellRow, CellShape, ReferenceCell, extrapolation_of_products, gradients, quadrature, shape};

@@ -11,14 +11,14 @@ pub trait ReferenceCell<const D: usize, const A: usize, const Q: usize>: Send + 
     fn shape(xi: [f64; D]) -> [f64; A];
     /// Gradients of the shape functions with respect to the reference coordinates, `[node][direction]`.
     fn gradients(xi: [f64; D]) -> [[f64; D]; A];
-    /// Products `N_a N_b` at each quadrature point, from which the consistent mass is summed. A cell whose stiffness needs fewer points
-    /// than its mass gives what sums to the exact mass where the Jacobian is constant.
+    /// Products `N_a N_b` at each quadrature point, from which the consistent mass is summed. Cell kinds whose mass needs more points than
+    /// their stiffness return products whose sum is the exact mass for a constant Jacobian.
     fn products() -> [[[f64; A]; A]; Q] {
         let product = |shape: [f64; A]| shape.map(|a| shape.map(|b| a * b));
         Self::quadrature().map(|(xi, _)| product(Self::shape(xi)))
     }
-    /// Factors by which the values at the points are extrapolated to the nodes, `[point][node]`: for each node of the sum 1, by the
-    /// polynomial through them.
+    /// Factors `[point][node]` of the values at the points in the extrapolation to the nodes, by the polynomial through the points; the
+    /// factors of each node sum to 1.
     fn extrapolation() -> [[f64; A]; Q];
 }
 
@@ -50,8 +50,8 @@ impl CellShape {
         !matches!(self, CellShape::Quadrilateral | CellShape::Hexahedron)
     }
 
-    /// Position on the reference cell of a point in reference coordinates: equal to these but in a pyramid, whose reference coordinates are
-    /// those of a cube with one face collapsed.
+    /// Position on the reference cell of a point in reference coordinates: equal to them except in a pyramid, whose reference coordinates
+    /// are those of a cube with one face collapsed.
     pub fn place(self, [xi, eta, zeta]: [f64; 3]) -> [f64; 3] {
         match self {
             CellShape::Pyramid => [0.5 * xi * (1.0 - zeta), 0.5 * eta * (1.0 - zeta), zeta],
@@ -70,7 +70,7 @@ impl CellShape {
         }
     }
 
-    /// Pairs of corners that an edge joins, in the order in which cells of second order have their middle nodes.
+    /// Pairs of corners that an edge joins, in the order of the mid-side nodes of second-order cells.
     pub fn edges(self) -> &'static [[usize; 2]] {
         match self {
             CellShape::Triangle => &[[0, 1], [1, 2], [2, 0]],
@@ -121,8 +121,8 @@ pub struct CellRow {
     pub gradients: fn([f64; 3]) -> Vec<[f64; 3]>,
 }
 
-/// [`ReferenceCell::extrapolation`] of a cell with as many Gauss points along each axis: with Legendre's polynomials `P_k`, of the sum of
-/// which the points hold the first ones, the product over the axes of `sum_k (2k + 1)/2 P_k(x) P_k(xi)` times the weight of the point.
+/// [`ReferenceCell::extrapolation`] for `n` Gauss points along each axis. The factor of the point `xi` with weight `w` at the node `x` is
+/// `w` times the product over the axes of `sum_k (2k + 1)/2 P_k(x) P_k(xi)`, `k` from 0 to `n - 1`, with Legendre's polynomials `P_k`.
 pub(super) fn extrapolation_of_products<const D: usize, const A: usize, const Q: usize>(
     places: &[[f64; 3]; A],
     points: [([f64; D], f64); Q],

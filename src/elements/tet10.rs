@@ -54,7 +54,7 @@ fn ends(node: usize) -> [usize; 2] {
     if node < 4 { [node; 2] } else { CellShape::Tetrahedron.edges()[node - 4] }
 }
 
-/// Volume coordinates of a point: of the corner near which it is, and of the others.
+/// Volume coordinates of a quadrature point: of the nearest corner, and of the others.
 const NEAR: f64 = 0.585_410_196_624_968_5;
 const FAR: f64 = 0.138_196_601_125_010_5;
 
@@ -106,7 +106,7 @@ impl ReferenceCell<3, 10, 4> for Tet10 {
     }
 
     fn extrapolation() -> [[f64; 10]; 4] {
-        // Linear through the points.
+        // Linear extrapolation through the points.
         std::array::from_fn(|q| PLACES.map(|place| (volume(place).0[q] - FAR) / (NEAR - FAR)))
     }
 }

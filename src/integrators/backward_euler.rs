@@ -3,7 +3,7 @@
 use super::derivative::Derivative;
 use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients};
 
-/// The linear momentum exact; energy and angular momentum fade.
+/// Backward Euler: conserves linear momentum exactly; energy and angular momentum decrease.
 pub static BACKWARD_EULER: Scheme = Scheme {
     name: "backward_euler",
     summary: "backward Euler method, of first order: damps vibrations, the more the larger the step; keeps the linear momentum alone",

@@ -26,7 +26,7 @@ const fn kinematics(velocity: UpdateCoefficients) -> [UpdateCoefficients; 2] {
     [velocity, UpdateCoefficients { moved: 2.0 * (moved - 1.0), velocity: 2.0 * of_velocity, acceleration: 2.0 * acceleration }]
 }
 
-/// The row after a step of `ratio` times the size.
+/// BDF2 after a previous step of `ratio` times the size.
 const fn after(ratio: f64) -> Scheme {
     let (weight, before) = ((ratio + 1.0) / (ratio + 2.0), 1.0 / (ratio + 2.0));
     let [velocity, acceleration] =
@@ -67,7 +67,7 @@ const LAST: Scheme = {
         summary: "trapezoidal rule and backward differentiation in one step (Bank et al. 1985), of second order: twice the work of a step, \
                   and removes what vibrates faster than the steps at once; keeps the linear momentum alone",
         lag: LagWeights { used: row.lag.used, force: 0.5, inertia: 0.0, gamma: 1.0 },
-        // Of both stages together.
+        // Error of both stages together.
         error: LeadingError { first: 0.0, second: FRAC_1_SQRT_2 - 2.0 / 3.0 },
         ..row
     }

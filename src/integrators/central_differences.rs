@@ -22,7 +22,7 @@ pub const fn central_differences(lumping: Lumping) -> Scheme {
                   shorter than 2 over the fastest angular frequency; mass at the nodes; keeps both momenta, and the energy within a bound",
         derivative: Derivative::AT_END,
         remembers: &[History::Force],
-        // That at which forces that depend on it act.
+        // Velocity at which velocity-dependent forces are evaluated.
         velocity: UpdateCoefficients { moved: 1.0, velocity: 0.0, acceleration: 0.0 },
         acceleration: UpdateCoefficients::NONE,
         weight: 0.5,

@@ -19,7 +19,7 @@ use super::family::Family;
 use super::scheme::{ConservedQuantities, Dissipation, LeadingError, Parameters, Scheme};
 use crate::math::catalogue::{Interval, Parameter};
 
-/// The scheme for a spectral radius from 0 to 1 in steps without end.
+/// Energy-decaying scheme with a spectral radius from 0 to 1 in the limit of long steps.
 pub const fn energy_decaying(spectral_radius: f64) -> Scheme {
     let dissipation = Dissipation::to_radius(spectral_radius);
     let chi = dissipation.strain;

@@ -4,7 +4,7 @@
 use super::derivative::Derivative;
 use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients};
 
-/// Energy and both momenta exact.
+/// Energy-momentum scheme: conserves energy, linear and angular momentum exactly.
 pub static ENERGY_MOMENTUM: Scheme = ROW;
 
 /// Row of the energy-momentum scheme as a value, from which variants are made.

@@ -4,7 +4,7 @@
 use super::energy_momentum::ROW;
 use super::scheme::Scheme;
 
-/// Energy and both momenta exact.
+/// Mean-value scheme: conserves energy, linear and angular momentum exactly.
 pub static MEAN_VALUE: Scheme = Scheme {
     name: "mean_value",
     summary: "energy-momentum scheme with mean-value discrete gradients: the stress of a step is the mean of those at two Gauss points in \

@@ -3,7 +3,7 @@
 use super::derivative::{Configuration, Derivative};
 use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients};
 
-/// Both momenta exact, the energy not.
+/// Midpoint rule: conserves linear and angular momentum exactly, but not energy.
 pub static MIDPOINT: Scheme = Scheme {
     name: "midpoint",
     summary: "implicit midpoint rule: keeps both momenta, but not the energy",

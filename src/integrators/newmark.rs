@@ -26,7 +26,7 @@ pub(super) const fn kinematics(beta: f64, gamma: f64) -> [UpdateCoefficients; 2]
     ]
 }
 
-/// The method for a `beta` greater than 0 and a `gamma` in (0, 1].
+/// Newmark's method for `beta > 0` and `gamma` in (0, 1].
 pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
     let [velocity, acceleration] = kinematics(beta, gamma);
     Scheme {
@@ -52,7 +52,7 @@ pub const fn newmark(beta: f64, gamma: f64) -> Scheme {
     }
 }
 
-/// The linear momentum exact; fast vibrations fade.
+/// Newmark's method with numerical damping: conserves linear momentum exactly; fast vibrations decay.
 pub static NEWMARK: Scheme = newmark(BETA, GAMMA);
 
 /// Newmark methods with all values of the parameters.

@@ -142,8 +142,8 @@ impl<const D: usize> Projection<D> {
                 let row = &f.hessian_mid[column * unknowns..(column + 1) * unknowns];
                 let bend: f64 = row.iter().zip(&self.motion).map(|(h, d)| h * d).sum();
                 let slope = f.gradient_end[column] - f.gradient_mid[column] - 0.5 * bend;
-                // d e along this unknown; the derivative of p.p / 2 has no part from the changes of mean and rotation, which p does not
-                // see.
+                // d e along this unknown; p is orthogonal to the changes of mean and rotation, which contribute nothing to the derivative
+                // of p.p / 2.
                 let de = weight * self.inverse_square * (slope - 2.0 * e * (p[i] - half_turn.dot(&p)));
                 let inertia_change = r[i] * self.spin - 0.5 * r.dot(&self.spin) * unit - 0.5 * self.spin[i] * r;
                 let turn = self.inverse_inertia * (0.5 * unit.cross(&d) + r.cross(&unit) - inertia_change);

@@ -1,4 +1,4 @@
-//! Statics as a scheme: time stands still, a damping takes the place of inertia, and velocities stay as they are.
+//! Statics as a scheme: constant time, damping in place of inertia, unchanged velocities.
 
 use super::derivative::Derivative;
 use super::scheme::{ConservedQuantities, Dissipation, LagWeights, LeadingError, Parameters, Scheme, StepKind, UpdateCoefficients};

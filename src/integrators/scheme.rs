@@ -8,9 +8,9 @@
 //! ```
 //!
 //! with the static forces `f` of the step (evaluated by the scheme's [`Derivative`]) and `f_0` of the end of the step before. Where forces
-//! act in more than one later step, a weighted sum of earlier forces takes the place of `f_0` ([`LagWeights`]). Velocity and acceleration at the
-//! end are linear in the displacement `q_1 - q_0` ([`UpdateCoefficients`]); the constant terms come from the history variables ([`History`]). For all
-//! coefficients momenta are changed by forces alone, so that the ledger of every scheme closes.
+//! act in more than one later step, a weighted sum of earlier forces takes the place of `f_0` ([`LagWeights`]). Velocity and acceleration
+//! at the end are linear in the displacement `q_1 - q_0` ([`UpdateCoefficients`]); the constant terms come from the history variables
+//! ([`History`]). For all coefficients momenta are changed by forces alone, so that the ledger of every scheme closes.
 //!
 //! A step may consist of stages, each a scheme of its own, and coefficients may depend on the size of the step before ([`StepKind`]).
 //!
@@ -200,7 +200,7 @@ pub struct UpdateCoefficients {
     pub moved: f64,
     /// Coefficient `c_v` of the velocity at the start.
     pub velocity: f64,
-    /// Coefficient `c_a` of the acceleration at the start; nonzero where the scheme remembers accelerations.
+    /// Coefficient `c_a` of the acceleration at the start; nonzero only for schemes with accelerations as history variables.
     pub acceleration: f64,
 }
 
@@ -233,9 +233,9 @@ impl UpdateCoefficients {
 pub struct ConservedQuantities {
     /// Total energy; it decreases only by the dissipation in the ledger.
     pub energy: bool,
-    /// The linear momentum.
+    /// Linear momentum.
     pub momentum: bool,
-    /// The angular momentum.
+    /// Angular momentum.
     pub angular_momentum: bool,
     /// Order of accuracy in the step size.
     pub order: usize,
@@ -409,7 +409,7 @@ mod tests {
         assert!(Scheme { weight: 0.5, ..ENERGY_MOMENTUM }.check().is_err(), "the other half is remembered by nobody");
     }
 
-    /// The equations of the method, for any motion.
+    /// Velocity and acceleration satisfy the equations of the method for any motion.
     #[test]
     fn velocity_and_acceleration_of_newmark_are_those_of_its_equations() {
         let (beta, gamma, dt) = (0.3025, 0.6, 0.07);
@@ -418,7 +418,7 @@ mod tests {
         let a_1 = NEWMARK.acceleration.acceleration(change, v_0, a_0, dt);
         assert!((change - dt * v_0 - dt * dt * ((0.5 - beta) * a_0 + beta * a_1)).abs() < 1e-14);
         assert!((v_1 - v_0 - dt * ((1.0 - gamma) * a_0 + gamma * a_1)).abs() < 1e-13);
-        // What changes a velocity is the motion beyond the drift.
+        // The change of a velocity is proportional to the motion beyond the drift.
         let [of_velocity, of_acceleration] = NEWMARK.drift(dt);
         let opposed = NEWMARK.inertia(dt) * (change - of_velocity * v_0 - of_acceleration * a_0);
         assert!((opposed - (v_1 - v_0) / dt).abs() < 1e-11);

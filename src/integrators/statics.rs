@@ -1,4 +1,4 @@
-//! Statics as an integrator: a step goes to the equilibrium at its end, as `settle` does, and time is what loads depend on.
+//! Statics as an integrator: a step leads to the equilibrium at its end, as `settle` does; time is the parameter of the loads.
 
 use super::backward_euler::BACKWARD_EULER;
 use super::scheme::{ConservedQuantities, LeadingError, Scheme, StepKind};

@@ -25,10 +25,10 @@ const STAGE: Scheme = Scheme {
     summary: "energy-momentum scheme in three stages, the middle one back in time, of fourth order: keeps the energy and both momenta, for \
               smooth motions that are wanted to many digits; nothing may damp",
     promises: ConservedQuantities { order: 4, ..ROW.promises },
-    // Its errors are of higher order.
+    // Leading errors of the composition have a higher order.
     error: LeadingError { first: 0.0, second: 0.0 },
     ..ROW
 };
 
-/// Energy and both momenta exact.
+/// Triple jump: conserves energy, linear and angular momentum exactly.
 pub static TRIPLE_JUMP: Scheme = Scheme { step: StepKind::Stages(&STAGES), ..STAGE };

@@ -20,10 +20,10 @@ impl AlignedBuffer {
     /// Resizes the buffer to at least `length` numbers; its values are lost.
     pub(super) fn resize(&mut self, length: usize) -> Result<(), TryReserveError> {
         if self.storage.len() < length + LINE {
-            // The old numbers go first: both at once would be the peak of the whole run.
+            // The old buffer is freed first: both together would be the peak memory of the run.
             self.storage = Vec::new();
             let mut storage = Vec::new();
-            // Some more, because structures tend to grow a little while surfaces slide, and new pages are slow.
+            // Reserve, because structures grow slightly while surfaces slide, and new memory pages are slow.
             let length = length + length / SLACK + LINE;
             storage.try_reserve_exact(length)?;
             storage.resize(length, 0.0);

@@ -1,4 +1,4 @@
-//! LU factorisation of a matrix on a [`Pattern`]: scaled, refined, its residual checked, with a second method where the first one fails.
+//! LU factorisation of a matrix on a [`Pattern`]: scaled, refined, its residual checked, with a fallback to partial pivoting.
 //!
 //! A pattern includes possible couplings: all facet pairs that could meet. Most of their blocks are zero at any time, and each would cost
 //! fill. The structure of the factors therefore contains only blocks that are nonzero, or have been since the structure was made. Before
@@ -180,7 +180,7 @@ impl Factorization {
         let pattern = &self.pattern;
         let present = pattern.present(values);
         let ordered = self.order.found.vertices.len() == pattern.vertices();
-        // When the old order has cost in vain what a new one is worth.
+        // A new order is computed once the excess work of the old one reaches its price.
         let price = DISSECTION * present.count() as f64;
         let reorder = !ordered || self.account.wasted >= price;
         if !reorder && self.order.fits(pattern) && self.account.uses < COME_BACK {
@@ -193,7 +193,7 @@ impl Factorization {
             }
         }
         if !reorder && present == *self.order.kept {
-            // Looked for, and none is zero.
+            // Review without blocks that became zero.
             self.account.uses = 0;
             return Ok(());
         }
@@ -210,7 +210,7 @@ impl Factorization {
                 self.work.dissections += orders.len();
                 self.choose(&restricted, orders)?;
             }
-            // The first matrix is often that of bodies that do not touch yet: the next structure is worth another order.
+            // The first matrix often belongs to bodies without contact: the next structure gets a new order in any case.
             self.account.wasted = if ordered { 0.0 } else { f64::INFINITY };
         }
         (self.order.least, self.account.uses) = (self.symbolic.operations, 0);
@@ -233,7 +233,7 @@ impl Factorization {
             }
         }
         if self.watch.is_interrupted() {
-            // The structure at hand is that of no order that was chosen.
+            // The present structure belongs to an order that was not chosen.
             self.order.kept = Arc::default();
             return Err(LinearError::Interrupted);
         }
@@ -247,7 +247,7 @@ impl Factorization {
         self.left_out = self.pattern.left_out(&self.order.kept);
         let needed = self.needed();
         let out_of_memory = LinearError::OutOfMemory { unknowns: self.pattern.unknowns(), needed };
-        // What the last structure had is used again.
+        // The memory of the last structure is reused.
         memory::ensure(needed.saturating_sub(self.reserved)).map_err(|_| out_of_memory)?;
         self.reserved = self.reserved.max(needed);
         self.multifrontal.reserve(&self.symbolic, &self.workers).map_err(|_| out_of_memory)
@@ -335,7 +335,7 @@ impl Factorization {
         self.account.wasted += (self.symbolic.operations - self.order.best).max(0.0);
         vertex_scales(&self.pattern, values, &mut self.vertex_scale);
         spread(&self.pattern, &self.vertex_scale, &mut self.scale);
-        // Its factors take several times the memory of the others, and the next matrix rarely needs them.
+        // The fallback's factors take several times the memory, and the next matrix rarely needs them.
         self.fallback = None;
         self.fallen_back = false;
         self.null_vector = None;
@@ -461,7 +461,7 @@ impl Factorization {
     /// `M - A` is the product of the direction in which `A` lacks a pivot and a small row, so `z := M^-1 (M - A) z = z - M^-1 A z` is a
     /// vector that `A` maps to zero, if there is one.
     fn refuse_singular(&mut self, values: &[f64]) -> Result<(), LinearError> {
-        // Any vector with a part in every direction.
+        // Start vector with components in all directions.
         for (k, (x, scale)) in self.residual.iter_mut().zip(&self.scale).enumerate() {
             *x = (0.1 + (k as f64).sin().abs()) / scale;
         }
@@ -484,7 +484,7 @@ impl Factorization {
             if image <= tolerances::LINEAR_SINGULAR {
                 break;
             }
-            // The replaced pivot made the factors grow, so this converges linearly; without a null vector it does not.
+            // Power iteration: converges linearly, because the replaced pivot made the factors grow; without a null vector it diverges.
             if image.is_nan() || image > 0.5 * last {
                 return Ok(());
             }

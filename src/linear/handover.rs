@@ -1,4 +1,4 @@
-//! Iterative solver in front of the direct one, which takes over where the iteration fails.
+//! Iterative solver with the direct solver as its fallback.
 
 use super::error::LinearError;
 use super::factorization::{Factorization, Work};
@@ -11,7 +11,7 @@ use crate::math::workers::Workers;
 /// Choice between direct and iterative solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SolverChoice {
-    /// By the number of unknowns, in space; by iteration also where the factors do not fit into memory.
+    /// Iterative in space from [`ITERATED`] unknowns, or if the factors do not fit into memory; otherwise direct.
     #[default]
     Auto,
     /// Factorization of every matrix.
@@ -38,7 +38,7 @@ pub const ITERATED: usize = 100_000;
 /// Number of matrices without convergence after which the iteration is no longer tried.
 const PATIENCE: u32 = 3;
 
-/// Iterative solver with the direct one behind.
+/// Iterative solver with the direct solver as its fallback.
 pub struct Handover {
     choice: SolverChoice,
     pattern: Pattern,
@@ -50,7 +50,7 @@ pub struct Handover {
     taken_over: TakenOver,
     /// True if the direct solver has factorized the last matrix.
     is_direct: bool,
-    /// Work of direct solvers that are gone, and preconditioners.
+    /// Work of freed direct solvers, and number of preconditioners made.
     done: Work,
     workers: Workers,
     watch: InterruptWatch,
@@ -155,7 +155,7 @@ impl LinearSolver for Handover {
     fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError> {
         if !self.iterates() {
             return match self.take_over(values) {
-                // The factors do not fit, a hierarchy may.
+                // The factors do not fit into memory; a hierarchy may fit.
                 Err(error @ LinearError::OutOfMemory { .. }) if self.choice == SolverChoice::Auto => {
                     self.free_direct();
                     self.prepare(values).map_err(|_| error)

@@ -20,7 +20,7 @@ pub trait Operator {
     /// Solves with the shifted matrix: `(K - sigma M)^-1 image`.
     ///
     /// # Errors
-    /// The linear solver's.
+    /// Error of the linear solver.
     fn solve(&mut self, image: Vec<f64>) -> Result<Vec<f64>, Self::Error>;
 
     /// Returns `M v`; the operator is symmetric in the inner product `x^T M y`.
@@ -67,7 +67,7 @@ impl Lanczos {
     /// Applies the operator to a further vector; returns true if a linearly independent one existed.
     ///
     /// # Errors
-    /// The operator's.
+    /// Error of the operator.
     pub fn expand<O: Operator>(&mut self, operator: &mut O) -> Result<bool, O::Error> {
         let is_first = self.vectors.is_empty();
         if self.applied() == self.vectors.len() {
@@ -107,7 +107,7 @@ impl Lanczos {
     /// Adds a vector of arbitrary direction as a start of the iteration.
     ///
     /// # Errors
-    /// The operator's.
+    /// Error of the operator.
     pub fn begin<O: Operator>(&mut self, operator: &mut O) -> Result<(), O::Error> {
         let any: Vec<f64> = (0..self.unknowns).map(|_| self.next_random()).collect();
         let image = operator.solve(operator.image(&any))?;

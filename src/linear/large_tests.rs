@@ -25,7 +25,7 @@ fn cube(n: usize) -> System {
     saddle_point::<3>((n + 1).pow(3), &cells, &[], 0.01)
 }
 
-/// Neither where rows are exchanged nor where sides are no multiples of blocks and strips.
+/// Accuracy with row exchanges, and with sides that are no multiples of blocks and strips.
 #[test]
 fn fronts_of_many_blocks_are_solved_to_round_off_by_any_number_of_threads() {
     for (own, shared, is_random) in [(66, 30, false), (131, 0, true), (100, 66, true), (64, 129, true), (171, 11, false)] {
@@ -53,7 +53,7 @@ fn fronts_of_many_blocks_are_solved_to_round_off_by_any_number_of_threads() {
         });
         assert_eq!(solutions[0], solutions[1]);
         let error = solutions[0].iter().zip(&exact).map(|(x, exact)| (x - exact).abs()).fold(0.0, f64::max);
-        // Pivots sought inside fronts let the factors of a random matrix grow.
+        // Pivoting inside fronts lets the factors of a random matrix grow.
         assert!(error < if is_random { 1e-7 } else { 1e-12 }, "{own} {shared}: {error}");
     }
 }

@@ -59,7 +59,7 @@ struct Segment<'a, 'u> {
     replaced: Vec<u32>,
 }
 
-/// Output of all fronts, without the parts that were split off.
+/// Output of all fronts that is not yet assigned to segments.
 struct Whole<'a> {
     symbolic: &'a Symbolic,
     factors: &'a mut [f64],
@@ -91,7 +91,7 @@ impl Multifrontal {
         self.outside.resize(updates.sum(), 0.0);
         self.swaps.resize(symbolic.unknowns.len(), 0);
         self.scratch.resize_with(threads, Mutex::default);
-        // The first one also goes on where tasks have ended.
+        // The first buffer is also used for the fronts above the tasks.
         let lengths = std::iter::once(waiting.buffer.max(waiting.of_task)).chain(std::iter::repeat(waiting.of_task));
         for (scratch, length) in self.scratch.iter_mut().filter_map(|scratch| scratch.get_mut().ok()).zip(lengths) {
             scratch.waiting.resize(length)?;
@@ -120,7 +120,7 @@ impl Multifrontal {
         above.push(whole.split_off(done..symbolic.fronts.len(), &mut []));
         let operations = AtomicU64::new(0);
         let eliminate = |segment: &mut Segment<'_, '_>, handed: &[f64], workers: &Workers| {
-            // There are as many as threads, so one is free.
+            // One buffer per thread: one is always free.
             let Some(mut scratch) = scratch.iter().find_map(|scratch| scratch.try_lock().ok()) else { return };
             with_registers(Elimination {
                 symbolic,

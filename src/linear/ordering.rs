@@ -97,7 +97,7 @@ impl Graph {
         let (sender, receiver) = mpsc::channel();
         let options = options.clone();
         std::thread::spawn(move || {
-            // Nobody listens any more after an interrupt.
+            // After an interrupt the receiver no longer exists.
             let _ = sender.send(self.dissection(&options));
         });
         loop {
@@ -182,9 +182,9 @@ impl Order {
         for node in (0..count).filter_map(|v| pattern.anchor(v)) {
             is_anchor[node as usize] = true;
         }
-        // Whom it costs least to move: a node of the side that carries no multipliers, else a multiplier.
+        // Preference for a move: nodes that anchor no multiplier, then multipliers, then anchors.
         let rank = |v: u32| if pattern.is_multiplier(v as usize) { 1 } else { 2 * u8::from(is_anchor[v as usize]) };
-        // Where to: before the vertex at that place; 0 for those that stay.
+        // Target position of each vertex, before the vertex there; 0 for vertices that stay.
         let mut targets = vec![0u32; count];
         for (k, &v) in self.vertices.iter().enumerate() {
             let k = k as u32;

@@ -190,7 +190,7 @@ impl Pattern {
     /// Couplings with a nonzero value in the block or its transposed counterpart; a vertex is always coupled with itself.
     pub(super) fn present(&self, values: &[f64]) -> Couplings {
         let mut present = vec![false; self.neighbors.len()];
-        // Vertices ascend, so each finds itself next in the ascending list of its neighbor.
+        // Vertices are visited in ascending order: each is the next entry in the sorted list of its neighbor.
         let mut next: Vec<usize> = self.starts[..self.vertices()].to_vec();
         for v in 0..self.vertices() {
             for (k, block) in (self.starts[v]..self.starts[v + 1]).zip(self.column_blocks(v)) {

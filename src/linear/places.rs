@@ -209,7 +209,7 @@ fn mirrored_blocks(pattern: &Pattern) -> Vec<Block> {
         next.push(total);
         total += pattern.neighbors(v).len();
     }
-    // Vertices ascend, so each finds itself next in the ascending list of its neighbor.
+    // Vertices are visited in ascending order: each is the next entry in the sorted list of its neighbor.
     let mut mirrored = Vec::with_capacity(total);
     for v in 0..count {
         for &u in pattern.neighbors(v) {

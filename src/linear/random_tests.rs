@@ -114,10 +114,10 @@ proptest! {
         }
         let found = (0..pattern.vertices() as u32).flat_map(|v| pattern.neighbors(v as usize).iter().map(move |&u| (u, v)));
         prop_assert_eq!(found.collect::<BTreeSet<_>>(), pairs);
-        // Every value has one place, and every place is that of a value.
+        // Values and positions correspond one to one.
         let (.., places) = pattern.compressed_columns();
         prop_assert!(places.into_iter().eq((0..pattern.values()).map(Some)));
-        // What is zero is left out, and only that.
+        // Exactly the zero blocks are outside of the structure.
         let mut values = graph.values(&pattern);
         for v in 0..pattern.vertices() as u32 {
             for &u in pattern.neighbors(v as usize).iter().filter(|&&u| u != v && (u + v) % 3 == 0) {
@@ -169,7 +169,7 @@ proptest! {
             (1.0 + 0.7 * k as f64).sin() * if is_multiplier { graph.stiffness } else { 1.0 }
         });
         let mut right: Vec<f64> = (&matrix * &x).iter().copied().collect();
-        // Scaled as units would be: coordinates stay, multipliers are forces over stiffness.
+        // Scaled as by a change of units: coordinates stay, multipliers are forces over stiffness.
         let root = graph.stiffness.sqrt();
         let scale = |k: usize| if pattern.is_multiplier(pattern.vertex_of(k)) { root } else { root.recip() };
         let scaled = DMatrix::from_fn(x.len(), x.len(), |i, k| scale(i) * matrix[(i, k)] * scale(k));
@@ -184,7 +184,7 @@ proptest! {
                 prop_assert!(error <= 1e-13 * CONDITION * size, "error {error:e} of {size:e}, {:e}", singular.max() / singular.min());
             }
             Err(error) if is_good => prop_assert!(false, "{error} at {:e}", singular.max() / singular.min()),
-            // A matrix without a solution that can be told is refused or solved as well as it can be.
+            // A nearly singular matrix may be refused.
             Ok(_) | Err(LinearError::Singular { .. } | LinearError::Inaccurate { .. }) => {}
             Err(error) => prop_assert!(false, "{error}"),
         }

@@ -221,7 +221,7 @@ pub(super) fn solve_strip<S: Simd, const M: usize, const UNIT: bool, const STRID
             outer_products::<S, M>(simd, left, stride, rows.iter())
         };
         subtract_from(simd, right, stride, &mut tile);
-        // Written out, not in loops: only so does the tile stay in registers.
+        // Unrolled by hand: in loops the tile would not stay in registers.
         let t = |row: usize, column: usize| if UNIT { diagonal[(j + row) * p + j + column] } else { diagonal[(j + column) * p + j + row] };
         let [mut x_0, mut x_1, mut x_2, mut x_3] = tile;
         if !UNIT {

@@ -31,7 +31,7 @@ pub(super) fn parts<'a>(symbolic: &'a Symbolic, mut ordered: &'a mut [f64], mut 
     let part = |task: &Range<usize>| {
         let (start, last) = (symbolic.fronts[task.start].first, &symbolic.fronts[task.end - 1]);
         let end = last.first + last.pivots;
-        // What stands between two tasks belongs to fronts above.
+        // Numbers between two tasks belong to the fronts above.
         let _ = ordered.split_off_mut(..start - done);
         done = end;
         Part {

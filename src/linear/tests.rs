@@ -119,7 +119,7 @@ fn every_unknown_is_eliminated_once_and_every_multiplier_after_its_anchor() {
         let anchor = system.pattern.anchor(m).unwrap() as usize;
         assert!(place[system.pattern.first_unknown(m)] > place[system.pattern.first_unknown(anchor)]);
     }
-    // Every entry of the matrix goes somewhere once.
+    // Every matrix entry has exactly one position.
     let inside: usize =
         symbolic.places.inside.iter().map(|e| system.pattern.size(e.row as usize) * system.pattern.size(e.column as usize)).sum();
     let beside: usize =
@@ -236,7 +236,7 @@ fn rows_with_large_entries_are_judged_by_their_own_terms() {
     }
 }
 
-/// A displacement or a multiplier that is wrong by a ten-thousandth of the largest is refused, whatever entries other rows have.
+/// Errors of a ten-thousandth of the largest displacement or multiplier are detected for any size of the entries in other rows.
 #[test]
 fn a_wrong_solution_beside_rows_with_large_entries_is_refused() {
     let system = badly_scaled(1e10);
@@ -255,7 +255,7 @@ fn a_wrong_solution_beside_rows_with_large_entries_is_refused() {
 
 #[test]
 fn singular_matrices_are_refused_with_the_vertex_and_the_vector() {
-    // A node that nothing holds.
+    // Node without support.
     let mut system = tied::<2>(10, 3, 1, 0.05);
     let unknown = system.pattern.first_unknown(17);
     system.hold(unknown, 0.0);
@@ -266,7 +266,7 @@ fn singular_matrices_are_refused_with_the_vertex_and_the_vector() {
     let null = factorization.near_null_vector().unwrap();
     assert!(null.iter().enumerate().all(|(i, x)| i == unknown || x.abs() < 1e-13 * null[unknown].abs()));
 
-    // A constraint that is stated twice.
+    // Repeated constraint.
     let mut system = tied::<2>(10, 3, 1, 0.05);
     let (a, b) = (system.nodes as u32 + 4, system.nodes as u32 + 5);
     for other in 0..system.nodes as u32 {
@@ -344,12 +344,12 @@ fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     let mut factorization = Factorization::new(&dense.pattern).unwrap();
     assert!(sparse.error(&mut factorization).1 < 1e-13);
     let apart = factorization.operations();
-    // They come, and go again: the second time their room stays only if it is cheap.
+    // Couplings appear and vanish: their blocks are kept only while they are cheap.
     assert!(dense.error(&mut factorization).1 < 1e-13);
     let coupled = factorization.operations();
     assert!(coupled > 1.05 * apart, "{apart} {coupled}");
     assert!(sparse.error(&mut factorization).1 < 1e-13);
-    // An order and its blocks that are put in place again give the same bytes.
+    // A restored order with its blocks gives the same bytes.
     let (_, right) = dense.problem();
     let solve = |factorization: &mut Factorization| {
         let mut x = right.clone();
@@ -365,8 +365,8 @@ fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     assert_eq!(solve(&mut other), x);
 }
 
-/// Surfaces that slide make an order worse than its best, so that every factorization is booked: in numbers, not in a new order. From an
-/// order with its account all goes on as it did, also where that decides on a new order.
+/// Sliding surfaces make an order worse than its best: factorizations add to the account, without a new order. A restored order with its
+/// account continues identically, also at the choice of a new order.
 #[test]
 fn what_is_counted_leaves_the_order_as_it_is() {
     let systems: Vec<System> = (0..12).map(|shift| tied::<2>(40, 6, shift, 0.05)).collect();
@@ -415,14 +415,14 @@ fn widened(system: &System, more: impl Iterator<Item = [u32; 2]>) -> System {
     System { pattern, values, nodes: system.nodes }
 }
 
-/// Neither where all blocks are found by pivots inside fronts nor where the other method takes over.
+/// Holds for pivots inside fronts and for the fallback.
 #[test]
 fn couplings_that_are_always_zero_change_no_byte() {
     let mut factorizations = [(); 3].map(|()| Factorization::new(&tied::<2>(40, 6, 0, 0.05).pattern).unwrap());
     for shift in 0..12u32 {
         let mut system = tied::<2>(40, 6, shift as usize, 0.05);
         if shift % 4 == 3 {
-            // Hardly anything opposes the multipliers where they are eliminated.
+            // Couplings of the multipliers with their anchors are nearly zero, and so are the pivots of the multipliers.
             for m in system.nodes as u32..system.pattern.vertices() as u32 {
                 let anchor = system.pattern.anchor(m as usize).unwrap();
                 let (row, column) = (system.pattern.block(m, anchor), system.pattern.block(anchor, m));
@@ -447,7 +447,7 @@ fn couplings_that_are_always_zero_change_no_byte() {
     assert!(factorizations.iter().all(|factorization| factorization.work() == factorizations[0].work()));
 }
 
-/// Blocks that have gone for good leave the structure though no other one comes.
+/// Blocks that stay zero leave the structure even without new blocks.
 #[test]
 fn blocks_that_have_gone_cost_nothing_in_the_end() {
     let coupled = tied::<2>(40, 6, 1, 0.05);

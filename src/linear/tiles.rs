@@ -5,7 +5,7 @@
 use pulp::Simd;
 use pulp::bytemuck::cast;
 
-/// Sides of all blocks are multiples of this.
+/// Width of a tile; the sides of all blocks are multiples of it.
 pub(super) const WIDTH: usize = 4;
 
 /// The next multiple of [`WIDTH`].

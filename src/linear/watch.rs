@@ -21,7 +21,7 @@ impl InterruptWatch {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// Takes note of `done` operations out of `all`.
+    /// Stores the progress: `done` of `all` operations.
     pub(super) fn progressed(&self, done: u64, all: f64) {
         if let Some(progress) = self.progress.as_ref().filter(|_| all > LONG) {
             progress.store((1e3 * done as f64 / all) as u32, Ordering::Relaxed);

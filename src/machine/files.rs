@@ -16,7 +16,7 @@ const SHARE: u64 = 4;
 /// # Errors
 /// The operating system refused; a pipe, a socket or a device.
 pub fn open(path: &Path) -> Result<(File, u64)> {
-    // A pipe must not even be opened.
+    // Opening a pipe may block.
     let found = std::fs::metadata(path)?;
     if !found.is_file() && !found.is_dir() {
         return Err(Error::new(ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));

@@ -112,7 +112,7 @@ fn container() -> Option<u64> {
     left.min()
 }
 
-/// A number of kB behind a word in a file of the system, in bytes.
+/// Number of kB after the key `word` in a file of the system, in bytes.
 fn kilobytes(file: &str, word: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;
     let number = text.lines().find_map(|line| line.strip_prefix(word))?.split_whitespace().next()?.parse::<u64>().ok()?;

@@ -25,7 +25,7 @@ pub fn watched<T: Send + 'static>(interrupt: &Arc<AtomicBool>, work: impl FnOnce
     consulted(interrupt, |_: &dyn Fn(()) -> Option<()>| work(), |()| ())
 }
 
-/// Returns the result of work that queries its caller, who answers on its own thread; `None` after an interrupt.
+/// Returns the result of work that queries its caller, which answers on its own thread; `None` after an interrupt.
 ///
 /// The work runs on a thread of its own. After an interrupt its questions return `None`.
 pub fn consulted<T: Send + 'static, Q: Send + 'static, A: Send + 'static>(
@@ -41,10 +41,10 @@ pub fn consulted<T: Send + 'static, Q: Send + 'static, A: Send + 'static>(
             known.recv().ok()
         };
         let result = work(&ask);
-        // Nobody listens any more after an interrupt.
+        // After an interrupt the receiver no longer exists.
         let _ = words.send(Word::Result(result));
     });
-    // Where there is no thread to be had, there is hardly anything else.
+    // Without threads hardly any work is possible.
     let thread = thread.unwrap_or_else(|error| panic!("no thread could be started: {error}"));
     loop {
         match heard.recv_timeout(PATIENCE) {

@@ -31,7 +31,7 @@ pub struct Response<const S: usize> {
 }
 
 impl<const S: usize> Response<S> {
-    /// No stress.
+    /// Zero stress and tangent.
     pub const ZERO: Self = Response { stress: [Lanes::ZERO; S], tangent: [[Lanes::ZERO; S]; S] };
 }
 
@@ -47,7 +47,7 @@ pub struct IncrementResponse<const S: usize> {
 }
 
 impl<const S: usize> IncrementResponse<S> {
-    /// No stress.
+    /// Zero stresses and remainder.
     pub const ZERO: Self = IncrementResponse { mean: Response::ZERO, stress_end: [Lanes::ZERO; S], remainder: Lanes::ZERO };
 }
 

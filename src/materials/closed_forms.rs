@@ -174,7 +174,7 @@ fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
     let check = |compared: &Compared, stretches: [f64; 3], free: &[usize]| {
         let s = cauchy(&*compared.law, &stretched(stretches[0], stretches[1], stretches[2]));
         let j: f64 = stretches.iter().product();
-        // J U' is what the free side says: the stress along is mu times the difference of the squares.
+        // With `J U'` from the free side, the stress along is mu times the difference of the squares.
         let along = mu * (stretches[0].powi(2) - stretches[free[0]].powi(2)) / j;
         compared.close(&format!("along {stretches:?}"), s[(0, 0)] / mu, along / mu);
         free.iter().for_each(|&i| compared.close(&format!("across {stretches:?}"), s[(i, i)] / mu, 0.0));
@@ -233,7 +233,7 @@ fn fibers_pull_and_do_not_push() {
         let s = cauchy(&*law.law, &sheared(l));
         law.close("shear along the fibers", s[(0, 1)], 2.0 * l * slopes(3.0 + l * l, 1.0).0);
     }
-    // Pressed along the fibers, where the dispersion lets none pull, the matrix is alone.
+    // Under compression along the fibers no dispersed fiber is in tension: the stress is that of the matrix.
     assert_eq!(slopes(0.7 * 0.7 + 2.0 / 0.7, 0.7 * 0.7).1, 0.0);
 }
 

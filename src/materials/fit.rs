@@ -66,10 +66,10 @@ impl FitError {
 
 /// Start values of constants on which stresses depend nonlinearly: powers, and limits of `I1 - 3`.
 const STARTS: [f64; 8] = [-2.0, 0.5, 1.5, 3.0, 5.0, 9.0, 30.0, 90.0];
-/// Starts at most, and how many of the best are followed.
+/// Largest number of starts, and number of the best starts from which the search continues.
 const TRIED: usize = 512;
 const FOLLOWED: usize = 6;
-/// Steps at most from a start.
+/// Largest number of steps from a start.
 const STEPS: usize = 200;
 
 /// Nominal stress of an incompressible test piece at a stretch.
@@ -152,13 +152,13 @@ impl Problem<'_> {
             self.law(&values)
         };
         let is_linear = |indices: &[usize]| -> Result<bool, EnergyError> {
-            // Not linear where one of the three cannot be computed.
+            // Not linear if one of the three stresses cannot be computed.
             let (Ok(none), Ok(once), Ok(twice)) = (scaled(indices, 0.0), scaled(indices, 1.0), scaled(indices, 2.0)) else {
                 return Ok(false);
             };
             Ok((&twice - &once * 2.0 + &none).amax() <= FIT_LINEAR * once.amax().max(twice.amax()))
         };
-        // A mistake in the text is told, not taken for a constant of another kind.
+        // An error in the text is returned; otherwise it would make every constant nonlinear.
         self.law(&base)?;
         let mut linear = Vec::new();
         for index in 0..self.count {
@@ -178,7 +178,7 @@ struct Separated<'a> {
 }
 
 impl Separated<'_> {
-    /// Values of the searched constants to begin with.
+    /// Initial values of the nonlinear constants.
     fn starts(&self, given: &[Option<f64>]) -> Vec<Vec<f64>> {
         let mut all = vec![Vec::new()];
         for &index in &self.searched {

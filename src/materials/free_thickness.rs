@@ -11,7 +11,7 @@ use super::history::{Heat, HistoryLaw, PointHistory, StrainStep, StressOf};
 use crate::math::lanes::{Lanes, WIDTH};
 use crate::math::tolerances::THICKNESS_STRAIN;
 
-/// Most iterations: Newton's method needs four to eight.
+/// Largest number of iterations: Newton's method needs four to eight.
 const ITERATIONS: usize = 40;
 
 /// Largest reduction of the present thickness in one iteration, as a strain.

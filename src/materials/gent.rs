@@ -1,7 +1,7 @@
 //! Gent law: chains of limited length.
 //!
 //! `W = -mu Jm/2 ln(1 - (I1bar - 3)/Jm) + K/4 (J^2 - 1 - 2 ln J)` (Gent, Rubber Chemistry and Technology 69, 1996). The stress is infinite
-//! where `I1bar - 3` reaches `Jm`, and is no number beyond, so that a step which goes there is halved.
+//! where `I1bar - 3` reaches `Jm`, and NaN beyond, so that such a step is halved.
 
 use super::energy::StoredEnergy;
 use super::row::{BULK_MODULUS, Construct, DENSITY, MaterialRow, VOLUMETRIC, number, stress};

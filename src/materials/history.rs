@@ -150,7 +150,7 @@ impl HistoryLaws {
         self.plane[usize::from(!has_volume)].clone()
     }
 
-    /// The law in space, likewise.
+    /// Law in space; without volumetric energy if `has_volume` is false.
     pub fn space(&self, has_volume: bool) -> Arc<dyn HistoryLaw<6>> {
         self.space[usize::from(!has_volume)].clone()
     }

@@ -162,7 +162,7 @@ fn free_components(piece: HomogeneousTest) -> Vec<usize> {
     if piece.given() == 1 { (1..6).collect() } else { vec![2, 4, 5] }
 }
 
-/// The state of a law of small strains, the stretch less 1.
+/// State of a law of small strains, with the strain `stretch - 1` along the first axis.
 fn linear(law: &dyn BatchedLaw<6>, piece: HomogeneousTest, stretch: f64) -> Option<Homogeneous> {
     let mut strain = [0.0; 6];
     strain[..if piece == HomogeneousTest::Equibiaxial { 2 } else { 1 }].fill(stretch - 1.0);
@@ -179,7 +179,7 @@ fn solve(respond: Respond, piece: HomogeneousTest, from: &Homogeneous, stretch: 
     let given = piece.given();
     let free = free_components(piece);
     let mut strain = from.strain;
-    // The volume stays in a first guess.
+    // First guess at constant volume.
     let (old, new) = (piece.isochoric(from.stretch), piece.isochoric(stretch));
     for k in 0..3 {
         let c = (1.0 + 2.0 * strain[k]) * (new[k] / old[k]).powi(2);
@@ -201,7 +201,7 @@ fn solve(respond: Respond, piece: HomogeneousTest, from: &Homogeneous, stretch: 
         }
         let matrix = DMatrix::from_fn(free.len(), free.len(), |a, b| tangent[free[a]][free[b]]);
         let change = matrix.lu().solve(&residual)?;
-        // Not through a state of no volume.
+        // The increment is reduced until the volume stays positive.
         let mut share = 1.0;
         let moved = |share: f64| {
             let mut moved = strain;

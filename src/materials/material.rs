@@ -110,7 +110,7 @@ impl Material {
     /// Material of a row with parameter values in the row's order; some laws have a struct with named fields for this.
     ///
     /// # Errors
-    /// The first value that is outside its range, or another number of values than the row has parameters; values that make no energy.
+    /// The first value that is outside its range, or another number of values than the row has parameters; values without a valid energy.
     pub fn new(row: &'static MaterialRow, values: &[f64]) -> Result<Self, MaterialError> {
         if row.parameters.len() != values.len() {
             return Err(MaterialError::Count { law: row.name, expected: row.parameters.len(), given: values.len() });
@@ -237,7 +237,7 @@ impl Material {
     /// Returns the material of a body rotated in the plane by an angle with given cosine and sine.
     ///
     /// # Errors
-    /// An energy that cannot be turned.
+    /// An energy that depends on components of the strain.
     pub fn turned(&self, cosine: f64, sine: f64) -> Result<Self, MaterialError> {
         let Some(energy) = &self.energy else { return Ok(self.clone()) };
         let energy = energy.turned(cosine, sine)?;
@@ -388,7 +388,7 @@ fn modulus_at_rest(law: &dyn BatchedLaw<6>) -> f64 {
     if bulk == 0.0 {
         return 0.0;
     }
-    // Shear may be resisted by a stress at rest alone.
+    // The law may resist shear by a stress at rest only.
     if shear == 0.0 { bulk } else { 9.0 * bulk * shear / (3.0 * bulk + shear) }
 }
 

@@ -96,7 +96,7 @@ mod tests {
         std::array::from_fn(|k| Lanes([START[k] + s * ALONG[k]; 8]))
     }
 
-    /// The mean over the step by a rule that is as good as exact, and what is wrong with that of the law.
+    /// Difference of the law's mean stress over a step from a quadrature that is exact to round-off.
     fn error(law: &Arc<dyn BatchedLaw<4>>, size: f64) -> f64 {
         let mut exact = [0.0; 4];
         let pieces = 200;
@@ -118,7 +118,7 @@ mod tests {
             let material = Material::new(row, &MaterialRow::example(row, 1.0, 1.0)).unwrap();
             let law = material.axisymmetric();
             let [coarse, fine] = [0.5, 0.25].map(|size| error(&law, size));
-            // Of fourth order, so that half the step has a sixteenth of the error; a law whose stiffness jumps has not.
+            // Fourth order: half the step has a sixteenth of the error, except for laws whose stiffness jumps.
             assert!(law.has_kinks() || coarse < 1e-14 || (10.0..25.0).contains(&(coarse / fine)), "{}: {coarse:.1e} {fine:.1e}", row.name);
             let (mut increment, mut energy) = ([IncrementResponse::ZERO], [Lanes::ZERO; 2]);
             MeanValue(law.clone()).increments_into(&[strain(0.0)], &[strain(0.5)], &mut increment);

@@ -56,7 +56,7 @@ pub use soundness::Weakness;
 pub use split::{Split, VolumetricLaw};
 pub use viscosity::{Branch, Viscosity};
 
-/// Laws of small displacements, which rotations strain: no rows of [`CATALOGUE`], whose laws are invariant under them.
+/// Laws of small displacements, in which rotations cause strain; not in [`CATALOGUE`], whose laws are invariant under rotations.
 pub static LINEAR: &[MaterialRow] = &[linear_elasticity::ROW];
 
 /// Catalogue of materials; laws with several forms have one row per form, the default first.

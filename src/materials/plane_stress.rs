@@ -34,7 +34,7 @@ impl PlaneStress {
             let mut largest = 0.0f64;
             for lane in 0..WIDTH {
                 let change = -response[0].stress[2].0[lane] / response[0].tangent[2][2].0[lane];
-                // No more than to a fifth of the thickness in one step.
+                // One iteration reduces the thickness to a fifth at most.
                 let squared = 1.0 + 2.0 * all[2].0[lane];
                 let change = change.max(-0.48 * squared);
                 all[2].0[lane] += change;

@@ -7,7 +7,7 @@ use crate::math::catalogue::{Interval, Parameter};
 /// Volumetric form of a law with several forms; each form is a row, all with the same name and parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VolumetricForm {
-    /// The form of this row.
+    /// Name of the form of this row.
     pub name: &'static str,
     /// All forms of the law, the default first.
     pub all: &'static [&'static str],
@@ -69,7 +69,7 @@ impl MaterialRow {
     /// Energy of a law defined by text, for parameter values by name; missing ones have their defaults, or 1.
     ///
     /// # Errors
-    /// Values that make no energy, or a law that is not written as text.
+    /// Values without a valid energy, or a law that is not written as text.
     pub fn energy(&self, value: impl Fn(&str) -> Option<f64>) -> Result<StoredEnergy, EnergyError> {
         let value = |parameter: &Parameter| value(parameter.name).or(parameter.default).unwrap_or(1.0);
         let values: Vec<f64> = self.parameters.iter().map(value).collect();

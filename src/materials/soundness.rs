@@ -26,7 +26,7 @@ pub enum Weakness {
     Ellipticity {
         /// Name of the test.
         test: &'static str,
-        /// Stretch at which.
+        /// Stretch at which ellipticity is lost.
         stretch: f64,
     },
 }
@@ -51,7 +51,7 @@ impl std::fmt::Display for Weakness {
 /// Largest stretch that is checked, the least being its inverse, and ratio of successive stretches.
 const REACH: f64 = 4.0;
 const STEP: f64 = 1.02;
-/// Bisections of a step, to three digits.
+/// Number of bisections of a step, which give the stretch to three digits.
 const BISECTIONS: usize = 8;
 /// Number of directions on a half sphere, four degrees apart.
 const DIRECTIONS: usize = 1200;
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(weaknesses("mu/2*(I1bar - 3)", "10*mu*(J - 1)^2"), []);
         let found = weaknesses("mu/2*I1bar", "10*mu*(J - 1)^2");
         assert_eq!(found, [Weakness::EnergyAtRest(1.5)]);
-        // The mean modulus is that of the volume alone: what resists shear is the stress at rest.
+        // The law resists volume changes only; the stress at rest resists shear.
         let found = weaknesses("mu/2*(I1 - 3)", "10*mu*(J - 1)^2");
         let [Weakness::StressAtRest(stress), Weakness::StiffnessAtRest(stiffness)] = found[..] else { panic!("{found:?}") };
         assert!((stress - 1.0).abs() + stiffness.abs() < 1e-14, "{found:?}");

@@ -71,7 +71,7 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool)
             // strain is largest; round-off eps/h is below.
             let (up, down) = (shifted(&n1, k, h), shifted(&n1, k, -h));
             let ((above, stiffness), (below, other)) = (stress_tangent(law, &up), stress_tangent(law, &down));
-            // Fibers begin to pull in between: no difference quotient is a tangent there.
+            // The stiffness jumps within the difference, where fibers come into tension.
             if stiffness.iter().flatten().zip(other.iter().flatten()).any(|(a, b)| (a - b).abs() > 0.01 * mu) {
                 continue;
             }

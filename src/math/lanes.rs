@@ -110,7 +110,7 @@ impl<const FMA: bool> Lanes<FMA> {
         let mut power = [0.0; WIDTH];
         for i in 0..WIDTH {
             let biased = rounded.0[i].to_bits().wrapping_sub(ROUND.to_bits()).wrapping_add(1023);
-            // Below 2^-1022 the power is nothing beside the -1.
+            // Below 2^-1022 the power is negligible beside the -1.
             power[i] = if k.0[i] < -1022.0 { 0.0 } else { f64::from_bits(biased << 52) };
         }
         let power = Lanes(power);
@@ -140,7 +140,7 @@ impl<const FMA: bool> Lanes<FMA> {
         Lanes(result)
     }
 
-    /// `value` with the sign of this.
+    /// `value` with the sign of `self`.
     #[inline(always)]
     pub(crate) fn sign_to(self, value: Self) -> Self {
         self.zip(value, |sign, value| value.copysign(sign))

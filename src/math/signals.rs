@@ -88,7 +88,7 @@ pub fn channel_filter(values: &[f64], dt: f64, class: f64) -> Vec<f64> {
     let square = angle * angle;
     let whole = 1.0 + SQRT_2 * angle + square;
     let (a, b) = (square / whole, [-2.0 * (square - 1.0) / whole, (-1.0 + SQRT_2 * angle - square) / whole]);
-    // The filter forgets its start within about a period of its frequency.
+    // The response of the filter to its start decays within about a period of its frequency.
     let margin = ((PERIODS / (class * dt)).ceil() as usize).clamp(1, n - 1);
     let before = (1..=margin).rev().map(|k| 2.0 * values[0] - values[k]);
     let after = (1..=margin).map(|k| 2.0 * values[n - 1] - values[n - 1 - k]);

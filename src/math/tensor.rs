@@ -217,7 +217,7 @@ tensor! { 4, 3,
     fn isotropic_tangent(a: Lanes<FMA>, b: Lanes<FMA>, c: &Self) -> [[Lanes<FMA>; 4]; 4] {
         let [c1, c2, c3, c4] = c.0;
         let (half, b1, b2, zero) = (c4 * c4 * 0.5, b * c1, b * c2, Lanes::splat(0.0));
-        // b I_c; the third direction is sheared with no other.
+        // b I_c; the third direction is not sheared.
         let sheared = [
             [b1 * c1, b * half, zero, b1 * c4],
             [b * half, b2 * c2, zero, b2 * c4],

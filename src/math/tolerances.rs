@@ -174,8 +174,8 @@ pub const EDGES_MEET: f64 = 0.01;
 /// degrees on a flat side -0.2; gaps between nearly perpendicular facets are steep and meaningless.
 pub const OPPOSITE: f64 = -0.1;
 
-/// Gap in shortest secondary facets above which a newly overlapping facet pair makes the gradient jump too far for Newton's method. Half a
-/// facet stopped piles; flush bodies and curved facets have gaps of a hundredth.
+/// Gap in shortest secondary facets above which a newly overlapping facet pair makes the gradient jump too far for Newton's method. With
+/// half a facet, piles of bodies found no solution; flush bodies and curved facets have gaps of a hundredth.
 pub const FAR_SLIVER: f64 = 0.05;
 
 /// Cosine of the angle between two facets of a surface above which their common node has one normal: up to 45 degrees, an octagon's.

@@ -44,7 +44,7 @@ impl Workers {
             let mut idle = 0;
             while !done.load(Ordering::Acquire) {
                 idle = if rayon::yield_now() == Some(Yield::Executed) { 0 } else { idle + 1 };
-                // Other programs may need the processor more.
+                // Yields the processor to other programs from time to time.
                 if idle % 64 == 63 { std::thread::yield_now() } else { std::hint::spin_loop() }
             }
         });

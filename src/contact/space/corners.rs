@@ -196,7 +196,7 @@ impl CornersInSpace {
         measure.gap(z.as_chunks().0) + self.clearances[patch] - self.radius
     }
 
-    /// Selects the constraints of a step from the configurations between which it leads.
+    /// Selects the constraints of a step from the states of all feature pairs in `configurations`: its start and its predicted end.
     fn choose(&mut self, configurations: &[&[f64]], predicted_motion: &PredictedMotion) {
         let mut chosen: Vec<Option<Found>> = vec![None; self.kinds.len()];
         for q in configurations {

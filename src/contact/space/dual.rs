@@ -41,7 +41,7 @@ impl Shape {
             let (shares, inverse) = (mass.column_sum(), mass.cholesky()?.inverse());
             Some(array::from_fn(|j| array::from_fn(|k| if j.max(k) < nodes.len() { shares[j] * inverse[(j, k)] } else { 0.0 })))
         };
-        // Facet opposite itself.
+        // Pair of the facet with its own reverse: its mortar integrals are the mass matrix of the facet.
         Shape(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
     }
 
@@ -229,7 +229,7 @@ mod tests {
             }
         }
 
-        /// For any part of a facet covered beside a straight border, no function takes an opening for a penetration.
+        /// On a facet covered up to a straight border, no constraint function of a constant opening is negative.
         #[test]
         fn a_constant_opening_is_one_for_every_row(nodes in facets(), angle in 0.0..6.3f64, place in -0.8..0.8f64) {
             let count = nodes.len();

@@ -103,11 +103,11 @@ struct Asked<'a> {
 
 /// Use of the tangent blocks of an evaluation.
 enum Tangents<'a, 'b> {
-    /// They stay in the evaluation.
+    /// Tangent blocks stay in the evaluation.
     Stay,
-    /// They go to the receiver.
+    /// Tangent blocks go to the receiver, patch by patch.
     To(&'a mut TangentSink<'b>),
-    /// None are computed.
+    /// No tangent is computed.
     LeftOut,
 }
 
@@ -390,7 +390,7 @@ impl Scratch {
         self.live.push(found);
     }
 
-    /// The discrete gradient of a pair and its derivative, into the blocks that begin at these places.
+    /// Writes the discrete gradient of a pair and its derivative into the blocks that start at the given places.
     fn by_discrete_gradient(&mut self, functions: &Functions, found: &mut Live, [first_end, first_bar, first_of_tangent]: [usize; 3]) {
         let &Functions { kernel, start, shape, weights, ref middle, .. } = functions;
         let Scratch { gradient_end, gradient_bar, tangent, start: start_z, end: end_z, row, hessian, weighted, projection, .. } = self;

@@ -337,7 +337,7 @@ impl Shape {
         Carrier { shift, turn: (axis * (2.0 * (0.5 * angle).tan())).into(), center: center.into() }
     }
 
-    /// Symmetries of round obstacles; none for other ones.
+    /// Rotations and translations that map a round obstacle to itself; empty for other shapes.
     pub(super) fn symmetries(&self) -> Symmetries {
         match self {
             Shape::Sphere { center, .. } => {

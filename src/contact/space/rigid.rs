@@ -128,8 +128,9 @@ impl RigidInSpace {
                     .for_each(|(obstacle_side, side)| *obstacle_side = Some(Shape::Side(Arc::clone(facets), side)));
                 continue;
             }
-            // Without the face's plane, a node that a face pushes past an edge, and that returns without the push, has no solution. If its
-            // surface continues behind all faces, the edge itself is in front of it.
+            // Plane of one face instead of the whole obstacle: otherwise a node pushed past an edge by one face returns without the push,
+            // and the step has no solution. If the surface beside the node continues behind all faces, the edge is in front of the node and
+            // stays its obstacle.
             let planes = facets.planes_at_edge(x, AT_EDGE * size);
             if !planes.is_empty() {
                 let rises = |normal: Vector3<f64>, other: usize| normal.dot(&(self.start[other] - self.start[index]).normalize());

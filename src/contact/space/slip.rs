@@ -119,7 +119,7 @@ pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambd
         patches.gather_into(p, step.q_1, &mut patch.end);
         patches.gather_into(p, step.moved, &mut patch.moved);
         patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
-        // Whether there are slips does not depend on the unknowns of a pass.
+        // Existence of slips is independent of the unknowns of a pass.
         for first in (0..patch.end.len()).step_by(LANES) {
             if !patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out) {
                 break;

@@ -80,7 +80,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Table of `(time, value)` points with increasing times; `None` without points or for other times.
+    /// Table of `(time, value)` points with increasing times; `None` for an empty list or other orders.
     pub fn new(points: Vec<(f64, f64)>) -> Option<Self> {
         let increasing = points.windows(2).all(|pair| pair[0].0 < pair[1].0);
         (!points.is_empty() && increasing).then_some(Table { points })

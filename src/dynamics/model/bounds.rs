@@ -129,7 +129,7 @@ impl ObstacleBounds {
 impl Bound {
     /// Deepest point of the hull, if deeper than `allowed`: depth in facets and position.
     fn deepest(&self, q: &[f64], time: f64, allowed: f64) -> Option<(f64, [f64; 3])> {
-        // A time function that fails does so again, with its error, in the next step.
+        // Errors of time functions are reported by the next step, which evaluates them again.
         let by = self.motion.each_ref().map(|motion| motion.as_ref().and_then(|motion| motion.value(time).ok()).unwrap_or(0.0));
         let at =
             |node: u32| std::array::from_fn(|i| if i < self.dimension { q[self.dimension * node as usize + i] - by[i] } else { -by[i] });

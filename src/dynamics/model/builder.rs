@@ -44,7 +44,7 @@ impl Model {
         Ok(BodyBoundary { body, boundary: mesh.boundary(name).ok_or_else(unknown)?.clone() })
     }
 
-    /// Holds some components (x, y, z) of a boundary.
+    /// Supports a boundary: zero displacement of the selected components (x, y, z).
     pub fn fix(&mut self, on: BodyBoundary, components: [bool; 3]) {
         self.supports.push(Support { on, components });
     }

@@ -40,7 +40,7 @@ impl Model {
     /// Node pairs of a periodic coupling: each node of the first boundary and its counterpart, by node numbers in their meshes.
     ///
     /// # Errors
-    /// A node with nothing opposite to it, and unlike numbers of nodes.
+    /// A node without a counterpart, or different numbers of nodes.
     pub fn opposite_nodes(&self, from: &BodyBoundary, to: &BodyBoundary, turn: Option<&Sector>) -> Result<Vec<[u32; 2]>, String> {
         let nodes = |on: &BodyBoundary| self.bodies[on.body].mesh.boundary_nodes(&on.boundary);
         let points = |on: &BodyBoundary| -> Vec<[f64; 3]> {
@@ -155,7 +155,7 @@ impl Model {
     }
 }
 
-/// A place with a few digits.
+/// Text of a position, with three significant digits per coordinate.
 fn place_text(place: &[f64]) -> String {
     format!("[{}]", place.iter().map(|&x| three_digits(x)).collect::<Vec<_>>().join(", "))
 }

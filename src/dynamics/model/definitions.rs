@@ -31,7 +31,7 @@ pub struct BodyDefinition {
 }
 
 impl BodyDefinition {
-    /// True of a deformable body whose material flows plastically.
+    /// True for a deformable body whose material flows plastically.
     pub fn flows(&self) -> bool {
         self.rigid.is_none() && self.material.history().is_some()
     }
@@ -179,7 +179,7 @@ impl Model {
         });
         let lacking = match &interaction.partner {
             Partner::Tied { .. } => None,
-            // The middles of its faces have no nodes, and with them no tangents of their own.
+            // Face centers without nodes have no tangents of their own.
             _ if interaction.friction.is_some() && without_middles.is_some() => {
                 without_middles.map(|cells| format!("friction on a secondary side of `{cells}`"))
             }

@@ -87,7 +87,7 @@ impl Depths {
                     bodies.dedup();
                     meetings.extend(bodies.into_iter().map(|body| {
                         let first = first();
-                        // Two parts of one body: as a surface that touches itself.
+                        // Two boundaries of one body: like self-contact.
                         Meeting { contact, first, other: Other::Side(side(primary, body)) }
                     }));
                 }
@@ -123,7 +123,7 @@ impl Depths {
                 }
                 Other::Itself => [deepest(body, points(&first.surface, q), first), None],
                 Other::Corners { points, motion } => {
-                    // A time function that fails does so again, with its error, in the next step.
+                    // Errors of time functions are reported by the next step, which evaluates them again.
                     let by = motion.each_ref().map(|motion| motion.as_ref().and_then(|motion| motion.value(time).ok()).unwrap_or(0.0));
                     let at = |point: &[f64; 2]| Point { at: [point[0] + by[0], point[1] + by[1]], normal: None, size: 0.0, node: None };
                     [deepest(None, points.iter().map(at).collect(), first), None]
@@ -156,7 +156,7 @@ impl Depths {
         let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
         let mut deepest: Option<Depth> = None;
         for point in points {
-            // A little outside of its own body, which may be the same one.
+            // Test point slightly in front of the node, outside of the node's own body, which may be the same one.
             let x = point.normal.map_or(point.at, |normal| [0, 1].map(|i| point.at[i] + BESIDE * point.size * normal[i]));
             if !(0..2).all(|i| low[i] < x[i] && x[i] < high[i]) {
                 continue;
@@ -208,7 +208,7 @@ fn nearest(point: &Point, surface: &Surface, q: &[f64]) -> Option<(f64, usize)> 
         let length = t[0].hypot(t[1]);
         let outward = [t[1] / length, -t[0] / length];
         let looks_away = point.normal.is_some_and(|normal| normal[0] * outward[0] + normal[1] * outward[1] > OPPOSITE);
-        // A node that lies on the facet, as those of equal meshes do, is as near as can be.
+        // A node on the facet up to round-off, as in matching meshes, has no penetration from a farther facet.
         if looks_away || outward[0] * d[0] + outward[1] * d[1] > 2.0 * BESIDE * length.max(point.size) {
             return None;
         }
@@ -245,7 +245,7 @@ mod tests {
             let found = Depths::of(&model).at(&q, 0.0, &|_| true);
             assert!(found.len() == 1 && (found[0].depth + height).abs() < 1e-12 && (found[0].size - 0.125).abs() < 1e-12, "{found:?}");
         }
-        // Touching, apart, and with a side in the contact that looks elsewhere.
+        // Touching blocks, separate blocks, and a contact side that faces away.
         for (height, side) in [(0.0, "bottom"), (0.2, "bottom"), (-0.3, "left"), (-0.3, "top")] {
             let (model, q) = blocks(height, side);
             let found = Depths::of(&model).at(&q, 0.0, &|_| true);

@@ -1,6 +1,6 @@
 //! Suspicious properties of a model's contacts in the undeformed bodies.
 //!
-//! Unlike those of [`Model::check`] they are not errors: the model can be simulated, but hardly as intended.
+//! Findings are warnings, unlike the errors of [`Model::check`]: the model can be simulated, but hardly as intended.
 
 use super::boundaries::{boundary_faces, boundary_facets, facets_of_all, tie_reach, tied_in_space};
 use super::definitions::Model;
@@ -52,7 +52,7 @@ impl Model {
                 Partner::Tied { to, .. } => std::slice::from_ref(to),
             };
             let mut found = check(secondary, primary);
-            // Sides that are far inside each other lie behind each other, too.
+            // Deep mutual penetration also puts the sides behind each other: that finding is dropped.
             if found.iter().any(Finding::is_behind) && !Depths::of(self).at(&reference, 0.0, &|depth| depth.contact == index).is_empty() {
                 found.retain(|finding| !finding.is_behind());
             }

@@ -146,7 +146,7 @@ impl Model {
                 (0..3).filter(|&i| support.components[i]).for_each(|i| most = most.max(velocity[i].abs()));
             }
             for given in self.prescriptions.iter().filter(|given| is_same(&given.on)) {
-                // A time function that fails does so again, with its error, in the first step.
+                // Errors of time functions are reported by the first step, which evaluates them again.
                 let Ok(motion) = given.at(0.0) else { continue };
                 (0..self.dimension())
                     .filter(|&i| given.moves(i))

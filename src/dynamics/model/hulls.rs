@@ -120,7 +120,7 @@ impl Hull {
             let (along, to) = ([b[0] - a[0], b[1] - a[1]], [a[0] - x[0], a[1] - x[1]]);
             let turn = cross(ray, along);
             let (part, share) = (cross(to, along) / turn, cross(to, ray) / turn);
-            // It leaves to the right of a facet: the body is on the left.
+            // The ray leaves where it crosses a facet from left to right: the body is on the left.
             (turn > 0.0 && part >= 0.0 && (0.0..=1.0).contains(&share)).then_some(part)
         };
         self.facets.iter().filter_map(part).min_by(f64::total_cmp)

@@ -194,7 +194,7 @@ impl JointDefinition {
     /// First time after the start at which the rate of the drive jumps, among the known kinks of its time function; `None` without one.
     pub fn jump(&self) -> Option<f64> {
         let drive = self.drive.as_ref()?;
-        // Beyond the differences by which a rate is found at a corner.
+        // Rates on both sides of a kink, outside of the interval of the central difference.
         let beside = |time: f64, side: f64| drive.rate(time + side * 4.0 * TIME_DIFFERENCE * time.abs().max(SMALL_TIME)).unwrap_or(0.0);
         let jumps = |time: &f64| {
             let [before, after] = [beside(*time, -1.0), beside(*time, 1.0)];

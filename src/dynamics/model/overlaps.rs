@@ -121,7 +121,7 @@ impl Model {
         let Partner::Obstacle { shape, motion, .. } = &interaction.partner else { return None };
         let (body, dimension) = (interaction.secondary.body, self.dimension());
         let reference: Vec<f64> = self.start(body).iter().flat_map(|point| &point[..dimension]).copied().collect();
-        // A time function that fails does so again, with its error, in the first step.
+        // Errors of time functions are reported by the first step, which evaluates them again.
         let translation = motion.clone().map(|function| function.and_then(|function| function.value(0.0).ok()).unwrap_or(0.0));
         let mut kernel: Box<dyn ContactKernel> = match shape {
             Obstacle::InSpace(shape) => {
@@ -137,7 +137,7 @@ impl Model {
         if least > ALLOWED * size {
             return None;
         }
-        // A surface that touches an obstacle which is the wrong way is in front of the rest of its body.
+        // A surface in contact with an obstacle of the wrong orientation is the foremost part of its body: the deepest point is elsewhere.
         let behind = self.behind(body, shape, translation, size).filter(|_| looks_away(&*kernel, &reference, -least));
         let (least, node) = match behind {
             Some(deepest) if least >= -ALLOWED * size => deepest,

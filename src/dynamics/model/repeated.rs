@@ -12,7 +12,7 @@ impl Model {
             for first in exact[..index].iter().filter(|first| repeats(first, second)) {
                 let boundary = |contact: &Interaction| self.boundary_name(&contact.secondary);
                 return Err(match (first.is_tie(), second.is_tie()) {
-                    // Ties of the same nodes agree, and what is redundant is left out.
+                    // Repeated ties of the same nodes are consistent; redundant constraints are removed.
                     (true, true) => continue,
                     (true, false) => {
                         ModelError::TiedContact { contact: second.name.clone(), tie: first.name.clone(), boundary: boundary(second) }

@@ -45,7 +45,7 @@ pub enum StepError {
         /// Residual of the violated equation `[length]`.
         gap: f64,
     },
-    /// A stop or a taut cable that supports, drives and other joints move on.
+    /// Stop or taut cable that supports, drives and other joints force beyond its limit.
     #[error("joint \"{joint}\" has come to its stop at t = {time}, and what is held, prescribed or driven moves it beyond")]
     Blocked {
         /// Name of the joint.

@@ -68,7 +68,7 @@ impl Model {
                 if is_known || self.between(moving, other).is_some() {
                     continue;
                 }
-                // The first thing ahead of a node counts: what lies behind something else is not met.
+                // The first hull along the ray of a node counts: bodies behind another one are not met.
                 let meets = hulls[moving].facets.iter().any(|[x, _]| {
                     let ahead = |hull: &Hull| Some((hull.passed(*x, ray)?, hull.body));
                     hulls
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(model.meetings(), names(&[["cube", "die"]]));
         model.initial_velocities = vec![throw(1, -2.0), throw(2, 2.0)];
         assert_eq!(model.meetings(), names(&[]), "they part");
-        // Nothing is met through something else.
+        // Bodies behind another body are not met.
         model.bodies[2].mesh = Arc::new(rectangle([1.0, 1.0], [2, 2], [1.0, 3.0]).expect("the mesh is sound"));
         model.initial_velocities.clear();
         model.gravity = [0.0, -1.0, 0.0];

@@ -1,4 +1,4 @@
-//! A bolt between two ends: tightened to a force, then locked at the length that it has.
+//! A bolt between two ends: tightened to a preload, then locked at its current length.
 //!
 //! Up to the time of locking it pulls the ends together with the preload `F(t)`, whatever their distance `l`; its work is that of a load.
 //! Afterwards it is a spring of stiffness `k` with the preload at the length `L` of locking,
@@ -83,7 +83,7 @@ struct Bolt {
 }
 
 impl Bolt {
-    /// Rest length of the spring that the locked bolt is.
+    /// Rest length `L - F/k` of the locked bolt as a spring.
     fn rest_length(&self, memory: &[f64]) -> f64 {
         memory[0] - self.law.preload / self.law.stiffness
     }

@@ -408,7 +408,7 @@ impl ContactPair {
         self.kernel.owns(patch, node)
     }
 
-    /// Node that owns a constraint of the model, if a node does.
+    /// Secondary node that owns a constraint of the model; `None` if no node owns it.
     pub fn node_of(&self, row: usize) -> Option<u32> {
         let tangential = self.friction.as_ref().filter(|friction| row >= friction.rows.start && !self.rows.contains(&row));
         let local = tangential.map_or_else(|| row - self.rows.start, |friction| friction.pressing(row));
@@ -448,7 +448,7 @@ impl<'a> RowBlock<'a> {
         live_rows(self.rows.start, self.patches, self.evaluation)
     }
 
-    /// Clears the rows and columns of its constraints; vertices of multipliers follow `nodes` nodes.
+    /// Clears the matrix rows and columns of the block's constraints; vertices of multipliers follow `nodes` nodes.
     pub fn clear_constraints<const D: usize>(&self, (pattern, nodes): (&Pattern, usize), values: &mut [f64]) {
         for multiplier in self.rows.clone().map(|row| (nodes + row) as u32) {
             for &node in pattern.neighbors(multiplier as usize).iter().take_while(|&&node| (node as usize) < nodes) {

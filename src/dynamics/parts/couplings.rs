@@ -181,9 +181,9 @@ pub fn coupling_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], start: 
 
 /// Properties that the equations of a coupling have in common.
 struct Equalities {
-    /// True if they move by a value over time.
+    /// True if the right side follows a prescribed value over time.
     is_driven: bool,
-    /// True if their forces come from outside.
+    /// True if the constraint forces are external forces.
     is_grounded: bool,
     size: f64,
     dimension: usize,

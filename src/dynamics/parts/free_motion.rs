@@ -144,7 +144,7 @@ pub fn geared(coupled: &[FreeMotion], ratio: f64, size: f64) -> Geared {
     Geared::new(inner, dimension, coordinates, size)
 }
 
-/// Function `sign (|r|^2 - distance^2) / (2 length)` of the first vector.
+/// Function `sign (|r|^2 - distance^2) / (2 length)` of vector 0 of the group, `r`.
 fn distance_beyond(sign: f64, distance: f64, length: f64) -> PointFunction {
     let by = 0.5 * sign / length;
     PointFunction { products: vec![(0, 0, by)], linear: Vec::new(), constant: -by * distance * distance }

@@ -23,7 +23,7 @@ pub struct FrictionRows {
     pub rows: Range<usize>,
     /// Number of tangential constraints in a group.
     pub tangents: usize,
-    /// Multiplier per slip: compares the two.
+    /// Multiplier per slip, which scales slips to multipliers.
     pub c: f64,
     /// Blocks of each tangential constraint with its normal constraint, and with the other constraint of its group.
     pub(super) couplings: Vec<Block>,

@@ -24,7 +24,7 @@ pub struct JointReaction {
     pub is_grounded: bool,
     /// True if a drive prescribes the coordinate.
     pub is_driven: bool,
-    /// Blocks of the limit with each component of the reaction.
+    /// Matrix blocks that couple the limit with each component of the reaction.
     places: Vec<Block>,
 }
 

@@ -44,8 +44,8 @@ pub fn used_nodes(model: &Model, first: impl Fn(usize) -> usize) -> BTreeSet<u32
     used
 }
 
-/// Multiplier per slip of a joint's friction relative to weight over size, and its tolerance relative to that of the joint: with 1 and 1
-/// residuals of friction would have to be less than the round-off of forces.
+/// Multiplier per slip of a joint's friction in units of weight over size, and slip tolerance in units of the joint's gap tolerance. With 1
+/// and 1 the admissible residual of friction would be below the round-off of forces.
 const OF_WEIGHT: f64 = 10.0;
 const OF_JOINT: f64 = 1000.0;
 
@@ -169,7 +169,7 @@ fn joint_constraints<const D: usize>(model: &Model, bodies: &[Body<D>], joint: &
     let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let frames: &[[[f64; 3]; 2]] = if D == 2 { &[[x, y]] } else { &[[x, y], [y, z], [z, x]] };
     match joint.kind {
-        // Its distance is limited or prescribed instead.
+        // Stops or a drive constrain the distance instead.
         JointKind::Link | JointKind::Cable(_) if joint.limits.is_some() || joint.drive.is_some() => {}
         JointKind::Link => {
             let length = length(joint.distance());

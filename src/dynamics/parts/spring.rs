@@ -83,7 +83,7 @@ impl SpringForce {
 /// and end of a step.
 pub(super) fn linear_pull(k: f64, rest: f64, derivative: Derivative, [(r_0, l_0), (r_1, l_1)]: [([f64; 3], f64); 2]) -> SpringForce {
     let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (r_0[i] + r_1[i]));
-    // Where two ends have come together as in a spring without a length at rest.
+    // Coinciding ends: as with zero rest length.
     let stretch = |length: f64| if length > 0.0 { 1.0 - rest / length } else { 1.0 };
     match derivative {
         Derivative::DiscreteGradient => {

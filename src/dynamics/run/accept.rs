@@ -257,7 +257,7 @@ where
         if let Some([internal, _]) = system.outside_of(start, [&at.q_1, &at.u_1, &at.moved])? {
             obstacles.iter_mut().zip(&internal).for_each(|(sum, force)| *sum -= scheme.weight * force);
         }
-        // Multipliers at the start do work; their forces are among those that are remembered.
+        // Multipliers at the start of the step do work; their forces belong to the force history.
         let (before, mut at_start) = (if is_long { 0.0 } else { 1.0 - scheme.weight }, vec![0.0; if is_long { 0 } else { unknowns }]);
         for pair in system.pairs.iter().filter(|pair| !pair.acts_alone()) {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
@@ -292,7 +292,7 @@ where
                 }
             }
             if block.pair.kind == PairKind::Obstacle {
-                // Of that the slip is friction's, the rest that of the obstacle's motion.
+                // The work on the slip is that of friction, the rest that of the obstacle's motion.
                 obstacle_work += work - block.work(lambda);
             }
         }

@@ -126,7 +126,7 @@ impl Balance {
             let first = components.len();
             let aspect = definition.mesh.quality().aspect_ratio.max(1.0);
             let mut numbers: Vec<u32> = Vec::new();
-            // What rigid bodies carry along is fixed in a step, but held by nothing.
+            // Followers of a rigid body are fixed in a step, but not by supports.
             let followers: BTreeSet<usize> = equations.bodies[body].rigid.iter().flat_map(RigidBody::followers).collect();
             for node in equations.bodies[body].nodes.clone().filter(|node| !followers.contains(node)) {
                 let number = equations.nodes.component_of[node];
@@ -168,7 +168,7 @@ impl Balance {
         self.components.iter().filter(|component| component.rigid_mass.is_some()).map(|one| one.load::<D>(forces)).fold(0.0, f64::max)
     }
 
-    /// Judges the forces of an iterate at rest without damping.
+    /// Imbalance of the forces of an iterate at rest, without damping.
     pub fn judge<const D: usize>(&self, equations: &Equations<D>, Pose { q, u }: Pose, forces: &Forces) -> Imbalance
     where
         Space<D>: Elements<D>,
@@ -202,7 +202,7 @@ impl Balance {
             }
             let (pushes, motion) = rigid.respond(&along);
             let scale = f64::max(loads, reactions).max(contacts);
-            // Forces around an axis are those of the circumference.
+            // Axisymmetric forces are those of the whole circumference.
             let around = if equations.nodes.is_axisymmetric { std::f64::consts::TAU * component.radius } else { 1.0 };
             let floor = tolerances::FORCE_FLOOR * component.stiffness * reach * component.extent.powi(D as i32 - 2) * around;
             let (target_of_sums, target) = (tolerances::BALANCE * scale, tolerances::BALANCE * largest_force);
@@ -298,7 +298,7 @@ impl Balance {
             if pair.kind == PairKind::Obstacle {
                 // Weighted by the area of the nodes.
                 let distances = pair.kernel.gap(q).into_iter().zip(pair.kernel.weights()).map(|(gap, weight)| gap / weight);
-                // The first row of a node is that for the whole obstacle.
+                // The first constraint of a node measures the distance from the whole obstacle.
                 let distances = distances.step_by(pair.kernel.rows_per_node());
                 for (distance, &node) in distances.zip(pair.kernel.secondary().nodes()) {
                     let clearance = &mut clearances[component_of[node as usize]];
@@ -378,7 +378,7 @@ impl<const D: usize> RigidMotions<D> {
             (held[(0, 0)], held[(2, 2)]) = (held[(0, 0)] + all, held[(2, 2)] + all);
         }
         let largest = held.trace();
-        // Of the plane's three motions alone.
+        // In the plane, its three rigid motions only.
         let count = D * (D + 1) / 2;
         let eigen = DMatrix::from(held.view((0, 0), (count, count))).symmetric_eigen();
         let loose: Vec<_> = (0..count).filter(|&m| eigen.eigenvalues[m] <= tolerances::HELD * largest).collect();

@@ -1,8 +1,8 @@
 //! Separation of initial overlaps in `settle`: measured depths, a limited displacement per step, and a check that no overlap remains.
 //!
-//! Overlapping pairs are admitted at any depth ([`PredictedMotion::depth`](crate::contact::Outlook)). A damped step closes only part of the
-//! overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay within its range of
-//! convergence. The target thus exceeds the gap at the start by at most a fraction of a facet, which is reduced when a step fails.
+//! Overlapping pairs are admitted at any depth ([`PredictedMotion::depth`](crate::contact::PredictedMotion::depth)). A damped step closes
+//! only part of the overlap: Newton's method moves nodes by a fraction of a facet per iteration, and large strains must stay within its
+//! range of convergence. The target thus exceeds the gap at the start by at most a fraction of a facet, which is reduced when a step fails.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};
@@ -41,7 +41,7 @@ pub struct Closing {
 }
 
 impl Closing {
-    /// The overlaps of a model.
+    /// Initial overlaps of a model, with the closing of the first step.
     pub fn of(model: &Model) -> Closing {
         Closing { depths: Depths::of(model), facets: FIRST }
     }

@@ -1,9 +1,8 @@
 //! Friction at the nodes of a contact: nodal forces, shear stress, states, slips.
 //!
 //! The shear stress at a node is `tau L(pressure)/L(lambda)` with the tangential multiplier `tau`, the normal multiplier `lambda`, the
-//! node's pressure in the output and the limit `L` of the law. So it lies within the cone at that pressure, however the pressure follows
-//! from multipliers, and where a whole contact slips shear stress is coefficient times pressure. In space stress and slip have two
-//! components, and their norms are given.
+//! node's pressure in the output and the limit `L` of the law. It is therefore at most `L(pressure)`; if a whole contact slips under
+//! Coulomb's law, it is coefficient times pressure. In space, stress and slip are the norms of their two components.
 
 use super::fields::NodeState;
 use super::loaded::{ContactForces, Loaded};
@@ -56,7 +55,8 @@ pub fn add_friction<const D: usize>(contact: Loaded, corners: &[Loaded], forces:
     if D == 3 {
         pulled.iter_mut().zip(&of_corners).for_each(|(pulled, force)| *pulled = size(force));
     }
-    // Pulls of several rows add up where what presses parts them, and act at mid-step.
+    // Shear forces of several corner constraints add up even if their normal forces have different directions, and act at mid-step: their
+    // sum is limited by the normal forces at the end.
     for ((pulled, pressed), largest) in pulled.iter_mut().zip(pressed).zip(largest) {
         let most = largest * *pressed;
         *pulled = pulled.clamp(-most, most);
@@ -192,7 +192,7 @@ fn norm(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Nodes with a part of the constraint's force.
+/// Indices of the nodes with a share of the constraint's force above `ZERO_ROW`.
 fn pressed_nodes(nodes: &[(usize, f64)]) -> impl Iterator<Item = usize> {
     nodes.iter().filter(|(_, share)| *share > tolerances::ZERO_ROW).map(|(node, _)| *node)
 }

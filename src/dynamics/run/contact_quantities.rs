@@ -39,7 +39,7 @@ pub fn contact_forces<const D: usize>(contact: Loaded, corners: &[Loaded], q: &[
     for corners in corners {
         corners.for_each_force::<D>(corners.lambda, |node, _, _, force| forces.all.push((node, force)));
         corners.for_each_shown_force::<D>(corners.lambda, |node, own, _, force| {
-            // On a surface that touches itself, the corner's side.
+            // In self-contact, forces on the corner's own side only.
             if (!with_itself || own)
                 && let Some(index) = secondary.index(node)
             {
@@ -141,7 +141,7 @@ fn touches_on_axis(contact: Loaded, index: usize, q: &[f64]) -> bool {
         && evaluation.gap[row] <= tolerances::TOUCHES_ON_AXIS * pair.kernel.facet_size() * covered * pair.kernel.weights()[row]
 }
 
-/// Pressure of a node on the axis that touches the other side: an even function of the radius through those of the next two nodes.
+/// Pressure of a node on the axis that touches the other side: extrapolated from the next two nodes as an even function of the radius.
 fn pressure_on_axis(contact: Loaded, index: usize, pressures: &[f64], q: &[f64]) -> f64 {
     let secondary = contact.pair.kernel.secondary();
     let next = |index: usize, except: usize| {

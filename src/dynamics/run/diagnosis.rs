@@ -39,7 +39,7 @@ impl<const D: usize> Evidence<'_, D>
 where
     Space<D>: Elements<D>,
 {
-    /// The report on a failure.
+    /// Report on a failure, with its cause.
     pub fn report(&self, failure: &Failure) -> FailureReport {
         let cause = match failure {
             Failure::Iterations | Failure::Inexact { .. } => self.not_converged(),
@@ -103,7 +103,7 @@ where
         }
         let ratios: Vec<f64> = self.tries.iter().map(|tried| tried.residual / tried.target).collect();
         let nearer = ratios.len() > 1 && ratios.windows(2).all(|pair| pair[1] < 0.5 * pair[0]);
-        // Still falling when the iterations were over.
+        // The residual still decreased at the last iteration.
         let falling = residuals.len() > CYCLE && last < 0.5 * residuals[residuals.len() - CYCLE];
         if nearer || falling {
             return FailureCause::StepLimit { ratios };
@@ -174,8 +174,8 @@ where
 
     /// Load or prescribed motion with the largest displacement of a node in the step, the node, and the displacement in cells.
     ///
-    /// A force moves a node at most by `f dt^2 / 2m`, because of its inertia, and at most by about `f / (E h^(D-2))`, because of what it
-    /// hangs on.
+    /// A force moves a node at most by `f dt^2 / 2m`, because of its inertia, and at most by about `f / (E h^(D-2))`, because of the
+    /// stiffness of the adjacent cells.
     fn fastest_load(&self) -> Option<(String, usize, f64)> {
         if self.dt == 0.0 {
             return None;
@@ -261,7 +261,7 @@ impl<const D: usize> Evidence<'_, D> {
             if let (Some(own), None) = (own, node) {
                 return format!("the constraints of \"{}\" and others depend on one another: singular matrix", own.name);
             }
-            // Which row the elimination stops at is a matter of round-off: every pair that constrains this node takes part.
+            // The row at which elimination stops depends on round-off: all pairs that constrain its node are named.
             let pairs = system.pairs.iter().filter(|pair| node.is_some_and(|node| pair.kernel.secondary().index(node).is_some()));
             let mut names: Vec<String> = pairs.map(|pair| format!("\"{}\"", pair.name)).collect();
             let mut known = std::collections::BTreeSet::new();
@@ -289,7 +289,7 @@ impl<const D: usize> Evidence<'_, D> {
 /// Text of a unit vector, such as `(1.00, 0.00)`.
 fn direction(vector: &[f64]) -> String {
     let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    // A zero without a sign.
+    // Adding 0.0 removes the sign of a zero.
     let components: Vec<String> = vector.iter().map(|x| format!("{:.2}", (100.0 * x / length).round() / 100.0 + 0.0)).collect();
     format!("({})", components.join(", "))
 }
@@ -306,7 +306,7 @@ pub fn rigid_motion_of<const D: usize>(positions: &[f64], motion: &[f64], within
         }
     }
     let (center, shift) = mean;
-    // The turn that fits best, about the mean position.
+    // Best-fit rotation about the mean position.
     let (mut moment, mut inertia) = (0.0, 0.0);
     for (x, u) in positions.chunks_exact(D).zip(motion.chunks_exact(D)) {
         if D == 2 {

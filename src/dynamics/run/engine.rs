@@ -81,7 +81,7 @@ where
         check_integrator(model, &options.integrator, options.control.is_some())?;
         let mut system = System::<D>::new(model, options.threads, &options.integrator, options.solver)?;
         system.watch(InterruptWatch { interrupt: options.interrupt.clone(), progress: options.progress.clone() });
-        // A time function that fails does so again, with its error, in the first step.
+        // Errors of time functions are reported by the first step, which evaluates them again.
         let _ = system.equations.move_obstacles(0.0, 0.0);
         let displaced = (0..model.bodies.len()).flat_map(|body| model.initial_displacement(body));
         let displacements: Vec<f64> = displaced.flat_map(|u| u[..D].to_vec()).collect();
@@ -153,10 +153,10 @@ where
     }
 }
 
-/// Size of the first step; `None` if it is to be chosen, and `sound`, the time that sound takes through a cell, is unknown.
+/// Size of the first step; `None` if it depends on `sound`, the time of an elastic wave through a cell, and that time is unknown.
 fn first_step(options: &Options, sound: Option<f64>) -> Option<f64> {
     match options.control {
-        // Short against what vibrates fastest, by as much as the tolerance asks for.
+        // A fraction of the wave's time, by the root of the tolerance.
         Some(control) if options.dt == 0.0 => sound.map(|time| control.tolerance.sqrt() * time),
         _ => Some(options.dt),
     }

@@ -50,13 +50,14 @@ where
             let ends = forces(&begun).iter().zip(forces(&ended));
             ends.zip(&moved).map(|((first, last), moved)| 0.5 * (first + last) * moved).sum()
         };
-        // In an equilibrium nothing moves, whatever the rates of what is prescribed.
+        // Velocities are zero in an equilibrium, also those of prescribed motions.
         state.velocities.fill(0.0);
         let row = &mut state.row;
         row.dt = dt;
         row.kinetic = 0.0;
         row.contact_work = work(|forces| &forces.between) + 0.0;
-        // What obstacles and drives do: what contacts do and neither pressing between bodies, friction nor penalties explain.
+        // Work of obstacles and drives: work of all contact forces less contact work and friction work, plus the change of the penalty
+        // energy.
         let driven = work(|forces| &forces.contact) - row.contact_work - row.friction_work + (ended.kept - begun.kept);
         row.load_work = work(|forces| &forces.outside) + driven + 0.0;
         row.energy_defect = row.total() - before.row.total() - row.load_work - row.contact_work - row.friction_work + row.dissipation;

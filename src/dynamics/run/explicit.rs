@@ -206,7 +206,7 @@ impl SchemeMemory {
         self.force = left(static_forces);
         self.outside = [left(&forces.load), left(&forces.ground)];
         if obstacles.iter().any(|force| *force != 0.0) {
-            // As internal forces, against the motion that they drive.
+            // Sign of internal forces: opposite to the motion that the forces drive.
             let ground = &mut self.outside[1].left;
             ground.resize(obstacles.len(), 0.0);
             ground.iter_mut().zip(obstacles).for_each(|(ground, obstacle)| *ground -= obstacle);

@@ -124,8 +124,9 @@ where
         for pair in system.pairs.iter().filter(|pair| pair.kind == PairKind::Obstacle) {
             let [before, now] = [0, 1].map(|k: usize| &leap.lambda[k][pair.rows.clone()]);
             let has_multipliers = pair.has_multipliers();
-            // Multipliers of the step replace the earlier ones at its start. The earlier ones pressed with the constraints of the step
-            // before, whose facets may be others: their force is remembered (`outside`), their work is that of the constraints of now.
+            // Multipliers of this step replace the earlier ones at its start. The force of the earlier multipliers acted with the
+            // constraints of the previous step, whose facets may differ, and is stored (`outside`); their work is computed with the present
+            // constraints.
             let change: Vec<f64> = before.iter().zip(now).map(|(before, now)| if has_multipliers { now - before } else { 0.0 }).collect();
             let half = |lambda: &[f64]| -> Vec<f64> { lambda.iter().map(|lambda| 0.5 * lambda).collect() };
             let none = vec![0.0; now.len()];
@@ -147,7 +148,7 @@ where
             reactions[1][k] = mass * (v_1[k] - middle) + 0.5 * f_1[k];
         }
         let weight = &system.nodes.weight;
-        // Forces of the ground, less those of obstacles.
+        // Forces of the ground without those of obstacles.
         let [load_0, ground_0] = motion.remembered.outside.each_ref().map(|lagging| &lagging.left);
         let half = |k: usize, load: f64, ground: &[f64], share: f64| 0.5 * weight[k] + load - share * ground.get(k).copied().unwrap_or(0.0);
         let others = [

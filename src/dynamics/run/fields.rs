@@ -26,7 +26,7 @@ pub struct BodyFields {
     /// Estimated error of the stresses around a node `[stress]`: root mean square of the difference between cell stresses and the
     /// continuous nodal stress (Zienkiewicz and Zhu 1987).
     pub stress_error: Vec<f64>,
-    /// True of a deformable body whose material flows plastically.
+    /// True for a deformable body whose material flows plastically.
     pub flows: bool,
     /// Equivalent plastic strain, recovered at nodes like the stress and never negative; 0 for materials without plasticity.
     pub plastic_strain: Vec<f64>,

@@ -136,7 +136,7 @@ where
         if is_spent || recounts == MOST_RECOUNTS || below.is_none_or(|below| below <= known) {
             return Ok((Ok(done), linear, below == Some(known)));
         }
-        // Some are missing: one of each that is there several times.
+        // Lanczos vectors contain one direction of each multiple eigenvalue: a new search adds the missing ones.
         recounts += 1;
         operator.vibrations.factorize_unloaded()?;
         lanczos.begin(&mut operator)?;

@@ -83,7 +83,7 @@ where
         Ok(found)
     }
 
-    /// The first shift to be tried below all eigenvalues.
+    /// First shift tried below all eigenvalues: `-MODE_SHIFT` times the least squared elastic frequency of a component.
     pub(super) fn first_shift(&self) -> f64 {
         let components = Balance::new(&self.system, &self.model).components;
         -tolerances::MODE_SHIFT * components.iter().map(|component| component.frequency_squared).fold(f64::INFINITY, f64::min)
@@ -139,7 +139,7 @@ fn scaled_to_one<const D: usize>(mut x: Vec<f64>) -> Vec<f64> {
     let widest = x.iter().fold(0.0f64, |widest, x| widest.max(x.abs()));
     let leading = x.iter().copied().find(|x| x.abs() >= (1.0 - tolerances::ALIKE) * widest).unwrap_or(1.0);
     let scale = if largest > 0.0 { leading.signum() / largest } else { 1.0 };
-    // Nothing is negative zero.
+    // Adding 0.0 removes the sign of zeros.
     x.iter_mut().for_each(|x| *x = *x * scale + 0.0);
     x
 }
@@ -185,7 +185,7 @@ where
     if motions < count {
         return Err(SearchError::Refused(ModesError::TooMany { count, motions }));
     }
-    // Rigid motions, of which as many belong to the same eigenvalue.
+    // Block size: the number of rigid motions, which have the same eigenvalue.
     let mut lanczos = Lanczos::new(vibrations.unknowns(), (D * (D + 1) / 2).min(motions));
     let (mut wanted, mut next) = (count, count);
     loop {
@@ -201,7 +201,7 @@ where
         let ritz: Vec<Ritz> = lanczos.ritz().into_iter().filter(|ritz| ritz.theta > 0.0).collect();
         let found = ritz.iter().take_while(|ritz| ritz.residual <= tolerances::MODE_RESIDUAL * ritz.theta).count();
         if is_spent && ritz.len() >= count {
-            // They are all that there are.
+            // The model has no further eigenvalues.
             return Ok(Found { ritz: ritz.into_iter().take(count).collect(), lanczos, is_complete: true });
         }
         let vectors = lanczos.applied();
@@ -223,7 +223,7 @@ where
             let is_complete = below == Some(first);
             return Ok(Found { ritz: ritz.into_iter().take(count).collect(), lanczos, is_complete });
         }
-        // Some are missing: one of each that is there several times.
+        // Lanczos vectors contain one direction of each multiple eigenvalue: a new search adds the missing ones.
         vibrations.factorize(shift)?;
         lanczos.begin(vibrations)?;
         next = lanczos.applied() + LOOK_AFTER.max(count);

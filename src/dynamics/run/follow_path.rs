@@ -229,7 +229,7 @@ where
         options: &PathOptions,
     ) -> Result<(Guess, usize), Failure> {
         let speed = norm(&tangent.per_load).max(f64::MIN_POSITIVE);
-        // Onwards: as the step before went, at first towards the end.
+        // Direction along the path: that of the previous step; at first towards the end.
         let onwards = before.map_or((options.until - from.load).signum(), |before| product(before, &tangent.per_load).signum());
         let left = options.until - from.load;
         let step = if options.by_arc { onwards * arc / speed } else { left.signum() * arc / speed };
@@ -330,7 +330,7 @@ where
         for k in (0..unknowns).filter(|&k| self.system.supports.fixed[k]) {
             rate[k] = modulus * rates.motion[k];
         }
-        // Free nodes make up for what prescribed motions and drives do to the gaps.
+        // Free nodes compensate the gap rates of prescribed motions and drives.
         rate[unknowns..].iter_mut().zip(&rates.gap).for_each(|(rate, gap)| *rate = -gap);
         self.system.for_each_end_gradient([&at.pairs, &at.slips], |_, row, k, gradient| rate[unknowns + row] -= gradient * rates.motion[k]);
         (0..self.system.multipliers).filter(|&row| !rows.0[row].acts).for_each(|row| rate[unknowns + row] = 0.0);
@@ -352,7 +352,7 @@ fn on_sphere(from: &Guess, guess: &Guess, response: &Response, arc: f64) -> Opti
     if a == 0.0 {
         return None;
     }
-    // Where none lies on the sphere, the nearest to it.
+    // Without an intersection with the sphere: the point nearest to it.
     let root = (b * b - 4.0 * a * c).max(0.0);
     let ahead = |change: &f64| product(&step, &corrected) + change * product(&step, rate);
     let roots = [(-b + root.sqrt()) / (2.0 * a), (-b - root.sqrt()) / (2.0 * a)];
@@ -371,7 +371,7 @@ fn critical_points(points: &[PathPoint]) -> Vec<CriticalPoint> {
     let mut found: Vec<CriticalPoint> = turns
         .iter()
         .map(|&k| {
-            // The parabola through three points, from the middle one.
+            // Parabola through three points, relative to the middle one.
             let (back, ahead) = (points[k - 1].length - points[k].length, points[k + 1].length - points[k].length);
             let (low, high) = ((load(k - 1) - load(k)) / back, (load(k + 1) - load(k)) / ahead);
             let curvature = (high - low) / (ahead - back);

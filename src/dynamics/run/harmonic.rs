@@ -83,7 +83,7 @@ pub enum HarmonicError {
         /// The frequency `[1/time]`.
         frequency: f64,
     },
-    /// The vectors did not suffice.
+    /// The residual is too large with the largest admitted number of vectors.
     #[error("the response at the angular frequency {frequency} was not found with {vectors} vectors")]
     NotFound {
         /// The frequency `[1/time]`.

@@ -110,7 +110,7 @@ where
             if !pair.has_multipliers() {
                 rows.hold[pair.rows.clone()].fill(false);
             } else if pair.restitution.is_some() {
-                // Their impacts have an end of their own (`rigid_impacts.rs`), and their rows may depend on one another.
+                // Contacts with restitution are resolved in `rigid_impacts.rs`; their constraints may be linearly dependent.
                 rows.hold[pair.rows.clone()].fill(false);
             } else if pair.update.gives_back && pair.is_unilateral() {
                 for row in pair.rows.clone() {

@@ -49,7 +49,7 @@ where
         let factorizations = self.system.counters.factorizations - factorizations;
         let State { row, slipped, .. } = Arc::make_mut(&mut self.state);
         if time == from {
-            // The way to where the model begins is none that it goes.
+            // The motion from the initial positions to the equilibrium is not a slip of a step.
             *slipped = before.iter().map(|memory| SlipMemory { slip: 0.0, ..*memory }).collect();
         }
         let frictional = friction_work(&self.system, &before, slipped);
@@ -58,7 +58,7 @@ where
             own.for_each(|(_, totals)| totals.friction_work = work);
         }
         row.contacts.iter_mut().zip(&frictional).for_each(|(contact, work)| contact.friction_work = *work);
-        // What the step before did is not done again; from another time it is a step of its own.
+        // The works of the previous step are not repeated; an equilibrium at another time is a step of its own.
         *row = LedgerRow {
             step: row.step + usize::from(time != from),
             dt: time - from,
@@ -149,7 +149,8 @@ where
         let begun = self.state.clone();
         self.count_turns();
         match self.settle_from_here(f64::INFINITY, care) {
-            // What was moved at once has been pushed into the other side round a corner: in small parts it comes another way.
+            // A prescribed motion in one increment has pushed a body around a corner into the other side: it is repeated in small
+            // increments.
             Err(StepError::StillOverlaps { .. }) if !self.system.supports.prescribed.is_empty() => {
                 self.take_back(&begun);
                 self.settle_from_here(STRIDE * self.shortest_facet(), care)

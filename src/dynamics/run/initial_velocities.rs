@@ -65,8 +65,8 @@ fn hold_rigid_body<const D: usize>(system: &Equations<D>, model: &Model, body: u
     let given = model.initial_velocities.iter().rfind(|given| given.body == body);
     let given = |j: usize| given.map_or(0.0, |given| if j < 3 { given.linear[j] } else { given.angular[j - 3] });
     let given = DVector::from_iterator(motions.len(), motions.iter().map(|&j| given(j)));
-    // In coordinates in which the kinetic energy is half the square, what is not held is kept, and the rest follows from the velocities of
-    // held components.
+    // With `z = R w`, for which the kinetic energy is half the square, components of `z` independent of the prescribed velocities are kept,
+    // and the others follow from the prescribed velocities.
     let root = mass_root(&inertia, motions);
     let inverse = root.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(motions.len(), motions.len()));
     let (mut normal, mut right) = (DMatrix::zeros(motions.len(), motions.len()), DVector::zeros(motions.len()));

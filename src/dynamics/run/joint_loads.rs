@@ -31,7 +31,7 @@ where
         let known = row.joints.get(index);
         let JointTotals { force, moment, value, friction, friction_work, .. } =
             known.copied().unwrap_or_else(|| JointTotals { value: self.joint_value(joint, q, 0.0), ..JointTotals::default() });
-        // After damped steps to an equilibrium the clock begins anew.
+        // Damped steps to an equilibrium reset the clock; their forces act at the end.
         let share = if self.state.clock.count == 0 { 1.0 } else { self.options.integrator.derivative.placement().share };
         let coordinate = joint.kind.coordinate(D).map(|coordinate| (coordinate, value));
         let work = joint.drive.as_ref().map(|_| known.map_or(0.0, |known| known.work));
@@ -109,7 +109,7 @@ where
         let rate = |pair: &ContactPair| {
             let mut evaluation = Evaluation::default();
             pair.kernel.evaluate(Derivative::AT_END, q, &vec![0.0; pair.rows.len()], &mut evaluation);
-            // The row of a drive is the last one, and moves as that says.
+            // The last constraint of the pair is that of the drive, whose rate is prescribed.
             let driven = pair.drive.as_ref().map_or(0.0, |(coordinate, function)| {
                 let arm = if *coordinate == Coordinate::Angle { pair.kernel.facet_size() } else { 1.0 };
                 arm * function.rate(self.state.row.time).unwrap_or(f64::NAN)

@@ -33,7 +33,7 @@ where
         let scheme = options.integrator.after(old.remembered.dt, dt);
         let chosen = old.pace.size(&control, options.dt);
         let is_cut = substeps.is_whole() && dt < chosen * (1.0 - tolerances::SAME_MOMENT);
-        // Ties and contacts that also pull hold from the start.
+        // Ties and bilateral contacts are closed from the start.
         let is_open = |(contact, (_, pair)): (usize, (usize, &ContactPair))| {
             !pair.law.is_bilateral() && old.pace.is_open(contact, BOUNCE * self.sound)
         };

@@ -336,8 +336,8 @@ pub(super) fn unexplained([new, old]: [[f64; 3]; 2], [first, second]: [[f64; 3];
 }
 
 impl LedgerRow {
-    /// Makes the row of a stage of size `own` that of all stages so far, of which `before` is that of the stages before it: works add up,
-    /// forces are means over what has passed of the whole step of size `whole`, which begins after the step `first`.
+    /// Adds the earlier stages of a step to the row of a stage of size `own`: works are summed, forces are means over the elapsed part of
+    /// the whole step of size `whole`. `before` is the row of the earlier stages, `first` the number of the step before the whole step.
     pub(super) fn join(&mut self, before: &LedgerRow, first: usize, own: f64, whole: f64) {
         let passed = if before.step > first { before.dt } else { 0.0 };
         self.step = first + 1;

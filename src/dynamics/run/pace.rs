@@ -32,8 +32,8 @@ const SHORTER: f64 = 0.2;
 const LESS: f64 = 0.9;
 /// Weight of a shorter step in the average step size, for a step of that size.
 const FORGETTING: f64 = 0.3;
-/// Growth of the largest speed in a step relative to the root of the tolerance from which a motion counts as just begun: accuracy relative
-/// to its small distance is not significant.
+/// Growth of the largest mean speed in a step, in units of the root of the tolerance, above which a motion counts as just begun: the error
+/// relative to its small distance is not significant.
 const BEGUN: f64 = 5.0;
 
 /// Accuracy and bounds of the step size.
@@ -161,15 +161,15 @@ impl StepSizeState {
         let velocity: Vec<f64> = u_1.iter().zip(u_0).map(|(u_1, u_0)| (u_1 - u_0) / dt).collect();
         let speed = self.speed.max(measure.size(&velocity, false));
         let (order, smallest) = (scheme.promises.order as f64, control.smallest(first));
-        // What the error may grow by in the step `[length]`.
+        // Admissible growth of the error in the step `[length]`.
         let still = (tolerances::STILL * measure.size(u_1, false)).max(round_off) + f64::MIN_POSITIVE;
-        // A first touch in the first step shortens it, but not what steps usually have.
+        // A first touch shortens the first step, but not the usual size of steps.
         let usual = if self.usual > 0.0 { self.usual } else { self.size(control, first) };
         let allowed = control.tolerance * speed * usual.max(dt) + still;
         let growth = self.growth(step, &velocity).map(|growth| growth.iter().map(|part| measure.size(part, true)).sum::<f64>());
         let ratio = growth.map_or(0.0, |growth| growth * dt / allowed);
         let has_begun = speed <= self.speed * (1.0 + BEGUN * control.tolerance.sqrt());
-        // A size that is hardly shorter would leave a rest that is hardly a step.
+        // A slightly smaller size would leave a tiny remainder of the step.
         let may_shrink = LESS * dt >= smallest;
         if ratio > 1.0 && may_shrink && has_begun {
             return Err((dt * (AIM / ratio).powf(1.0 / order).clamp(SHORTER, LESS)).max(smallest));
@@ -192,7 +192,7 @@ impl StepSizeState {
         let mut next = StepSizeState { speed, steps: vec![PastStep { dt, velocity: velocity.into() }], ..self.clone() };
         next.steps.extend(self.steps.first().cloned());
         if growth.is_none() {
-            // The first one, of which nothing is known.
+            // First step, without an earlier error.
             (next.dt, next.usual) = (self.dt.max(dt), usual.max(dt));
         } else if !is_cut || ratio > AIM {
             let relative = (ratio / AIM).clamp(tolerances::EXACT, 1.0 / AIM);
@@ -211,7 +211,7 @@ impl StepSizeState {
     /// Growth of the error in the step by second and by third differences, for each component; `None` if too few states are stored.
     fn growth(&self, step: &Stepped, velocity: &[f64]) -> Option<[Vec<f64>; 2]> {
         let &Stepped { scheme: Scheme { error, .. }, dt, v_0, .. } = step;
-        // Mean velocities of stretches of time up to now, the last one first; that of no length is the velocity itself.
+        // Mean velocities over past intervals up to now, the last one first; the velocity itself for an interval of zero length.
         let stretches: [(f64, &[f64]); 3] = match &self.steps[..] {
             [] => return None,
             [before] => [(dt, velocity), (0.0, v_0), (before.dt, &before.velocity)],

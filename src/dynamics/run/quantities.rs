@@ -209,11 +209,12 @@ where
                 (body.to_string(), number, place)
             });
             let (name, count, of) = (pair.name.clone(), rows.count() + 1, pair.rows.len());
-            // The row of a drive is the last of its joint.
+            // The last constraint of a joint is that of its drive.
             let is_driven = pair.drive.is_some() && system.redundant[pair.rows.end - 1];
             Some(RedundantConstraints { name, is_joint: pair.kind == PairKind::Joint, is_driven, count, of, node })
         };
-        // Supports of a rigid body hold more nodes than it has motions, and pairs of cells meet in their corners.
+        // Redundancy is expected, and not reported, for nodes of rigid bodies (supports hold more nodes than a body has motions) and for
+        // couplings (periodic pairs share corners).
         let is_told = |pair: &&ContactPair| !matches!(pair.kind, PairKind::Rigidity | PairKind::Coupling(_));
         system.pairs.iter().filter(is_told).filter_map(of).collect()
     }

@@ -1,4 +1,5 @@
-//! History variables of a time integrator at a state that none of its own steps has reached: the start, or after `settle` or another one.
+//! History variables of a time integrator at a state that none of its own steps has reached: at the start, after `settle`, or after steps
+//! of another integrator.
 
 use std::sync::Arc;
 
@@ -49,7 +50,7 @@ where
     fn memory_at(&mut self, start: &StepStart, at: &Linearization) -> Result<SchemeMemory, Failure> {
         let scheme = self.options.integrator;
         let (forces, mut remembered) = (&at.forces, SchemeMemory { of: scheme.describe(), ..SchemeMemory::default() });
-        // Contacts with friction act in their own step alone.
+        // Forces of contacts with friction enter only their own step.
         let mut lagging: Vec<f64> = (0..at.q_1.len()).map(|k| forces.residual(k)).collect();
         self.system.alone_into(start, at, &mut lagging);
         let residual = |factor: f64| lagging.iter().map(|force| factor * force).collect();
@@ -63,7 +64,7 @@ where
         if scheme.remembers(History::Acceleration) {
             let given = self.prescribed_accelerations(at.q_1.len()).map_err(Failure::Fatal)?;
             let accelerations = self.system.accelerations(at, given)?;
-            // The order of elimination may be another one now.
+            // The elimination order may have changed.
             Arc::make_mut(&mut self.state).search = self.system.search();
             remembered.force.left.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= scheme.left() * tie);
             remembered.force.answered.iter_mut().zip(&accelerations.ties).for_each(|(force, tie)| *force -= tie);

@@ -166,7 +166,7 @@ impl FailureReport {
     pub fn explanation(&self) -> String {
         let cause = self.cause_text();
         match &self.unheld {
-            // Which body lacks what is said already.
+            // The cause already names the body.
             _ if matches!(self.cause, FailureCause::NoEquilibrium { .. }) => cause,
             Some(body) => format!("{cause}; body \"{body}\" has no support, and the loads on it do not balance"),
             None => cause,

@@ -97,7 +97,8 @@ where
     fn touches(&self, motion: &Motion, solution: &Solution, conditions: &Conditions, rates: &[f64]) -> Option<Vec<ImpactConstraint>> {
         let (mut touches, mut is_impact, held) = (Vec::new(), false, self.system.closed_gaps());
         let mut before = None;
-        // Of closed contacts: the midpoint rule carries round-off of the positions in a short step on as a speed that alternates.
+        // Lower bound of the impact speed of closed contacts: after a short step the midpoint rule continues round-off of the positions as
+        // an alternating speed.
         let floor = (2.0 * tolerances::IMPACT_FLOOR * self.state.row.energy_scale() / self.system.nodes.total_mass).sqrt();
         for (index, pair) in self.system.pairs.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
             let at = &solution.at.pairs[index];
@@ -107,7 +108,7 @@ where
                 if at.coverage[local] <= tolerances::SLIVER || !(acts || at.gap[local] <= closed) {
                     continue;
                 }
-                // Speeds below that are what the tolerance of the gap leaves.
+                // Speeds below `slow` may result from the gap tolerance.
                 let mut was_closed = conditions.gap_n[row] <= closed;
                 let carried_on = if was_closed { floor * at.coverage[local] * pair.kernel.weights()[local] } else { 0.0 };
                 let slow = (NOISE * pair.gap_tolerance / motion.dt).max(carried_on);
@@ -171,7 +172,7 @@ where
         let hold = self.system.bilateral_rows(&solution.at.pairs, |_| true);
         let responses = self.system.responses(&solution.at, evaluated, &hold, rows)?;
         let mut held: Vec<f64> = rates.iter().zip(&hold).map(|(rate, hold)| if *hold { *rate } else { 0.0 }).collect();
-        // What is driven goes as it is driven.
+        // Driven coordinates keep their rates.
         self.system.pairs.iter().filter(|pair| pair.drive.is_some()).for_each(|pair| held[pair.rows.clone()].fill(0.0));
         let response = self.system.response_matrix(&responses, &held)?;
         Ok((responses, response))
@@ -190,11 +191,12 @@ where
         ending: Vec<f64>,
     ) -> Outcome {
         let weight = motion.scheme.weight;
-        // What multipliers have done in the step, where they have closed something.
+        // Impulses of the step's multipliers, to be removed if they have closed a gap.
         let multipliers = solution.multipliers();
         let is_closing = touches.iter().any(|touch| !touch.was_closed && multipliers[touch.row] > 0.0);
         let taken: Vec<f64> = rows.iter().map(|&row| if is_closing { -weight * motion.dt * multipliers[row] } else { 0.0 }).collect();
-        // A gap is closed to a tolerance, and its multiplier is large in a short step.
+        // Work of the closing, and its part beyond the targets: gaps are closed to a tolerance only, and multipliers are large in short
+        // steps.
         let (mut closing, mut unbooked, mut slipped) = (0.0, 0.0, vec![0.0; touches.len()]);
         for (touch, slipped) in touches.iter().zip(&mut slipped).filter(|_| is_closing) {
             let pair = &self.system.pairs[touch.pair];
@@ -221,7 +223,7 @@ where
         let work = |course: &ImpactSolution| -> f64 {
             total(course).iter().zip(ending.iter().zip(&course.rates)).map(|(p, (before, after))| 0.5 * p * (before + after)).sum()
         };
-        // Friction of the step in these contacts is replaced by that of the impact.
+        // Friction of the impact replaces that of the step in these contacts.
         let lost =
             |course: &ImpactSolution| -> f64 { course.friction.iter().sum::<f64>() - slipped.iter().sum::<f64>() - closing - work(course) };
         let (available, nominal) = (lost(&compressed), -compressed.pressing);
@@ -237,7 +239,8 @@ where
             }
             share *= (available.max(0.0) / given).sqrt();
         }
-        // Where a slip turns round, restitution may give more than compression has taken: friction has taken it.
+        // If a slip reverses, restitution may return more energy than compression has taken: the difference is taken from the friction
+        // work.
         let (rest, dissipated) = (lost(&course).min(0.0), course.friction.iter().sum::<f64>());
         let kept = if dissipated < 0.0 { ((dissipated - rest) / dissipated).clamp(0.0, 1.0) } else { 1.0 };
         course.friction.iter_mut().for_each(|work| *work *= kept);

@@ -383,10 +383,10 @@ impl Drift {
 /// All findings on a run with these rows, in a fixed order.
 pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunFinding> {
     let Some(last) = rows.last_row() else { return Vec::new() };
-    // What rests has no other energy than round-off.
+    // Lower bound of the scale: the energy of a model at rest is round-off.
     let mut scale = (FORCE_FLOOR * measures.stiffness).max(f64::MIN_POSITIVE);
     rows.visit(0, &mut |row| scale = scale.max(row.kinetic + row.strain.abs() + row.potential.abs()));
-    // Round-off of positions moves forces by this much of the stiffness, and they work on displacements of the size that the energy has.
+    // Relative work of force round-off, `FORCE_FLOOR * stiffness`, on strains of the size `sqrt(scale / stiffness)`.
     let round_off = FORCE_FLOOR * (measures.stiffness / scale).sqrt() + measures.round_off / scale;
     let seen = Gathered::of(rows, &last, scale, measures);
     let only = match measures.contacts[..] {
@@ -401,7 +401,7 @@ pub fn run_findings<R: Rows + ?Sized>(rows: &R, measures: &Measures) -> Vec<RunF
     };
     let end = |value: f64| At { value, step: last.step, time: last.time };
 
-    // What holds rigid bodies together does round-off of work, which is all there is where nothing moves.
+    // Without contacts, forces in rigid bodies do round-off work, which would be reported for a model at rest.
     if !measures.contacts.is_empty() {
         let (limit, given, explanation) = given(&seen, scale, measures.is_explicit, end);
         add(RunFindingKind::PositiveContactWork, only.clone(), limit.max(round_off), given, explanation);
@@ -485,7 +485,7 @@ fn leap(At { value, step, time }: At, scale: f64) -> Option<RunFinding> {
 /// Relative energy added by contact, in the worst step or in all explicit steps together: its limit, the value, a description.
 fn given(seen: &Gathered, scale: f64, is_explicit: bool, end: impl Fn(f64) -> At) -> (f64, At, String) {
     if is_explicit {
-        // Its work is booked at both ends of a step: what the integrator takes back within the same steps it has not given.
+        // Explicit steps book contact work at both ends: energy that the integrator removes in these steps is subtracted.
         let [_, work, defects] = seen.sums;
         let net = (work + defects.min(0.0)) / scale;
         return (CONSERVED, end(net), format!("its work in all steps together was {net:.1e} of the energy"));

@@ -82,7 +82,7 @@ where
         body.elements.visit_forces(self.present(body), &per_mass, &mut |cell, of_cell| {
             if is_front[cell] {
                 for (&node, force) in mesh.cell(cell).iter().zip(of_cell) {
-                    // Against the internal force, which stands on the left side of the equations of motion.
+                    // Opposite to the internal force, which is on the left side of the equations of motion.
                     (0..D).for_each(|i| forces[node as usize][i] -= force[i]);
                 }
             }

@@ -131,7 +131,7 @@ where
                 break present.at;
             }
             if present.is_closed && self.gains_nothing(&present.imbalance, &mut progress.best) {
-                // Forces and pairs are those of the state that was taken back.
+                // Forces and pairs must belong to the restored state.
                 break self.look(&balance, &progress)?.at;
             }
             let is_gone = present.positions.iter().zip(&begun).any(|(q, begun)| (q - begun).abs() > GONE * self.system.nodes.extent);
@@ -194,7 +194,7 @@ where
         Ok(())
     }
 
-    /// Judges the present state, with the contact pairs of a state at rest.
+    /// Evaluates the imbalance of the present state, with the contact pairs of a state at rest.
     fn look(&mut self, balance: &Balance, progress: &Progress) -> Result<EvaluatedState, StepError> {
         let (positions, displacements) = (self.state.positions.clone(), self.state.displacements.clone());
         let (mut displacement, _) = self.system.supports.prescribed_motion(self.state.row.time)?;
@@ -254,9 +254,10 @@ where
     fn step_to_rest(&mut self, balance: &Balance, present: &EvaluatedState, progress: &mut Progress) -> Result<(), StepError> {
         let EvaluatedState { positions, displacements, imbalance, .. } = present;
         let plan = self.plan(balance, present, progress);
-        // How far nodes may move: as their component is expected to, and both sides as far as is prescribed.
+        // Motion bound of each node: the expected motion of its component; for the two sides of a contact twice the prescribed motion in
+        // addition.
         let sizes: Vec<f64> = balance.spread(&plan.travel, self.system.nodes.count()).iter().map(|size| progress.leeway * size).collect();
-        // Where something was overlooked, what was not expected to move did.
+        // After an overlooked contact, components without an expected motion may also have moved.
         let facet = self.shortest_facet();
         let unexpected = if progress.leeway > 1.0 && facet.is_finite() { progress.leeway * FALL * facet } else { 0.0 };
         let besides = 2.0 * present.prescribed + unexpected + progress.closing.motion(&self.system, &present.reaches);
@@ -309,7 +310,8 @@ where
         match refused {
             Some(Failure::BeyondSearch { .. } | Failure::Overlooked { .. }) => progress.leeway *= WIDER,
             _ => {
-                // Of an overlap less is closed first. For a motion, damping helps where its end is near, and a shorter way where it is not.
+                // Overlaps: less is closed in the next step. Prescribed motions: more damping near their end, a smaller fraction of the
+                // motion before.
                 if closes_in_part {
                     progress.closing.failed();
                 }
@@ -328,7 +330,7 @@ where
     fn plan(&self, balance: &Balance, EvaluatedState { imbalance, positions: q, at, .. }: &EvaluatedState, progress: &Progress) -> Plan {
         let facet = self.shortest_facet();
         let turn = if facet.is_finite() { FALL * facet } else { self.system.nodes.extent };
-        // What is far from all others may fall farther, but not turn farther.
+        // Components without contact partners may be displaced farther, but not rotated farther.
         let fall = |clearance: f64| if clearance.is_finite() { clearance.max(turn) } else { FLIGHT * self.system.nodes.extent };
         let falls: Vec<f64> = balance.clearances(&self.system, q, &imbalance.components).into_iter().map(fall).collect();
         let mut damping = vec![0.0f64; self.system.bodies.len()];
@@ -346,7 +348,7 @@ where
             let loose = (pull.shift_size() + pull.turn) / mu;
             let expected = match &progress.travelled {
                 _ if progress.stood >= MAX_STOOD => 0.0,
-                // What is held by contact moves less and less.
+                // The displacements of components in contact decrease from step to step.
                 Some(travelled) if !flies => loose.min(2.0 * travelled[number]),
                 _ => loose,
             };
@@ -386,7 +388,7 @@ where
         conditions: &Conditions,
         care: SettleEffort,
     ) -> Result<Solution, Failure> {
-        // The energy of a strain that is round-off of what is seen: of displacements next to nothing.
+        // Energy of round-off strains: relative to positions if forces depend on positions, otherwise relative to small displacements.
         let round_off = if self.system.sees_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
         let floor = round_off * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
         let options = &self.options;
@@ -401,7 +403,7 @@ where
             is_still: false,
             is_exact: false,
             at_least: 1,
-            // A mechanism takes fewer factorizations by shorter steps.
+            // In mechanisms, shorter steps need fewer factorizations.
             is_patient: care == SettleEffort::Patient && !self.system.is_mechanism(),
             preferred: PreferredAttempt::default(),
             interrupted: &|| options.interrupted(),

@@ -59,23 +59,24 @@ impl Simulation {
         self.steps.dimension()
     }
 
-    /// Options it was made with.
+    /// Options of the simulation.
     pub fn options(&self) -> &Options {
         self.steps.options()
     }
 
-    /// Changes how the next steps are taken: nominal size `[time]`, Newton's tolerance, halvings at most. States keep none of the three.
+    /// Changes the parameters of the next steps: nominal size `[time]`, Newton's tolerance, largest number of halvings. States contain none
+    /// of them.
     pub fn set_steps(&mut self, dt: f64, tolerance: f64, max_halvings: usize) {
         let options = self.steps.options_mut();
         *options = Options { dt, tolerance, max_halvings, ..options.clone() };
     }
 
-    /// Lets the next steps choose their size, or all have the nominal one. States keep the size of the next step.
+    /// Sets or removes the step size control; without it steps have the nominal size. States contain the size of the next step.
     pub fn set_control(&mut self, control: Option<StepControl>) {
         self.steps.options_mut().control = control;
     }
 
-    /// Size of the next step, should nothing come first `[time]`.
+    /// Size of the next step without an event before its end `[time]`.
     pub fn next_step(&self) -> f64 {
         let Options { control, dt, .. } = self.options();
         control.as_ref().map_or(*dt, |control| self.steps.state().pace.size(control, *dt))
@@ -96,7 +97,7 @@ impl Simulation {
         &self.steps.state().row
     }
 
-    /// Takes one nominal step (shorter when `end` comes first, so that `end` is hit exactly), in substeps where it must be halved.
+    /// Takes one nominal step (shorter when `end` comes first, so that it ends exactly at `end`), in substeps if it must be halved.
     /// `accepted` is called with the ledger's row of every accepted substep.
     ///
     /// # Errors
@@ -107,10 +108,10 @@ impl Simulation {
         taken
     }
 
-    /// Brings the model to static equilibrium by damped steps, without letting time pass; velocities stay as they are.
+    /// Brings the model to static equilibrium by damped steps at constant time; velocities are unchanged.
     ///
     /// # Errors
-    /// No equilibrium was found; the simulation is as it was before.
+    /// No equilibrium was found; the simulation is unchanged.
     pub fn settle(&mut self) -> Result<SettleReport, StepError> {
         self.settled(self.time(), true)
     }
@@ -118,7 +119,7 @@ impl Simulation {
     /// Settles at a time without inertia: equilibrium under the loads, supports and obstacles at that time.
     ///
     /// # Errors
-    /// No equilibrium was found; the simulation is as it was before.
+    /// No equilibrium was found; the simulation is unchanged.
     pub fn settle_at(&mut self, time: f64) -> Result<SettleReport, StepError> {
         self.settled(time, true)
     }
@@ -137,7 +138,7 @@ impl Simulation {
         report
     }
 
-    /// Keeps the deepest place of a body in a rigid obstacle.
+    /// Stores the deepest penetration of a body into a rigid obstacle so far.
     fn watch_obstacles(&mut self) {
         if self.bounds.is_empty() {
             return;
@@ -166,7 +167,7 @@ impl Simulation {
         self.steps.harmonic_response(options)
     }
 
-    /// The smallest factors of the load of the present state at which the model buckles, which stays as it is.
+    /// Smallest factors of the present load at which the model buckles; the state is unchanged.
     ///
     /// # Errors
     /// [`BucklingError`].
@@ -174,7 +175,7 @@ impl Simulation {
         self.steps.buckling(count)
     }
 
-    /// The longest explicit step that is stable about the present state, which stays as it is.
+    /// Longest stable explicit step about the present state, which is unchanged.
     ///
     /// # Errors
     /// The forces cannot be computed.
@@ -238,8 +239,8 @@ impl Simulation {
         self.steps.restore(state);
     }
 
-    /// Updates the contact search to the present state alone. After a step it includes pairs further apart, where bodies move fast. Fields
-    /// and gaps for output follow from the state alone, so this call precedes them; a restored state needs none.
+    /// Restricts the contact search to pairs of the present state; after a step it includes distant pairs of fast bodies. Fields and gaps
+    /// for output depend on the state only after this call; a restored state needs none.
     pub fn look(&mut self) {
         self.steps.look();
     }
@@ -270,7 +271,7 @@ impl Simulation {
         self.steps.fields()
     }
 
-    /// One body of the model as a whole.
+    /// Totals of one body: mass, energies, momenta, center of mass.
     ///
     /// # Panics
     /// The model has no body of that index.
@@ -295,7 +296,7 @@ impl Simulation {
         self.steps.section_force(body, point, normal)
     }
 
-    /// The ties of which some constraints follow from others and from supports, and are left out.
+    /// Ties and joints with redundant constraints, which depend on other constraints and on supports and are omitted.
     pub fn redundant_constraints(&self) -> Vec<RedundantConstraints> {
         self.steps.redundant_constraints()
     }
@@ -310,7 +311,7 @@ impl Simulation {
         self.steps.joint(name)
     }
 
-    /// Every rigid obstacle where it is now.
+    /// Rigid obstacles at their present positions.
     pub fn obstacles(&self) -> Vec<PlacedObstacle> {
         self.steps.obstacles()
     }
@@ -341,7 +342,7 @@ impl Simulation {
         self.steps.failure()
     }
 
-    /// Nodal fields of the iterate at which that step was given up (velocities are those of the last accepted state).
+    /// Nodal fields of the iterate at which the last failed step was abandoned; velocities are those of the last accepted state.
     pub fn failed_fields(&self) -> Option<Vec<BodyFields>> {
         self.steps.failed_fields()
     }
@@ -351,7 +352,7 @@ impl Simulation {
         self.steps.statistics()
     }
 
-    /// Halvings by cause since the simulation was made, including those of steps that were not tried.
+    /// Halvings by cause since the simulation was made, including steps halved before an attempt.
     pub fn halvings(&self) -> &[Halving] {
         self.steps.halvings()
     }
@@ -404,7 +405,7 @@ impl Simulation {
         self.steps.excesses().into_iter().filter_map(of).collect()
     }
 
-    /// The body whose stresses at rest are the least accurate. In motion waves are as short as cells, and say nothing.
+    /// Finding on the body with the least accurate stresses at rest. In motion, waves as short as cells dominate the estimated error.
     fn coarse(&self) -> Option<RunFinding> {
         let row = self.row();
         if row.strain <= 0.0 || row.kinetic > AT_REST * row.strain {

@@ -42,7 +42,7 @@ pub fn slipped<const D: usize>(
                 let slip = if is_pressed { work / length } else { 0.0 };
                 memory.slip = kept * memory.slip + slip;
                 path = path.hypot(slip);
-                // No zero with a sign where nothing slides.
+                // Adding 0.0 avoids a negative zero without slip.
                 memory.heat += 0.0 - shear * work;
             }
             memories[0].path += path;

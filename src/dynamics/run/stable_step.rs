@@ -152,6 +152,6 @@ fn penalties<const D: usize>(system: &Equations<D>) -> f64 {
         let sides = [least(pair.kernel.secondary().nodes()), least(pair.kernel.primary().nodes())];
         sides.iter().map(|mass| of_depth * widest / mass).sum::<f64>()
     };
-    // Contacts of other surfaces move other nodes.
+    // Penalties of different surfaces act on different nodes: their largest value counts.
     system.pairs.iter().filter(|pair| !pair.has_multipliers()).map(of).fold(0.0, f64::max)
 }

@@ -13,7 +13,7 @@ use crate::dynamics::step::attempts::PreferredAttempt;
 use crate::dynamics::step::scheme_memory::SchemeMemory;
 use crate::dynamics::step::search_history::SearchHistory;
 
-/// Everything that the future of a simulation depends on. A value: keep it, restore it, branch from it.
+/// State of a simulation: all data on which later steps depend. States can be stored, restored and continued in several ways.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The ledger's row of this state.
@@ -77,7 +77,7 @@ impl State {
         let remembers = self.remembered.has_length(self.positions.len());
         let nodal = [&self.positions, &self.displacements, &self.velocities, &self.accelerations];
         let is_somewhere = nodal.iter().all(|all| all.iter().all(|x| x.is_finite()));
-        // A halving more doubles the pieces of a step, whose number is a whole one.
+        // Each halving doubles the number of substeps, which is an integer.
         lengths(self) == lengths(own)
             && is_somewhere
             && remembers

@@ -1,4 +1,4 @@
-//! One substep: from a state to a new one, or a failure. A step is a transaction; the state itself is not changed here.
+//! One substep: from a state to a new one, or a failure. The present state is not changed here.
 
 use std::sync::Arc;
 
@@ -24,9 +24,8 @@ impl<const D: usize> Engine<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Takes one substep from the present state; a substep that `may_be_halved` is refused if its predicted motion is too large.
-    ///
-    /// A step that `may_be_halved` is not tried when its predicted motion is too large.
+    /// Takes one substep from the present state. If it `may_be_halved`, it is refused without an attempt if its predicted motion is too
+    /// large.
     pub fn piece(&mut self, dt: f64, may_be_halved: bool) -> Result<State, Failure> {
         let integrator = self.options.integrator;
         if integrator.lumping().is_some() {
@@ -74,7 +73,7 @@ where
         Err(StepError::TurnsFar { boundary: boundary.into(), time, dt, angle })
     }
 
-    /// [`Self::stage`] with a multiple of the expected motion.
+    /// Takes a stage like [`Self::stage`], with the predicted motion times `factor` as motion bound.
     fn piece_within(&mut self, scheme: &Scheme, dt: f64, factor: f64, may_be_halved: bool) -> Result<State, Failure> {
         let (state, reach) = (self.state.clone(), self.options.reach);
         let time = state.row.time;
@@ -82,7 +81,7 @@ where
         let (displacement, prescribed_v_1) = self.system.supports.prescribed_motion(time + dt).map_err(Failure::Fatal)?;
         let mut predicted = rigid_motion(&self.system, &state.positions, &state.velocities, dt);
         follow_prescribed(&self.system, &state.positions, &displacement, &mut predicted);
-        // What takes part: nodes may move by the prediction or by their velocities.
+        // Motion bound of the nodes: the larger of the predicted rigid motion and the motion by the velocities.
         let rigid = displacements_to(&self.system, state.pose(), &displacement, &predicted);
         let elastic: Vec<f64> = state.velocities.iter().map(|v| dt * v).collect();
         let predicted_motion = PredictedMotion {
@@ -127,7 +126,7 @@ where
                 interrupted: &|| options.interrupted(),
             };
             match solve(&mut self.system, &task, &mut self.statistics.newton_iterations, &mut self.trace) {
-                // What slides and would come to rest may have no solution, but one in which it turns around.
+                // A slip that may stop within the step can leave the step without a solution: the second attempt excludes stops.
                 Err(failure) if !matches!(failure, Failure::Fatal(_)) && conditions.stops.contains(&true) => conditions.stops.fill(false),
                 outcome => break outcome?,
             }
@@ -137,7 +136,7 @@ where
             outcome => outcome.err(),
         };
         if let Some(failure) = taken_back {
-            // What failed attempts have cost is counted already.
+            // Factorizations of failed attempts are already counted as discarded; those since then are added.
             let counters = &mut self.system.counters;
             counters.discarded = before.discarded + (counters.factorizations - before.factorizations);
             return Err(failure);

@@ -77,7 +77,7 @@ where
         );
         self.state = Arc::new(state.clone());
         if self.state.row.probes.len() != self.probes.len() {
-            // A node that was not watched then.
+            // Watched nodes may differ from those of the restored state.
             Arc::make_mut(&mut self.state).row.probes = self.probe_values(&state.displacements, &state.velocities, &state.accelerations);
         }
         self.system.restore_search(&state.search, &state.positions, state.row.time);
@@ -150,7 +150,7 @@ where
         let before = self.state.clone();
         self.rest_friction = friction;
         if !friction {
-            // Its forces are taken away.
+            // Friction forces of the previous state are removed.
             let (pressing, State { lambda, active, .. }) = (self.system.pressing, Arc::make_mut(&mut self.state));
             lambda[pressing..].fill(0.0);
             active[pressing..].fill(RowState::Open);
@@ -161,14 +161,14 @@ where
             Arc::make_mut(&mut self.state).pace.restart();
         }
         if self.state.row.step > 0 {
-            // What is carried from step to step is that of the new equilibrium.
+            // History variables of the integrator are computed for the new equilibrium.
             outcome = outcome.and_then(|report| self.remember().map(|()| report));
         }
         if outcome.is_err() {
             self.state = before;
             self.restore_search();
         }
-        // Equilibria on the way are not kept.
+        // After a failure the state before the call is restored, not an intermediate equilibrium.
         let time = self.state.row.time;
         outcome.map_err(|error| self.options.or_interrupted(error, time))
     }
@@ -323,19 +323,19 @@ where
         }
         let from = self.state.row.time;
         let Clock { origin, count, dt } = self.state.clock;
-        // Steps of another size are counted from here.
+        // Nominal steps are counted anew if the step size changes.
         let (origin, count) = if dt == self.options.dt { (origin, count) } else { (from, 0) };
         let nominal_end = origin + self.options.dt * (count + 1) as f64;
-        // A last step that is within round-off of the nominal one is the nominal one.
+        // An end within round-off of the nominal end counts as a nominal step.
         let (target, whole) = match end {
             Some(end) if end < nominal_end - tolerances::SAME_MOMENT * self.options.dt => (end, false),
             Some(end) if end < nominal_end + tolerances::SAME_MOMENT * self.options.dt => (end, true),
-            // A rest that is shorter than half a step is shared with the step before it.
+            // A remainder shorter than half a step is distributed evenly over the last two steps.
             Some(end) if end < nominal_end + 0.5 * self.options.dt => (from + 0.5 * (end - from), false),
             _ => (nominal_end, true),
         };
         let clock = if whole { (origin, count + 1) } else { (target, 0) };
-        // What has more kinks than steps is not followed from kink to kink.
+        // Functions with more kinks than `MOST_CORNERS` per step are not divided at their kinks.
         let near = tolerances::SAME_MOMENT * self.options.dt;
         let corners = self.corners.iter().copied().skip_while(|corner| *corner <= from + near);
         let corners: Vec<f64> = corners.take_while(|corner| *corner < target - near).take(MOST_CORNERS + 1).collect();
@@ -353,14 +353,14 @@ where
     fn paced_step(&mut self, control: &StepControl, end: Option<f64>, accepted: &mut dyn FnMut(&LedgerRow)) -> Result<(), StepError> {
         let from = self.state.row.time;
         let size = self.state.pace.size(control, self.options.dt);
-        // A rest that is shorter would be hardly a step: kinks next to the end, and rounded sums of many steps.
+        // A shorter remainder, at a kink next to the end or by round-off of many steps, is no step.
         let near = (SLIVER * size).max(SAME_TIME * from.abs());
         let is_ahead = |corner: &f64| *corner > from + near && end.is_none_or(|end| *corner < end - near);
         let corner = self.corners.iter().copied().find(is_ahead);
         let landing = end.into_iter().chain(corner).fold(f64::INFINITY, f64::min);
         let target = match landing - from {
             rest if rest < size + near => landing,
-            // A rest that is shorter than half a step is shared with the step before it.
+            // A remainder shorter than half a step is distributed evenly over the last two steps.
             rest if rest < 1.5 * size => from + 0.5 * rest,
             _ => from + size,
         };
@@ -405,7 +405,7 @@ where
                     substeps.shorten(shorter);
                 }
                 Err(failure) => {
-                    // What is halved beforehand was no try.
+                    // A step halved before its solution is no attempt.
                     if !matches!(failure, Failure::Foreseen(_)) {
                         self.tries.push(tried(&failure, size, &self.trace));
                         if !may_be_halved {

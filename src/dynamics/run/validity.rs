@@ -31,7 +31,7 @@ pub struct OutOfValidity {
     pub body: String,
     /// Kind of use outside the range of validity.
     pub kind: ExcessKind,
-    /// The angle of a rotation, a share, or the least stretch.
+    /// Angle of a rotation `[rad]`, relative strain or moment, stretch, or ratio of plastic strains, depending on the kind.
     pub value: f64,
     /// The cell; for a rotated body the cell with the largest rotation.
     pub cell: usize,
@@ -42,7 +42,7 @@ pub struct OutOfValidity {
 /// Kind of use of a law outside its range of validity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExcessKind {
-    /// A cell of a linear law has turned; the value is the angle.
+    /// A cell of a linear elastic body has rotated; the value is the angle `[rad]`.
     Turned,
     /// Spurious strain caused by the rotation of a support, relative to the largest strain of the body.
     SpuriousStrain,
@@ -65,7 +65,7 @@ impl CellMotion {
         angle_of(&self.rotation)
     }
 
-    /// Least stretch.
+    /// Smallest principal stretch.
     fn least(&self) -> f64 {
         self.stretch.symmetric_eigenvalues().min()
     }
@@ -151,7 +151,7 @@ where
             mean += Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * point.volume;
         });
         if D == 2 {
-            // Across the plane nothing turns.
+            // In the plane no component of the moment is due to the normal stress across it.
             mean[(2, 2)] = 0.0;
         }
         (mean * turn - mean.trace() * turn).norm()
@@ -168,7 +168,7 @@ where
     fn motion_of(&self, nodes: &[u32]) -> Option<CellMotion> {
         let (before, now) = (&self.system.nodes.reference, &self.state.positions);
         let (center_before, center_now) = (self.center_of(before, nodes), self.center_of(now, nodes));
-        // In space of three dimensions always: what is plane stays in its plane.
+        // Three dimensions in all cases: plane motions have no component across the plane.
         let (mut moved, mut own) = (SMatrix::<f64, 3, 3>::zeros(), SMatrix::<f64, 3, 3>::zeros());
         for &node in nodes {
             let place = |q: &[f64], center: [f64; 3]| -> [f64; D] { std::array::from_fn(|i| q[node as usize * D + i] - center[i]) };

@@ -162,10 +162,8 @@ where
         }
     }
 
-    /// Impulse response of a smoothing push; `None` if constraints depend on one another.
-    ///
-    /// # Errors
-    /// The run was interrupted.
+    /// Impulse response smoothed by the stiffness with the factor `beta`, for given impulses `lambda` and rates `rate`; `None` for linearly
+    /// dependent constraints.
     pub fn balanced_push(&mut self, end: &Ending, beta: f64, lambda: &[f64], rate: &[f64]) -> Result<Option<ImpulseResponse>, Failure> {
         let push = self.push(end, beta, lambda, rate);
         match push {

@@ -32,11 +32,11 @@ where
     pub fn accelerations(&mut self, at: &Linearization, given: Vec<f64>) -> Result<Accelerations, Failure> {
         let clock = Instant::now();
         let unknowns = given.len();
-        // The forces of contacts that act in their own step alone are not remembered.
+        // Contact forces that enter only their own step are not part of the history.
         let hold = self.bilateral_rows(&at.pairs, |pair| !pair.acts_alone());
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
-        // Masses as large as gradients.
+        // Masses are scaled to the size of the constraint gradients.
         let gradient = at.pairs.iter().map(|pair| largest_size(&pair.gradient_end)).fold(0.0, f64::max);
         let scale = if gradient > 0.0 { gradient } else { 1.0 } / self.nodes.largest_nodal_mass;
         values.iter_mut().for_each(|value| *value *= scale);

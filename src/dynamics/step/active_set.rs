@@ -30,9 +30,9 @@ where
     /// Solves the frozen linearization together with its active set: active nodes in tension become inactive, inactive nodes that would
     /// overlap active.
     ///
-    /// Where nodes are covered in part or secondary facets are much finer than primary ones, gradients of neighbours all but depend on one
-    /// another, and no set may solve it. Then multipliers get a proximal term (Rockafellar, SIAM J. Control Optim. 14, 1976): it makes the
-    /// conditions solvable, and nothing is left of it where multipliers do not change any more.
+    /// At partly covered nodes, or with secondary facets much finer than primary ones, gradients of neighboring constraints are nearly
+    /// dependent, and possibly no active set is a solution. Multipliers then get a proximal term (Rockafellar, SIAM J. Control Optim. 14,
+    /// 1976), which makes the conditions solvable and vanishes as the multipliers converge.
     pub(super) fn finish_set(&mut self, at: &mut Linearization, set: &mut Vec<RowState>) -> Result<Increment, Failure> {
         let begun = set.clone();
         let most = if self.proximal.is_some() && !self.task.is_patient { 1 } else { MAX_SETS };
@@ -43,7 +43,7 @@ where
                     return Ok(solution);
                 }
                 Ok((false, _)) => {}
-                // Periodic pairs and joints connect nodes that an obstacle presses: their conditions depend on one another.
+                // Constraints of periodic pairs and joints depend on those of an obstacle at the same nodes.
                 Err(Failure::Linear(LinearError::Singular { .. })) => self.is_dependent = true,
                 Err(failure) => return Err(failure),
             }
@@ -77,7 +77,7 @@ where
             }
             one_at_a_time |= seen.contains(&next);
             if one_at_a_time {
-                // Without a worst one, what would change is round-off.
+                // Without a worst constraint, the changes are round-off.
                 let Some(worst) = worst else { break true };
                 let changed = next[worst];
                 next.clone_from(set);
@@ -119,7 +119,7 @@ where
             let pressing = values.gaps[..self.system.pressing].iter_mut();
             pressing.zip(terms).zip(&at.lambda).for_each(|((gap, term), lambda)| *gap -= term * lambda);
         }
-        // Slips with which the rows' compliance takes part in the choice of stick or slip.
+        // Gaps and slips including the compliance of the constraints, by which stick or slip is decided.
         for (row, Equation { compliance, .. }) in rows.0.iter().enumerate().filter(|(_, row)| row.compliance > 0.0) {
             values.gaps[row] += compliance * (values.lambda[row] - at.lambda[row]);
         }
@@ -130,7 +130,7 @@ where
     fn proximal_terms(&self, at: &Linearization, factor: f64) -> Vec<f64> {
         let mut terms = self.task.conditions.stiffness.clone();
         for (pair, evaluation) in pairs_at(self.system, at) {
-            // Rigidity and joints are equations of every set: terms would only soften them.
+            // Constraints of rigid bodies and joints are active in every set: proximal terms would only soften them.
             let factor = if pair.kind.is_of_points() && pair.law.is_bilateral() { 0.0 } else { factor };
             for (term, coverage) in terms[pair.rows.clone()].iter_mut().zip(&evaluation.coverage) {
                 *term = factor * coverage * coverage / *term;
@@ -168,7 +168,7 @@ where
         let takes_part = |place: &SlipPlace| place.exists && !self.dropped[place.rows.start] && set[place.pressing].is_closed();
         for place in slips_at(self.system, at).filter(takes_part) {
             let first = place.rows.start;
-            // Sliding begins in the direction of the trial, which a later iterate has.
+            // A slip starts in the direction of the trial multiplier, which is defined at a later iterate.
             if !place.at(self.task.conditions, at).is_directed() {
                 continue;
             }

@@ -23,17 +23,17 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Gives the storage of an iterate back.
+    /// Returns the storage of an iterate for reuse.
     pub fn recycle(&mut self, at: Linearization) {
         self.spare.recycle(at);
     }
 
     /// The equations of a step at `q_1`, after a displacement `moved` in the step, with the multipliers `lambda`.
     ///
-    /// Where something sees positions, these with their round-off are what strains follow from, too; else the displacements are.
+    /// If contacts or force elements depend on positions, strains follow from the rounded positions, too; otherwise from the displacements.
     ///
     /// # Errors
-    /// The iterate is no configuration, a time function failed, or forces are no numbers.
+    /// A cell is inverted, a time function failed, or forces are not finite.
     pub fn linearize(&mut self, start: &StepStart, q_1: &[f64], moved: &[f64], lambda: &[f64]) -> Result<Linearization, Failure> {
         let (mut at, is_probably_last) = self.spare.next();
         for (own, values) in [(&mut at.moved, moved), (&mut at.lambda, lambda)] {
@@ -118,7 +118,7 @@ where
         Ok(())
     }
 
-    /// Contact functions of all pairs, with their tangents added to that of the iterate where they are wanted.
+    /// Evaluates the contact functions of all pairs, and adds their tangents to that of the iterate if requested.
     fn evaluate_contacts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) {
         let (derivative, shares, wants_tangent) = (start.derivative(), start.shares(), wants_tangent && !self.is_far);
         let Linearization { q_1, moved, lambda, pairs, slips, tangent: values, .. } = at;
@@ -143,7 +143,7 @@ where
         }
     }
 
-    /// Contact functions of all pairs and their forces, and their tangents where they are wanted.
+    /// Evaluates the contact functions and contact forces of all pairs, with tangents if requested.
     fn sum_contacts(&mut self, start: &StepStart, at: &mut Linearization, wants_tangent: bool) {
         let clock = Instant::now();
         self.evaluate_contacts(start, at, wants_tangent);
@@ -185,7 +185,8 @@ where
         }
     }
 
-    /// Sets the displacements of an iterate: from its positions if forces depend on these, else both from the displacement in the step.
+    /// Sets the displacements of an iterate: from its positions if forces depend on positions, otherwise positions and displacements from
+    /// the displacement in the step.
     pub(super) fn displace(&self, start: &StepStart, at: &mut Linearization) {
         let Linearization { q_1, u_1, moved, .. } = at;
         u_1.clear();
@@ -241,7 +242,7 @@ where
     /// bodies change.
     ///
     /// # Errors
-    /// The step of a body cannot be accepted; of the parts that exist none refuses.
+    /// The history variables of a body cannot be computed; no existing part returns this error.
     pub fn history_after(
         &self,
         start: &StepStart,
@@ -283,7 +284,7 @@ where
         let (mut internal, mut load) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()]);
         let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: None, workers: &self.workers };
         for (part, memory) in self.own_parts(start.memory).filter(|(part, _)| part.is_outside()) {
-            // Where one has no forces, the step had none either.
+            // A part without forces here has failed in the step already.
             if let Err(Refusal::Load(error)) = part.linearize(&iterate, memory, &mut sums) {
                 return Err(error);
             }

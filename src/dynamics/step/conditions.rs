@@ -80,9 +80,9 @@ impl<const D: usize> Equations<D> {
 
     /// Inverse augmentation of every constraint in a step, by the stiffness of the constraints.
     pub fn compliance(&self, stiffness: &[f64]) -> Vec<f64> {
-        // A tangential constraint in the plane may be that of a plane of symmetry or of a periodic pair, too.
+        // A tangential constraint in the plane may coincide with the constraint of a symmetry plane or of a periodic pair.
         let eases_all = D == 3 || self.pairs.iter().any(|pair| matches!(pair.kind, PairKind::Coupling(_)));
-        // Joints of a loop that all stick share its load in no determined way.
+        // In a closed loop of joints that all stick, the distribution of the load is undetermined.
         let eases_slips = |pair: &ContactPair| pair.friction.is_some() && (eases_all || pair.kind == PairKind::JointFriction);
         if self.pairs.iter().all(|pair| pair.augmentation.is_none() && !eases_slips(pair)) {
             return vec![0.0; self.multipliers];
@@ -93,7 +93,7 @@ impl<const D: usize> Equations<D> {
             rows.iter_mut().for_each(|row| *row = pair.augmentation.map_or(0.0, |factor| 1.0 / (factor * *row)));
         }
         self.copy_to_slips(&mut compliance);
-        // Supports may keep a slip from one direction, along no row.
+        // Supports may prevent a slip in a direction oblique to both tangents.
         for pair in self.pairs.iter().filter(|pair| pair.augmentation.is_none() && eases_slips(pair)) {
             for (row, pressing) in pair.tangential() {
                 compliance[row] = 1.0 / (tolerances::CORNER_AUGMENTATION * stiffness[pressing]);
@@ -125,7 +125,7 @@ impl<const D: usize> Equations<D> {
     pub fn row_stiffness(&self, start: &StepStart) -> Vec<f64> {
         let mut stiffness = Vec::with_capacity(self.multipliers);
         let mass_of = |body: usize| self.bodies[body].nodes.clone().map(|node| self.nodes.nodal_mass[node]).sum::<f64>();
-        // Nodes of a rigid body whose mass was given as a number have none of it.
+        // The lumped masses of a rigid body with given inertia may be zero at its nodes: the mass of the body replaces them.
         let masses: Vec<f64> =
             (0..self.bodies.len()).map(|body| if self.bodies[body].rigid.is_some() { mass_of(body) } else { 0.0 }).collect();
         let inertia = |&node: &u32| {
@@ -187,7 +187,7 @@ impl<const D: usize> Equations<D> {
         self.copy_to_slips(&mut members);
         let stiffness = self.row_stiffness(start);
         for pair in self.pairs.iter().filter(|pair| pair.restitution.is_some()) {
-            // Friction of a closing between rigid sides is that of its impact.
+            // Contacts between rigid sides that close in the step have the friction of their impact only.
             pair.tangential().for_each(|(row, pressing)| members[row] &= gap_n[pressing] <= held[pressing] + pair.closed);
         }
         Conditions {

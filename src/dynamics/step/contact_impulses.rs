@@ -16,7 +16,7 @@ use crate::contact::Evaluation;
 use crate::dynamics::parts::contact_pair::ContactPair;
 use crate::math::tolerances;
 
-/// Sweeps at most.
+/// Largest number of sweeps.
 const SWEEPS: usize = 1000;
 
 /// Constraint with an unknown multiplier.
@@ -98,7 +98,7 @@ where
 /// to `moved`.
 pub fn push(rows: &[PushedRow], gaps: &[f64], least: &[f64], mobility: &[f64], moved: &mut [f64]) -> Vec<f64> {
     let mut p = vec![0.0; rows.len()];
-    // Displacements by the rows alone have the accuracy of their own size.
+    // Displacements by the constraints are summed separately, accurate relative to their own size.
     let mut pushed = vec![0.0; moved.len()];
     let size = gaps.iter().fold(0.0f64, |size, gap| size.max(gap.abs()));
     for _ in 0..SWEEPS {
@@ -133,7 +133,7 @@ mod tests {
         let rows = [
             row(0, vec![(0, 1.0)], &mobility),
             row(1, vec![(0, -1.0), (1, 1.0)], &mobility),
-            // A node that is held gives nothing.
+            // A supported node is not displaced.
             row(2, vec![(1, 1.0), (2, -1.0)], &mobility),
         ];
         let (gaps, mut moved) = ([-0.1, -0.2, 0.4], vec![0.0; 3]);

@@ -131,7 +131,7 @@ pub fn worst_violation<const D: usize>(
     for (pair, evaluation) in pairs_at(equations, at) {
         for row in pair.rows.clone().filter(|&row| !dropped[row]) {
             let (local, lambda) = (row - pair.rows.start, at.lambda[row]);
-            // A node that has come to lie opposite nothing must not keep its multiplier: the force would have no function.
+            // A node without an opposite facet must not keep its multiplier: the force has no gap function.
             let (natural, energy) = if has_row(pair, evaluation, local) {
                 pair.law.residual(&conditions.row(pair, row, evaluation.gap[local], lambda))
             } else {

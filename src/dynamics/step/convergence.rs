@@ -99,7 +99,7 @@ impl Convergence {
         }
     }
 
-    /// Judges an iterate; not before the iteration `at_least` is it a solution.
+    /// Decision on an iterate, which is a solution from the iteration `at_least` on at the earliest.
     pub fn judge(&mut self, iteration: usize, at_least: usize, record: &Iteration) -> IterateDecision {
         let falls = record.energy <= if record.energy <= STALLED { FALLING } else { FALLING_FAR } * self.last_energy;
         self.last_energy = record.energy;
@@ -116,7 +116,7 @@ impl Convergence {
             return IterateDecision::Done;
         }
         let distance = (record.residual / record.target).max(record.violation);
-        // What is met has only its energy to lose.
+        // If all conditions are met, only the energy still decreases: this counts as progress.
         if is_met || distance <= NEARER * self.nearest {
             (self.nearest, self.idle) = (distance.min(self.nearest), 0);
         } else if !self.is_limited {

@@ -157,7 +157,7 @@ impl<const D: usize> Equations<D> {
         let held_by = |pair: &ContactPair| -> Vec<u32> {
             let stride = pair.kernel.rows_per_node();
             let rows = active[pair.rows.clone()].chunks_exact(stride).enumerate().filter(|(_, rows)| rows.contains(&RowState::Closed));
-            // Corners of obstacles are numbered by their rows, from behind.
+            // Corners of obstacles have no nodes: they are numbered by their constraints, downwards from the largest number.
             rows.map(|(index, _)| pair.kernel.row_nodes().get(index).copied().unwrap_or(u32::MAX - index as u32)).collect()
         };
         let of = |(index, pair): (usize, &ContactPair)| {

@@ -30,7 +30,7 @@ impl<const D: usize> System<D>
 where
     Space<D>: Elements<D>,
 {
-    /// Starts a step that solves no equations, as [`Self::begin_step`] does.
+    /// Starts an explicit step, which solves no equations; otherwise like [`Self::begin_step`].
     ///
     /// # Errors
     /// The contacts do not fit into memory.
@@ -46,7 +46,7 @@ where
     /// Forces of all parts at the end of a motion, without a matrix.
     ///
     /// # Errors
-    /// A cell is inside out, a time function failed, or forces are no numbers.
+    /// A cell is inverted, a time function failed, or forces are not finite.
     pub fn part_forces(&mut self, start: &StepStart, at: &Linearization) -> Result<PartForces, Failure> {
         let clock = Instant::now();
         let mut told = std::mem::take(&mut self.spare.told);
@@ -108,7 +108,7 @@ where
     /// a central difference with the factor `size` of the motion.
     ///
     /// # Errors
-    /// A cell is inside out.
+    /// A cell is inverted.
     pub fn force_change(&self, start: &StepStart, motion: &[f64], dt: f64, size: f64) -> Result<Vec<f64>, Failure> {
         let told = IterateInputs::default();
         let at = |size: f64| -> Result<Vec<f64>, Failure> {

@@ -38,7 +38,7 @@ pub enum Failure {
         /// The size to try instead `[time]`.
         size: f64,
     },
-    /// Not a matter of the numerics: do not try again.
+    /// Failure with a cause other than convergence: no further attempt.
     Fatal(StepError),
 }
 

@@ -55,7 +55,7 @@ impl<const D: usize> Equations<D> {
         if !active[pair.rows.clone()].contains(&RowState::Closed) {
             return 0.0;
         }
-        // On which sides a node of the model lies: to look it up for every patch would take longer than all the rest.
+        // Sides on which each node of the model lies: a search for every contact element would dominate the time of this check.
         const SECONDARY: u8 = 1;
         const PRIMARY: u8 = 2;
         let mut lies_on = vec![0u8; self.nodes.count()];
@@ -158,6 +158,6 @@ fn through(pair: &ContactPair, conditions: &Conditions, gaps: &[f64], coverage: 
 fn sunk(pair: &ContactPair, q_0: &[f64], q_1: &[f64]) -> f64 {
     let depth = |q: &[f64]| (pair.kernel.deepest(q) / pair.kernel.facet_size()).max(pair.kernel.crossing(q));
     let now = depth(q_1);
-    // Most steps end with less, and are not compared.
+    // Most steps end below `CAME_THROUGH`, and need no comparison with `q_0`.
     if now > tolerances::CAME_THROUGH && now > depth(q_0) + tolerances::SUNK_DEEPER { now } else { 0.0 }
 }

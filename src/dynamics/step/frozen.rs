@@ -118,7 +118,7 @@ where
             frozen.present.0.clone_from(&rows.0);
             return Some(frozen.base.clone());
         }
-        // What a changed row must have: its equation, or no multiplier where it opens.
+        // Left side of the equation of a changed constraint, or its multiplier if it becomes inactive.
         let of = |row: usize, values: &RowValues| {
             let Equation { acts, gradient, diagonal, normal, beside, .. } = rows.0[row];
             if !acts {
@@ -145,7 +145,7 @@ where
             values.gaps.iter_mut().zip(&answer.gaps).for_each(|(value, answer)| *value += amount * answer);
             values.lambda.iter_mut().zip(&answer.lambda).for_each(|(value, answer)| *value += amount * answer);
         }
-        // Open rows have no multiplier, not one of round-off.
+        // Multipliers of inactive constraints are exactly zero.
         values.lambda.iter_mut().zip(&rows.0).filter(|(_, row)| !row.acts).for_each(|(lambda, _)| *lambda = 0.0);
         frozen.present.0.clone_from(&rows.0);
         Some(values)

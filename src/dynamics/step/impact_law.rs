@@ -22,14 +22,14 @@ const SHORTEST: f64 = 1.0 / 16384.0;
 /// Angle by which the direction of a slip may change within a part of a phase.
 const TURN: f64 = 0.01;
 
-/// Largest number of sweeps per part, the least number of which is always allowed, and largest number of products in all sweeps.
+/// Largest number of sweeps per part, which is always allowed, and largest number of products in all sweeps of an impact.
 const SWEEPS: [usize; 2] = [100, 20_000];
 const PRODUCTS: usize = 100_000_000;
 
 /// Ratio of the change in a sweep to that of `SWEEPS[0]` sweeps before, above which the iteration has stalled.
 const STALLED: f64 = 0.99;
 
-/// Steps of the direction of a slip in space at most.
+/// Largest number of iterations for the direction of a slip in space.
 const DIRECTIONS: usize = 50;
 
 /// Normal constraint with its tangential constraints.
@@ -72,7 +72,7 @@ pub struct ImpactSolution {
 struct Part {
     /// Lower bounds of the normal rates at the end of the part.
     targets: Vec<f64>,
-    /// Impulses at least.
+    /// Lower bounds of the normal impulses of the part.
     least: Vec<f64>,
 }
 
@@ -148,7 +148,7 @@ impl ImpactLaw {
             return None;
         }
         let (count, mu) = (self.rows(), contact.friction);
-        // Loss of slip per impulse that presses.
+        // Loss of slip speed per normal impulse.
         let by = |row: usize, other: usize| before[row] / slip * self.response[row * count + other];
         let along: f64 = rows.clone().map(|row| rows.clone().map(|other| by(row, other) * before[other] / slip).sum::<f64>()).sum();
         let loss = mu * along - rows.clone().map(|row| by(row, contact.first)).sum::<f64>();
@@ -208,7 +208,7 @@ impl ImpactLaw {
                 break;
             }
             if sweep % SWEEPS[0] == 0 {
-                // Rows that depend on one another and differ by round-off are drawn on for ever.
+                // Linearly dependent contacts with round-off differences would be iterated without end.
                 if largest > STALLED * earlier {
                     break;
                 }
@@ -282,7 +282,7 @@ impl Block {
         if self.rate(0, &slid) >= self.target - tolerances::IMPACT_SLIP * (self.free[0].abs() + self.target.abs()) {
             return slid;
         }
-        // Sliding presses the bodies together faster than it parts them, whatever the impulse: a jam, which ends the slip at once.
+        // Slip presses the bodies together faster than it separates them, for any impulse (jamming): slip ends at once.
         let share = most / along;
         [stuck[0], share * stuck[1], share * stuck[2]]
     }
@@ -290,7 +290,7 @@ impl Block {
     /// Impulses without a slip.
     fn stuck(&self) -> [f64; 3] {
         let t = &self.response;
-        // Those along the surface are `a + b p_n`.
+        // Tangential impulses of stick are `a + b p_n`.
         let solve = |right: [f64; 2]| -> [f64; 2] {
             if self.rows == 2 {
                 return [if t[1][1] > 0.0 { right[0] / t[1][1] } else { 0.0 }, 0.0];
@@ -309,7 +309,7 @@ impl Block {
         [pressing, a[0] + b[0] * pressing, a[1] + b[1] * pressing]
     }
 
-    /// Impulses of a slip.
+    /// Impulses of a contact that slips, from those that would make it stick.
     fn slid(&self, stuck: &[f64; 3]) -> [f64; 3] {
         if self.rows == 2 {
             let against = |sense: f64| {
@@ -324,13 +324,14 @@ impl Block {
             let length = x[0].hypot(x[1]);
             if length > 0.0 { x.map(|x| x / length) } else { [0.0; 2] }
         };
-        // Against the impulses that would end it.
+        // Friction has the direction of the impulses that would end the slip.
         let mut along = unit([stuck[1], stuck[2]]);
         let mut p = [0.0; 3];
         for _ in 0..DIRECTIONS {
             p[0] = self.pressing(along.map(|x| self.friction * x));
             (1..3).for_each(|i| p[i] = self.friction * p[0] * along[i - 1]);
-            // The slip of which the isotropic part of the response to friction is taken away has its direction.
+            // Fixed-point iteration for the slip direction: the isotropic part of the response does not change the direction and is
+            // removed.
             let isotropic = 0.5 * (self.response[1][1] + self.response[2][2]);
             let slip = [1, 2].map(|i| self.rate(i, &p) - isotropic * p[i]);
             let next = unit(slip.map(|x| -x));

@@ -114,7 +114,7 @@ where
             }
         });
         (push.impulse, push.work) = (from_obstacles, work);
-        // What the supports must push so that their nodes stay, besides what obstacles push.
+        // Impulses of supports that keep their nodes at rest, in addition to those of obstacles.
         if let Some(values) = &matrix.free {
             let needed = self.image(values, &push.velocity);
             for k in (0..unknowns).filter(|&k| self.supports.fixed[k]) {

@@ -99,7 +99,7 @@ impl IterateStore {
         (self.gone.pop().unwrap_or_default(), self.iterates[0] == self.iterates[1])
     }
 
-    /// Takes the storage of an iterate back.
+    /// Takes over the storage of a discarded iterate.
     pub fn recycle(&mut self, at: Linearization) {
         self.gone.push(at);
     }

@@ -89,11 +89,11 @@ pub fn pattern_of<'a, const D: usize>(
     let nodes = fixed.len() / D;
     let mut vertices = vec![Vertex::coordinates(D as u8); nodes];
     vertices.resize(nodes + multipliers, Vertex::multipliers(1));
-    // In the plane the scaling of carried nodes is of no use: few rows press on one body.
+    // In the plane, scaling for carried nodes has no effect: few constraints act on one body.
     for pair in pairs.iter().filter(|pair| D == 3 && pair.kind == PairKind::Rigidity) {
         pair.kernel.row_nodes().iter().for_each(|&node| vertices[node as usize] = Vertex::carried(D as u8));
     }
-    // All in one piece: there are as many as cells.
+    // One array for all groups of nodes, as many as cells.
     let (mut members, mut ends) = (Vec::new(), vec![0]);
     let mut add = |clique: &[u32]| {
         members.extend_from_slice(clique);
@@ -103,10 +103,10 @@ pub fn pattern_of<'a, const D: usize>(
     pairs.iter().for_each(|pair| pair.for_each_coupling(nodes, &mut add));
     let mut taken: Vec<bool> = fixed.chunks_exact(D).map(|components| components.contains(&true)).collect();
     let mut anchors = Vec::with_capacity(multipliers);
-    // What a rigid body carries has no mass of its own: its rows come before those that press on it.
+    // Carried nodes of rigid bodies are without mass: their constraints precede the contact constraints at these nodes.
     let (carrying, others): (Vec<&ContactPair>, Vec<&ContactPair>) = pairs.iter().partition(|pair| pair.kind == PairKind::Rigidity);
     for pair in carrying.into_iter().chain(others) {
-        // Several rows of one node oppose its motion in different directions.
+        // Several constraints of one node have different directions.
         let rows: Vec<usize> = pair.rows.clone().collect();
         for (rows, &node) in rows.chunks_exact(pair.kernel.rows_per_node()).zip(pair.kernel.row_nodes()) {
             if !std::mem::replace(&mut taken[node as usize], true) {

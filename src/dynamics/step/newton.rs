@@ -38,25 +38,25 @@ impl Solution {
     }
 }
 
-/// The course of Newton's method, kept for the report of a failure.
+/// Iterations of Newton's method, for the report of a failure.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
     /// The iterations of the last strategy.
     pub iterations: Vec<Iteration>,
     /// Displacements of the last iterate.
     pub u_1: Vec<f64>,
-    /// The iterations of strategies that were tried before.
+    /// Iterations of earlier strategies.
     pub earlier: Vec<Vec<Iteration>>,
 }
 
 /// Initial values and termination criteria of Newton's method.
 pub struct Task<'a> {
-    /// The step.
+    /// Step to be solved.
     pub start: &'a StepStart<'a>,
-    /// Initial positions, and the displacement in the step that leads there.
+    /// Initial positions.
     pub predicted: &'a [f64],
     pub moved: &'a [f64],
-    /// Multipliers to begin with.
+    /// Initial multipliers.
     pub lambda: &'a [f64],
     /// Contact conditions of the step.
     pub conditions: &'a Conditions,
@@ -64,11 +64,11 @@ pub struct Task<'a> {
     pub energy: f64,
     /// Relative energy tolerance of the residual.
     pub tolerance: f64,
-    /// True if the bodies have hardly any energy of their own, so that the round-off of contact forces exceeds the tolerance.
+    /// True if the energy of the bodies is so small that the round-off of contact forces exceeds the tolerance.
     pub is_still: bool,
     /// Continue while the residual decreases, even below the tolerance.
     pub is_exact: bool,
-    /// Least number of iterations: a step that starts at its own solution moves no energy, whatever its residual.
+    /// Least number of iterations: if a step starts at its own solution, its residual does no work on the first increment.
     pub at_least: usize,
     /// Do not abandon stagnating attempts (used where the step cannot be halved).
     pub is_patient: bool,
@@ -91,7 +91,7 @@ const FRACTIONS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 
 /// Solves one step by the first attempt that converges; `iterations` counts those of all attempts, `trace` records them.
 ///
-/// A step that may be halved is not tried again where its contact conditions are far from being met.
+/// A step that may be halved has no further attempt if its contact conditions are violated by more than the tolerance.
 ///
 /// # Errors
 /// Failure of the last attempt.
@@ -101,7 +101,7 @@ where
 {
     trace.earlier.clear();
     let mut outcome = Err(Failure::Iterations);
-    // Discrete gradients of facet pairs alone depend on the correction.
+    // The correction affects the discrete gradients of facet pairs only.
     let has_facets = system.pairs.iter().any(|pair| !pair.kind.is_of_points());
     let attempts = task.preferred.order().filter(|&index| has_facets || ATTEMPTS[index].1 == Correction::default());
     for (number, index) in attempts.enumerate() {
@@ -117,10 +117,10 @@ where
             Ok(solution) => solution.preferred = task.preferred.after(index),
             Err(_) => system.counters.discarded += system.counters.factorizations - before,
         }
-        // A cell that turns inside out on the way of the first strategy does so on that of the others, too.
+        // A cell inverted by the first strategy is also inverted by the others.
         let is_inverted = number == 0 && matches!(outcome, Err(Failure::Inverted { .. }));
-        // Where vertices of both meshes meet, another discrete gradient may be without the kink at which residuals stay. What is not met
-        // at all is rather solved by half the step.
+        // If vertices of both meshes coincide, another discrete gradient may avoid the kink that stops convergence. Steps with violated
+        // contact conditions are rather halved.
         let is_far = !task.is_patient && trace.iterations.last().is_some_and(|last| last.violation > 1.0);
         if system.multipliers == 0 || is_inverted || is_far || matches!(outcome, Ok(_) | Err(Failure::Fatal(_))) {
             break;
@@ -129,7 +129,7 @@ where
     outcome
 }
 
-/// An increment of the positions, and the multipliers that go with it.
+/// Increment of the positions with the new multipliers.
 pub(super) type Increment = (Vec<f64>, Vec<f64>);
 
 /// Reduction of the tangential compliance of overconstrained nodes per iteration; a constant compliance needs tens of iterations.
@@ -139,20 +139,21 @@ const STIFFER: f64 = 4.0;
 pub(super) struct Attempt<'a, const D: usize> {
     pub(super) system: &'a mut System<D>,
     pub(super) task: &'a Task<'a>,
-    /// Constraints that are excluded from the step.
+    /// True for each constraint that is excluded from the step.
     pub(super) dropped: Vec<bool>,
-    /// The active set of the last iteration.
+    /// Active set of the last iteration.
     active: Vec<RowState>,
-    /// Largest component of an increment that is taken whole, now and at first.
+    /// Largest admitted component of an increment, at present and at the first iteration.
     limit: f64,
     first_limit: f64,
-    /// The part of the last increment that was taken.
+    /// Fraction of the last increment that was applied.
     taken: f64,
-    /// Proximal term of the multipliers over the compliance of their nodes, where no set solved the last linearisation without one.
+    /// Proximal term of the multipliers relative to the compliance of their nodes; `None` if an active set solved the last linearization
+    /// without a proximal term.
     pub(super) proximal: Option<f64>,
-    /// True if the active conditions of a linearization depended on one another, so that the matrix was singular without a proximal term.
+    /// True if the active constraints of a linearization were linearly dependent: without a proximal term the matrix was singular.
     pub(super) is_dependent: bool,
-    /// True if a set solved the last linearisation with a proximal term: such an increment goes a part of the way.
+    /// True if an active set solved the last linearization with a proximal term, which shortens the increment.
     pub(super) is_damped: bool,
     /// Tangential compliance of overconstrained nodes relative to its first value; decreases while the active set stays.
     pub(super) yielding: f64,
@@ -237,7 +238,7 @@ impl<const D: usize> Attempt<'_, D>
 where
     Space<D>: Elements<D>,
 {
-    /// The iterate as a solution. With a penalty every covered node is in the system: in contact are those that press.
+    /// Solution at an iterate. Penalty constraints are part of every active set: those without pressure count as inactive.
     fn solution(&self, at: Linearization) -> Solution {
         let mut active = starting_set(self.system, &at, self.task.conditions, &self.dropped);
         let pressing = active.iter_mut().zip(&at.lambda).take(self.system.pressing);
@@ -248,8 +249,8 @@ where
         Solution { at, active, preferred: PreferredAttempt::default() }
     }
 
-    /// The first iterate: the predicted one or, where that has prescribed motion at rest, what the linearisation at the start makes of this
-    /// motion, if it comes nearer to a solution. A motion that only the prescribed nodes have made crushes the cells beside them.
+    /// First iterate: the predicted one. For a prescribed motion at rest: the solution of the linearization at the start under this motion,
+    /// if it has a smaller merit, because a motion of the prescribed nodes alone crushes the adjacent cells.
     fn beginning(&mut self, lambda: &[f64], iterations: &mut usize) -> Result<Linearization, Failure> {
         let task = self.task;
         let predicted = self.system.linearize(task.start, task.predicted, task.moved, lambda);
@@ -269,7 +270,7 @@ where
         }
     }
 
-    /// The start, moved by what its linearisation makes of the prescribed motion.
+    /// Start of the step, displaced by the solution of its linearization under the prescribed motion.
     fn led(&mut self, lambda: &[f64]) -> Result<Linearization, Failure> {
         let (task, unknowns) = (self.task, self.task.moved.len());
         let mut at = self.system.linearize(task.start, task.start.q_0, &vec![0.0; unknowns], lambda)?;
@@ -288,7 +289,7 @@ where
         self.system.linearize(task.start, &q_1, &moved, &lambda)
     }
 
-    /// Returns the iterate without constraints of nodes that have a sliver of overlap; forces are evaluated again where multipliers are
+    /// Returns the iterate without constraints of nodes that have a sliver of overlap; forces are evaluated again if multipliers are
     /// dropped.
     fn without_slivers(&mut self, at: Linearization) -> Result<Linearization, Failure> {
         let mut lambda = at.lambda.clone();
@@ -300,8 +301,8 @@ where
         self.system.linearize(self.task.start, &q_1, &moved, &lambda)
     }
 
-    /// Lets increments be longer where the last one, of which a part was taken, reduced what is missing as much as that part should,
-    /// and shorter again where it did not.
+    /// Increases the limit of increments if the last limited increment, the fraction `f` of the whole, reduced residual and violation to at
+    /// most `1 - f/2`; otherwise decreases it.
     fn adapt_limit(&mut self, last: Option<&Iteration>, now: &Iteration) {
         let Some(last) = last.filter(|_| self.taken < 1.0) else { return };
         let expected = 1.0 - 0.5 * self.taken;
@@ -310,7 +311,7 @@ where
         self.limit = limit.clamp(self.first_limit, LARGEST_LIMIT * self.first_limit);
     }
 
-    /// Next iterate, by the limited increment or the fraction that backtracking finds; `u_1` receives its displacements even where forces
+    /// Next iterate, by the limited increment or the fraction that backtracking finds; `u_1` receives its displacements even if forces
     /// cannot be computed.
     fn moved(
         &mut self,
@@ -365,13 +366,13 @@ where
         Ok(best)
     }
 
-    /// The iterate in numbers.
+    /// Residual, violation, energy and tolerances of an iterate.
     fn measure(&self, at: &Linearization) -> Iteration {
         let (system, task, forces) = (&*self.system, self.task, &at.forces);
         let mut record = Iteration::default();
         let mut work = 0.0;
         let (mut resultant, mut turning) = ([0.0; 3], [0.0; 3]);
-        // One pass over the nodes: long vectors are not read twice.
+        // One pass over the nodes, because long vectors do not fit into the cache.
         for node in 0..at.q_1.len() / D {
             let mut unbalanced = [0.0; D];
             for i in 0..D {
@@ -389,12 +390,12 @@ where
             add_force(&mut resultant, &unbalanced);
             add_moment(&mut turning, &at.q_1[node * D..][..D], &unbalanced);
         }
-        // Momenta that the residual gives, as an energy at the speed that the energy stands for.
+        // Energy of the momentum change by the residual, at the speed of a model with the reference energy.
         let size = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let kick = size(resultant) + size(turning) / system.nodes.extent;
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
-        // Displacements carry round-off in proportion to their size, and positions, where something sees them, to theirs; stiffness and
-        // inertia turn it into force.
+        // Round-off of displacements, and of positions if forces depend on them, times stiffness, plus round-off of the motion times
+        // inertia.
         let of_positions = if system.sees_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { 0.0 };
         let reach = largest_size(&at.u_1).max(of_positions);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);

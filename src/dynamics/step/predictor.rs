@@ -25,7 +25,7 @@ where
     let mut mass = vec![0.0; pieces];
     let mut center = vec![nalgebra::Vector3::zeros(); pieces];
     let mut velocity = vec![nalgebra::Vector3::zeros(); pieces];
-    // Nodes of the pieces that move, with these.
+    // Nodes of the moving components, with the component of each.
     let free = || {
         equations
             .nodes
@@ -51,7 +51,7 @@ where
         spin[piece] += arm.cross(&vector::<D>(&momentum, node));
         let weighted = vector::<D>(&mass_position, node) - center[piece] * equations.nodes.nodal_mass[node];
         if D == 2 {
-            // In the plane no other entry is used.
+            // In the plane only this entry of the inertia tensor is used.
             inertia[piece].m33 += arm.dot(&weighted);
         } else {
             inertia[piece] += nalgebra::Matrix3::identity() * arm.dot(&weighted) - arm * weighted.transpose();
@@ -135,7 +135,7 @@ fn turns<const D: usize>(equations: &Equations<D>, q_0: &[f64], target: &impl Fn
             points.entry(equations.nodes.component_of[node]).or_default().push([vector::<D>(q_0, node), target.into()]);
         }
     }
-    // What stands stays, without round-off.
+    // Components with prescribed nodes at rest stay exactly.
     let least = tolerances::JUMP * equations.nodes.extent;
     let moving = points.into_iter().filter(|(_, points)| points.iter().any(|[from, to]| (to - from).norm() > least));
     moving.filter_map(|(piece, points)| Some((piece, nearest_motion::<D>(&points)?))).collect()
@@ -146,7 +146,7 @@ fn nearest_motion<const D: usize>(points: &[[nalgebra::Vector3<f64>; 2]]) -> Opt
     let (from, to) = (mean(0), mean(1));
     let mut covariance: nalgebra::Matrix3<f64> = points.iter().map(|[a, b]| (b - to) * (a - from).transpose()).sum();
     if D == 2 {
-        // In the plane the third direction stays.
+        // In the plane the third direction is fixed.
         covariance.m33 = covariance.norm();
     }
     let svd = covariance.svd(true, true);

@@ -54,8 +54,8 @@ impl<const D: usize> Equations<D> {
         elimination
     }
 
-    /// True for each constraint of ties, joints and bilateral contacts that acts at an iterate and is independent of those before it; of
-    /// pairs that a condition takes. Contacts that hold a rigid body at more nodes than it has motions depend on one another.
+    /// True for each active constraint of ties, joints and bilateral contacts that is independent of earlier ones, among pairs selected by
+    /// `takes`. Bilateral contacts at more nodes of a rigid body than it has motions are dependent.
     pub fn bilateral_rows(&self, evaluations: &[Evaluation], takes: impl Fn(&ContactPair) -> bool) -> Vec<bool> {
         let mut holds = vec![false; self.multipliers];
         let pairs = || self.pairs.iter().zip(evaluations).filter(|(pair, _)| pair.law.is_bilateral() && takes(pair));
@@ -94,7 +94,7 @@ impl<const D: usize> Equations<D> {
         closed.into_iter().find_map(|(pair, rows)| is_determined(rows).then_some(pair))
     }
 
-    /// Marks the rows of obstacles at some nodes.
+    /// Marks the constraints of obstacles at these nodes as redundant, with their tangential constraints.
     fn drop_obstacles_at(&self, nodes: &BTreeSet<u32>, redundant: &mut [bool]) {
         for pair in self.pairs.iter().filter(|pair| pair.kind == PairKind::Obstacle) {
             for (local, row) in
@@ -137,7 +137,7 @@ impl<'a> Elimination<'a> {
 
     /// Remainder of a constraint gradient without supported unknowns and pivots, and its largest entry; `None` for a dependent constraint.
     fn remainder(&self, mut row: Row) -> (Row, Option<(usize, f64)>) {
-        // Of all its entries: what supports leave of a row may be round-off.
+        // Size before the removal of supported unknowns: the remaining entries may be round-off.
         let size = row.values().fold(0.0f64, |largest, value| largest.max(value.abs()));
         row.retain(|&unknown, value| !self.fixed[unknown] && value.abs() > NEGLIGIBLE_ENTRY * size);
         let rest = reduced(row, size, &self.pivots);

@@ -24,7 +24,7 @@ pub struct SchemeMemory {
 /// Force history of one kind of forces `[force]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForceHistory {
-    /// Force history passed to the next step ([`LagWeights`](crate::integrators::Lag)).
+    /// Force history passed to the next step ([`LagWeights`](crate::integrators::LagWeights)).
     pub left: Vec<f64>,
     /// Force that balances the inertia at the end of the step.
     pub answered: Vec<f64>,
@@ -47,7 +47,7 @@ impl ForceHistory {
         if lag.is_long() || scheme.remembers(History::Answered) {
             let mean = own.iter().zip(&self.left).map(|(own, left)| own + lag.used * left);
             answered.extend(mean);
-            // Where it is needed it is remembered.
+            // Schemes that need `answered` store it.
             let before = self.answered.iter().map(|before| (1.0 - lag.gamma) * before);
             answered.iter_mut().zip(before).for_each(|(mean, before)| *mean -= before);
             answered.iter_mut().zip(&mut left).for_each(|(answered, left)| {

@@ -196,7 +196,7 @@ impl<const D: usize> System<D> {
 
     /// Restores the candidate pairs of an earlier step at its positions.
     pub fn restore_search(&mut self, search: &Arc<SearchHistory>, q: &[f64], time: f64) {
-        // A time function that fails does so again, with its error, in the next step.
+        // Errors of time functions are reported by the next step, which evaluates them again.
         let _ = self.equations.move_obstacles(time, 0.0);
         let is_present = *self.search() == **search;
         for (pair, candidates) in self.equations.pairs.iter_mut().zip(search.candidates.iter()) {
@@ -220,10 +220,8 @@ impl<const D: usize> System<D> {
         self.begin_deep_step(predicted_motion, &[])
     }
 
-    /// Begins a step at rest; `depths`: largest penetration at which each pair is admitted, as in motion beyond the list.
-    ///
-    /// # Errors
-    /// The equations do not fit into memory.
+    /// Begins a step at rest; `depths`: largest penetration up to which each pair is admitted. Pairs beyond the list are admitted as in
+    /// motion.
     pub fn begin_deep_step(&mut self, predicted_motion: &PredictedMotion, depths: &[f64]) -> Result<(), LinearError> {
         let changed = self.find_candidates(predicted_motion, depths);
         self.matrix.solver.locate(predicted_motion.q);

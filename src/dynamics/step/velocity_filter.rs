@@ -56,7 +56,7 @@ where
         let rates = self.rates(evaluated, v);
         let mut lost: Vec<f64> = (0..hold.len()).map(|row| if hold[row] { -rates[row] } else { 0.0 }).collect();
         for pair in self.pairs.iter().filter(|pair| pair.drive.is_some()) {
-            // It goes as it is driven.
+            // Driven coordinates keep their rates.
             lost[pair.rows.clone()].fill(0.0);
         }
         let against: Vec<f64> = self.image(&stiffness, v).iter().map(|force| -force).collect();

@@ -185,7 +185,7 @@ where
 
     /// Number of eigenvalues below the shift; `None` if the inertia is not available.
     pub fn below(&self) -> Option<usize> {
-        // Each row that holds adds a negative one of its own.
+        // Each active constraint adds one negative eigenvalue.
         self.system.matrix.solver.negative_eigenvalues()?.checked_sub(self.held)
     }
 
@@ -279,7 +279,7 @@ impl<const D: usize> System<D> {
 }
 
 impl<const D: usize> Equations<D> {
-    /// Forces of the loads of a model with the same bodies, at time 0 `[force]`; those whose time function fails are left out. Forces on
+    /// Forces of the loads of a model with the same bodies, at time 0 `[force]`; loads with a failing time function are omitted. Forces on
     /// followers of rigid bodies act on the masters.
     pub fn forces_of_loads(&self, model: &Model, q: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; q.len()];

@@ -37,7 +37,7 @@ pub(super) fn aggregates<const N: usize>(matrix: &BlockMatrix<N, N>, bodies: &[u
     let seeds = of.clone();
     for i in (0..nodes).filter(|&i| seeds[i] == NONE) {
         let nearest = near(i).iter().filter(|(j, _)| seeds[*j as usize] != NONE);
-        // The first of equals.
+        // Of equally strong couplings the first.
         if let Some((j, _)) = nearest.reduce(|best, other| if other.1 > best.1 { other } else { best }) {
             of[i] = seeds[*j as usize];
         }
@@ -80,7 +80,7 @@ pub(super) fn tentative<const N: usize, const M: usize>(
         for m in 0..M {
             let length = |values: &[Block<N, M>]| members.iter().flat_map(|&i| values[i]).map(|row| row[m] * row[m]).sum::<f64>().sqrt();
             let before = length(&values);
-            // Twice is enough.
+            // Two orthogonalization passes suffice.
             for _ in 0..2 {
                 for k in 0..m {
                     let product: f64 = members.iter().flat_map(|&i| values[i]).map(|row| row[k] * row[m]).sum();

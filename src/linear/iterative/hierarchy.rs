@@ -15,7 +15,7 @@ use crate::math::workers::Workers;
 /// Numerator of the damping `omega` of the prolongation smoother, over the largest eigenvalue of `D^-1 A`: the best for model problems.
 const DAMPING: f64 = 4.0 / 3.0;
 
-/// Relative size of couplings that are strong, on the finest level; half on each of the next.
+/// Threshold of strong couplings on the finest level, halved from level to level.
 const STRONG: f64 = 0.08;
 
 /// Number of unknowns that a dense factorization solves directly.
@@ -27,7 +27,7 @@ const MOST_LEVELS: usize = 20;
 /// Number of coarse rows that a thread computes at a time.
 const COARSE_ROWS: usize = 64;
 
-/// One level with its way to the next.
+/// Level of the hierarchy with the transfer to the next coarser one.
 struct Level<const N: usize, const M: usize> {
     matrix: BlockMatrix<N, N>,
     smoother: Smoother<N>,

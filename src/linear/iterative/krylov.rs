@@ -20,7 +20,7 @@ pub(super) trait System {
     fn is_interrupted(&self) -> bool;
 }
 
-/// Vectors that are used again.
+/// Vectors of the iteration, reused by successive cycles.
 #[derive(Default)]
 pub(super) struct Krylov {
     basis: Vec<Vec<f64>>,

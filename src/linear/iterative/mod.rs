@@ -29,14 +29,14 @@ const MOST_ITERATIONS: usize = 600;
 /// Reduction of the residual by one cycle above which the iteration is given up.
 const SLOW: f64 = 0.5;
 
-/// Why a system is not solved by iteration.
+/// Reason why a system is not solved by iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Refusal {
     /// The matrix has unknowns for which there is no preconditioner.
     Unsuited,
     /// The residual did not fall far enough.
     NotConverged,
-    /// An error that another solver has, too.
+    /// Error that is independent of the solver.
     Error(LinearError),
 }
 

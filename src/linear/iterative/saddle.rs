@@ -7,11 +7,11 @@
 //! [ C  E ]
 //! ```
 //!
-//! in which every constraint yields by about the compliance of its own nodes: `u = (K - B E^-1 C)^-1 (f - B E^-1 g)` by a V-cycle, and
-//! `lambda = E^-1 (g - C u)`. Eigenvalues of the preconditioned matrix are those of `S / (S + E)`, `S = -C K^-1 B`, which is of size `w`
-//! for the roughest multipliers and larger for all others: they are in an interval that does not depend on the mesh. Multipliers couple
-//! with few others (the normal and tangential ones of a node), so `E` is inverted by groups. Aggregates do not reach across surfaces in
-//! contact, because sides slide on each other.
+//! in which every constraint has about the compliance of its own nodes: `u = (K - B E^-1 C)^-1 (f - B E^-1 g)` by a V-cycle, and `lambda =
+//! E^-1 (g - C u)`. Eigenvalues of the preconditioned matrix are those of `S / (S + E)`, `S = -C K^-1 B`, which is of size `w` for the
+//! roughest multipliers and larger for all others: they are in an interval that does not depend on the mesh. Multipliers couple with few
+//! others (the normal and tangential ones of a node), so `E` is inverted by groups. Aggregates do not reach across surfaces in contact,
+//! because sides slide on each other.
 
 use super::blocks::{BlockMatrix, TOGETHER, frobenius, in_parts, inverse, times};
 use super::hierarchy::Hierarchy;
@@ -56,7 +56,7 @@ pub(super) struct Saddle<const D: usize, const M: usize> {
     multipliers: Vec<f64>,
 }
 
-/// A matrix that the preconditioner is made from.
+/// Scaled matrix from which a preconditioner is made.
 pub(super) struct Scaled<'a> {
     pub pattern: &'a Pattern,
     pub values: &'a [f64],

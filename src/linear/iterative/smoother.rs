@@ -24,7 +24,7 @@ const PART: usize = 4096;
 pub(super) enum Start {
     /// Zero, whose residual is the right-hand side.
     Zero,
-    /// The solution at hand.
+    /// Approximate solution.
     Solution,
 }
 
@@ -43,7 +43,7 @@ impl<const N: usize> Smoother<N> {
         let mut smoother = Smoother { inverse, largest: 1.0 };
         let rows = matrix.rows();
         let zero = vec![[0.0; N]; rows];
-        // Any vector with a part in every direction.
+        // Start vector with components in all directions.
         let mut x: Vec<[f64; N]> = (0..rows).map(|i| std::array::from_fn(|k| 0.5 + ((N * i + k) as f64 * 1.7).sin())).collect();
         let mut image = zero.clone();
         for _ in 0..POWERS {

@@ -105,7 +105,7 @@ fn stack(counts: [usize; 3], size: [f64; 3], poisson: f64, blocks: usize, is_sta
     for node in (0..nodes as u32).filter(|&node| fixed(node)) {
         (0..3).for_each(|i| values[pattern.block(node, node).at(i, i)] = 1.0);
     }
-    // Normal contact: in the third direction; the lateral ones of the upper blocks by ground springs.
+    // Normal contact constrains the third direction; ground springs support the lateral directions of the upper blocks.
     for (m, row) in rows.iter().enumerate() {
         for &(node, weight) in row {
             values[pattern.block((nodes + m) as u32, node).at(0, 2)] = weight;
@@ -215,7 +215,7 @@ fn the_direct_solver_takes_over_where_the_iteration_does_not_converge() {
     let (mut solver, [x, y]) = chosen(SolverChoice::Iterative, &model);
     assert!(x == y);
     assert_eq!((solver.taken_over().unconverged, solver.work().factorizations, solver.work().hierarchies), (1, 1, 1));
-    // It is tried again for some matrices, then no more; a state of the run remembers that.
+    // The iteration is tried for some further matrices, then no more; a restored state keeps this count.
     for _ in 0..4 {
         solver.factorize(&model.values).unwrap();
         solver.solve(&model.values, &mut model.right.clone()).unwrap();

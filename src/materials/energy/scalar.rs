@@ -44,7 +44,7 @@ impl Jet {
 
     /// `f(self)` by the chain rule, with value and derivatives of `f`.
     fn through(self, value: f64, slope: f64, curvature: f64) -> Self {
-        // What does not change has no slope, whatever the function's.
+        // A constant argument gives a constant, even if the function has no finite slope there.
         if self.slope == 0.0 && self.curvature == 0.0 {
             return Jet::constant(value);
         }

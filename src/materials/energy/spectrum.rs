@@ -111,7 +111,7 @@ impl<const FMA: bool> Spectrum<FMA> {
             };
             add_square(&self.dyad::<S>(i, i), weight * curvature, tangent);
             for j in i + 1..3 {
-                // In the plane the third direction is sheared with no other.
+                // In the plane the third direction is not sheared.
                 if S == 6 || j < 2 {
                     add_square(&self.dyad::<S>(i, j), weight * self.divided_difference(function, i, j) * 2.0, tangent);
                 }

@@ -94,7 +94,7 @@ impl StoredEnergy {
     /// Returns the energy of a body rotated in the plane by an angle with given cosine and sine: fibers are rotated.
     ///
     /// # Errors
-    /// The energy names components of the strain, which do not turn.
+    /// The energy depends on components of the strain, whose axes do not rotate.
     pub fn turned(&self, cosine: f64, sine: f64) -> Result<Self, EnergyError> {
         let Built { graph, rest, .. } = self.build(Setting::Space)?;
         if graph.variables(rest).iter().any(|variable| matches!(variable, Variable::Strain(_))) {

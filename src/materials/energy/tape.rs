@@ -271,13 +271,13 @@ impl Tape {
 
     #[inline(always)]
     fn run<const FMA: bool, const N: usize>(&self, stage: usize, registers: &mut [Block<N>], base: &impl Base) {
-        // Unrolled over points, too, the loops would be more than the compiler can put into vector registers.
+        // Without unrolling over the points: the unrolled loops would exceed the vector registers.
         let points = black_box(N).min(N);
         for (index, operation) in self.operations[..self.stages[stage]].iter().enumerate() {
             let target = Operand { register: self.inputs + index, rest: self.rest[index], reciprocal: None };
             let (done, rest) = registers.split_at_mut(target.register);
             let result = &mut rest[0];
-            // Loops and no closures: what is not inlined here is compiled without the instructions that this function may use.
+            // Loops instead of closures: functions that are not inlined are compiled without the instruction set of this function.
             match *operation {
                 Operation::Sum(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) + at(done, b, n)),
                 Operation::Difference(a, b) => each!(points, result, n, at::<FMA, N>(done, a, n) - at(done, b, n)),

@@ -51,7 +51,7 @@ fn text_against_hand<const S: usize>(text: &dyn BatchedLaw<S>, hand: &dyn Batche
             let stress_size = size.min(1.0) * mu;
             for i in 0..S {
                 let (a, b) = (response[k].stress[i].0[lane], response_hand[k].stress[i].0[lane]);
-                // Not only to the modulus, but to the size of the stress.
+                // Relative to the size of the stress, not only to the modulus.
                 assert!((a - b).abs() < 2e-14 * stress_size, "{}: {a} {b}", at("stress"));
                 let (a, b) = (increment[k].stress_end[i].0[lane], increment_hand[k].stress_end[i].0[lane]);
                 assert!((a - b).abs() < 2e-14 * stress_size, "{}: {a} {b}", at("stress at the end"));

@@ -6,7 +6,7 @@ pub(super) struct Bits(u64);
 
 impl Bits {
     pub(super) fn of(value: f64) -> Self {
-        // Both zeros are one.
+        // Zeros of both signs have one bit pattern.
         Bits(if value == 0.0 { 0 } else { value.to_bits() })
     }
 

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::math::catalogue::{Interval, OutOfRange};
 
-/// Back stresses at most.
+/// Largest number of back stresses.
 pub const MOST_BACK_STRESSES: usize = 4;
 
 /// Invalid constants of an elastic-plastic material.

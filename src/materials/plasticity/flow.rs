@@ -165,7 +165,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         let outward = dot(&exit, &way);
         let mut factor = Lanes::ZERO;
         for lane in 0..WIDTH {
-            // In a step next to nothing from the yield surface the share is round-off, and so would be its slope, without bound.
+            // For tiny steps on the yield surface the elastic fraction is round-off, and its derivative would be unbounded.
             let least = OUTSIDE_THE_YIELD_SURFACE * square.0[lane];
             let is_resolved = a.0[lane] > least || c.0[lane].abs() > least;
             let is_inner = is_resolved && share.0[lane] > 0.0 && share.0[lane] < 1.0 && outward.0[lane] > 0.0;
@@ -245,7 +245,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
                 let (least, most) = (low.0[lane], high.0[lane]);
                 let bisected = if most.is_finite() { 0.5 * (least + most) } else { 2.0 * least + 0.1 * stress.0[lane] / self.shear };
                 let candidate = if newton > least && newton < most { newton } else { bisected };
-                // No number lies between them: round-off ends it.
+                // Without a number between both bounds, round-off ends the iteration.
                 if candidate != before && candidate != least {
                     next.0[lane] = candidate;
                     is_done = false;
@@ -281,7 +281,7 @@ impl<const FMA: bool, const S: usize> FlowStep<'_, FMA, S> {
         let along = dot(&normal, &dv);
         let turning = times(&plus(&normal, -along, &dv), inverse);
         y = plus(&normal, -(stiffness * g), &y);
-        // Beyond the center of the yield surface it counts as negative.
+        // Signed norm of the relative stress, negative beyond the center of the yield surface.
         let reach = dot(&y, &normal).sign_to(dot(&y, &y).sqrt().greater(Lanes::splat(f64::MIN_POSITIVE)));
         let outward = times(&y, Lanes::splat(1.0) / reach);
         dy = plus(&normal, -dstiffness.mul_add(g, stiffness), &dy);

@@ -31,7 +31,7 @@ impl ElasticPlastic {
                 [stress, stress * exponent / (strain + alpha)]
             }),
             Hardening::Ludwik { modulus, exponent } => by_lane(alpha, |alpha| {
-                // The slope is infinite at the first yielding; a large one serves Newton's method.
+                // The slope is infinite at first yielding; Newton's method uses a large finite slope.
                 let start = alpha.max(FIRST_PLASTIC_STRAIN);
                 [self.yield_stress + modulus * alpha.powf(*exponent), modulus * exponent * start.powf(exponent - 1.0)]
             }),

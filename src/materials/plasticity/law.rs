@@ -217,7 +217,7 @@ impl PlasticLaw {
             return Lanes::ZERO;
         }
         let [before, last] = self.stresses(&step);
-        // The mean stress of the flow does the work, or that at the end.
+        // Stress that does the plastic work: the mean over the flow or, for stresses at the end, the stress at the end.
         let of_start = if is_end { 0.0 } else { 0.5 };
         let acting = plus(&before, Lanes::splat(of_start), &times(&last, Lanes::splat(1.0 - of_start)));
         let mut heat = dot(&acting, &flow.strain);

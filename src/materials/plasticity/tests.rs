@@ -153,7 +153,7 @@ where
                 strain = next;
                 std::mem::swap(&mut history, &mut after);
             }
-            // Where the yield surface is crossed within the difference, it is none.
+            // Difference quotients across the yield surface are no derivatives.
             wrong.sort_by(f64::total_cmp);
             let most = wrong[wrong.len() * 9 / 10];
             assert!(most < 2e-6, "{constants:?} {stress:?} {size}: {most:e}");
@@ -195,8 +195,8 @@ fn simple_shear_does_not_soften() {
     }
 }
 
-/// A shear of 1e-20 past a point on the yield surface, as the round-off of a rigid motion makes it, whose chord through the surface ends
-/// within the step: the elastic share has no slope, which would be 1e34 times an excess of 1e-15 of the plastic strain.
+/// A shear of 1e-20 from a point on the yield surface, as by the round-off of a rigid motion, whose path through the surface ends within
+/// the step. The elastic fraction has no derivative: it would be 1e34 times an excess of 1e-15 of the plastic strain.
 #[test]
 fn round_off_on_the_yield_surface_has_no_elastic_share_with_a_slope() {
     let law = steel();

@@ -66,8 +66,8 @@ pub const CONTACT_ROUND_OFF: f64 = 4e-15;
 /// reduces what is missed to about this fraction.
 pub const PROXIMAL_OF_DEPENDENT: f64 = 1e-3;
 
-/// Work of a force relative to the force times the size of the model that is round-off of positions: what rests while large forces act on
-/// it has no other work (`tests/scripts/rest.rhai`).
+/// Work of a force relative to the force times the size of the model that is round-off of positions: bodies at rest under large forces have
+/// no other work (`tests/scripts/rest.rhai`).
 pub const WORK_ROUND_OFF: f64 = 2e-15;
 
 /// Energy of the bodies relative to the one that loads give them in a step, up to which they count as still.

@@ -49,7 +49,7 @@ impl RowLaw for Penalty {
 
 /// Pressure at an iterate, and its derivative.
 fn pressure_at(row: &Row) -> (f64, f64) {
-    // From a start at zero the quotient is half of the pressure at the end.
+    // For a start at `Phi = 0` the quotient is half of the pressure at the end, hence the factor 2.
     if row.end_point { pressure(2.0 * row.stiffness, 0.0, row.gap) } else { pressure(row.stiffness, row.gap_n, row.gap + row.shift) }
 }
 
