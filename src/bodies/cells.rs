@@ -67,7 +67,7 @@ impl<const D: usize, const S: usize, const L: usize, const A: usize, const Q: us
     /// Cells of a mesh whose nodes start at `first_node` in the model.
     ///
     /// # Errors
-    /// The first cell that is inside out.
+    /// The first inverted cell.
     pub(super) fn new<C: ReferenceCell<D, A, Q>>(
         mesh: &Mesh,
         block: &MeshBlock,

@@ -156,7 +156,7 @@ pub trait ElementLoop<const D: usize>: Send + Sync {
     /// Visits stress and strain at all quadrature points, cell after cell of a batch.
     fn visit_stresses(&self, at: BodyState, visit: &mut dyn FnMut(&PointStress));
 
-    /// Visits the forces of all cells: number of the cell, force of its stress on each of its nodes in the order of [`Self::cliques`],
-    /// against the motion as in the residual, less the force on its mass `[force]`, which follows from `field`.
+    /// Visits the forces of all cells: index of the cell, and force on each of its nodes in the order of [`Self::cliques`] `[force]`:
+    /// internal force of its stress minus the force `field` on its mass, with the sign of the residual.
     fn visit_forces(&self, at: BodyState, field: &ForcePerMass, visit: &mut dyn FnMut(usize, &[[f64; 3]]));
 }

@@ -27,8 +27,8 @@ pub(super) struct Run {
     pub(super) fresh: Vec<Range<usize>>,
 }
 
-/// Rounds of given cells of a body, each in ascending order of its nodes; runs consist of whole groups of `together` cells. `touched` has
-/// the spans of the cells before, in ascending order, and gets those of the cells.
+/// Rounds of given cells of a body, each in ascending order of its nodes; runs consist of whole groups of `together` cells. `touched`
+/// contains the node ranges of the preceding cells, in ascending order, and is extended by those of these cells.
 pub(super) fn rounds(cells: &[Vec<u32>], together: usize, touched: &mut Vec<Range<usize>>) -> Vec<Vec<Run>> {
     let length = cells.len().div_ceil(MOST_RUNS).max(LEAST_CELLS).next_multiple_of(together);
     let mut rounds: Vec<Vec<Run>> = Vec::new();

@@ -13,8 +13,7 @@ fn sum(shares: &[f64], values: impl Iterator<Item = f64>) -> f64 {
     shares.iter().zip(values).map(|(share, value)| share * value).sum()
 }
 
-/// Nodes of a boundary and the share of its measure `[length]` (in space and of a body of revolution: area) that belongs to each: the
-/// integral of its shape function.
+/// Nodes of a boundary with their tributary measures `int N_a ds` `[length]` (in space and for a body of revolution: area).
 ///
 /// Single points without facets have equal shares. Exact for straight facets of two nodes and plane ones of three in space; for curved
 /// edges and those of bodies of revolution by three Gauss points, for other faces by [`face_points`].
@@ -65,7 +64,7 @@ fn face_shares(points: &[[f64; 3]]) -> Vec<f64> {
     shares
 }
 
-/// Forces of a unit pressure on a face in space with its nodes there, against the outward normal: `-int N_a n dA`.
+/// Forces of a unit pressure on a face in space with nodes at `nodes`, against the outward normal: `-int N_a n dA`.
 pub fn face_pressure(nodes: &[[f64; 3]]) -> [[f64; 3]; MOST_FACE_NODES] {
     let mut forces = [[0.0; 3]; MOST_FACE_NODES];
     for point in face_points(nodes.len()) {
@@ -95,8 +94,8 @@ pub fn face_pressure_arms(nodes: &[[f64; 3]]) -> [[[f64; 3]; MOST_FACE_NODES]; M
 /// A matrix of two components.
 type Block = [[f64; 2]; 2];
 
-/// Forces of a unit pressure on an edge of a body of revolution with its nodes there, `2 pi int N_a r z x dx`, and their derivative:
-/// `[a][b][i][k]` that of component `i` at node `a` with respect to `k` at `b`.
+/// Forces of a unit pressure on an edge of a body of revolution with nodes at `nodes`, `2 pi int N_a r z x dx`, and their derivative:
+/// `[a][b][i][k]` is that of component `i` at node `a` with respect to component `k` at node `b`.
 pub fn round_pressure(nodes: &[[f64; 2]]) -> ([[f64; 2]; 3], [[Block; 3]; 3]) {
     let (mut force, mut slope) = ([[0.0; 2]; 3], [[[[0.0; 2]; 2]; 3]; 3]);
     for (s, weight) in edge_points() {
@@ -128,8 +127,9 @@ pub fn pressure_shares(nodes: usize) -> &'static [&'static [f64]] {
     if nodes == 2 { &HALF } else { &SIXTHS }
 }
 
-/// Adds the nodal forces of a torque: `w_a omega x r_a` with `r` from the `w`-weighted centroid of the boundary at `q`, and `omega` such
-/// that their moment is exactly `moment`, in the plane its third component. Net force zero. None if all nodes are on a line along `moment`.
+/// Adds the nodal forces of a torque: `w_a omega x r_a` with `r_a` from the `w`-weighted centroid of the boundary at `q`, and `omega` such
+/// that their moment equals `moment`, in the plane its third component. The resultant is zero. `None` if all nodes are on a line along
+/// `moment`.
 pub fn torque_forces<const D: usize>(weights: &[(u32, f64)], q: &[f64], moment: [f64; 3], force: &mut [f64]) {
     let place = |node: u32| Vector3::from_fn(|i, _| if i < D { q[node as usize * D + i] } else { 0.0 });
     let total: f64 = weights.iter().map(|(_, w)| w).sum();

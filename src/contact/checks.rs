@@ -20,7 +20,7 @@ const COARSE: f64 = 3.0;
 /// degrees. The side of a block that stands slightly tilted on a plane does not face it.
 const FACES: f64 = 0.1;
 
-/// A surface with its name in messages.
+/// Surface and its name, for messages.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedSurface<'a> {
     /// Name `body.boundary`.
@@ -274,7 +274,7 @@ fn reversed_normals(side: NamedSurface, q: &[f64]) -> Option<Finding> {
     let clashes = |index: usize| {
         let adjacent = surface.adjacent_facets(index);
         let starting = adjacent.iter().filter(|&&facet| surface.local_facets()[facet as usize][0] as usize == index).count();
-        // A node of a facet that is listed twice, once each way, belongs to `DuplicateFacets`.
+        // A node of two copies of one facet with opposite orientation is reported as `DuplicateFacets`.
         adjacent.len() == 2 && starting != 1 && distinct_facets(surface, adjacent)
     };
     let clashing: Vec<usize> = (0..surface.nodes().len()).filter(|&index| clashes(index)).collect();
@@ -328,7 +328,7 @@ pub fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) ->
         let (nearest, other_normal, other_size) = others[tree.nearest_neighbor(*middle)?.data];
         let cosine = dot(normal, &other_normal);
         let ahead = dot(normal, &std::array::from_fn(|i| nearest[i] - middle[i]));
-        // A facet that overlaps by less than its size is pressed in.
+        // A facet that overlaps by less than its size counts as an initial penetration.
         if cosine < 0.0 && ahead > -size.max(other_size) {
             return None;
         }
@@ -348,7 +348,7 @@ pub fn facing_away(secondary: NamedSurface, primary: NamedSurface, q: &[f64]) ->
 pub fn looks_away(secondary: NamedSurface, obstacle: &Clearance, shift: [f64; 3], q: &[f64]) -> Option<Finding> {
     let mut least = f64::INFINITY;
     for (middle, normal, size) in frames(secondary.surface, q) {
-        // A facet that overlaps by less than its size is pressed in.
+        // A facet that overlaps by less than its size counts as an initial penetration.
         let x = std::array::from_fn(|i| middle[i] - shift[i]);
         least = least.min(obstacle.least_cosine(x, normal, size));
         if least < -FACES {

@@ -2,7 +2,7 @@
 //! ends.
 //!
 //! Two short chains face each other. Directionality `Gbar_A.dq = Phi_A(q_1) - Phi_A(q_0)`, zero resultant and moment, and the tangent as
-//! the derivative of the force hold to round-off, each for the derivatives that promise it.
+//! the derivative of the force hold to round-off, each for the algorithmic gradients that have the property.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

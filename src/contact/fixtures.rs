@@ -49,7 +49,7 @@ pub(crate) fn tangent_along(patches: &Patches, tangent: &[f64], direction: &[f64
     change
 }
 
-/// Largest resultant force and moment (about the origin, arms `q`) of the rows in the plane.
+/// Largest resultant force and moment (about the origin, arms `q`) of constraint gradients in the plane, each taken as nodal forces.
 pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     rows.iter().fold(0.0, |largest: f64, row| {
         let force = |axis: usize| row.iter().skip(axis).step_by(2).sum::<f64>();
@@ -58,7 +58,7 @@ pub(crate) fn unbalance(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     })
 }
 
-/// Largest resultant force and moment (about the origin, arms `q`) of the rows in space.
+/// Largest resultant force and moment (about the origin, arms `q`) of constraint gradients in space, each taken as nodal forces.
 pub(crate) fn unbalance_in_space(rows: &[Vec<f64>], q: &[f64]) -> f64 {
     let of = |row: &Vec<f64>| {
         let mut sums = [0.0; 6];

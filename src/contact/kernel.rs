@@ -27,7 +27,7 @@ pub enum Correction {
     PerNode,
 }
 
-/// Receiver of tangent blocks: the patch, and its block row by row; empty without pressure.
+/// Receiver of tangent blocks: index of the contact element, and its block row by row; empty without pressure.
 pub type TangentSink<'a> = dyn FnMut(usize, &[f64]) + 'a;
 
 /// Constraint functions of a pair of surfaces, as sums over contact elements.
@@ -132,8 +132,8 @@ pub trait PatchFunctions {
     /// Values, gradients and tangent of a step that ends at `q_1`, into `out`; `lambda` has one multiplier per constraint.
     fn evaluate(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation);
 
-    /// As [`Self::evaluate`], but the tangent blocks go to `tangent`, patch by patch in ascending order, and need not stay in `out`. `None`
-    /// where no tangent is needed.
+    /// As [`Self::evaluate`], but the tangent blocks go to `tangent`, contact element by contact element in ascending order, and need not
+    /// stay in `out`. `None` where no tangent is needed.
     fn linearize(&self, derivative: Derivative, q_1: &[f64], lambda: &[f64], out: &mut Evaluation, tangent: Option<&mut TangentSink>) {
         self.evaluate(derivative, q_1, lambda, out);
         if let Some(tangent) = tangent {

@@ -127,7 +127,7 @@ pub struct Evaluation {
     pub gap: Vec<f64>,
     /// Covered share at `q_1` per constraint, 0 to 1.
     pub coverage: Vec<f64>,
-    /// Starts of the gradient and tangent blocks of each patch; empty with room for all patches.
+    /// Starts of the gradient and tangent blocks of each contact element; empty if the blocks of all elements are stored.
     places: Vec<[usize; 2]>,
 }
 
@@ -135,8 +135,8 @@ pub struct Evaluation {
 const NO_ROOM: usize = usize::MAX;
 
 impl Evaluation {
-    /// Sizes the storage for `patches` and `constraints`; sets gaps and coverage to zero. Blocks of unchanged size keep their numbers, so
-    /// that a kernel clears only those that were nonzero.
+    /// Sizes the storage for the contact elements `patches` and the number of `constraints`; sets gaps and coverage to zero. Blocks of
+    /// unchanged size keep their values, so that a kernel clears only those that were nonzero.
     pub fn prepare(&mut self, patches: &Patches, constraints: usize) {
         let last = patches.starts[patches.len()];
         let had_room = std::mem::take(&mut self.places).is_empty();
@@ -155,8 +155,8 @@ impl Evaluation {
         self.clear_sums(constraints);
     }
 
-    /// Begins an evaluation with room for live patches alone, which follow in ascending order by [`Self::open`]; sets gaps and coverage to
-    /// zero.
+    /// Begins an evaluation that stores blocks of live contact elements alone, which follow in ascending order by [`Self::open`]; sets gaps
+    /// and coverage to zero.
     pub(crate) fn begin_live(&mut self, patches: &Patches, constraints: usize) {
         self.live.clear();
         self.live.resize(patches.len(), false);
@@ -173,7 +173,7 @@ impl Evaluation {
         }
     }
 
-    /// Marks patch `p` as live and makes room for its blocks, which are zero, with or without a tangent.
+    /// Marks contact element `p` as live and allocates its blocks, filled with zeros, with or without a tangent.
     pub(crate) fn open(&mut self, patches: &Patches, p: usize, has_tangent: bool) -> Place<'_> {
         let (gradient, square) = (patches.gradient_range(p).len(), if has_tangent { patches.tangent_range(p).len() } else { 0 });
         let (first, first_of_tangent) = (self.gradient_end.len(), self.tangent.len());
@@ -189,24 +189,25 @@ impl Evaluation {
         }
     }
 
-    /// Place of the `rows x unknowns` blocks of patch `p` in [`Self::gradient_end`] and [`Self::gradient_bar`]; empty without room.
+    /// Range of the `constraints x unknowns` blocks of contact element `p` in [`Self::gradient_end`] and [`Self::gradient_bar`]; empty if
+    /// they are not stored.
     pub fn gradient_range(&self, patches: &Patches, p: usize) -> Range<usize> {
         placed(patches.gradient_range(p), self.places.get(p).map(|[first, _]| *first))
     }
 
-    /// Place of the `unknowns x unknowns` block of patch `p` in [`Self::tangent`]; empty without room.
+    /// Range of the `unknowns x unknowns` block of contact element `p` in [`Self::tangent`]; empty if it is not stored.
     pub fn tangent_range(&self, patches: &Patches, p: usize) -> Range<usize> {
         placed(patches.tangent_range(p), self.places.get(p).map(|[_, first]| *first))
     }
 
-    /// Hands the tangent blocks of live patches to a receiver, in ascending order, and frees them as [`Self::drop_tangent`] does.
+    /// Passes the tangent blocks of live contact elements to a receiver, in ascending order, and frees them as [`Self::drop_tangent`] does.
     pub fn hand_tangents_over(&mut self, patches: &Patches, receiver: &mut dyn FnMut(usize, &[f64])) {
         let ranges = (0..patches.len()).filter(|&p| self.live[p]).map(|p| (p, self.tangent_range(patches, p)));
         ranges.filter(|(_, range)| !range.is_empty()).for_each(|(p, range)| receiver(p, &self.tangent[range]));
         self.drop_tangent();
     }
 
-    /// Frees the tangent blocks, unless there is room for all patches, which is used again.
+    /// Frees the tangent blocks, unless the blocks of all contact elements are stored: that storage is used again.
     pub fn drop_tangent(&mut self) {
         if !self.places.is_empty() {
             self.tangent = Vec::new();
@@ -214,7 +215,7 @@ impl Evaluation {
         }
     }
 
-    /// Zeroes the blocks of patch `p` if the patch was live and the evaluation stores all patches.
+    /// Zeroes the blocks of contact element `p` if it was live and the evaluation stores all elements.
     pub(crate) fn clear_patch(&mut self, patches: &Patches, p: usize) {
         if std::mem::replace(&mut self.live[p], false) {
             let gradient = patches.gradient_range(p);
@@ -224,7 +225,7 @@ impl Evaluation {
         }
     }
 
-    /// Copy of the evaluation with room for all contact elements.
+    /// Copy of the evaluation that stores the blocks of all contact elements.
     #[cfg(test)]
     pub(crate) fn with_room(self, patches: &Patches) -> Evaluation {
         let mut all = Evaluation::default();
@@ -246,7 +247,7 @@ impl Evaluation {
     }
 }
 
-/// Range of a block: `everywhere` if all patches are stored, else from its own start `first`; empty for [`NO_ROOM`].
+/// Range of a block: `everywhere` if all contact elements are stored, else from its own start `first`; empty for [`NO_ROOM`].
 fn placed(everywhere: Range<usize>, first: Option<usize>) -> Range<usize> {
     match first {
         None => everywhere,
@@ -255,7 +256,7 @@ fn placed(everywhere: Range<usize>, first: Option<usize>) -> Range<usize> {
     }
 }
 
-/// The blocks of one live patch in an [`Evaluation`].
+/// Blocks of one live contact element in an [`Evaluation`].
 pub(crate) struct Place<'a> {
     pub(crate) gradient_end: &'a mut [f64],
     pub(crate) gradient_bar: &'a mut [f64],
@@ -311,7 +312,7 @@ mod tests {
         assert_eq!((out.tangent_range(&patches, 1), out.tangent_range(&patches, 2)), (0..0, 0..16));
         out.drop_tangent();
         assert_eq!((out.tangent.capacity(), out.tangent_range(&patches, 2)), (0, 0..0));
-        // `prepare` restores the storage of all patches.
+        // `prepare` restores the storage of all contact elements.
         out.prepare(&patches, 3);
         assert_eq!((out.live.contains(&true), out.gradient_range(&patches, 1), out.tangent.len()), (false, 4..10, 68));
         assert!(out.gradient_end.iter().all(|entry| *entry == 0.0));

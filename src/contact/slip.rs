@@ -38,13 +38,13 @@ pub struct SlipStep<'a> {
     pub live: &'a [bool],
 }
 
-/// Slip rows `g_A` of a kernel's contact elements.
+/// Slip gradients `g_A` of a kernel's contact elements.
 pub trait SlipRows {
     /// Appends the indices of the nodes of contact element `p` that slip, at the positions `z` of all its nodes; `false` without.
     fn places(&self, p: usize, z: &[f64], places: &mut Vec<usize>) -> bool;
 
-    /// Writes the rows of contact element `p`, at the positions `z` of those nodes, into `rows` (zero before), and the covered measure of
-    /// each constraint into `covered`; `false` without slip.
+    /// Writes the slip gradients of contact element `p`, at the positions `z` of those nodes, into `rows` (zero before), and the covered
+    /// measure of each constraint into `covered`; `false` without slip.
     fn rows<T: Number>(&self, p: usize, z: &[T], rows: &mut [T], covered: &mut [f64]) -> bool;
 
     /// True if rigid motions of the contact element have no slip; false if the other side is an obstacle.
@@ -96,7 +96,7 @@ struct Scratch {
     jets: Vec<Jet>,
     rows: Vec<Jet>,
     values: Vec<f64>,
-    /// Derivatives of the rows, one block per unknown.
+    /// Derivatives of the slip gradients, one block per unknown.
     slopes: Vec<f64>,
 }
 
@@ -233,9 +233,9 @@ fn projected<T: Number>(kernel: &impl SlipRows, p: usize, z: &[T], rows: &mut [T
     true
 }
 
-/// Rows of a point `x` that slides on a facet `y_1 y_2` of the other side: `weight` times its displacement relative to the opposite point
-/// of the facet, along the facet's tangent seen from the point's side. Beside the facet the opposite point is its end; a round body slides
-/// perpendicular to the direction to it.
+/// Slip gradient of a point `x` that slides on a facet `y_1 y_2` of the other side: `weight` times its displacement relative to the
+/// opposite point of the facet, along the facet's tangent seen from the point's side. Beside the facet the opposite point is its end; a
+/// round body slides perpendicular to the direction to it.
 pub fn point_on_facet<T: Number>(z: &[T], weight: f64, is_round: bool, rows: &mut [T; 6]) {
     let at = |k: usize| [z[2 * k], z[2 * k + 1]];
     let [x, y_1, y_2] = [0, 1, 2].map(at);

@@ -20,7 +20,7 @@ const SHORT: f64 = 0.25;
 
 /// Excludes short overlaps at large gaps from the pairs that take part in a step.
 pub(super) fn leave_out(near: &mut [bool], pairs: &[[u32; 2]], sides: &Sides, predicted_motion: &PredictedMotion) {
-    // At rest sliding has no bound, and bodies may be pressed into each other. Pair functions in space have no such jump.
+    // At rest the sliding distance has no bound, and bodies may overlap at the start. Pair functions in space have no such jump.
     if predicted_motion.depth > 0.0 || sides.secondary.dimension() == 3 {
         return;
     }
@@ -63,8 +63,8 @@ mod tests {
     use super::super::search::PairSearch;
     use super::*;
 
-    /// True if the lower facet of a side that leans over the right end of a top takes part in a step that slides by `motion_bound`. Nodes 0 to 2
-    /// belong to the top and the facet before it, nodes 3 to 5 to the side, from the top down.
+    /// True if the lower of two facets that overhang the right end of a horizontal surface takes part in a step with the given bound of the
+    /// sliding distance. Nodes 0 to 2: facet before the surface and the surface; nodes 3 to 5: overhanging side, from the top down.
     fn takes_part(start: [f64; 2], upper: [f64; 2], middle: [f64; 2], motion_bound: f64) -> bool {
         let q = [start, [1.0, 0.0], [0.0, 0.0], upper, middle, [1.08, 0.0]].concat();
         let sides = Sides::new(&[[0, 1], [1, 2]], &[[3, 4], [4, 5]], &q);
@@ -82,9 +82,9 @@ mod tests {
         assert!(!takes_part(corner, apart, [0.98, 0.45], 0.05));
         assert!(!takes_part(corner, apart, [1.02, 0.45], 0.05));
         assert!(takes_part(corner, apart, [0.98, 0.45], 0.01));
-        // Behind the line of the top: beside its body, or slightly inside.
+        // Behind the line of the surface: beside its body, or slightly inside.
         assert!(!takes_part(corner, apart, [0.98, -0.45], 0.05));
-        // At a small gap; over a top that continues; on a side whose next facet takes part, too.
+        // At a small gap; above a surface that continues; on a side whose adjacent facet takes part, too.
         assert!(takes_part(corner, apart, [0.98, 0.04], 0.05));
         assert!(takes_part(straight, apart, [0.98, 0.45], 0.05));
         assert!(takes_part(corner, beside, [0.98, 0.45], 0.05));

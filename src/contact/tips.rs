@@ -111,7 +111,7 @@ mod tests {
             let back = Some(SeparatingSide::AtOwn { misleading: [false, true] });
             assert_eq!(parting(x), [Some(SeparatingSide::AtOther(1)), back], "{x:?}");
         }
-        // So deep that the other tip is nearer to one of its sides.
+        // Deep penetration: the other tip is nearer to one of the sides of this one.
         let back = Some(SeparatingSide::AtOwn { misleading: [true, false] });
         assert_eq!(parting([0.4, -0.3]), [back, Some(SeparatingSide::AtOther(0))]);
     }

@@ -332,7 +332,7 @@ impl Scheme {
     }
 
     /// Checks that the row is a scheme: motion without forces and under a constant force is exact, and all history variables that are read
-    /// are remembered.
+    /// are stored.
     ///
     /// # Errors
     /// The violated condition, in words.

@@ -1,6 +1,6 @@
-//! Composition of the energy-momentum scheme to order four, the triple jump: three steps of it, the middle one back in time (Creutz and
-//! Gocksch, Phys. Rev. Lett. 63, 1989; Yoshida, Phys. Lett. A 150, 1990; Hairer, Lubich and Wanner, Geometric Numerical Integration, 2006,
-//! section II.4).
+//! Composition of the energy-momentum scheme to order four, the triple jump: three of its steps, the second one backward in time (Creutz
+//! and Gocksch, Phys. Rev. Lett. 63, 1989; Yoshida, Phys. Lett. A 150, 1990; Hairer, Lubich and Wanner, Geometric Numerical Integration,
+//! 2006, section II.4).
 //!
 //! ```text
 //! c dt, (1 - 2 c) dt, c dt,    c = 1 / (2 - 2^(1/3)) = 1.3512

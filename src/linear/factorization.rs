@@ -32,11 +32,11 @@ const DISSECTION: f64 = 1.5e5;
 /// Number of operations of a factorization above which several dissections are compared: tenths of a second.
 const WORTH_ALTERNATIVES: f64 = 2e9;
 
-/// Work, relative to that of one matrix's blocks, up to which blocks that became zero are kept: they tend to return, and each new structure
-/// costs a third of a factorization.
+/// Work, relative to that of one matrix's blocks, up to which blocks that became zero are kept: they often become nonzero again, and each
+/// new structure costs a third of a factorization.
 const WORTH_KEEPING: f64 = 1.1;
 
-/// Number of factorizations within which blocks that became zero return, if at all: about those of a step.
+/// Number of factorizations within which blocks that became zero usually become nonzero again: about the number in a step.
 const COME_BACK: usize = 4;
 
 /// Number of factorizations after which the structure is checked for blocks that became zero, even without new blocks: bodies have

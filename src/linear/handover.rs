@@ -45,7 +45,7 @@ pub struct Handover {
     positions: Vec<f64>,
     iterative: Iterative,
     direct: Option<Box<Factorization>>,
-    /// Memory of the direct solver while it is not made.
+    /// State of the direct solver, kept for its creation.
     kept: SolverMemory,
     taken_over: TakenOver,
     /// True if the direct solver has factorized the last matrix.

@@ -136,7 +136,7 @@ impl Order {
                 sizes[parents[k] as usize] += sizes[k];
             }
         }
-        // Parents stand behind their children, so from the last one on every family is placed within that of its parent.
+        // Parents follow their children in the order: from the last vertex on, each family gets its range within that of its parent.
         let mut families = vec![[0; 2]; count];
         let mut roots_end = count as u32;
         let mut free_end: Vec<u32> = vec![0; count];

@@ -15,7 +15,8 @@ use crate::math::workers::Workers;
 /// Largest ratio of singular values of a matrix, scaled to entries of order one, whose solution is compared.
 const CONDITION: f64 = 1e7;
 
-/// A graph: coordinates per vertex, cells of these, and groups of constraints with their number of rows and what they couple.
+/// A graph: number of coordinates of each vertex, cells as lists of vertices, and groups of constraints, each with the number of
+/// constraints and the coupled vertices.
 #[derive(Clone, Debug)]
 struct Graph {
     sizes: Vec<u8>,

@@ -329,7 +329,7 @@ fn a_changed_pattern_keeps_the_order_until_the_work_has_grown() {
 fn blocks_that_are_zero_cost_nothing_until_they_are_not() {
     let dense = tied::<2>(40, 6, 1, 0.05);
     let mut sparse = tied::<2>(40, 6, 1, 0.05);
-    // Without the multipliers' couplings the strips are apart; each multiplier is its own equation.
+    // Without the couplings of multipliers the strips are independent, and each multiplier has an equation of its own.
     for m in sparse.nodes..sparse.pattern.vertices() {
         for &other in sparse.pattern.neighbors(m) {
             for (u, v) in [(m as u32, other), (other, m as u32)] {

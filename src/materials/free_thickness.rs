@@ -23,7 +23,7 @@ const ACROSS: usize = 2;
 /// A law without stress across the plane.
 pub struct FreeThickness(pub Arc<dyn HistoryLaw<4>>);
 
-/// Step with the strains across the plane found for it.
+/// Step with the strains across the plane that satisfy plane stress.
 struct Found {
     start: Vec<Components<4>>,
     end: Vec<Components<4>>,

@@ -20,7 +20,7 @@ use crate::math::tolerances::FREE_STRESS;
 pub enum HomogeneousTest {
     /// Pulled along the first axis, free across.
     Uniaxial,
-    /// Pulled alike along the first two axes, free along the third.
+    /// Equal stretches along the first two axes, zero stress along the third.
     Equibiaxial,
     /// Pulled along the first axis, held along the second, free along the third: a wide strip, also called planar tension.
     PureShear,
@@ -258,7 +258,7 @@ mod tests {
             let states = path(&rubber, piece, &[1.5, 2.0, 3.0]);
             assert_eq!(states.len(), 3);
             for state in states {
-                // Treloar 1975: what compressibility leaves is of the order mu/k.
+                // Treloar 1975; the effect of compressibility is of the order mu/k.
                 let expected = closed(state.stretch);
                 assert!((state.nominal_stress - expected).abs() < 1e-4 * expected, "{piece:?} {state:?} {expected}");
                 assert!((state.deformation_gradient().determinant() - 1.0).abs() < 1e-4);

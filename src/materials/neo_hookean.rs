@@ -144,10 +144,10 @@ impl Law for Lame {
         self.increment(strain_n, strain_n1).remainder
     }
 
-    /// With `det(C_m + s dC) = d + s p + s^2 r + s^3 t` (`s` from -1/2 to 1/2), `A = d + r/4`, `B = p/2 + t/8`, `z = B/A`:
-    /// `ln J_1 - ln J_0 = atanh z`, slope of `ln J` over the step `delta = p/(2 d)`, and `(ln J_0 + ln J_1)/2 - ln J_m = ln(1 + u)/4`
-    /// with `u = (A^2 - B^2)/d^2 - 1`. The part linear in `E` drops out, and what is left is of second and third order by itself.
-    /// `ln J_1` and `det C_1 = A + B` follow on the way.
+    /// With `det(C_m + s dC) = d + s p + s^2 r + s^3 t` (`s` from -1/2 to 1/2), `A = d + r/4`, `B = p/2 + t/8`, `z = B/A`: `ln J_1 - ln J_0
+    /// = atanh z`, slope of `ln J` over the step `delta = p/(2 d)`, and `(ln J_0 + ln J_1)/2 - ln J_m = ln(1 + u)/4` with `u = (A^2 -
+    /// B^2)/d^2 - 1`. The part linear in `E` drops out, so that all terms are of second and third order. `ln J_1` and `det C_1 = A + B`
+    /// follow on the way.
     #[inline(always)]
     fn increment<T: Tensor>(&self, strain_n: &T, strain_n1: &T) -> Increment<T> {
         let (mid, d) = ((*strain_n + *strain_n1) * 0.5, *strain_n1 - *strain_n);

@@ -83,7 +83,7 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool)
                 assert!((difference - tangent[l][k]).abs() < 2e-8 * mu, "{name}: tangent {l}{k} {difference} {}", tangent[l][k]);
             }
         }
-        // The remainder against its definition, where that does not cancel, and against its size where it does.
+        // The remainder, compared with its definition where this does not cancel, and with the size of the remainder elsewhere.
         let mid: Components<S> = std::array::from_fn(|k| (n[k] + n1[k]) * 0.5);
         let d: [f64; S] = std::array::from_fn(|k| n1[k].0[0] - n[k].0[0]);
         let work: f64 = stress_tangent(law, &mid).0.iter().zip(d).map(|(s, d)| s * d).sum();
@@ -98,7 +98,7 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool)
             assert!((stress_end[k].0[2] - stress[k]).abs() < 1e-14 * mu, "{name}: stress {k} at the end");
         }
         let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
-        // Energies as text are differences of terms of first order, and so is the plain remainder of them.
+        // The remainder of an energy given as text is a difference of terms of first order, as by the definition.
         let is_text = !["neo_hookean", "neo_hookean, power", "saint_venant_kirchhoff"].contains(&name);
         let first_order = n.iter().chain(&n1).map(|e| e.0[0].abs()).fold(0.0, f64::max);
         let scale = scale + if is_text { mu * first_order } else { 0.0 };

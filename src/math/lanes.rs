@@ -93,8 +93,8 @@ impl<const FMA: bool> Lanes<FMA> {
     /// `exp(x) - 1` with relative accuracy; infinite above 709, NaN for `x = NaN`.
     #[inline(always)]
     pub fn exp_m1(self) -> Self {
-        // x = k ln 2 + r, |r| <= ln 2 / 2: exp(x) - 1 = 2^k (exp(r) - 1) + (2^k - 1). Adding 1.5 * 2^52 rounds to a whole number, whose
-        // bits then stand at the end. ln 2 in two parts, the first with so few digits that k times it is exact.
+        // x = k ln 2 + r, |r| <= ln 2 / 2: exp(x) - 1 = 2^k (exp(r) - 1) + (2^k - 1). Adding 1.5 * 2^52 rounds to an integer, which the
+        // last bits of the sum then contain. ln 2 in two parts, the first with so few digits that k times it is exact.
         const ROUND: f64 = 6_755_399_441_055_744.0;
         const LN_2_HIGH: f64 = f64::from_bits(0x3fe6_2e42_fee0_0000);
         const LN_2_LOW: f64 = f64::from_bits(0x3dea_39ef_3579_3c76);

@@ -10,8 +10,8 @@ pub use meshes::*;
 pub use plasticity::*;
 pub use surfaces::*;
 
-/// Newton's default: the energy `|r.dq| + |lambda.Phi|` that the residual can still move, relative to the energy scale.
-/// Well above round-off (1e-16) and a hundred times below the promised defect of 1e-11 per step.
+/// Newton's default: the energy `|r.dq| + |lambda.Phi|` that the residual can still move, relative to the energy scale. Well above
+/// round-off (1e-16) and a hundred times below the admissible defect of 1e-11 per step.
 pub const NEWTON_ENERGY: f64 = 1e-13;
 
 /// Factor of [`NEWTON_ENERGY`] in a step after the accumulated defect has reached [`DEFECT`]: the sum of a million such steps remains far

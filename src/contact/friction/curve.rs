@@ -19,7 +19,7 @@ impl FrictionCurve {
         (is_sound && increases && !points.is_empty()).then_some(FrictionCurve { points })
     }
 
-    /// Coefficient at a speed, and its derivative.
+    /// Friction coefficient at a speed, and its derivative.
     fn at(&self, speed: f64) -> (f64, f64) {
         match self.points.partition_point(|point| point.0 <= speed) {
             0 => (self.points[0].1, 0.0),

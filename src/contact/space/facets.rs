@@ -147,7 +147,7 @@ impl Face {
             Place::Edge(k) => (self.of_edges[k], !self.ends[0][k], self.goes_on[0][k]),
             Place::Vertex(k) => (self.of_vertices[k], !self.ends[1][k], self.goes_on[1][k]),
         };
-        // An edge between coplanar faces, such as a diagonal, is none: the distance above it is that from the faces.
+        // An edge between coplanar faces, such as a diagonal, does not count: the distance above it is that from the faces.
         let is_flat = covered && pseudo.dot(&self.normal) >= 1.0 - COPLANAR;
         if is_plane || is_flat {
             let gap = self.normal.dot(&(x - self.corners[0]));

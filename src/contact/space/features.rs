@@ -10,13 +10,12 @@ pub const SMOOTH: f64 = 0.984_807_753_012_208;
 /// Cosine of the angle between the facets at a convex edge whose ends may be bumps: 2.5 degrees.
 const BUMP: f64 = 0.999_048;
 
-/// Smallest height of a curve over its facets, relative to the drop of a facet's middle below the plane of the next one; less is bumpy. For
-/// a circle the ratio is 1/6.
+/// Smallest height of a curve over its facets, relative to the drop of a facet's middle below the plane of the next one, at which a surface
+/// counts as curved; below it the surface is uneven. For a circle the ratio is 1/6.
 const ROUND: f64 = 1.0 / 24.0;
 
-/// Distances beyond a facet or a sharp edge, in its size, up to which a point is still opposite it: across a border to a smoothly
-/// continuing surface, and across a concave border. Without the second one, a point in the crease between two coarse facets would be
-/// opposite neither.
+/// Distances beyond a facet or a sharp edge, in facet sizes, up to which a point still faces it: across a border to a smoothly continuing
+/// surface, and across a concave border. Without the second one, a point in the crease between two coarse facets would face neither.
 const LAP_SMOOTH: f64 = 0.05;
 const LAP_CONCAVE: f64 = 0.25;
 

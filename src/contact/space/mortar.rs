@@ -79,7 +79,7 @@ struct Scratch {
     projection: Projection<3>,
 }
 
-/// A live pair, and what it adds to sums over the pairs of its rows.
+/// A live pair of facets, with its contributions to sums over all pairs of a constraint.
 #[derive(Default)]
 struct Live {
     pair: usize,
@@ -105,7 +105,7 @@ struct Asked<'a> {
 enum Tangents<'a, 'b> {
     /// Tangent blocks stay in the evaluation.
     Stay,
-    /// Tangent blocks go to the receiver, patch by patch.
+    /// Tangent blocks go to the receiver, one contact element after the other.
     To(&'a mut TangentSink<'b>),
     /// No tangent is computed.
     LeftOut,
@@ -315,7 +315,7 @@ impl Scratch {
         pairs.filter(|&p| kernel.search.near[p]).for_each(|p| self.evaluate(kernel, p, asked));
     }
 
-    /// Adds the live pairs to an evaluation; those that share a correction are appended to `shared`.
+    /// Moves the live pairs to an evaluation; those that share a correction are appended to `shared`.
     fn hand_over(&mut self, patches: &Patches, out: &mut Evaluation, tangents: &mut Tangents, shared: &mut Vec<Live>) {
         let (mut ends, mut bars, mut tangent) = (&self.gradient_end[..], &self.gradient_bar[..], &self.tangent[..]);
         for live in self.live.drain(..) {

@@ -64,7 +64,7 @@ fn clip<T: Number>(old: &[Corner<T>], side: &[T; VERTICES], new: &mut [Corner<T>
             let share = side[k] * (side[k] - side[next]).recip();
             let (from, to) = (&old[k].p, &old[next].p);
             new[left].p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-            // Where the polygon leaves the half plane, the line itself follows.
+            // Where the polygon leaves the half plane, its next side lies on the line.
             new[left].border = if is_in { PolygonBorder::Secondary } else { old[k].border };
             left += 1;
         }

@@ -265,7 +265,7 @@ impl RoundInSpace {
             return false;
         }
         let Deepest { at, share, kink, .. } = self.deepest_of(row, ends);
-        // Over the hole no point is deeper than its neighbors.
+        // Where the edge crosses the hole, no point is deeper than its neighbors.
         if self.stretches[row] != Stretch::Whole && (share - self.shape.nearest_to_axis(ends)).abs() < AT_END {
             return false;
         }

@@ -364,7 +364,8 @@ impl Proxies {
                 let [x, y, z] = point.normal(&places);
                 let area = point.weight * x.hypot(y).hypot(z);
                 for k in 0..count {
-                    // The ninth function vanishes at the mid-side nodes: half of it is returned to each of their functions.
+                    // The center function of a nine-node face vanishes at the mid-side nodes: half of it is added to each of their
+                    // functions.
                     let shape = point.shapes[count + k] + point.shapes.get(8).map_or(0.0, |center| 0.5 * center);
                     self.wanted[self.edge_of[&face[count + k]]] += area * shape;
                 }

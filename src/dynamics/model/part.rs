@@ -173,7 +173,7 @@ pub struct Remembered {
     pub plastic: f64,
 }
 
-/// Heat of each part in a step `[energy]`, bodies first; empty where nothing dissipates.
+/// Dissipation of each part in a step `[energy]`, bodies first; empty where nothing dissipates.
 #[derive(Clone, Debug, Default)]
 pub struct Heats {
     /// Heat of all force elements.

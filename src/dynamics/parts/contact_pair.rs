@@ -489,7 +489,7 @@ impl<'a> RowBlock<'a> {
                         values[column_place.at(i, 0)] -= weight * columns[entry];
                     }
                     if beside[0] != 0.0 {
-                        // The rows of a group follow each other.
+                        // The gradients of a group's constraints are contiguous.
                         let other = first + (m ^ 1) * count + u * D;
                         (0..D).for_each(|i| values[row_place.at(0, i)] += beside[0] * evaluation.gradient_end[other + i]);
                     }

@@ -378,7 +378,8 @@ mod tests {
                 assert!(found.residual().0.abs() < 1e-15);
                 for (other, (.., wrong)) in places.into_iter().enumerate() {
                     let asked = found.change(wrong).map(|(next, _)| next);
-                    // From every state the changes lead along the graph towards the right one; where both ends meet none is required.
+                    // From every state the changes approach the solution along the graph; where both ends of the interval meet no change is
+                    // required.
                     let next = if other < index { other + 1 } else { other.saturating_sub(1) };
                     assert!(asked.is_none() || asked == Some(places[next].2), "{slip} {s}: {wrong:?} asks for {asked:?}");
                     assert!(other != index || asked.is_none());

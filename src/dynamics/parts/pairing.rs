@@ -16,7 +16,8 @@ use crate::math::tolerances;
 use crate::mesh::pieces_of;
 
 /// All contact pairs of a model. `first` is the first node of each body, `middles` the mid-side nodes of edges of second order,
-/// `default_rule` the rule of contacts that name none. Pairs of point constraints (`points`) come last. Ties keep the positions `start`.
+/// `default_rule` the update rule of contacts without a rule of their own. Pairs of point constraints (`points`) come last. Ties keep the
+/// positions `start`.
 pub fn contact_pairs(
     model: &Model,
     first: impl Fn(usize) -> usize,
@@ -210,7 +211,7 @@ impl Pairing<'_> {
         if self.model.dimension() == 2 {
             return Surface::new(&(self.facets)(secondary));
         }
-        // Without the centers of nine-node faces, which lie beside the surface through their sides.
+        // Without the center nodes of nine-node faces, which are off the surface defined by the side nodes.
         let pieces: Vec<Vec<u32>> = (self.faces)(secondary).iter().flat_map(|face| pieces_of(&face[..face.len().min(8)])).collect();
         Surface::in_space(pieces.iter().map(|piece| &piece[..]))
     }

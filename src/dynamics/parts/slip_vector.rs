@@ -257,7 +257,7 @@ mod tests {
         }
     }
 
-    /// From every state the changes lead along the graph towards the right one.
+    /// From every state the changes approach the solution along the graph.
     #[test]
     fn rows_change_their_state_along_the_graph() {
         let law = Coulomb::default();

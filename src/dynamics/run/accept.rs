@@ -271,7 +271,7 @@ where
             drive_works.extend(pair.drive.as_ref().map(|_| if is_long { work / scheme.weight } else { work }));
         }
         if is_long {
-            // As if the forces of the end had acted all the time.
+            // The work of moving obstacles is that of the end forces over the whole step.
             obstacle_work /= scheme.weight;
         }
         let own = if remembers { [load.clone(), obstacles.clone()] } else { [Vec::new(), Vec::new()] };

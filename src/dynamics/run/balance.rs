@@ -111,7 +111,7 @@ impl Component {
     }
 
     /// Least damping that keeps the rigid motions of the component regular: a small fraction of its stiffness; for a rigid body a fraction
-    /// of its load, at least `MOVED_ALONG` of the `largest` load, because the damping determines the digits of its constraint forces.
+    /// of its load, at least `MOVED_ALONG` of the `largest` load, because the accuracy of its constraint forces depends on the damping.
     pub fn least_damping<const D: usize>(&self, forces: &Forces, largest: f64) -> f64 {
         let Some(mass) = self.rigid_mass else { return tolerances::LEAST_DAMPING * self.frequency_squared };
         let load = self.load::<D>(forces).max(MOVED_ALONG * largest);

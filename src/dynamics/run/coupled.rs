@@ -15,7 +15,7 @@ where
     /// Forces of couplings on the nodes of their symmetry planes and second boundaries at `q`, with the multipliers `lambda`.
     ///
     /// # Errors
-    /// [`StepError::Contradiction`]: equations that were left out, because at rest they follow from others and from supports, do not hold.
+    /// [`StepError::Contradiction`]: redundant equations, which at rest follow from others and from supports and are omitted, do not hold.
     pub fn coupling_reactions(
         &self,
         q: impl Fn(usize) -> f64,
@@ -49,7 +49,7 @@ where
         Ok(sums)
     }
 
-    /// Checks that the equations of couplings and joints that are redundant at rest, and take part in no step, hold.
+    /// Checks that the omitted equations of couplings and joints, redundant at rest, hold.
     ///
     /// # Errors
     /// [`StepError::Contradiction`]: an equation does not hold.

@@ -17,8 +17,8 @@ where
 {
     /// Error for a node in the plane that friction locks in the present state; `None` without one.
     ///
-    /// With the normal `n`, the tangent `t` and the free direction `d` of a node, its pressure gives `n.d` along `d` and friction takes at
-    /// most `mu t.d`: where that is more, the node neither sticks to what moves nor slides off it.
+    /// With the normal `n`, the tangent `t` and the free direction `d` of a node, its pressure acts along `d` with `n.d`, and friction with
+    /// at most `mu t.d`. If `mu |t.d| >= |n.d|` the node can neither stick to a moving side nor slide off it.
     pub(super) fn jammed(&self) -> Option<StepError> {
         let rubs = |pair: &&ContactPair| D == 2 && pair.friction.is_some() && !pair.kind.is_of_points();
         self.system.pairs.iter().filter(rubs).find_map(|pair| self.jammed_in(pair))

@@ -23,7 +23,8 @@ pub struct LedgerRow {
     pub kinetic: f64,
     /// Strain energy `[energy]`.
     pub strain: f64,
-    /// Potential energy of gravity, of springs, viscous materials and penalty potentials, and the reserve of closed contacts `[energy]`.
+    /// Potential energy of gravity, of springs, viscous materials and penalty potentials, and the stored impact energy of closed contacts
+    /// `[energy]`.
     pub potential: f64,
     /// Stored impact energy of active contacts under the `velocity` rule, taken at closing and returned at opening, part of the potential
     /// `[energy]`.

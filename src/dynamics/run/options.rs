@@ -71,7 +71,7 @@ impl Options {
     /// Refuses a result found while the run was interrupted: an interrupted time function may have returned no value.
     ///
     /// # Errors
-    /// The user wants the run to end.
+    /// [`StepError::Interrupted`]: the run was interrupted.
     pub(super) fn undisturbed(&self, time: f64) -> Result<(), StepError> {
         if self.interrupted() { Err(StepError::Interrupted { time }) } else { Ok(()) }
     }

@@ -149,7 +149,7 @@ mod tests {
         for place in (0..bytes.len()).step_by(NUMBER) {
             let mut damaged = bytes.clone();
             damaged[place..place + NUMBER].fill(0xff);
-            // Lengths beyond the end are refused; other numbers are taken as they are.
+            // Damaged lengths beyond the end of the data are refused; other damaged numbers are accepted.
             let _ = LedgerRow::default().unpack(&damaged);
         }
     }

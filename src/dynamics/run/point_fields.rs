@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn the_cylinder_turns_with_the_position_and_with_its_axis() {
-        // Hoop stress of 5 about the third axis, seen at 30 degrees.
+        // Hoop stress of 5 about the third axis, at a point at 30 degrees.
         let angle = 30f64.to_radians();
         let (s, c) = angle.sin_cos();
         let stress = [5.0 * s * s, 5.0 * c * c, 0.0, -5.0 * s * c, 0.0, 0.0];

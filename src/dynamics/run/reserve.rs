@@ -22,7 +22,7 @@ const NEAR: f64 = 0.5;
 enum Way {
     /// Only constraints whose sides part.
     Parting,
-    /// All opened constraints.
+    /// All opened constraints, also those whose sides still approach.
     Anyhow,
 }
 

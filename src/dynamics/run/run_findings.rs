@@ -1,5 +1,5 @@
-//! Violations of what the rules of a run ensure, and limits of the reliability of its results: read from the rows of the ledger and the
-//! halved steps.
+//! Violations of the guarantees of a run, and limits of the reliability of its results, found from the rows of the ledger and the halved
+//! steps.
 //!
 //! A finding is no error: the run continued. Energies are relative to the largest `kinetic + strain + |potential|` of the run, but not
 //! below the effect of the positions' round-off. Findings before the first step are in `findings.rs`.

@@ -77,7 +77,8 @@ const MAX_STUCK: usize = 20;
 /// Imbalance relative to its tolerance, 1e-8 of the forces, below which its direction is not evaluated: the iteration is about to converge.
 const TRIFLE: f64 = 1e3;
 
-/// Number of steps without motion after which none is expected: facet pairs that are admitted only during motion must not prolong it.
+/// Number of steps without motion after which zero motion is predicted: otherwise facet pairs that are admitted only during motion would
+/// prolong it.
 const MAX_STOOD: usize = 3;
 
 /// Imbalance relative to its tolerance, 1e-6 of the forces, that suffices for intermediate equilibria.
@@ -87,7 +88,7 @@ const COARSE: f64 = 1e5;
 struct EvaluatedState {
     positions: Vec<f64>,
     displacements: Vec<f64>,
-    /// Positions with prescribed motion, the displacement to these positions, and its size.
+    /// Positions with prescribed motion, the displacement to these positions, and its size `[length]`.
     predicted: Vec<f64>,
     moved: Vec<f64>,
     prescribed: f64,

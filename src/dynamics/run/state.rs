@@ -110,6 +110,6 @@ pub(super) struct Clock {
     pub(super) origin: f64,
     /// Steps since then.
     pub(super) count: usize,
-    /// Their size `[time]`.
+    /// Size of the counted steps `[time]`.
     pub(super) dt: f64,
 }

@@ -37,7 +37,7 @@ where
         let [second, first] = [half_product(&response.velocity, &momenta), 2.0 * half_product(&v, &momenta)];
         let lost = share * (response.work - first - share * second);
         jump.add(share, &response, motion.dt);
-        // Round-off where there is nothing to lose.
+        // Round-off may be negative where no energy is lost.
         jump.dissipated = lost.max(0.0);
         Ok(Some(jump))
     }

@@ -62,7 +62,7 @@ where
         (wanted, is_met)
     }
 
-    /// Zeroes the multipliers of wanted constraints that move no unknown.
+    /// Zeroes the multipliers of constraints marked in `wanted` that move no unknown.
     pub fn let_go_of(&self, wanted: &[bool], rows: &[PushedRow], lambda: &mut [f64]) {
         let mut pushed = rows.iter().map(|row| row.row).peekable();
         for (row, lambda) in lambda.iter_mut().enumerate().filter(|(row, _)| wanted[*row]) {
@@ -72,7 +72,7 @@ where
         }
     }
 
-    /// Wanted constraints with their gradients, except those that move no unknown.
+    /// Gradients of the constraints marked in `wanted`, except those that move no unknown.
     pub fn pushed_rows(&self, pairs: &[Evaluation], wanted: &[bool], mobility: &[f64]) -> Vec<PushedRow> {
         let mut entries: Vec<(usize, usize, f64)> = Vec::new();
         for (pair, evaluation) in self.pairs.iter().zip(pairs) {

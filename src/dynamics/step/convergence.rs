@@ -19,7 +19,7 @@ const TENTH: f64 = 0.1;
 const SOME: usize = 4;
 
 /// Iteration from which an energy below the round-off of contact forces is accepted although it still falls: the next linear solve of
-/// redundant constraints may destroy what has been reached.
+/// redundant constraints may increase it again.
 const LATE: usize = 12;
 
 /// Ratio to the least distance from a solution that counts as nearer, and the number of iterations without coming nearer after which an
@@ -37,7 +37,7 @@ pub struct Iteration {
     pub worst: usize,
     /// Force by which residuals are judged in this iteration.
     pub target: f64,
-    /// Round-off of the forces: a residual below it cannot be trusted to fall.
+    /// Round-off of the forces: a residual below it need not decrease `[force]`.
     pub floor: f64,
     /// Residual that terminates a step at rest, for any energy; 0 in motion.
     pub enough: f64,

@@ -76,8 +76,8 @@ where
         Ok(Frozen { rows: rows.clone(), present: rows.clone(), right, solution, base, answers: BTreeMap::new(), amounts: Vec::new() })
     }
 
-    /// Refines a solution at rest, where the masters of rigid bodies have hardly any stiffness: the backward error of a solve, relative to
-    /// the multipliers, leaves gaps of joints several times their tolerance.
+    /// Refines a solution at rest, where the masters of rigid bodies have almost no stiffness: an admissible backward error of a solve,
+    /// relative to the multipliers, leaves gaps of joints of several times their tolerance.
     fn refine(&mut self, start: &StepStart, values: &[f64], right: &[f64], solution: &mut [f64]) -> Result<(), Failure> {
         if !start.is_at_rest() || !self.has_rigid_bodies() {
             return Ok(());

@@ -198,7 +198,7 @@ fn galerkin<const N: usize, const M: usize>(
 ) -> BlockMatrix<M, M> {
     let (fine, coarse) = (matrix.rows(), restriction.rows());
     in_parts(coarse, COARSE_ROWS, workers, |rows, part| {
-        // Place of a fine node, and of a coarse one, in the row at hand.
+        // Position of a fine node, and of a coarse one, in the present row.
         let (mut fine_place, mut coarse_place) = (vec![NONE; fine], vec![NONE; coarse]);
         let mut half: Vec<(u32, Block<M, N>)> = Vec::new();
         let mut sums: Vec<(u32, Block<M, M>)> = Vec::new();

@@ -9,10 +9,10 @@ use crate::math::workers::Workers;
 /// Degree of the polynomial.
 const DEGREE: usize = 2;
 
-/// Ratio of the ends of the interval that is damped: coarse levels reduce what is below it.
+/// Ratio of the largest to the smallest eigenvalue that the smoother damps: coarse levels reduce errors of smaller eigenvalues.
 const RATIO: f64 = 10.0;
 
-/// Number of power iterations for the largest eigenvalue, and the factor for what they leave.
+/// Number of power iterations for the largest eigenvalue, and safety factor for their underestimation.
 const POWERS: usize = 12;
 const SAFETY: f64 = 1.1;
 

@@ -1,4 +1,5 @@
-//! Random energies: their stress is the slope of the energy, their tangent the slope of the stress, and brackets and spaces change nothing.
+//! Random energies: the stress is the derivative of the energy, the tangent the derivative of the stress; brackets and blanks in the text
+//! change no result.
 
 use proptest::prelude::*;
 
@@ -6,7 +7,7 @@ use super::*;
 use crate::materials::{BatchedLaw, Components, Response};
 use crate::math::lanes::{Lanes, Real};
 
-/// Texts that are finite, and have slopes, at all strains: roots, logarithms and quotients of what is positive.
+/// Random energy texts that are finite and differentiable at all strains: roots, logarithms and quotients of positive arguments.
 fn text() -> impl Strategy<Value = String> {
     let leaf = prop::sample::select(vec!["I1", "I2", "I3", "J", "I1bar", "I2bar", "E11", "E22", "E12", "I4", "mu", "0.7", "2"]);
     leaf.prop_map(String::from).prop_recursive(4, 24, 2, |inner| {

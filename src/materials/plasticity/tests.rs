@@ -1,4 +1,4 @@
-//! The law by itself: its work, its tangents, and shears without end.
+//! Tests of the elastic-plastic law: work, tangents, and large shears.
 
 use super::constants::MOST_BACK_STRESSES;
 use super::flow::{FlowStep, ROOT, Rule};

@@ -42,7 +42,7 @@ pub const LEAST_YIELDING: f64 = 1e-4;
 pub const PUSHED: f64 = 1e-12;
 
 /// Change of a rate in a sweep over the contacts of an impact, relative to the largest change by one impulse, below which the sweeps end:
-/// energy is promised to 1e-11.
+/// the energy defect must stay below 1e-11.
 pub const IMPULSE: f64 = 1e-15;
 
 /// Slip rate of an impact that counts as zero, relative to the largest rate; also the relative tolerance of the friction cone.
@@ -63,7 +63,7 @@ pub const ON_CONE: f64 = 1e-6;
 pub const CONTACT_ROUND_OFF: f64 = 4e-15;
 
 /// Proximal term of contact conditions that depend on one another exactly, relative to the compliance of their nodes: each iteration
-/// reduces what is missed to about this fraction.
+/// reduces the remaining violation to about this fraction.
 pub const PROXIMAL_OF_DEPENDENT: f64 = 1e-3;
 
 /// Work of a force relative to the force times the size of the model that is round-off of positions: bodies at rest under large forces have

@@ -6,8 +6,8 @@ use crate::math::tolerances;
 
 /// Unilateral law `Phi >= target`, `lambda >= 0`.
 ///
-/// The target never exceeds an overlap at the start: contact drives nothing apart, and its work `lambda (target - Phi_n)` is never
-/// positive.
+/// The target never exceeds an overlap at the start: contact does not push apart an initial overlap, and its work `lambda (target - Phi_n)`
+/// is never positive.
 #[derive(Debug)]
 pub struct Unilateral;
 
