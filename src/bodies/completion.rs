@@ -85,7 +85,8 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
             let mut gradients = self.points[q].gradients;
             finish_force(&mut gradients);
             let (f_test, f_trial) = (self.deformation_gradient(q, test), self.deformation_gradient(q, trial));
-            // Derivatives of the stress in the plane with respect to the stretch around, and the other way round.
+            // Derivatives of the stress in the plane with respect to the hoop stretch, and of the hoop stress with respect to the strain in
+            // the plane.
             let (mut to_plane, mut from_plane) = ([[Lanes::<FMA>::ZERO; D]; D], [[Lanes::<FMA>::ZERO; D]; D]);
             for i in 0..D {
                 for j in 0..D {
@@ -126,7 +127,7 @@ impl<const FMA: bool, const D: usize, const S: usize, const A: usize, const Q: u
         (modes, slopes): (&Modes, &[[Lanes<false>; MOST_MODES]; MOST_MODES]),
     ) {
         let Placement { test, trial, .. } = share.derivative.placement();
-        // The left factors of the forces, the right ones of the dilatation.
+        // Factors of the derivative: forces for the test side, dilatation for the trial side.
         let mut sides = [[[[Lanes::ZERO; D]; A]; MOST_MODES]; 2];
         for (side, (at, factor)) in [(test, share.weight), (trial, 1.0)].into_iter().enumerate() {
             for i in 0..modes.count {

@@ -60,7 +60,7 @@ pub enum FormulationError {
         /// Name of the body's cell kind.
         cells: &'static str,
     },
-    /// A plane condition of a body in space.
+    /// Plane stress, plane strain or axisymmetry required for a body in space.
     #[error("a body of `{cells}` cells is in space: it is neither plane nor axisymmetric")]
     NotPlane {
         /// Name of the body's cell kind.

@@ -23,7 +23,7 @@ pub trait Elements<const D: usize> {
     fn elements(body: &BodyCells) -> Result<Box<dyn ElementLoop<D>>, Inverted>;
 }
 
-/// Loops over the blocks of a body, one block after the other.
+/// Element loops of all blocks of a body, evaluated in sequence.
 struct Chosen<'a, const D: usize> {
     body: &'a BodyCells<'a>,
     loops: Vec<Box<dyn ElementLoop<D>>>,

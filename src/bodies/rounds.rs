@@ -16,10 +16,10 @@ pub(super) const LEAST_CELLS_FOR_THREADS: usize = 2000;
 const LEAST_CELLS: usize = 128;
 const MOST_RUNS: usize = 16;
 
-/// A run of cells.
+/// Consecutive cells of a body, computed by one thread.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Run {
-    /// Cells of the run.
+    /// Cells, as positions in the order of the loop.
     pub(super) cells: Range<usize>,
     /// Smallest range of node numbers that has all nodes of the run.
     pub(super) nodes: Range<usize>,

@@ -130,7 +130,7 @@ impl<const L: usize> Special<L> {
         changes
     }
 
-    /// Energy of each cell at the end of a step, with the batch's history variables there.
+    /// Energy of each cell at the end of a step, with the history variables `history` at that time.
     pub(super) fn energy<const D: usize>(&self, points: &SpecialPoints<D>, history: &[Lanes<false>]) -> Lanes<false> {
         let (energies, mut sum) = (self.densities(points, history), Lanes::ZERO);
         for q in 0..points.count {

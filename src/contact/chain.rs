@@ -390,7 +390,7 @@ mod tests {
         }
     }
 
-    /// Disk about the point: opposite the facet, beyond either end in front of it, and behind it at a concave corner.
+    /// Disk about the point: in front of the facet, beyond either of its ends, and behind it at a concave corner.
     #[test]
     fn the_distance_of_a_disk_has_no_kink_at_the_ends_and_exact_derivatives() {
         let chain = Chain::new(vec![[1, 2]]);

@@ -11,7 +11,7 @@ use super::space::{Facets, ObstacleInSpace, ShapeInSpace};
 /// Number of points on the center circle of a torus that [`Clearance::inner_points`] returns.
 const AROUND: usize = 8;
 
-/// A rigid obstacle at its undisplaced position; third components are zero in the plane.
+/// Signed distance function of a rigid obstacle at its undisplaced position; third components are zero in the plane.
 pub struct Clearance {
     obstacle: Obstacle,
     made: Made,

@@ -219,7 +219,7 @@ impl SlipRows for Slips<'_> {
     }
 
     fn is_relative(&self, p: usize) -> bool {
-        // The slip of a disk has no share of the facets' rotation.
+        // The slip of a disk does not depend on the rotation of the facets.
         self.starts[p].round.is_none()
     }
 }

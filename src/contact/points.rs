@@ -325,7 +325,7 @@ impl RigidObstacle for PointConstraints {
 mod tests {
     use super::*;
 
-    /// A distance, and the product of two directions, of four nodes in space.
+    /// Constraints between four nodes in space: a distance, and a scalar product of two directions.
     fn joint() -> PointConstraints {
         let vector = |parts: &[(u32, f64)]| PointVector { parts: parts.to_vec(), offset: [0.0; 3] };
         let vectors = vec![vector(&[(0, 0.5), (1, 0.5), (3, -1.0)]), vector(&[(0, 1.0), (1, -1.0)]), vector(&[(2, 1.0), (3, -1.0)])];

@@ -247,7 +247,7 @@ impl RigidObstacle for RigidContact {
 
     fn passage(&self, q_1: &[f64]) -> [f64; 2] {
         if matches!(self.shape, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
-            // No other side exists.
+            // A half plane or the complement of a disk has no far side that a node could reach.
             return [0.0; 2];
         }
         let ([start, _, end], size) = (self.translations, self.sides.facet_size);

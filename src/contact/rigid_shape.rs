@@ -327,7 +327,7 @@ impl ObstacleSide<2> for Shape {
 
     fn passage(&self, x_0: Vector2<f64>, x_1: Vector2<f64>, near: f64) -> (f64, bool) {
         if matches!(self, Shape::HalfPlane { .. } | Shape::Circle { sign: -1.0, .. }) {
-            // No other side exists.
+            // A half plane or the complement of a disk has no far side that a node could reach.
             return (0.0, false);
         }
         (self.direction_change(x_0.into(), x_1.into(), near), self.is_crossed(x_0.into(), x_1.into()))

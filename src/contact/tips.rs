@@ -106,7 +106,7 @@ mod tests {
         let parting = |x: [f64; 2]| [tip(false, x).parting(&up), up.parting(&tip(false, x))];
         // Beside the other tip, above it.
         assert_eq!([parting([-0.3, -0.3]), parting([0.2, 0.4])], [[None; 2]; 2]);
-        // Slightly inside, where the nearer side would lead it through, and the way out.
+        // Slightly inside: the nearer side would move the tip through the other body; the other side is the way out.
         for x in [[0.01, -0.3], [0.14, -0.3], [0.2, -0.3]] {
             let back = Some(SeparatingSide::AtOwn { misleading: [false, true] });
             assert_eq!(parting(x), [Some(SeparatingSide::AtOther(1)), back], "{x:?}");

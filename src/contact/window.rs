@@ -155,7 +155,8 @@ impl Window {
     pub fn new(sides: &Sides, reference: &[f64]) -> Self {
         let surfaces = [&sides.secondary, &sides.primary];
         let lengths = surfaces.map(|surface| (0..surface.count()).map(|facet| surface.facet_size(facet, reference)).collect::<Vec<f64>>());
-        // In motion only thickness below a facet length matters.
+        // In motion only bodies thinner than a facet length limit the admitted overlap. Thickness is measured up to the largest facet
+        // length: in motion a larger one has no effect.
         let measured = [0, 1].map(|side| lengths[side].iter().copied().fold(0.0, f64::max));
         let thickness = [0, 1].map(|side| thickness(surfaces[side], reference, measured[side]));
         Window { thickness, measured, reference: reference.to_vec(), lengths, facet_size: sides.facet_size, depth: 0.0 }

@@ -95,7 +95,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// Eliminates a factored block of pivots from the rows and columns beside it and from the remaining front.
+    /// Eliminates a factored block of pivots from the adjacent rows and columns and from the remaining front.
     fn eliminate_block(&mut self, block: Range<usize>, manner: &EliminationOptions, scratch: &mut Scratch) {
         let (p, u, workers, Range { start: from, end: to }) = (self.p, self.u, manner.workers, block.clone());
         let (depth, pivots) = (to - from, self.pivots.min(to) - from);

@@ -111,7 +111,7 @@ impl Handover {
         self.direct.as_deref_mut().ok_or(LinearError::Interrupted)
     }
 
-    /// Frees the direct solver, whose factors take several times the memory of a hierarchy.
+    /// Frees the direct solver, whose factors need several times the memory of the multigrid hierarchy.
     fn free_direct(&mut self) {
         if let Some(direct) = self.direct.take() {
             self.kept = LinearSolver::memory(&*direct);
@@ -155,7 +155,7 @@ impl LinearSolver for Handover {
     fn factorize(&mut self, values: &[f64]) -> Result<(), LinearError> {
         if !self.iterates() {
             return match self.take_over(values) {
-                // The factors do not fit into memory; a hierarchy may fit.
+                // The factors do not fit into memory; the multigrid hierarchy of the iterative solver may fit.
                 Err(error @ LinearError::OutOfMemory { .. }) if self.choice == SolverChoice::Auto => {
                     self.free_direct();
                     self.prepare(values).map_err(|_| error)

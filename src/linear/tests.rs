@@ -316,7 +316,7 @@ fn a_changed_pattern_keeps_the_order_until_the_work_has_grown() {
         assert!(!factorization.has_fallen_back());
         let mut fresh = Factorization::new(&system.pattern).unwrap();
         fresh.factorize(&system.values).unwrap();
-        // 1.3 of the work at the last new order, which was itself fresh; fresh orders differ by the luck of the dissection.
+        // 1.3 of the work at the last new order, which was itself fresh; new orders differ by the result of the dissection.
         assert!(factorization.operations() < 1.8 * fresh.operations(), "shift {shift}");
     }
     // Another number of vertices.

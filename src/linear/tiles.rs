@@ -1,6 +1,6 @@
 //! Register tiles of a matrix: 8 or 4 rows by 4 columns, summed from outer products of contiguous columns.
 //!
-//! Eight of sixteen registers hold a tile; with twelve some would live in memory.
+//! Eight of sixteen registers hold a tile; with twelve, some registers would spill to memory.
 
 use pulp::Simd;
 use pulp::bytemuck::cast;

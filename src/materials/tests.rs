@@ -98,7 +98,7 @@ fn contract<const S: usize>(name: &str, law: &dyn BatchedLaw<S>, is_given: bool)
             assert!((stress_end[k].0[2] - stress[k]).abs() < 1e-14 * mu, "{name}: stress {k} at the end");
         }
         let scale = energy(law, &n1).abs() + energy(law, &n).abs() + work.abs();
-        // The remainder of an energy given as text is a difference of terms of first order, as by the definition.
+        // For an energy given as text both remainders are differences of terms of first order.
         let is_text = !["neo_hookean", "neo_hookean, power", "saint_venant_kirchhoff"].contains(&name);
         let first_order = n.iter().chain(&n1).map(|e| e.0[0].abs()).fold(0.0, f64::max);
         let scale = scale + if is_text { mu * first_order } else { 0.0 };

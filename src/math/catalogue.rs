@@ -30,10 +30,10 @@ impl Interval {
             }
     }
 
-    /// A value inside the interval.
+    /// Returns the value if it is inside the interval.
     ///
     /// # Errors
-    /// The interval and the value, when it is not.
+    /// The value is outside the interval.
     pub fn check(self, value: f64) -> Result<f64, OutOfRange> {
         if self.contains(value) { Ok(value) } else { Err(OutOfRange { range: self, value }) }
     }

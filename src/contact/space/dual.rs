@@ -45,7 +45,7 @@ impl Shape {
         Shape(of_pair(&nodes.iter().chain(nodes.iter().rev()).copied().collect::<Vec<_>>()))
     }
 
-    /// Interpolation `share C + (1 - share) I`.
+    /// Blend `share C + (1 - share) I` of the dual coefficients `C` and the standard shape functions (identity `I`).
     fn in_part(&self, share: f64) -> Shape {
         let of = |by: &[[f64; CORNERS]; CORNERS]| -> [[f64; CORNERS]; CORNERS] {
             array::from_fn(|j| array::from_fn(|k| share * by[j][k] + if j == k { 1.0 - share } else { 0.0 }))

@@ -19,7 +19,7 @@ const ROUND: f64 = 1.0 / 24.0;
 const LAP_SMOOTH: f64 = 0.05;
 const LAP_CONCAVE: f64 = 0.25;
 
-/// Node on sharp edges, or bump.
+/// Node on sharp edges, or single bump, that gets constraints of its own.
 #[derive(Clone, Debug)]
 pub struct Vertex {
     pub node: u32,

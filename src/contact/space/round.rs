@@ -210,7 +210,7 @@ impl RoundInSpace {
             _ => false,
         };
         let edges: Vec<[u32; 2]> = match shape {
-            // On smooth regions a sphere touches facets.
+            // A sphere touches facets in smooth regions, so that only sharp edges need constraints.
             Shape::Sphere { .. } => Features::new(surface, reference).edges.iter().map(|edge| edge.nodes).collect(),
             _ => surface.edges().iter().map(|edge| edge.nodes).collect(),
         };

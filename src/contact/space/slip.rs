@@ -119,7 +119,7 @@ pub fn evaluate(kernel: &impl SlipsInSpace, sides: &Sides, step: SlipStep, lambd
         patches.gather_into(p, step.q_1, &mut patch.end);
         patches.gather_into(p, step.moved, &mut patch.moved);
         patch.middle.iter_mut().zip(&patch.end).for_each(|(start, end)| *start = 0.5 * (*end + *start));
-        // Existence of slips is independent of the unknowns of a pass.
+        // A contact element has slips in all passes or in none: their existence does not depend on the differentiated unknowns.
         for first in (0..patch.end.len()).step_by(LANES) {
             if !patch.differentiate(kernel, (patches, p), first, (step.test, lambda), out) {
                 break;

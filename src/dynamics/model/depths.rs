@@ -156,7 +156,7 @@ impl Depths {
         let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
         let mut deepest: Option<Depth> = None;
         for point in points {
-            // Test point slightly in front of the node, outside of the node's own body, which may be the same one.
+            // Test point slightly in front of the node, outside of the node's own body: the hull may be that of the same body.
             let x = point.normal.map_or(point.at, |normal| [0, 1].map(|i| point.at[i] + BESIDE * point.size * normal[i]));
             if !(0..2).all(|i| low[i] < x[i] && x[i] < high[i]) {
                 continue;

@@ -78,7 +78,7 @@ impl Hull {
             let [a, b] = facets[facet];
             f64::atan2(b[1] - a[1], b[0] - a[0])
         };
-        // The turn at the first node of each facet, and at the last one: that of the facet behind it.
+        // Angle between a facet and its predecessor at the first node of the facet; the angle at its last node is that of the successor.
         let turn = |facet: usize| {
             let behind = *before.get(&ends[facet][0])?;
             let turn = (direction(facet) - direction(behind)).rem_euclid(std::f64::consts::TAU);

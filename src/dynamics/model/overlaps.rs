@@ -137,7 +137,8 @@ impl Model {
         if least > ALLOWED * size {
             return None;
         }
-        // A surface in contact with an obstacle of the wrong orientation is the foremost part of its body: the deepest point is elsewhere.
+        // If the obstacle has the wrong orientation, its secondary surface is the foremost part of the body, and the deepest point is
+        // elsewhere.
         let behind = self.behind(body, shape, translation, size).filter(|_| looks_away(&*kernel, &reference, -least));
         let (least, node) = match behind {
             Some(deepest) if least >= -ALLOWED * size => deepest,
@@ -238,7 +239,7 @@ mod tests {
         let bars = [[4.0, 0.3], [0.3, 4.0]].map(|[w, h]| rectangle([w, h], [1, 1], [-0.5 * w, -0.5 * h]).expect("the mesh is sound"));
         let found = model(bars.to_vec()).overlaps();
         assert!(found.len() == 1 && found[0].depth > 0.3, "{found:?}");
-        // One inside the other.
+        // A square inside of another one.
         let inner = rectangle([0.2, 0.2], [1, 1], [0.4, 0.4]).expect("the mesh is sound");
         assert_eq!(model(vec![block(0.0, 0.0), inner]).overlaps().len(), 1);
     }

@@ -113,7 +113,7 @@ pub struct NormalState<'a> {
     pub around: f64,
     /// Tangential compliance: slip per change of the multiplier within an iteration.
     pub compliance: f64,
-    /// Multiplier per slip, which compares the two.
+    /// Augmentation parameter of friction: multiplier per slip in the trial multiplier `s - c slip`.
     pub c: f64,
     /// Stiffness `kappa` of the node in this step, multiplier per slip: its elastic stiffness and its inertia, which grows with `1/dt^2`.
     /// The equations of slipping constraints are divided by `kappa`, so that their entries are of order one for every step size.
@@ -378,7 +378,7 @@ mod tests {
                 assert!(found.residual().0.abs() < 1e-15);
                 for (other, (.., wrong)) in places.into_iter().enumerate() {
                     let asked = found.change(wrong).map(|(next, _)| next);
-                    // From every state the changes approach the solution along the graph; where both ends of the interval meet no change is
+                    // From every state the changes approach the solution along the graph; in the state of the solution no change is
                     // required.
                     let next = if other < index { other + 1 } else { other.saturating_sub(1) };
                     assert!(asked.is_none() || asked == Some(places[next].2), "{slip} {s}: {wrong:?} asks for {asked:?}");

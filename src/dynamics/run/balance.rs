@@ -306,7 +306,7 @@ impl Balance {
                 }
             }
         }
-        // The least of all that fall together, from neighbor to neighbor.
+        // Components that fall together, directly or through neighbors, get the least clearance of them.
         let mut is_done = false;
         while !is_done {
             is_done = true;

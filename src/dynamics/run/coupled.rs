@@ -1,4 +1,4 @@
-//! Forces of couplings of nodes, and the check of redundant equations that were left out.
+//! Forces of couplings of nodes, and the check of redundant equations that steps omit.
 
 use super::engine::Engine;
 use super::ledger::Reaction;

@@ -1,5 +1,5 @@
-//! Nodes of a failed step that friction locks: held in one direction, they could only move along the other, and friction takes more along
-//! it than the pressure that causes the friction gives.
+//! Nodes of a failed step that friction locks: constrained in one direction, they could only move along the other one, and the friction
+//! along it exceeds the component of the pressure that causes the friction.
 
 use super::engine::Engine;
 use crate::bodies::{Elements, Space};

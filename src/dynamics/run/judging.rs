@@ -101,7 +101,7 @@ fn first_touch(before: &[ContactTotals], after: &[ContactTotals], is_open: impl 
     let (mut depth, mut is_kept) = (0.0f64, false);
     for (index, now) in after.iter().enumerate() {
         let before = before.get(index).unwrap_or(&none);
-        // A corner may lie inside the other side while the mean gap of its facets is open: it has touched once.
+        // A corner may overlap while the mean gap of its facets is open: the contact then counts as touched before.
         if before.active == 0 && before.penetration == 0.0 && is_open(index) {
             depth = depth.max(now.penetration);
             is_kept |= now.active > 0;

@@ -62,13 +62,13 @@ pub struct LedgerRow {
     /// Newton iterations of the step: those of the attempt that solved it, of attempts that failed before, and of steps that were refused
     /// and halved.
     pub newton_iterations: usize,
-    /// Numeric factorisations of the step, counted in the same way.
+    /// Numeric factorisations of the step, including those of failed attempts and of refused steps.
     pub factorizations: usize,
     /// Number of halvings before the step was accepted.
     pub halvings: usize,
     /// Number of active contact nodes.
     pub active: usize,
-    /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
+    /// Largest penetration of a node of either side in the other body `[length]`, 0 without penetration.
     pub max_penetration: f64,
     /// Totals of each contact pair, in the order of the model; empty before the first step.
     pub contacts: Vec<ContactTotals>,
@@ -136,7 +136,7 @@ pub struct ContactTotals {
     pub area: f64,
     /// Largest pressure at a secondary node `[stress]`.
     pub pressure: f64,
-    /// Largest depth of a node of either side in the other body, point by point `[length]`, 0 when none.
+    /// Largest penetration of a node of either side in the other body `[length]`, 0 without penetration.
     pub penetration: f64,
     /// Work of friction in the step `[energy]`, never positive.
     pub friction_work: f64,
@@ -291,7 +291,7 @@ impl LedgerRow {
         lists + size_of_val(&self.plastic_work[..]) + size_of_val(&self.parts[..]) + readings + size_of_val(&self.probes[..])
     }
 
-    /// Books the heat of plastic flow in a step after the row `before`, with that of each part, bodies first.
+    /// Adds the heat of plastic flow in a step after the row `before`, with that of each part, bodies first.
     pub(super) fn book_plastic<const D: usize>(&mut self, bodies: &[Body<D>], before: &LedgerRow, plastic: &[f64]) {
         let flowing = bodies.iter().enumerate().filter(|(_, body)| body.elements.flows());
         let heat: Vec<f64> = flowing.map(|(index, _)| plastic.get(index).copied().unwrap_or(0.0)).collect();
@@ -307,7 +307,7 @@ impl LedgerRow {
         self.friction_work = contacts.iter().sum::<f64>() + self.joint_friction;
     }
 
-    /// Books all that plastic flow has turned into heat since the row `before` as the dissipation of one step at rest.
+    /// Adds the heat of plastic flow since the row `before` as the dissipation of one step at rest.
     pub(super) fn book_flow_at_rest(&mut self, before: &LedgerRow) {
         let total = |row: &LedgerRow| row.plastic_work.iter().sum::<f64>() + 0.0; // no zero with a sign
         self.plastic = total(self) - total(before);

@@ -62,8 +62,8 @@ impl Options {
         self.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// The error, or an interruption at `time` if the run was interrupted: an interrupt also ends script closures, and their failure may be
-    /// its consequence.
+    /// Returns an interruption at `time` if the run was interrupted, else `error`: an interrupt also ends script closures, which may be the
+    /// cause of `error`.
     pub(super) fn or_interrupted(&self, error: StepError, time: f64) -> StepError {
         if self.interrupted() { StepError::Interrupted { time } } else { error }
     }

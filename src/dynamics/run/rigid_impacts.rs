@@ -125,7 +125,7 @@ where
         is_impact.then_some(touches)
     }
 
-    /// Constraints of a touch: the normal one and its tangential ones.
+    /// Constraints of an impact contact: the normal one and its tangential ones.
     fn rows_of(&self, touch: &ImpactConstraint) -> Vec<usize> {
         let pair = &self.system.pairs[touch.pair];
         let slips = self.slips_of(pair, touch.row);

@@ -71,7 +71,7 @@ const WIDER: f64 = 3.0;
 const MAX_TRIES: usize = 6;
 const EARLY_TRIES: usize = 3;
 
-/// Number of steps with increased damping that may pass without a smaller imbalance: buckling may be passed, a sliding body is given up.
+/// Number of steps with increased damping that may pass without a smaller imbalance: enough for buckling, while a sliding body is given up.
 const MAX_STUCK: usize = 20;
 
 /// Imbalance relative to its tolerance, 1e-8 of the forces, below which its direction is not evaluated: the iteration is about to converge.

@@ -60,9 +60,9 @@ pub(super) struct Progress {
     pub(super) least: f64,
     /// Number of steps with increased damping that did not reduce the least imbalance.
     pub(super) stuck: usize,
-    /// Number of closed states within the ripple limit that came no nearer to equilibrium.
+    /// Number of states with satisfied contacts and prescribed motions, within the ripple limit, that did not reduce the least imbalance.
     ripples: usize,
-    /// Least imbalance of a closed state within the ripple limit, relative to its tolerance.
+    /// Least imbalance of a state with satisfied contacts and prescribed motions within the ripple limit, relative to its tolerance.
     least_ripple: f64,
     /// State at which only round-off was left, and its imbalance of sums and of nodes.
     pub(super) best: Option<(Arc<State>, [f64; 2])>,
@@ -106,7 +106,8 @@ impl Progress {
         (self.excess, self.leeway) = ((LESS_DAMPING * self.excess).max(1.0), 1.0);
     }
 
-    /// Counts a closed state with this imbalance; returns true if states within the ripple limit come no nearer to equilibrium.
+    /// Counts a state with satisfied contacts and prescribed motions, and with this imbalance; returns true if states within the ripple
+    /// limit no longer approach equilibrium.
     pub(super) fn has_only_ripples(&mut self, imbalance: f64) -> bool {
         if imbalance > RIPPLE {
             return false;

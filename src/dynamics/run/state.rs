@@ -108,7 +108,7 @@ impl State {
 pub(super) struct Clock {
     /// Time from which steps are counted `[time]`.
     pub(super) origin: f64,
-    /// Steps since then.
+    /// Number of steps since `origin`.
     pub(super) count: usize,
     /// Size of the counted steps `[time]`.
     pub(super) dt: f64,

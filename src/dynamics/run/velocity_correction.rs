@@ -97,7 +97,7 @@ impl Slopes {
 }
 
 impl Ending<'_> {
-    /// Adds `s` times a push to the jump and to the velocities.
+    /// Adds `s` times an impulse response to the jump and to the velocities.
     pub fn add(&mut self, jump: &mut VelocityCorrection, s: f64, push: &ImpulseResponse, slopes: &Slopes) {
         self.v.iter_mut().zip(&push.velocity).for_each(|(v, w)| *v += s * w);
         jump.add(s, push, self.motion.dt);

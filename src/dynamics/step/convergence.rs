@@ -85,7 +85,8 @@ pub enum IterateDecision {
 }
 
 impl Convergence {
-    /// Starts the history of an attempt of `most` iterations; a patient attempt uses all of them, an exact one stops at round-off.
+    /// Starts the history of an attempt of at most `most` iterations; `is_patient`: without early termination, `is_exact`: until the energy
+    /// no longer decreases or is below `EXACT`.
     pub fn new(most: usize, is_patient: bool, is_exact: bool) -> Self {
         Convergence {
             most,

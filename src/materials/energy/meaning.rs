@@ -50,7 +50,7 @@ const STRAINS: [[&str; 2]; 6] = [["E11", "E11"], ["E22", "E22"], ["E33", "E33"],
 /// Available components of the strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Setting {
-    /// Plane strain: the third direction keeps its length.
+    /// Plane strain: no strain in the third direction.
     Plane,
     /// The third direction is stretched but not sheared.
     Axisymmetric,

@@ -95,7 +95,9 @@ where
                     // Round-off of strains that would have a stress of the elastic law.
                     let scale = stored[0].0[lane] + before[0].0[lane] + heat[0].plastic.0[lane] + 1e-3;
                     assert!(defect.abs() < 1e-13 * scale.max(1.0), "{constants:?} {size}: {defect:e} of {scale:e}");
-                    // A step of many yield strains that reverses an overstress gives back a little of its work.
+                    // A step of many yield strains with rate dependence that unloads from above the static yield stress may return a small
+                    // part of its plastic work. With rate dependence, a step of many yield strains that unloads from above the static yield
+                    // stress may return a small part of the plastic work.
                     let least = if constants.rate == RateDependence::None { -1e-14 } else { -size * constants.yield_stress };
                     assert!(heat[0].plastic.0[lane] >= least, "{constants:?} {size}: heat {:e}", heat[0].plastic.0[lane]);
                     yielded |= heat[0].plastic.0[lane] > 0.0;

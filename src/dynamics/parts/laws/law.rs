@@ -87,7 +87,7 @@ pub struct RowStart {
     pub penalty_gap: f64,
     /// Constraint function `Phi` of an active constraint.
     pub held: f64,
-    /// Excess of `Phi` over `held` up to which the constraint counts as closed.
+    /// Excess of `Phi` over `held` up to which the constraint is active from the start.
     pub closed: f64,
     /// True if the update rule keeps the gaps of active constraints.
     pub keeps: bool,
@@ -113,7 +113,7 @@ pub struct Row {
     pub gap: f64,
     /// Multiplier.
     pub lambda: f64,
-    /// `Phi` at the start of the step, as [`ConstraintCondition::gap`].
+    /// Constraint function `Phi` at the start of the step.
     pub gap_n: f64,
     /// `Phi` at the end of the step if the constraint is active.
     pub target: f64,
@@ -123,7 +123,7 @@ pub struct Row {
     pub end_point: bool,
     /// `Phi` per change of the multiplier within an iteration.
     pub compliance: f64,
-    /// Pressure per `Phi`, which compares the two.
+    /// Augmentation parameter: multiplier per `Phi` in the trial multiplier `lambda - c (Phi - target)`.
     pub c: f64,
     /// Stiffness of the penalty potential; 0 without one.
     pub stiffness: f64,

@@ -3,7 +3,7 @@
 use super::law::{ConstraintCondition, Equation, Row, RowLaw, RowStart, RowState};
 use crate::math::tolerances::SLIP_NOISE;
 
-/// Law `lambda = Phi`, where the solver of a step evaluates `Phi` from other multipliers.
+/// Law `lambda = Phi` of a friction limit: `Phi` is evaluated from the multipliers of the joint's constraints, not from positions.
 #[derive(Debug)]
 pub struct Reaction;
 
