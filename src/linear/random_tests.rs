@@ -64,7 +64,8 @@ impl Graph {
         (self.sizes.len() + m) as u32
     }
 
-    /// Diagonally dominant and unsymmetric among the coordinates; random among these and multipliers; zero or a little among multipliers.
+    /// Diagonally dominant and unsymmetric among the coordinates; random between coordinates and multipliers; zero or small among
+    /// multipliers.
     fn values(&self, pattern: &Pattern) -> Vec<f64> {
         let mut values = vec![0.0; pattern.values()];
         let mut place = 0;

@@ -197,7 +197,7 @@ fn pieces_of_both_neo_hookean_forms_stretch_freely_across() {
     }
     for compared in [&logarithmic, &power] {
         for g in [1e-9, 0.3, 1.0, 2.5] {
-            // The volume stays: s = mu (b - 1), whatever the form.
+            // At constant volume s = mu (b - 1), for every volumetric form.
             let s = cauchy(&*compared.law, &sheared(g));
             compared.close("shear", s[(0, 1)] / mu, g);
             compared.close("shear, along", s[(0, 0)] / mu, g * g);

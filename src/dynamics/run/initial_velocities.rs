@@ -34,7 +34,7 @@ pub(super) fn initial_velocities<const D: usize>(system: &Equations<D>, model: &
     for (velocity, _) in velocities.iter_mut().zip(&supports.fixed).filter(|(_, fixed)| **fixed) {
         *velocity = 0.0;
     }
-    // A time function that fails does so again, with its error, in the first step.
+    // Errors of time functions are reported by the first step, which evaluates them again.
     if let Ok((_, rates)) = supports.prescribed_motion(0.0) {
         for (prescribed, rate) in supports.prescribed.iter().zip(rates) {
             velocities[prescribed.unknown] = rate;

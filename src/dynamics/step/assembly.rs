@@ -284,7 +284,7 @@ where
         let (mut internal, mut load) = (vec![0.0; q_1.len()], vec![0.0; q_1.len()]);
         let mut sums = Sums { internal: &mut internal, load: &mut load, tangent: None, workers: &self.workers };
         for (part, memory) in self.own_parts(start.memory).filter(|(part, _)| part.is_outside()) {
-            // A part without forces here has failed in the step already.
+            // A part whose forces cannot be evaluated here has already made the step fail.
             if let Err(Refusal::Load(error)) = part.linearize(&iterate, memory, &mut sums) {
                 return Err(error);
             }

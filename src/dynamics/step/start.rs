@@ -22,7 +22,7 @@ pub struct StepStart<'a> {
 
 /// Term that balances the forces in a step.
 pub enum StepKind<'a> {
-    /// Inertia.
+    /// Step with inertia.
     Motion(Motion<'a>),
     /// Damping `mu M (q_1 - q_0)` with a factor `mu` for each body, at constant time.
     Rest {
