@@ -39,7 +39,7 @@ impl<'a> BodyCells<'a> {
 
 /// Laws and strains of a body.
 pub(super) struct Physics<const S: usize, const L: usize> {
-    /// The law of the points.
+    /// Law at the quadrature points.
     pub(super) law: Arc<dyn BatchedLaw<S>>,
     /// Special stress used in place of `law` where the strain components of the cells do not suffice.
     pub(super) special: Option<Special<L>>,

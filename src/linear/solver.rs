@@ -20,7 +20,7 @@ pub struct SolverMemory {
     pub(super) taken_over: TakenOver,
 }
 
-/// Matrices that the direct solver solved in place of the iterative one, by cause.
+/// Matrices that the direct solver solved in place of the iterative one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TakenOver {
     /// Matrices for which the iteration did not converge.

@@ -22,7 +22,7 @@ pub struct PressFit {
 }
 
 impl PressFit {
-    /// True if the error `missed` of the facets exceeds the fraction `DISTORTED` of the interference.
+    /// True if the height error `missed` of the facets exceeds the fraction `DISTORTED` of the interference.
     pub fn is_coarse(&self) -> bool {
         self.missed > DISTORTED * self.interference
     }

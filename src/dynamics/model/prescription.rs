@@ -40,7 +40,7 @@ impl AxisRotation {
 
 /// Prescribed motion at a given time.
 pub struct PrescribedMotion<'a> {
-    /// Displacement and velocity.
+    /// Displacement and velocity in each direction.
     shift: [[f64; 2]; 3],
     /// Rotation with its angle and the rate of the angle.
     turn: Option<(&'a AxisRotation, [f64; 2])>,

@@ -44,7 +44,7 @@ pub struct Engine<const D: usize> {
     pub probes: Vec<usize>,
     /// Newton iterations of the last step.
     pub trace: Trace,
-    /// Tries of the current step.
+    /// Attempts at the current step.
     pub tries: Vec<TryReport>,
     /// Report on the last finally failed step, and the iterate at which its solution was abandoned.
     pub failure: Option<(FailureReport, Vec<f64>)>,

@@ -30,7 +30,7 @@ const LONGER: f64 = 2.0;
 const SHORTER: f64 = 0.2;
 /// Largest size of a repeated step relative to the refused one.
 const LESS: f64 = 0.9;
-/// Weight of a shorter step in the average step size, for a step of that size.
+/// Exponent of the average step size for shorter steps: `usual (dt/usual)^(FORGETTING dt/usual)`.
 const FORGETTING: f64 = 0.3;
 /// Growth of the largest mean speed in a step, in units of the root of the tolerance, above which a motion counts as just begun: the error
 /// relative to its small distance is not significant.

@@ -43,7 +43,7 @@ pub struct ImpactContact {
     pub friction: f64,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f64,
-    /// Impulse per pressure, to begin with even pressures.
+    /// Tributary weight of the contact: proportional first impulses correspond to a uniform pressure.
     pub weight: f64,
 }
 

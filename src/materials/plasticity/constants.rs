@@ -122,7 +122,7 @@ pub enum RateDependence {
     None,
     /// `k + viscosity d alpha/dt` (Perzyna 1963, of exponent 1).
     Perzyna {
-        /// `[stress * time]`.
+        /// Viscosity `[stress * time]`.
         viscosity: f64,
     },
     /// `k (1 + factor ln(d alpha/dt / reference_rate))` above the reference rate (Johnson and Cook 1983, without heat).

@@ -7,11 +7,11 @@ use crate::math::tolerances::FIRST_PLASTIC_STRAIN;
 /// Yield stress with its derivatives with respect to the plastic strain and to its rate.
 #[derive(Clone, Copy)]
 pub(super) struct Resistance<const FMA: bool> {
-    /// `[stress]`.
+    /// Yield stress `[stress]`.
     pub(super) stress: Lanes<FMA>,
-    /// `[stress]`.
+    /// Derivative with respect to the equivalent plastic strain `[stress]`.
     pub(super) by_strain: Lanes<FMA>,
-    /// `[stress * time]`.
+    /// Derivative with respect to the rate of the equivalent plastic strain `[stress * time]`.
     pub(super) by_rate: Lanes<FMA>,
 }
 

@@ -12,8 +12,8 @@ use crate::math::tolerances::{CLOSE_STRETCHES, NEAR_STRETCHES, WIDE_STRETCHES};
 /// A matrix of three rows.
 pub(super) type Matrix<const FMA: bool> = [[Lanes<FMA>; 3]; 3];
 
-/// Number of series terms of `ln[a, b, c]` for a spread of [`CLOSE_STRETCHES`], [`NEAR_STRETCHES`], [`WIDE_STRETCHES`]: truncation error
-/// below 1e-17.
+/// Exclusive upper bound of the index in the series of `ln[a, b, c]`, which gives 5, 8 and 16 terms, for a spread up to
+/// [`CLOSE_STRETCHES`], [`NEAR_STRETCHES`], [`WIDE_STRETCHES`]: truncation error below 1e-17.
 const TERMS: [i32; 3] = [7, 10, 18];
 
 /// True if tensors of `S` Mandel components can have the shear component of the directions `i` and `j`.
