@@ -6,7 +6,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use conserva::dynamics::{
-    Change, Iterate, Numbering, Options, Part, PartDefinition, Pose, Refusal, Remembered, Simulation, StepError, Sums,
+    Change, Iterate, Numbering, Options, Part, PartDefinition, PartStepResult, Pose, Refusal, Simulation, StepError, Sums,
 };
 use conserva::integrators::{CATALOGUE, Scheme};
 use conserva::linear::{Block, Pattern};
@@ -69,10 +69,10 @@ impl Part for Dashpot {
     fn energy(&self, _at: Pose, _memory: &[f64]) -> f64 {
         0.0
     }
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let [a, b] = self.placed.0.map(|node| 2 * node as usize);
         let power = (0..2).map(|i| self.viscosity * (at.velocity[b + i] - at.velocity[a + i]).powi(2)).sum::<f64>();
-        Ok(Remembered { dissipated: at.dt * power, ..Remembered::default() })
+        Ok(PartStepResult { dissipated: at.dt * power, ..PartStepResult::default() })
     }
 }
 

@@ -15,7 +15,7 @@ pub use model::interactions::{BodyBoundary, Coefficient, Enforcement, Friction, 
 pub use model::joints::{Anchor, Coordinate, Gear, JointDefinition, JointFriction, JointKind};
 pub use model::locking::Locking;
 pub use model::overlaps::{Overlap, OverlapKind};
-pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Remembered, Sums};
+pub use model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, PartStepResult, Pose, Refusal, Sums};
 pub use model::prescription::{AxisRotation, PrescribedMotion, Prescription};
 pub use model::quantity::Quantity;
 pub use model::remedy::{Remedy, SmallerIncrements};

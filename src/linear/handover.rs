@@ -39,7 +39,7 @@ pub const ITERATED: usize = 100_000;
 const PATIENCE: u32 = 3;
 
 /// Iterative solver with the direct solver as its fallback.
-pub struct Handover {
+pub struct IterativeWithFallback {
     choice: SolverChoice,
     pattern: Pattern,
     positions: Vec<f64>,
@@ -69,7 +69,7 @@ pub fn solver_of(
     if choice == SolverChoice::Direct {
         return Ok(Box::new(Factorization::new(pattern)?.with_workers(workers)));
     }
-    let mut solver = Handover {
+    let mut solver = IterativeWithFallback {
         choice,
         pattern: Pattern::new(&[], std::iter::empty()),
         positions: positions.to_vec(),
@@ -90,7 +90,7 @@ pub fn solver_of(
     Ok(Box::new(solver))
 }
 
-impl Handover {
+impl IterativeWithFallback {
     /// True if the next matrix is tried by iteration.
     fn iterates(&self) -> bool {
         let is_large = || self.pattern.unknowns() >= ITERATED && self.pattern.size(0) == 3;
@@ -135,7 +135,7 @@ impl Handover {
     }
 }
 
-impl LinearSolver for Handover {
+impl LinearSolver for IterativeWithFallback {
     fn analyse(&mut self, pattern: &Pattern) -> Result<(), LinearError> {
         let out_of_memory = LinearError::OutOfMemory { unknowns: pattern.unknowns(), needed: (size_of::<f64>() * pattern.values()) as u64 };
         u32::try_from(pattern.values()).map_err(|_| out_of_memory)?;

@@ -106,7 +106,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
     (
         "halvings_by_cause",
-        "an object: all halvings by cause; `sliding`, `approach` and `passing` were foreseen, `came_through` was seen after convergence, \
+        "an object: all halvings by cause; `sliding`, `approach` and `passing` were foreseen, `penetration_after_step` was seen after convergence, \
          `error_too_large` counts steps that chose too large a size, the others followed a failure of Newton's method",
     ),
     (

@@ -154,8 +154,8 @@ pub trait Part: Send {
     ///
     /// # Errors
     /// A time function failed, or was interrupted: the step is not taken.
-    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
-        Ok(Remembered { memory: memory.to_vec(), ..Remembered::default() })
+    fn remembered(&self, _at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
+        Ok(PartStepResult { memory: memory.to_vec(), ..PartStepResult::default() })
     }
 }
 
@@ -164,7 +164,7 @@ pub type PartHistories = Arc<Vec<Vec<f64>>>;
 
 /// Result of a step for a part: history variables and dissipation.
 #[derive(Default)]
-pub struct Remembered {
+pub struct PartStepResult {
     /// History variables at the end of the step.
     pub memory: Vec<f64>,
     /// Dissipation in the step `[energy]`.
@@ -175,16 +175,16 @@ pub struct Remembered {
 
 /// Dissipation of each part in a step `[energy]`, bodies first; empty where nothing dissipates.
 #[derive(Clone, Debug, Default)]
-pub struct Heats {
+pub struct PartDissipation {
     /// Heat of all force elements.
     pub all: Vec<f64>,
     /// The share of plastic flow.
     pub plastic: Vec<f64>,
 }
 
-impl Heats {
+impl PartDissipation {
     /// Adds the heat of the next part.
-    pub fn push(&mut self, remembered: &Remembered) {
+    pub fn push(&mut self, remembered: &PartStepResult) {
         self.all.push(remembered.dissipated);
         self.plastic.push(remembered.plastic);
     }

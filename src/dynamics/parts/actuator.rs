@@ -6,7 +6,7 @@
 use super::line::{Line, LineDefinition, LineElement};
 use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
-use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Part, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
@@ -77,8 +77,8 @@ impl Part for Actuator {
         vec![0.0; 2]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let force = value_of(&self.name, &self.force, at.time)?;
-        Ok(Remembered { memory: vec![force, self.line.work_apart(force, at)], ..Remembered::default() })
+        Ok(PartStepResult { memory: vec![force, self.line.work_apart(force, at)], ..PartStepResult::default() })
     }
 }

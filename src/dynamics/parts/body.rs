@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::carried::RigidBody;
 use crate::bodies::{Advance, BodyState, ElementLoop, Recovery, Step};
-use crate::dynamics::model::part::{Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Iterate, Part, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
 
@@ -51,9 +51,9 @@ impl<const D: usize> Part for Body<D> {
         vec![0.0; self.elements.history()]
     }
 
-    fn remembered(&self, at: &Iterate, history: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, history: &[f64]) -> Result<PartStepResult, StepError> {
         let Advance { history, plastic, viscous } = self.elements.advance(&step_of(at, history));
-        Ok(Remembered { memory: history, dissipated: plastic + viscous, plastic })
+        Ok(PartStepResult { memory: history, dissipated: plastic + viscous, plastic })
     }
 }
 

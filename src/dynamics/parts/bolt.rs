@@ -10,7 +10,7 @@
 use super::line::{Line, LineDefinition, LineElement};
 use super::spring::linear_pull;
 use crate::dynamics::model::amplitude::{Amplitude, Constant, Ramp};
-use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Part, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
@@ -134,13 +134,13 @@ impl Part for Bolt {
         }
     }
 
-    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
         let memory = if self.law.is_tightened(at.time) {
             let tension = self.law.tension(at.time);
             vec![self.line.vector(at.q_1).1, tension, 0.0, self.line.work_apart(-tension, at)]
         } else {
             vec![memory[0], memory[1], 1.0, 0.0]
         };
-        Ok(Remembered { memory, ..Remembered::default() })
+        Ok(PartStepResult { memory, ..PartStepResult::default() })
     }
 }

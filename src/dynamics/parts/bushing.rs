@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::contact::{CandidateSearch, Evaluation, PatchFunctions, PointConstraints, PointFunction, PointVector, PredictedMotion};
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::integrators::Derivative;
@@ -344,8 +344,8 @@ impl Part for Bushing {
         vec![displacement, angle, force, moment, self.energy(at, memory)]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
-        Ok(Remembered { dissipated: at.dt * self.response(at, false).power, ..Remembered::default() })
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
+        Ok(PartStepResult { dissipated: at.dt * self.response(at, false).power, ..PartStepResult::default() })
     }
 }
 

@@ -204,7 +204,7 @@ impl ContactPair {
     }
 
     /// Adds the tangential constraint of a joint, whose friction is at most `limit`.
-    pub fn rub(&mut self, limit: JointReaction) {
+    pub fn add_joint_friction(&mut self, limit: JointReaction) {
         let friction = Friction { law: Arc::new(Coulomb::default()), coefficient: Coefficient::Constant(1.0) };
         self.friction = Some(FrictionRows::new(&friction, 1, 1, self.c));
         (self.law, self.reaction) = (&Reaction, Some(limit));
@@ -240,7 +240,7 @@ impl ContactPair {
     }
 
     /// True for contacts with friction, whose forces enter only their own step with every time integrator.
-    pub fn acts_alone(&self) -> bool {
+    pub fn forces_stay_in_step(&self) -> bool {
         self.friction.is_some()
     }
 
@@ -435,7 +435,7 @@ impl<'a> RowBlock<'a> {
 
     /// Weight of the block's multipliers in the balance of momentum.
     pub fn share(&self, shares: ForceShares) -> f64 {
-        if self.pair.acts_alone() { shares.alone } else { shares.lagging }
+        if self.pair.forces_stay_in_step() { shares.alone } else { shares.lagging }
     }
 
     /// Work of the multipliers on the slips `[energy]`.

@@ -11,7 +11,7 @@
 
 use super::force_laws::Viscous;
 use super::line::{Line, LineDefinition, LineElement};
-use crate::dynamics::model::part::{Change, Iterate, Part, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Part, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::Pattern;
@@ -102,9 +102,9 @@ impl Part for Damper {
         vec![speed, self.law.force(speed).0]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let power = self.stroke(at.q_test, at.velocity).map_or(0.0, |stroke| stroke.speed * self.law.force(stroke.speed).0);
-        Ok(Remembered { dissipated: at.dt * power, ..Remembered::default() })
+        Ok(PartStepResult { dissipated: at.dt * power, ..PartStepResult::default() })
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::body_mass::{BodyMass, changed_mass};
 use super::force_laws::Viscous;
 use crate::dynamics::model::definitions::BodyDefinition;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
 
@@ -137,12 +137,12 @@ impl Part for NodeDrag {
         true
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let power = |&(node, share): &(u32, f64)| {
             let speed = self.velocity(node, at.velocity).1;
             share * speed * self.law.force(speed).0
         };
-        Ok(Remembered { dissipated: at.dt * self.nodes.iter().map(power).sum::<f64>(), ..Remembered::default() })
+        Ok(PartStepResult { dissipated: at.dt * self.nodes.iter().map(power).sum::<f64>(), ..PartStepResult::default() })
     }
 }
 
@@ -181,9 +181,9 @@ impl Part for MassDrag {
         true
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let mut square = 0.0;
         self.mass.visit(self.dimension, at.velocity, |unknown, momentum| square += at.velocity[unknown] * momentum);
-        Ok(Remembered { dissipated: at.dt * self.rate * square, ..Remembered::default() })
+        Ok(PartStepResult { dissipated: at.dt * self.rate * square, ..PartStepResult::default() })
     }
 }

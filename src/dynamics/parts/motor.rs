@@ -13,7 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::time_values::value_of;
 use crate::dynamics::model::amplitude::{Amplitude, Rescaled};
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::linear::{Block, Pattern};
@@ -212,13 +212,13 @@ impl Part for Motor {
         vec![0.0; 2]
     }
 
-    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, _memory: &[f64]) -> Result<PartStepResult, StepError> {
         let torque = value_of(&self.name, &self.torque, at.time)?;
         let d = self.dimension;
         let moved = |node: u32, i: usize| at.q_1[node as usize * d + i] - at.q_0[node as usize * d + i];
         let forces = self.forces(at.q_test);
         let work: f64 = self.nodes().iter().zip(&forces).map(|(&node, force)| (0..d).map(|i| force[i] * moved(node, i)).sum::<f64>()).sum();
-        Ok(Remembered { memory: vec![torque, torque * work], ..Remembered::default() })
+        Ok(PartStepResult { memory: vec![torque, torque * work], ..PartStepResult::default() })
     }
 }
 

@@ -95,7 +95,7 @@ pub fn point_pairs<const D: usize>(model: &Model, bodies: &[Body<D>], reference:
             pair.c = OF_WEIGHT * (model.modulus(body) * size.powi(D as i32 - 2)).max(limit.constant / size);
             pair.gap_tolerance *= OF_JOINT;
             pair.closed = pair.closed.max(OF_WEIGHT * pair.gap_tolerance);
-            pair.rub(limit);
+            pair.add_joint_friction(limit);
             pair
         }));
         let stops = of_points(&joint.name, PairKind::Joint, body, size, stops(model, bodies, joint, size));

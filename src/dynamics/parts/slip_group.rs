@@ -65,7 +65,7 @@ impl SlipGroup<'_> {
     }
 
     /// Raises the tangential compliance of sticking constraints to at least `compliance`.
-    pub fn yield_by(&mut self, compliance: f64) {
+    pub fn raise_compliance(&mut self, compliance: f64) {
         let pressed = match self {
             SlipGroup::Row(row) => &mut row.pressed,
             SlipGroup::Vector(rows) => &mut rows.pressed,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::force_laws::SpringLaw;
 use crate::dynamics::model::error::ModelError;
-use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, Pose, Refusal, Remembered, Sums};
+use crate::dynamics::model::part::{Change, Iterate, Numbering, Part, PartDefinition, PartPlace, PartStepResult, Pose, Refusal, Sums};
 use crate::dynamics::model::quantity::Quantity;
 use crate::dynamics::model::step_error::StepError;
 use crate::integrators::{Derivative, PatchFunction, Projection};
@@ -257,10 +257,10 @@ impl Part for Torsion {
         vec![0.0]
     }
 
-    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<Remembered, StepError> {
+    fn remembered(&self, at: &Iterate, memory: &[f64]) -> Result<PartStepResult, StepError> {
         let (x_0, x_1) = (self.own(at.q_0), self.own(at.q_1));
         let end = self.angle(&x_0, memory[0]) + self.turned(&x_0, &x_1);
-        Ok(Remembered { memory: vec![self.angle(&x_1, end)], ..Remembered::default() })
+        Ok(PartStepResult { memory: vec![self.angle(&x_1, end)], ..PartStepResult::default() })
     }
 }
 

@@ -9,7 +9,7 @@ use super::slip_memory::{add_heat, slipped};
 use super::state::State;
 use super::velocity_correction::VelocityCorrection;
 use crate::bodies::{Elements, Space};
-use crate::dynamics::model::part::{Heats, PartHistories};
+use crate::dynamics::model::part::{PartDissipation, PartHistories};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, PairKind, RowBlock};
 use crate::dynamics::parts::force_shares::ForceShares;
@@ -207,9 +207,9 @@ where
     }
 
     /// History variables of the parts after a step, and the dissipation of each part in the step.
-    pub(super) fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Heats), StepError> {
+    pub(super) fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, PartDissipation), StepError> {
         let remembers = self.state.memory.iter().any(|memory| !memory.is_empty()) || !self.system.others.is_empty();
-        if remembers { self.system.memory_after(start, at) } else { Ok((self.state.memory.clone(), Heats::default())) }
+        if remembers { self.system.memory_after(start, at) } else { Ok((self.state.memory.clone(), PartDissipation::default())) }
     }
 
     /// History variables of the time integrator after this step; unchanged for a scheme without any.
@@ -259,7 +259,7 @@ where
         }
         // Multipliers at the start of the step do work; their forces belong to the force history.
         let (before, mut at_start) = (if is_long { 0.0 } else { 1.0 - scheme.weight }, vec![0.0; if is_long { 0 } else { unknowns }]);
-        for pair in system.pairs.iter().filter(|pair| !pair.acts_alone()) {
+        for pair in system.pairs.iter().filter(|pair| !pair.forces_stay_in_step()) {
             let shares = |lambda: &[f64], share: f64| -> Vec<f64> { lambda[pair.rows.clone()].iter().map(|x| share * x).collect() };
             let (none, own) = (vec![0.0; pair.rows.len()], shares(lambda, scheme.weight));
             let mut work = pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, &own, &mut obstacles);
@@ -275,7 +275,7 @@ where
             obstacle_work /= scheme.weight;
         }
         let own = if remembers { [load.clone(), obstacles.clone()] } else { [Vec::new(), Vec::new()] };
-        for pair in system.pairs.iter().filter(|pair| pair.acts_alone()) {
+        for pair in system.pairs.iter().filter(|pair| pair.forces_stay_in_step()) {
             let lambda = &lambda[pair.rows.clone()];
             let none = vec![0.0; lambda.len()];
             obstacle_work += pair.kernel.obstacle_force_into(scheme.derivative, &at.q_1, &none, lambda, &mut obstacles);
@@ -332,7 +332,7 @@ where
         };
         let closed = match lagging == alone {
             true => lagging * closing(&|_| true),
-            false => lagging * closing(&|pair| !pair.acts_alone()) + alone * closing(&ContactPair::acts_alone),
+            false => lagging * closing(&|pair| !pair.forces_stay_in_step()) + alone * closing(&ContactPair::forces_stay_in_step),
         };
         // A potential of other pairs than at the end of the step before is a different potential.
         let found = if system.pairs.iter().any(|pair| !pair.penalties.is_empty()) && !conditions.end_point {

@@ -179,13 +179,13 @@ impl Balance {
         self.weigh(equations, q, &mut motions);
         for (component, rigid) in self.components.iter().zip(&motions) {
             let (mut loads, mut reactions, mut contacts, mut largest_force) = (0.0, 0.0, 0.0, 0.0f64);
-            let (mut largest, mut reach) = (0.0f64, if equations.sees_positions() { component.extent } else { 0.0 });
+            let (mut largest, mut reach) = (0.0f64, if equations.depends_on_positions() { component.extent } else { 0.0 });
             let mut along = SVector::zeros();
             for &node in &component.nodes {
                 for i in 0..D {
                     let k = node * D + i;
                     let force = forces.whole(forces.contact[k] - forces.without_contact[k]);
-                    reach = reach.max(u[k].abs()).max(if equations.sees_positions() { q[k].abs() } else { 0.0 });
+                    reach = reach.max(u[k].abs()).max(if equations.depends_on_positions() { q[k].abs() } else { 0.0 });
                     let (load, contact) =
                         (forces.whole(forces.load[k].abs()) + equations.nodes.weight[k].abs(), forces.whole(forces.contact[k].abs()));
                     loads += load;

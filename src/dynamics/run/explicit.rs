@@ -119,7 +119,7 @@ where
             let least: Vec<f64> = of_rows(&leap.lambda[1]).iter().map(|lambda| -lambda * dt * dt).collect();
             let changes = push(&rows, &of_rows(&gaps), &least, &mobility, &mut at.moved);
             rows.iter().zip(changes).for_each(|(row, p)| leap.lambda[1][row.row] = (leap.lambda[1][row.row] + p / (dt * dt)).max(0.0));
-            system.let_go_of(&wanted, &rows, &mut leap.lambda[1]);
+            system.zero_immobile_multipliers(&wanted, &rows, &mut leap.lambda[1]);
             system.place_after(start, at);
             system.evaluate_pairs(&at.q_1, &mut at.pairs);
         }

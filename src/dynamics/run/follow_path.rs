@@ -132,7 +132,7 @@ where
                 Err(cause) => break PathEnd::Lost(cause),
             };
             let moved: Vec<f64> = guess.u.iter().zip(&from.u).map(|(now, before)| now - before).collect();
-            if let Err(error) = self.stand_at(&guess) {
+            if let Err(error) = self.adopt_point(&guess) {
                 self.take_back(&reached);
                 match error {
                     StepError::NotConverged { .. } => break PathEnd::Lost(error.to_string()),
@@ -161,7 +161,7 @@ where
             let load = 0.5 * (a.row.time + b.row.time);
             let guess = Guess { load, u: mean(&a.displacements, &b.displacements), lambda: mean(&a.lambda, &b.lambda) };
             self.take_back(&from.state);
-            if self.stand_at(&guess).is_err() {
+            if self.adopt_point(&guess).is_err() {
                 break;
             }
             let middle = self.point(0.0);
@@ -195,7 +195,7 @@ where
     }
 
     /// Adopts a point of the path as the present state, with its row of the ledger.
-    fn stand_at(&mut self, guess: &Guess) -> Result<(), StepError> {
+    fn adopt_point(&mut self, guess: &Guess) -> Result<(), StepError> {
         let (from, before) = (self.state.row.time, self.state.row.clone());
         let positions = self.system.nodes.positions(&guess.u);
         let state = Arc::make_mut(&mut self.state);

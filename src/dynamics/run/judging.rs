@@ -41,7 +41,7 @@ where
         let touch = first_touch(&old.row.contacts, &state.row.contacts, |contact| open[contact]);
         let (u, v_0) = ([&old.displacements[..], &state.displacements], &old.velocities[..]);
         let reach = || largest_size(&state.positions).max(self.system.nodes.extent);
-        let round_off = if self.system.sees_positions() { tolerances::STILL_AT * reach() } else { 0.0 };
+        let round_off = if self.system.depends_on_positions() { tolerances::STILL_AT * reach() } else { 0.0 };
         let plastic_strain = if control.plastic_strain.is_some() { self.plastic_strain(&state) } else { 0.0 };
         let step = Stepped { scheme: &scheme, dt, u, v_0, is_cut, touch, round_off, plastic_strain };
         match old.pace.after(&step, &control, options.dt, &self.system) {

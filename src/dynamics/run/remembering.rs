@@ -84,7 +84,7 @@ where
     /// A time function failed.
     fn outside_at(&self, start: &StepStart, at: &Linearization, lambda: &[f64]) -> Result<[Vec<f64>; 2], StepError> {
         let (none, mut obstacles) = (vec![0.0; self.system.multipliers], vec![0.0; at.q_1.len()]);
-        for pair in self.system.pairs.iter().filter(|pair| !pair.acts_alone()) {
+        for pair in self.system.pairs.iter().filter(|pair| !pair.forces_stay_in_step()) {
             let rows = pair.rows.clone();
             pair.kernel.obstacle_force_into(Derivative::AT_END, &at.q_1, &none[rows.clone()], &lambda[rows], &mut obstacles);
         }

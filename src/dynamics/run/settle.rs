@@ -390,7 +390,7 @@ where
         care: SettleEffort,
     ) -> Result<Solution, Failure> {
         // Energy of round-off strains: relative to positions if forces depend on positions, otherwise relative to small displacements.
-        let round_off = if self.system.sees_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
+        let round_off = if self.system.depends_on_positions() { tolerances::FORCE_FLOOR } else { tolerances::FORCE_FLOOR.powi(2) };
         let floor = round_off * self.system.nodes.stiffness() * self.system.nodes.extent.powi(2);
         let options = &self.options;
         let task = Task {

@@ -132,7 +132,9 @@ where
             }
         };
         let taken_back = match self.check_search(&predicted_motion, MORE_MOTION, &solution) {
-            Ok(()) if may_be_halved => self.system.came_through(&state.positions, &solution.at, &conditions).map(Failure::Foreseen),
+            Ok(()) if may_be_halved => {
+                self.system.penetration_after_step(&state.positions, &solution.at, &conditions).map(Failure::Foreseen)
+            }
             outcome => outcome.err(),
         };
         if let Some(failure) = taken_back {

@@ -33,7 +33,7 @@ where
         let clock = Instant::now();
         let unknowns = given.len();
         // Contact forces that enter only their own step are not part of the history.
-        let hold = self.bilateral_rows(&at.pairs, |pair| !pair.acts_alone());
+        let hold = self.bilateral_rows(&at.pairs, |pair| !pair.forces_stay_in_step());
         let mut values = vec![0.0; self.matrix.pattern.values()];
         self.add_mass_and_stiffness(&at.u_1, 0.0, &mut values);
         // Masses are scaled to the size of the constraint gradients.

@@ -12,7 +12,7 @@ use super::start::{IterateInputs, StepStart, Stopping};
 use super::system::System;
 use crate::bodies::{Elements, Space};
 use crate::contact::{Evaluation, SlipStep, TangentSink};
-use crate::dynamics::model::part::{Heats, Iterate, Part, PartHistories, Refusal, Sums};
+use crate::dynamics::model::part::{Iterate, Part, PartDissipation, PartHistories, Refusal, Sums};
 use crate::dynamics::model::step_error::StepError;
 use crate::dynamics::parts::contact_pair::{ContactPair, RowBlock};
 use crate::integrators::{Configuration, Derivative};
@@ -40,7 +40,7 @@ where
             own.clear();
             own.extend_from_slice(values);
         }
-        if self.sees_positions() {
+        if self.depends_on_positions() {
             at.q_1.clear();
             at.q_1.extend_from_slice(q_1);
         }
@@ -126,7 +126,7 @@ where
         slips.resize_with(self.pairs.len(), Evaluation::default);
         let pattern = &self.matrix.pattern;
         for ((pair, evaluation), slip) in self.equations.pairs.iter().zip(pairs.iter_mut()).zip(slips.iter_mut()) {
-            let weight = if pair.acts_alone() { shares.alone } else { shares.lagging };
+            let weight = if pair.forces_stay_in_step() { shares.alone } else { shares.lagging };
             let mut add = |p: usize, tangent: &[f64]| pair.tangent_into::<D>((pattern, p), weight, tangent, values);
             let receiver: Option<&mut TangentSink> = if wants_tangent { Some(&mut add) } else { None };
             pair.kernel.linearize(derivative, q_1, &lambda[pair.rows.clone()], evaluation, receiver);
@@ -177,7 +177,7 @@ where
     /// Adds the contact forces that enter this step only (no later one), weighted by their share in its equations.
     pub fn alone_into(&self, start: &StepStart, at: &Linearization, forces: &mut [f64]) {
         let share = start.shares().alone;
-        for block in self.blocks(&at.pairs, &at.slips).filter(|block| block.pair.acts_alone()) {
+        for block in self.blocks(&at.pairs, &at.slips).filter(|block| block.pair.forces_stay_in_step()) {
             for row in block.live_rows() {
                 let pressure = share * at.lambda[row.row];
                 row.unknowns::<D>().for_each(|(k, entry)| forces[k] += pressure * block.evaluation.gradient_bar[entry]);
@@ -190,7 +190,7 @@ where
     pub(super) fn displace(&self, start: &StepStart, at: &mut Linearization) {
         let Linearization { q_1, u_1, moved, .. } = at;
         u_1.clear();
-        if self.sees_positions() {
+        if self.depends_on_positions() {
             u_1.extend(q_1.iter().zip(&self.nodes.reference).map(|(q, x)| q - x));
         } else {
             u_1.extend(start.u_0.iter().zip(moved.iter()).map(|(u_0, moved)| u_0 + moved));
@@ -224,11 +224,11 @@ where
     ///
     /// # Errors
     /// A time function failed.
-    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, Heats), StepError> {
+    pub fn memory_after(&self, start: &StepStart, at: &Linearization) -> Result<(PartHistories, PartDissipation), StepError> {
         let mut told = IterateInputs::default();
         self.visit(start, &at.q_1, &at.moved, &mut told);
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
-        let mut heats = Heats::default();
+        let mut heats = PartDissipation::default();
         let remembered = self.parts().zip(start.memory).map(|(part, memory)| {
             let remembered = part.remembered(&iterate, memory)?;
             heats.push(&remembered);
@@ -248,11 +248,11 @@ where
         start: &StepStart,
         at: &Linearization,
         memory: &PartHistories,
-    ) -> Result<(PartHistories, Heats), StepError> {
+    ) -> Result<(PartHistories, PartDissipation), StepError> {
         if self.bodies.iter().all(|body| body.elements.history() == 0) {
-            return Ok((memory.clone(), Heats::default()));
+            return Ok((memory.clone(), PartDissipation::default()));
         }
-        let (mut after, told, mut heats) = (memory.to_vec(), IterateInputs::default(), Heats::default());
+        let (mut after, told, mut heats) = (memory.to_vec(), IterateInputs::default(), PartDissipation::default());
         let iterate = start.iterate(&at.q_1, &at.u_1, &told);
         for (body, kept) in self.bodies.iter().zip(&mut after) {
             let remembered = body.remembered(&iterate, kept)?;

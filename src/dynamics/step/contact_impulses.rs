@@ -63,7 +63,7 @@ where
     }
 
     /// Zeroes the multipliers of constraints marked in `wanted` that move no unknown.
-    pub fn let_go_of(&self, wanted: &[bool], rows: &[PushedRow], lambda: &mut [f64]) {
+    pub fn zero_immobile_multipliers(&self, wanted: &[bool], rows: &[PushedRow], lambda: &mut [f64]) {
         let mut pushed = rows.iter().map(|row| row.row).peekable();
         for (row, lambda) in lambda.iter_mut().enumerate().filter(|(row, _)| wanted[*row]) {
             if pushed.next_if_eq(&row).is_none() {

@@ -212,7 +212,7 @@ pub fn constraint_rows<const D: usize>(
         group.set_compliance(conditions.eased(first, yielding) + proximal.map_or(0.0, |terms| terms[first]));
         // Overconstrained node: sticking constraints are compliant until the multipliers are found.
         if place.pair.node_of(first).is_some_and(|node| held[&node] > equations.supports.free_components::<D>(node)) {
-            group.yield_by(yielding / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
+            group.raise_compliance(yielding / (tolerances::SHARED_AUGMENTATION * conditions.stiffness[first]));
         }
         for (row, equation) in place.rows.zip(group.equations(set[first])) {
             rows.0[row] = equation;

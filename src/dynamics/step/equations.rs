@@ -67,7 +67,7 @@ where
     Space<D>: Elements<D>,
 {
     /// True if forces depend on positions and not on displacements alone.
-    pub fn sees_positions(&self) -> bool {
+    pub fn depends_on_positions(&self) -> bool {
         !self.pairs.is_empty() || !self.others.is_empty()
     }
 

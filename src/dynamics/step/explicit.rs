@@ -80,7 +80,7 @@ where
 {
     /// Sets positions and displacements after a motion, consistent with [`Self::linearize`].
     pub fn place_after(&self, start: &StepStart, at: &mut Linearization) {
-        if self.sees_positions() {
+        if self.depends_on_positions() {
             let Linearization { q_1, moved, .. } = at;
             q_1.clear();
             q_1.extend(start.q_0.iter().zip(moved.iter()).map(|(q, moved)| q + moved));

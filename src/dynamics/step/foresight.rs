@@ -35,7 +35,7 @@ impl<const D: usize> Equations<D> {
     /// nodes behind the other side under the persistency rule. Elastic motion is not predicted, so this is checked afterwards. An inactive
     /// constraint counts with its gap; every node counts with its penetration where that has grown, since a closed weighted gap only bounds
     /// a mean over its neighborhood.
-    pub fn came_through(&self, q_0: &[f64], at: &Linearization, conditions: &Conditions) -> Option<LargeMotion> {
+    pub fn penetration_after_step(&self, q_0: &[f64], at: &Linearization, conditions: &Conditions) -> Option<LargeMotion> {
         let passed = |pair: &ContactPair| {
             let facets = passing(pair, &at.q_1, false)?;
             Some(LargeMotion { contact: pair.name.clone(), kind: MotionKind::Passing, facets })

@@ -396,7 +396,7 @@ where
         let momentum = tolerances::NEWTON_MOMENTUM * task.start.dt() * kick * (2.0 * task.energy / system.nodes.total_mass).sqrt();
         // Round-off of displacements, and of positions if forces depend on them, times stiffness, plus round-off of the motion times
         // inertia.
-        let of_positions = if system.sees_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { 0.0 };
+        let of_positions = if system.depends_on_positions() { largest_size(&at.q_1).max(system.nodes.extent) } else { 0.0 };
         let reach = largest_size(&at.u_1).max(of_positions);
         let inertia = (0..system.bodies.len()).map(|body| task.start.inertia(body)).fold(0.0, f64::max);
         let (stiffness, mass) = (system.nodes.stiffness(), system.nodes.largest_nodal_mass);

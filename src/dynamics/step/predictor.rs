@@ -162,7 +162,7 @@ where
     Space<D>: Elements<D>,
 {
     let mut moved: Vec<f64> = predicted.iter().zip(from.q).map(|(predicted, q)| predicted - q).collect();
-    if !equations.sees_positions() {
+    if !equations.depends_on_positions() {
         for (prescribed, displacement) in equations.supports.prescribed.iter().zip(displacement) {
             moved[prescribed.unknown] = displacement - from.u[prescribed.unknown];
         }

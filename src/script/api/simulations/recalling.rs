@@ -48,7 +48,7 @@ impl Journal {
     fn next_event(&self, host: &Host) -> Result<Option<Entry>, Failure> {
         while let Some((other, state)) = self.next_state(None)? {
             let handle = Simulations::of(host).0.borrow().get(other).cloned().ok_or_else(something_else)?;
-            handle.stand_at(&state)?;
+            handle.adopt_point(&state)?;
         }
         let mut pages = self.0.borrow_mut();
         pages.left = pages.left.saturating_sub(1);
@@ -118,7 +118,7 @@ fn known_states(past: &VecDeque<PastState>) -> Vec<Arc<State>> {
 }
 
 impl SimulationHandle {
-    fn stand_at(&self, state: &State) -> Result<(), Failure> {
+    fn adopt_point(&self, state: &State) -> Result<(), Failure> {
         let Ok(mut simulation) = self.0.simulation.try_borrow_mut() else { return Ok(()) };
         if !simulation.fits(state) {
             return Err(of_another_model());
@@ -195,7 +195,7 @@ impl SimulationHandle {
         let Some((journal, number)) = data.journal.as_ref().filter(|_| !data.is_known.get()) else { return Ok(()) };
         if data.is_behind.get() {
             let (_, state) = journal.next_state(Some(*number))?.ok_or_else(something_else)?;
-            return self.stand_at(&state);
+            return self.adopt_point(&state);
         }
         // During a step, there is no state to record.
         if let Ok(simulation) = data.simulation.try_borrow() {
