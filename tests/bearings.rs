@@ -9,7 +9,7 @@ use bearings::{Bearing, ITERATIONS};
 use conserva::contact::MORTAR;
 use conserva::dynamics::{GAP, PERSISTENCY};
 
-/// Runs bearings on all threads; what is wrong with each, and its iterations a step.
+/// Runs bearings on all threads; returns the violations of each and its iterations per step.
 fn judged(bearings: &[Bearing], until: f64) -> Vec<(Vec<String>, f64)> {
     let next = AtomicU32::new(0);
     let work = || {
@@ -40,7 +40,7 @@ fn bearings_of_a_grid_keep_what_their_rules_promise() {
     expect_no_faults(&judged(&bearings, 0.75));
 }
 
-/// Torques and steps at which contact once gave 1e-8 of the energy under `gap`, or a step was accepted with a defect of 5e-10.
+/// Torques and steps at which contact formerly created 1e-8 of the energy under `gap`, or a step was accepted with a defect of 5e-10.
 #[test]
 fn bearings_that_once_gained_energy_no_longer_do() {
     let bearing = |(dt, torque)| Bearing { dt, torque, held: true, refine: 1, method: &MORTAR, rule: &GAP };

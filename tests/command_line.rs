@@ -1,4 +1,4 @@
-//! The program from outside: exit codes, files, messages, interrupts, closed pipes, sudden death.
+//! The program as a process: exit codes, files, messages, interrupts, closed pipes, sudden termination.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -26,13 +26,13 @@ fn flight(rest: &str) -> String {
     )
 }
 
-/// Rows of a history after its header, every one of them complete.
+/// Number of complete rows of a history after its header.
 fn rows(folder: &Path) -> usize {
     let text = std::fs::read_to_string(folder.join("out/main/history.csv")).unwrap();
     let mut lines = text.lines();
     let columns = lines.next().unwrap().split(',').count();
     assert!(columns >= 19);
-    // What is not known before the first step is empty.
+    // Values that are unknown before the first step are empty.
     let is_number = |row: usize, field: &str| field.parse::<f64>().is_ok() || row == 0 && field.is_empty();
     lines
         .enumerate()
@@ -83,7 +83,7 @@ fn a_run_writes_its_files_and_says_so() {
     let seconds = summary["wall_seconds"].as_object().unwrap();
     let parts: f64 = seconds.iter().filter(|(name, _)| *name != "total").map(|(_, value)| value.as_f64().unwrap()).sum();
     let total = seconds["total"].as_f64().unwrap();
-    // The parts are all there is; `other` makes up the rest, so they can only exceed the total by what is measured twice.
+    // The parts cover the total time; `other` is the remainder, so they exceed the total only by time that is measured twice.
     assert!(parts <= 1.01 * total && parts >= 0.99 * total, "{text}");
     for file in ["history.svg", "fields.pvd", "fields/fields_000000.vtu", "fields/fields_000001.vtu"] {
         assert!(home.join("out/main").join(file).is_file(), "{file}");
@@ -111,7 +111,7 @@ fn obstacles_and_pictures_are_written() {
     assert!(read("press/block.png").starts_with(b"\x89PNG") && read("both.png").starts_with(b"\x89PNG"));
     assert!(text("press/block.svg").contains("<title>lift</title>"));
     assert!(text("press/now_obstacles.vtu").contains("obstacle 0: lift"));
-    // It moves: no two frames are the same.
+    // The obstacle moves: no two frames are the same.
     assert_eq!(text("press/obstacles.pvd").matches("<DataSet").count(), 6);
     let frame = |number: usize| read(&format!("press/obstacles/obstacles_{number:06}.vtu"));
     assert_ne!(frame(0).split_at(frame(0).len() / 2).1, frame(5).split_at(frame(5).len() / 2).1);
@@ -153,7 +153,7 @@ fn exit_codes_tell_how_it_went() {
     let (exit, message) = code("bad-set", "let a = param(\"a\", 1);", &["run", "main.rhai", "--set", "b=1"]);
     assert_eq!(exit, 2);
     assert!(message.contains("the script has no parameter `b`"), "{message}");
-    // A load no step of this size can follow.
+    // A load that no step of this size can follow.
     let wild = flight("").replace("let sim", "flight.force(plate.boundary(\"top\"), [1e9, 0.0]); let sim");
     let wild = wild.replace("dt: dt", "dt: dt, max_halvings: 0") + "sim.step();";
     let (exit, message) = code("numerics", &wild, &["run", "main.rhai"]);
@@ -200,8 +200,8 @@ fn interrupts_in_a_moment_are_one() {
 
 #[test]
 fn an_interrupt_ends_a_long_step_of_a_large_model_at_once() {
-    // 40 000 unknowns under a load that no step of this size can follow: it is tried, halved and tried again for many seconds, each
-    // iteration with its assembly and factorization. The first step, with hardly any load, has chosen the order of elimination.
+    // 40 000 unknowns under a load that no step of this size can follow: halvings take many seconds, each iteration with its assembly and
+    // factorization. The first step, with a very small load, determines the elimination order.
     let script = "let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });\n\
                   let press = model(\"press\");\n\
                   let block = press.add_body(\"block\", rectangle(#{ size: [2.0, 1.0], cells: [200, 100] }), rubber);\n\
@@ -216,15 +216,15 @@ fn an_interrupt_ends_a_long_step_of_a_large_model_at_once() {
     let mut line = String::new();
     BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
     assert_eq!(line, "stepping\n");
-    // Whatever the step does then; it does not end before the signal comes.
+    // The step does not end before the signal arrives.
     std::thread::sleep(Duration::from_millis(300));
     signal(&child, "-INT");
     let asked = Instant::now();
     let output = child.wait_with_output().unwrap();
     let waited = asked.elapsed();
     assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
-    // Where the step is let go on, it takes tens of seconds without optimization and several with it; 0.3 s on a machine that is twice
-    // as busy as it has processors.
+    // Without the interrupt the step takes tens of seconds in a debug build and several in a release build; with it 0.3 s on a machine with
+    // twice as many busy processes as processors.
     assert!(waited < Duration::from_secs(2), "the run ended only after {waited:?}");
     let message = stderr(&output);
     assert!(message.contains("error[C0508]: interrupted at t = 0.1\n --> main.rhai:9:5\n"), "{message}");
@@ -263,7 +263,7 @@ fn filmed(rest: &str) -> String {
     flight(rest).replace("dt: dt }", "dt: dt, fields_every: dt }")
 }
 
-/// Frames that the list of fields names; every one of them is there.
+/// Number of frames in the list of fields, all of which exist.
 fn frames(folder: &Path) -> usize {
     let list = std::fs::read_to_string(folder.join("out/main/fields.pvd")).unwrap();
     let files = list.lines().filter_map(|line| line.split("file=\"").nth(1)?.split('"').next());
@@ -272,7 +272,7 @@ fn frames(folder: &Path) -> usize {
 
 #[test]
 fn every_way_out_keeps_the_frames_up_to_the_last_step() {
-    // Thrown in a closure of a step, failed in the script, left by single steps.
+    // Errors thrown in a closure after a step, in the script, and between single steps.
     let ways = [
         ("thrown", "sim.on_step(|sim| if sim.steps == 30 { throw \"enough\"; }); sim.run_to(1.0);", 2),
         ("nonsense", "sim.run_to(0.3); nonsense();", 2),
@@ -299,12 +299,12 @@ fn a_frame_that_cannot_be_written_ends_the_run_with_its_place() {
     let mut child = conserva(&home, &["run", "main.rhai", "--quiet"]).stderr(Stdio::piped()).spawn().unwrap();
     wait_for_rows(&home, &mut child);
     let fields = home.join("out/main/fields");
-    // The run may make the folder again between the two calls.
+    // The run may create the folder again between the two calls.
     while std::fs::remove_dir_all(&fields).is_err() || std::fs::write(&fields, "in the way").is_err() {}
     let output = child.wait_with_output().unwrap();
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(3), "{message}");
-    // A frame that comes between the two calls finds no directory at all.
+    // A frame written between the two calls finds no directory at all.
     let refused = ["not a directory", "no such file"].iter().any(|cause| message.contains(&format!("could not be written: {cause}")));
     assert!(refused && message.contains("--> main.rhai:7:5"), "{message}");
     assert!(rows(&home) >= 9);
@@ -365,7 +365,7 @@ fn sliding_is_foreseen_by_check_and_found_by_run() {
     let found = &summary["findings"][0];
     assert_eq!((found["kind"].as_str(), found["contact"].as_str(), found["limit"].as_f64()), (Some("sliding"), Some("faces"), Some(0.9)));
     assert!((found["value"].as_f64().unwrap() - 1.6).abs() < 1e-3, "0.2 in a step over facets of 0.125: {found}");
-    // A wheel that rolls does not slide, although the rest of it is fast.
+    // A wheel that rolls does not slide, although points off the contact are fast.
     let wheel = "let m = model(\"wheel\");\n\
         let rubber = neo_hookean(#{ youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 });\n\
         let rim = m.add_body(\"rim\", ring(#{ inner_radius: 0.2, outer_radius: 0.5, cells: [3, 40], center: [0.0, 0.5] }), rubber);\n\
@@ -416,7 +416,7 @@ fn the_reference_is_searched_and_shells_are_told_of_the_commands() {
     assert!(stderr(&listed).contains("`test_c` is not run: a test has no parameters"), "{}", stderr(&listed));
 }
 
-/// Bodies that are inside each other with no contact between them: the run ends, and its code says that it is not to be trusted.
+/// Overlapping bodies without a contact between them: the run completes with the exit code of untrustworthy results.
 #[test]
 fn a_run_that_is_not_to_be_trusted_has_a_code_of_its_own() {
     let home = folder(
@@ -434,7 +434,7 @@ fn a_run_that_is_not_to_be_trusted_has_a_code_of_its_own() {
     assert!(stderr(&output).contains("bodies have passed into each other") && stderr(&output).contains("not to be trusted"));
 }
 
-/// What a newcomer types: commands by other names, a mesh in place of a script, words of other programs.
+/// Typical mistakes of new users: commands of other names, a mesh in place of a script, words of other programs.
 #[test]
 fn what_a_newcomer_types_is_answered() {
     let home = folder("newcomer", "print(1);");

@@ -1,4 +1,8 @@
-//! No circle between the files of one folder, nor between folders.
+//! Cyclic dependencies between the files of one folder and between folders.
+//!
+//! A file depends on another one through a path that begins with `crate`, `self`, `super` or a module of its own. The path is resolved to
+//! the file that defines the name: a re-export in a `mod.rs` counts as the file that it comes from, and re-exporting is no dependency. A
+//! `mod.rs` that only re-exports is therefore in no cycle; one that defines items for its files and also uses these files is.
 //!
 //! A file reaches another one by a path that begins with `crate`, `self`, `super` or a module of its own. The path is followed to the file
 //! that holds what it names: a name that a `mod.rs` only passes on belongs to the file that it comes from, and passing on is no use. So a
@@ -9,11 +13,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::exceptions::CIRCLES;
 use super::source::{Source, program, sources};
 
-/// A path in the order of its names, the keyword it begins with included, and the name that a `use` gives it.
+/// Path as a list of its names, including the initial keyword, and the name that a `use` gives it.
 struct Named {
     path: Vec<String>,
     name: String,
-    /// Whether it stands in a `use`, and whether that is public.
+    /// Visibility of the `use` that contains the path; `None` outside of a `use`.
     import: Option<Visibility>,
 }
 
@@ -25,7 +29,7 @@ enum Visibility {
 
 type Module = Vec<String>;
 
-/// Who names whom between the files of a folder.
+/// Dependency graph of the files of a folder.
 struct Folder {
     modules: BTreeMap<Module, Vec<Named>>,
 }
@@ -46,7 +50,7 @@ impl Folder {
         Folder { modules: sources.iter().map(named).collect() }
     }
 
-    /// The file that holds what a path names, from the root of the crate on; nothing when it leaves the folder.
+    /// File that defines what a path names, followed from the root of the crate; `None` if the path leaves the folder.
     fn holder(&self, path: &[String]) -> Option<Module> {
         let mut module: Module =
             path.first().filter(|first| self.modules.contains_key(&vec![(*first).clone()])).map(|first| vec![first.clone()])?;
@@ -56,7 +60,7 @@ impl Folder {
                 module = child;
                 continue;
             }
-            // Passed on from a file below.
+            // Re-exported from a file below.
             let passed = self.modules[&module].iter().filter(|named| named.import.is_some() && named.name == *name);
             let below = |path: &Module| path.len() > module.len() && path.starts_with(&module) && *path != child;
             return match passed.map(|named| &named.path).find(|path| below(path)) {
@@ -82,10 +86,10 @@ fn module_of(source: &Source) -> Module {
     source.module_path().into_iter().map(String::from).collect()
 }
 
-/// All paths of a file that may lead to another file of its crate, from the root on.
+/// Paths of a file that may lead to another file of its crate, from the root on.
 fn paths(source: &Source, own: &Module, children: &[&str]) -> Vec<Named> {
     let mut found = Vec::new();
-    // Braces that are open; the name where one is the body of a module.
+    // Open braces; with the module name if the brace opens the body of a module.
     let mut braces: Vec<Option<String>> = Vec::new();
     let mut import: Option<Visibility> = None;
     let mut index = 0;
@@ -129,7 +133,7 @@ fn paths(source: &Source, own: &Module, children: &[&str]) -> Vec<Named> {
     found
 }
 
-/// Takes a path, or a tree of them in braces, that continues another one; the index behind it.
+/// Adds a path, or a tree of paths in braces, that continues `base`; returns the index behind it.
 fn tree_into(source: &Source, mut index: usize, base: &Module, import: Option<Visibility>, found: &mut Vec<Named>) -> usize {
     let mut path = base.clone();
     loop {
@@ -164,7 +168,7 @@ fn tree_into(source: &Source, mut index: usize, base: &Module, import: Option<Vi
     index
 }
 
-/// What is left of a graph when everything that is on no circle, and between no two of them, is taken away.
+/// Subgraph of the nodes that are on a cycle or between two cycles.
 fn on_circles(graph: &BTreeMap<Module, BTreeSet<Module>>) -> BTreeMap<Module, BTreeSet<Module>> {
     let mut left = graph.clone();
     loop {
@@ -180,12 +184,12 @@ fn on_circles(graph: &BTreeMap<Module, BTreeSet<Module>>) -> BTreeMap<Module, BT
     left
 }
 
-/// A circle of files in words; nothing when there is none.
+/// Description of a cycle between files; `None` without a cycle.
 fn circle(sources: &[&Source]) -> Option<String> {
     circle_in(&Folder::new(sources).graph())
 }
 
-/// A circle of folders, or of folders and files beside them: what is in a folder counts as one.
+/// Description of a cycle between folders, or between folders and files beside them; a folder counts as one node.
 fn circle_of_folders(sources: &[&Source]) -> Option<String> {
     let graph = Folder::new(sources).graph();
     let above: BTreeSet<&[String]> = graph.keys().filter_map(|module| module.split_last().map(|(_, above)| above)).collect();
@@ -210,7 +214,7 @@ fn circle_in(graph: &BTreeMap<Module, BTreeSet<Module>>) -> Option<String> {
     let left = on_circles(graph);
     let mut walk = vec![left.keys().next()?];
     loop {
-        // The neighbor that closes the shortest circle is found soon enough by taking the first.
+        // Any neighbor on a cycle leads back; the circle found need not be the shortest.
         let next = left[*walk.last()?].iter().next()?;
         if let Some(start) = walk.iter().position(|module| *module == next) {
             let names: Vec<String> = walk[start..].iter().chain([&next]).map(|module| module.join("::")).collect();
@@ -262,14 +266,14 @@ fn a_planted_circle_is_found() {
         circles(&[("a.rs", "use super::{b::{self, X}, c};"), ("b.rs", "use super::c;"), ("c.rs", "use super::a;"), ("mod.rs", "")]),
         1
     );
-    // Through what the folder passes on.
+    // Through the re-exports of the folder.
     let passing = "mod a; mod b; pub use a::{A, inner::I as J}; pub(super) use self::b::B;";
     assert_eq!(circles(&[("a.rs", "use super::B;"), ("b.rs", "use crate::mesh::A;"), ("mod.rs", passing)]), 1);
     assert_eq!(circles(&[("a.rs", ""), ("a/inner.rs", "use crate::mesh::B;"), ("b.rs", "use super::J;"), ("mod.rs", passing)]), 1);
-    // With the folder's own definitions.
+    // Through definitions in the folder's own `mod.rs`.
     assert_eq!(circles(&[("a.rs", "use super::Mesh;"), ("mod.rs", "mod a; pub struct Mesh; fn f() { a::g() }")]), 1);
     assert_eq!(circles(&[("gmsh.rs", "mod lines; use lines::L;"), ("gmsh/lines.rs", "use super::G;"), ("mod.rs", "mod gmsh;")]), 1);
-    // Between folders whose files are on none.
+    // Between folders whose files are in no cycle.
     let folders = |a: &str, b: &str| {
         circles(&[
             ("a/mod.rs", "mod x; mod y;"),
@@ -283,7 +287,7 @@ fn a_planted_circle_is_found() {
     };
     assert_eq!(folders("use crate::mesh::b::z::Z;", "use crate::mesh::a::y::Y;"), 1);
     assert_eq!(folders("use crate::mesh::b::z::Z;", "use super::w::W;"), 0);
-    // And nothing else.
+    // No other findings.
     assert_eq!(
         circles(&[("a.rs", "use super::{Mesh, B};"), ("b.rs", "use super::Mesh;"), ("mod.rs", "pub use b::B; pub use a::A; struct Mesh;")]),
         0

@@ -11,7 +11,7 @@ const DOCUMENTS: [&str; 3] = ["ARCHITECTURE.md", "src/README.md", "CONTRIBUTING.
 /// Folders in which paths are looked for.
 const FOLDERS: [&str; 9] = ["src", "tests", "examples", "benches", "docs", "scripts", "packages", "python", "editors"];
 
-/// Words that a cell of a table has at most; what needs more is a section.
+/// Largest number of words of a table cell; longer text is a section.
 const CELL: usize = 40;
 
 /// Places of table cells with more words.
@@ -37,7 +37,7 @@ fn cells_of_tables_can_be_read_at_once() {
     let mut paths = vec![];
     add_paths(&repository().join("docs"), &mut paths);
     paths.extend(["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "examples/README.md"].map(String::from));
-    // The reference is made from the registry.
+    // The reference is generated from the registry.
     paths.retain(|path| path.ends_with(".md") && path != "docs/reference.md");
     assert!(paths.len() > 20, "the documents were not found");
     let read = |path: &String| std::fs::read_to_string(repository().join(path)).expect("the document is there");
@@ -65,7 +65,7 @@ fn add_paths(folder: &Path, paths: &mut Vec<String>) {
     }
 }
 
-/// Texts in single backticks, code blocks left out.
+/// Texts in single backticks outside of code blocks.
 fn quoted(text: &str) -> Vec<&str> {
     let outside = text.split("```").step_by(2);
     outside.flat_map(|part| part.split('`').skip(1).step_by(2)).collect()
@@ -83,7 +83,7 @@ fn is_type(name: &str) -> bool {
         && name.chars().all(|c| c.is_alphanumeric() || "_:".contains(c))
 }
 
-/// Names in a document that are neither among the paths nor among the identifiers.
+/// Names in a document that are neither paths nor identifiers of the source.
 fn unknown(text: &str, paths: &[String], identifiers: &HashSet<String>) -> Vec<String> {
     let exists = |name: &str| paths.iter().any(|path| path == name || path.strip_suffix(name).is_some_and(|rest| rest.ends_with('/')));
     let is_unknown = |name: &&str| {
@@ -95,7 +95,7 @@ fn unknown(text: &str, paths: &[String], identifiers: &HashSet<String>) -> Vec<S
     quoted(text).into_iter().filter(is_unknown).map(String::from).collect()
 }
 
-/// Largest number of words of the overview, which is read before anything else.
+/// Largest number of words of the overview `ARCHITECTURE.md`.
 const OVERVIEW: usize = 1200;
 
 #[test]

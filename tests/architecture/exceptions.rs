@@ -1,9 +1,9 @@
-//! What does not keep a rule yet, each with its reason. A row that is no longer needed fails, so the lists only get shorter.
+//! Exceptions from the rules, each with its reason. An entry that is no longer needed fails, so the lists only get shorter.
 
 /// Folders whose files may name each other in circles.
 pub const CIRCLES: &[(&str, &str)] = &[];
 
-/// Files (no function named) and functions that may be longer than the rest.
+/// Files (without a function name) and functions that may exceed the length limit.
 pub const LONG: &[(&str, &str, &str)] = &[];
 
 /// Small numbers outside `src/math/tolerances.rs`, as they are written.
@@ -12,8 +12,8 @@ pub const SMALL_NUMBERS: &[(&str, &str, &str)] = &[
     ("src/script/language/digits.rs", "1e-4", "where numbers in messages turn to powers of ten, no tolerance"),
 ];
 
-/// Files below the script's floor whose messages still have words of the script language. Nothing new comes in: move a file's words to
-/// `src/script/api/remedies/`, and take it off.
+/// Files below the floor of `script/` whose messages still contain words of the script language. The list must not grow: move the words of
+/// a file to `src/script/api/remedies/` and remove its entry.
 pub const SCRIPT_WORDS: &[(&str, &str)] = &[
     ("src/contact/checks.rs", "a tie's finding names the key `reach`"),
     ("src/contact/node_to_segment.rs", "the summary of the row, which the reference shows, names enforcements"),

@@ -1,5 +1,8 @@
-//! The rules of the house, checked on the source text: floors, crate owners, no printing in kernels, headers, width; circles of files,
-//! sizes and small numbers in files of their own.
+//! Rules of the project, checked on the source text: floors, owners of crates, no printing in kernels, headers, line width. Cycles of
+//! files, sizes and small numbers have files of their own.
+//!
+//! Files are split into tokens, so that comments and strings may name anything. Rules examine tokens, not resolved paths: a crate or module
+//! that is reached through a re-export is found where it is re-exported. The last tests show that every rule can fail.
 //!
 //! Files are cut into tokens, so that comments and strings name what they like. Rules look at tokens, not at resolved paths: a crate
 //! or module that is reached through a re-export is seen where it is re-exported. The last tests show that every rule can fail.
@@ -31,11 +34,11 @@ const FLOORS: &[&[&str]] = &[
     &["cli"],
 ];
 
-/// The libraries of the packages, from the lowest floor upwards.
+/// Libraries of the packages, from the lowest floor upwards.
 const LIBRARIES: [&str; 5] =
     ["packages/base/lib.rs", "packages/bodies/lib.rs", "packages/contact/lib.rs", "packages/dynamics/lib.rs", "src/lib.rs"];
 
-/// Which modules may name a crate; an empty list: all.
+/// Modules that may name a crate; an empty list permits all.
 const OWNERS: &[(&str, &[&str])] = &[
     ("annotate-snippets", &["script"]),
     ("clap", &["cli"]),
@@ -58,7 +61,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("indicatif", &["cli"]),
     ("lsp-server", &["cli"]),
     ("lsp-types", &["cli"]),
-    // its matrices are the vocabulary of the kernels' interfaces
+    // its matrices are part of the interfaces of the kernels
     ("nalgebra", &["math", "elements", "linear", "materials", "mesh", "integrators", "bodies", "contact", "dynamics", "output"]),
     ("num-dual", &["contact"]),
     ("parquet", &["output"]),
@@ -68,7 +71,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("roxmltree", &["mesh"]),
     ("rstar", &["mesh", "contact"]),
     ("rustyline", &["cli"]),
-    // what a state keeps is written as a whole
+    // a state is serialized as a whole
     ("serde", &["linear", "contact", "dynamics", "output", "script", "studies", "cli"]),
     ("serde_json", &["output", "script", "studies", "cli"]),
     ("signal-hook", &["cli"]),
@@ -78,7 +81,7 @@ const OWNERS: &[(&str, &[&str])] = &[
     ("strsim", &["mesh", "script", "cli"]),
     ("toml", &["studies"]),
     ("thiserror", &[]),
-    // for their features
+    // listed for their features only
     ("bitflags", &[]),
     ("nix", &[]),
     ("once_cell", &[]),
@@ -89,7 +92,7 @@ const OWNERS: &[(&str, &[&str])] = &[
 /// Files that may use `unsafe`, each with its reason.
 const UNSAFE: &[(&str, &str)] = &[("src/math/simd.rs", "calls a kernel that was compiled for the instructions that the processor has")];
 
-/// Modules that speak to the terminal.
+/// Modules that may print to the terminal.
 const PRINTING: &[&str] = &["cli", "main"];
 
 /// Widest line, in characters; the formatter does not break comments and strings. Rows of numbers in a table may be wider.
@@ -98,7 +101,7 @@ const WIDTH: usize = 140;
 /// Top-level modules that a file names, with the place of each: `crate::x`, `conserva::x`, and `super::…::x` that reaches the root.
 fn named_modules(source: &Source) -> Vec<(String, String)> {
     let mut named = Vec::new();
-    // braces that are open, and whether each is the body of a module
+    // open braces; true if the brace opens the body of a module
     let mut braces: Vec<bool> = Vec::new();
     let mut index = 0;
     while index < source.tokens.len() {
@@ -128,7 +131,7 @@ fn named_modules(source: &Source) -> Vec<(String, String)> {
     named
 }
 
-/// What follows `crate::`: one name, or the first names of the paths in a brace.
+/// Names after `crate::`: one name, or the first names of the paths in braces.
 fn first_segments(source: &Source, index: usize) -> Vec<(String, String)> {
     if source.text_at(index) != "{" {
         return vec![(source.text_at(index).into(), source.at(index))];
@@ -149,12 +152,12 @@ fn first_segments(source: &Source, index: usize) -> Vec<(String, String)> {
     segments
 }
 
-/// Position in the order of `lib.rs`; what stands outside it (`main`, `lib`) may name everything.
+/// Position in the order of `lib.rs`; files outside of it (`main`, `lib`) may name everything.
 fn rank(module: &str) -> usize {
     FLOORS.concat().iter().position(|known| *known == module).unwrap_or(usize::MAX)
 }
 
-/// Modules named from below.
+/// Modules of higher floors that a file names.
 fn floor_violations(source: &Source) -> Vec<String> {
     let own = source.floor_module();
     let above = |name: &str| name == "*" || (rank(name) != usize::MAX && rank(name) > rank(own));
@@ -162,7 +165,7 @@ fn floor_violations(source: &Source) -> Vec<String> {
     named.map(|(name, place)| format!("{place}: `{own}` names `{name}`, which stands below it in src/lib.rs")).collect()
 }
 
-/// Crates named outside the folders that own them.
+/// Crates that are named outside of the folders that own them.
 fn owner_violations(source: &Source) -> Vec<String> {
     let own = source.floor_module();
     let mut violations = Vec::new();
@@ -193,7 +196,7 @@ fn printing_violations(source: &Source) -> Vec<String> {
     found.map(|index| format!("{}: `{}!` outside `cli`", source.at(index), source.text_at(index))).collect()
 }
 
-/// `unsafe` outside the listed files.
+/// `unsafe` outside of the listed files.
 fn unsafe_violations(source: &Source) -> Vec<String> {
     if UNSAFE.iter().any(|(path, _)| *path == source.path) {
         return Vec::new();
@@ -202,7 +205,7 @@ fn unsafe_violations(source: &Source) -> Vec<String> {
     found.map(|index| format!("{}: `unsafe` in a file that is not listed for it", source.at(index))).collect()
 }
 
-/// What the text itself must and must not have.
+/// Violations of rules about the text of a file: header, width, unfinished marks.
 fn text_violations(source: &Source) -> Vec<String> {
     let path = &source.path;
     let mut violations = Vec::new();
@@ -223,9 +226,9 @@ fn text_violations(source: &Source) -> Vec<String> {
     violations
 }
 
-/// Modules on a cycle of the graph of who names whom.
+/// Modules on a cycle of the dependency graph.
 fn modules_on_cycles(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
-    // modules that only name modules taken away before are taken away; what stays is on a cycle or leads to one
+    // modules whose dependencies were all removed are removed; the remaining ones are on a cycle or lead to one
     let mut left = graph.clone();
     loop {
         let free = left.iter().find(|(module, names)| names.iter().all(|name| name == *module || !left.contains_key(name)));
@@ -236,7 +239,7 @@ fn modules_on_cycles(graph: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> 
     }
 }
 
-/// All files of `src/` keep a rule.
+/// Asserts that all files of `src/` satisfy a rule.
 fn assert_kept(folders: &[&str], rule: fn(&Source) -> Vec<String>) {
     let sources = sources(folders);
     assert!(sources.len() > 10, "the source was not found");
@@ -250,7 +253,7 @@ fn the_library_lists_its_modules_in_floor_order() {
     let lines = texts.iter().flat_map(|text| text.lines());
     let modules: Vec<&str> = lines.filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
     assert_eq!(modules, FLOORS.concat());
-    // and there is nothing in src/ that is not on a floor
+    // every folder of src/ is on a floor
     for source in sources(&["src"]) {
         let module = source.floor_module();
         assert!(rank(module) != usize::MAX || matches!(module, "lib" | "main"), "{} is on no floor", source.path);
@@ -291,7 +294,7 @@ fn every_dependency_has_an_owner() {
     }
 }
 
-/// The page for newcomers names every crate at the first of its owners.
+/// The overview page names every crate in the first folder that owns it.
 #[test]
 fn the_architecture_page_lists_the_crates() {
     let page = std::fs::read_to_string(repository().join("src/README.md")).unwrap();
@@ -341,7 +344,7 @@ fn the_floor_rule_sees_every_way_to_name_a_module() {
     assert_eq!(names("src/mesh/gmsh/lines.rs", "use super::super::super::contact::X;"), 1);
     assert_eq!(names("src/mesh/gmsh.rs", "mod tests { use super::super::super::{contact, math}; }"), 1);
     assert_eq!(names("src/mesh/gmsh.rs", "macro_rules! m { () => { $crate::cli::run() } }"), 1);
-    // and nothing else
+    // no other names
     assert_eq!(names("src/mesh/gmsh.rs", "use super::contact; use super::super::math; mod tests { use super::super::contact; }"), 0);
     assert_eq!(names("src/mesh/gmsh.rs", "//! [`crate::script`]\nconst X: &str = \"crate::script\"; // crate::cli"), 0);
     assert_eq!(names("src/cli/run.rs", "use crate::{script, math}; use crate::cli::x;"), 0);

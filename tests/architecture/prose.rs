@@ -2,13 +2,13 @@
 
 use super::source::{Source, sources};
 
-/// Openings after which a reader has to look for what is meant.
+/// Openings of a comment that refer to other lines.
 const OPENINGS: [&str; 7] = ["The same", "What", "Whether", "How", "Its", "Those", "Of"];
 
-/// Lines that may open so, in all of the source. The number only falls: a new comment finds a noun.
+/// Largest number of comment lines with such an opening in all of the source. The number only decreases.
 const MOST: usize = 10;
 
-/// Lines of documentation comments that open with a word of the list, with their places.
+/// Lines of documentation comments with an opening of [`OPENINGS`], with their places.
 fn found(source: &Source) -> Vec<String> {
     let opens =
         |text: &str| OPENINGS.iter().any(|opening| text.strip_prefix(opening).is_some_and(|rest| !rest.starts_with(char::is_alphanumeric)));

@@ -1,5 +1,7 @@
-//! Messages below `src/script/` name nothing of the script language, for programs in Rust read them, too: no call of a script function, no
-//! function or key in backticks, no options map. The words of scripts stand in `src/script/api/remedies/`.
+//! Messages below `src/script/` contain no words of the script language, because programs in Rust show them, too: no call of a script
+//! function, no function or key in backticks, no options map. Words for scripts are in `src/script/api/remedies/`.
+//!
+//! A kernel may name its own terms: rows of catalogues, fields of results, and functions of an energy text.
 //!
 //! A kernel may name what it has itself: rows of catalogues, fields of results, and what is written in an energy.
 
@@ -12,7 +14,7 @@ use super::source::{Source, program, repository, sources};
 const BELOW: &[&str] =
     &["machine", "math", "elements", "linear", "materials", "mesh", "integrators", "bodies", "contact", "dynamics", "output"];
 
-/// What a kernel calls so, too: the catalogues' rows in scripts make one.
+/// Names of catalogue rows, which kernels use, too, although scripts have functions of these names.
 fn rows() -> impl Iterator<Item = &'static str> {
     let laws = conserva::materials::CATALOGUE.iter().chain(conserva::materials::LINEAR).map(|row| row.name);
     laws.chain(conserva::contact::METHODS.iter().map(|row| row.name)).chain(conserva::integrators::CATALOGUE.iter().map(|row| row.name))
@@ -26,14 +28,14 @@ fn functions() -> BTreeSet<String> {
     declared.map(|(name, _)| name.to_string()).chain(["print".to_string()]).collect()
 }
 
-/// Names of options that the functions take, with those of Rust: what a script sets, it writes as a key.
+/// Keys of options that Rust has as well; scripts write them as keys.
 const KEYS: &[&str] = &["accept_overlap", "dt", "max_halvings", "penalty", "reach"];
 
 fn is_word(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }
 
-/// Words of a text, each with what follows it.
+/// Words of a text, each with the text that follows it.
 fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
     let starts = text.char_indices().filter(|&(at, letter)| is_word(letter) && !text[..at].ends_with(is_word));
     starts.map(|(at, _)| {
@@ -42,8 +44,8 @@ fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
     })
 }
 
-/// What a literal of a folder says in the words of scripts. Laws have formulas; files have columns and keys in backticks, which are called
-/// like functions, and drawings have transformations.
+/// Words of the script language in a literal of a folder. Laws have formulas, files have columns and keys in backticks that are named like
+/// functions, and drawings have transformations.
 fn script_words(literal: &str, folder: &str, functions: &BTreeSet<String>) -> Vec<String> {
     let is_formula = |word: &str| folder == "materials" && conserva::materials::functions_of_energies().any(|(name, _)| name == word);
     let mut found = Vec::new();
@@ -57,7 +59,7 @@ fn script_words(literal: &str, folder: &str, functions: &BTreeSet<String>) -> Ve
         found.push("{…}()".to_string());
     }
     for (index, part) in literal.split('`').enumerate() {
-        // an even number of backticks before it: outside of them
+        // text between an odd and an even backtick is code
         let is_code = index % 2 == 1;
         for (word, rest) in words(part) {
             let is_function = functions.contains(word) && !is_formula(word);
@@ -77,7 +79,7 @@ fn violations(sources: &[Source], functions: &BTreeSet<String>, exceptions: &[(&
     let mut violations = Vec::new();
     let mut used = vec![false; exceptions.len()];
     for source in program(sources).iter().filter(|source| BELOW.contains(&source.floor_module())) {
-        // comments of documentation are attributes with a text
+        // documentation comments are attributes with a text
         let is_said = |&index: &usize| index < 2 || source.text_at(index - 2) != "doc" || source.text_at(index - 1) != "=";
         for token in (0..source.tokens.len()).filter(is_said).map(|index| &source.tokens[index]) {
             for word in script_words(&token.literal, source.floor_module(), functions) {

@@ -1,12 +1,12 @@
-//! Files and functions stay small enough to be read at once; what does not is listed with its reason.
+//! Length of files and functions; longer ones are listed with a reason.
 
 use super::exceptions::LONG;
 use super::source::{Source, program, sources};
 
-/// Lines of a file at most, without its tests.
+/// Largest number of lines of a file, without its tests.
 const FILE: usize = 500;
 
-/// Lines of a function at most.
+/// Largest number of lines of a function.
 const FUNCTION: usize = 80;
 
 /// Functions of a file with their lines.
@@ -34,7 +34,7 @@ fn functions(source: &Source) -> Vec<(String, usize)> {
     functions
 }
 
-/// What is too long, as the list of exceptions names it, with its lines.
+/// Files and functions above the limits, named as in the list of exceptions, with their lines.
 fn too_long(sources: &[Source]) -> Vec<(String, String, usize)> {
     let mut found = Vec::new();
     for source in program(sources) {

@@ -1,4 +1,4 @@
-//! Source files cut into tokens: where a token stands, what is only there for tests, and which files there are.
+//! Source files split into tokens: place of each token, code that is compiled for tests only, and the list of files.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ pub fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A source file in tokens.
+/// Source file as tokens.
 pub struct Source {
     /// Path from the repository, with slashes.
     pub path: String,
@@ -16,7 +16,7 @@ pub struct Source {
     pub tokens: Vec<Token>,
 }
 
-/// One token with its line; `::` is one. The text of a literal is empty, so that strings name what they like.
+/// Token with its line; `::` is one token. The text of a literal is empty, so that strings may name anything.
 #[derive(Clone)]
 pub struct Token {
     pub text: String,
@@ -38,7 +38,7 @@ impl Source {
         inner.split('/').filter(|part| *part != "mod" && *part != "lib").collect()
     }
 
-    /// The module of `lib.rs` that the file belongs to; `main` and `lib` for themselves.
+    /// Module of `lib.rs` that the file belongs to; `main` and `lib` for themselves.
     pub fn floor_module(&self) -> &str {
         self.module_path().first().copied().unwrap_or("lib")
     }
@@ -51,7 +51,7 @@ impl Source {
         format!("{}:{}", self.path, self.tokens[index].line)
     }
 
-    /// The index of the bracket that closes the one at an index; the end where there is none.
+    /// Index of the bracket that closes the one at `index`; the end without one.
     pub fn closing(&self, index: usize) -> usize {
         let mut depth = 0;
         for place in index..self.tokens.len() {
@@ -67,7 +67,7 @@ impl Source {
         self.tokens.len()
     }
 
-    /// Ranges of tokens of the items that only tests see: what follows `#[cfg(test)]`, the attribute included.
+    /// Token ranges of items that are compiled for tests only: from the attribute `#[cfg(test)]` on.
     fn test_items(&self) -> Vec<std::ops::Range<usize>> {
         let mut items = Vec::new();
         let mut index = 0;
@@ -96,7 +96,7 @@ impl Source {
         items
     }
 
-    /// The file without what only tests see, and the number of lines that were left out.
+    /// The file without its tests, and the number of lines left out.
     pub fn without_tests(&self) -> (Source, usize) {
         let items = self.test_items();
         let lines = items.iter().map(|item| self.tokens[item.end - 1].line - self.tokens[item.start].line + 1).sum();
@@ -105,7 +105,7 @@ impl Source {
         (Source { path: self.path.clone(), text: self.text.clone(), tokens }, lines)
     }
 
-    /// Modules in files of their own that only tests see.
+    /// Modules in files of their own that are compiled for tests only.
     fn test_modules(&self) -> Vec<String> {
         let declared = |item: std::ops::Range<usize>| {
             let place = item.clone().find(|&index| self.text_at(index) == "mod")?;
@@ -115,7 +115,7 @@ impl Source {
     }
 }
 
-/// What the program consists of: the files without their tests.
+/// The files of the program without their tests.
 pub fn program(sources: &[Source]) -> Vec<Source> {
     let mut tests: Vec<Vec<String>> = Vec::new();
     for source in sources {
@@ -140,7 +140,7 @@ fn flatten_into(stream: TokenStream, tokens: &mut Vec<Token>) {
                     tokens.pop();
                     tokens.push(Token { text: "::".into(), literal: String::new(), line });
                 }
-                // the first of two colons waits for the second
+                // two colons are one token
                 (':', Spacing::Joint) => push(": ".into()),
                 (other, _) => push(other.into()),
             },

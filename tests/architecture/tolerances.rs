@@ -1,9 +1,9 @@
-//! Small numbers have a name and a reason in `src/math/tolerances.rs`; one that stands elsewhere is listed with why it does.
+//! Small numbers have a name and a reason in `src/math/tolerances.rs`; others are listed with a reason.
 
 use super::exceptions::SMALL_NUMBERS;
 use super::source::{Source, program, sources};
 
-/// Where tolerances live.
+/// File or folder of the tolerances.
 const HOME: &str = "src/math/tolerances";
 
 /// Numbers with a negative power of ten, with their lines.

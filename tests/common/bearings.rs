@@ -1,6 +1,6 @@
-//! The bearing over a grid of step sizes, torques, supports, refinements, methods and update rules, judged by the laws that hold for each.
+//! The bearing over a grid of step sizes, torques, supports, refinements, methods and update rules, with bounds for each run.
 
-// The test and the example each use their part of it.
+// Test and example each use a part of this file.
 #![allow(dead_code)]
 
 use conserva::contact::{ContactMethod, METHODS};
@@ -12,17 +12,17 @@ use conserva::mesh::ring;
 /// End of the torque.
 pub const SPUN: f64 = 0.5;
 
-/// Defect of the ledger in a step, and work that contact gives in one, over the energy.
+/// Largest energy defect of a step and largest contact work of a step, over the energy.
 pub const DEFECT: f64 = 1e-11;
 pub const GIVEN: f64 = 1e-12;
 
-/// Change of the energy after the torque, over the energy, under rules that keep it.
+/// Largest change of the energy after the torque, over the energy, under energy-conserving rules.
 pub const DRIFT: f64 = 1e-9;
 
-/// Depth in facets: what polygons that turn in each other and the press fit leave, and the promise.
+/// Largest penetration in facets: overlap of rotating polygons and of the press fit, and the bound of the rule.
 pub const DEPTH: f64 = 0.1;
 
-/// Newton iterations a step in the mean.
+/// Largest mean number of Newton iterations per step.
 pub const ITERATIONS: f64 = 4.5;
 
 /// A bearing of the grid.
@@ -30,18 +30,18 @@ pub const ITERATIONS: f64 = 4.5;
 pub struct Bearing {
     pub dt: f64,
     pub torque: f64,
-    /// Whether the outer ring is held; else it turns along.
+    /// True if the outer ring is fixed, false if it is free.
     pub held: bool,
-    /// Multiplies all numbers of cells.
+    /// Refinement: factor of all numbers of cells.
     pub refine: usize,
     pub method: &'static ContactMethod,
     pub rule: &'static UpdateRule,
 }
 
-/// A run in numbers; energies over the largest total of the run.
+/// Results of a run; energies over the largest total of the run.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The error that ended it.
+    /// Error that ended the run.
     pub failed: Option<String>,
     pub steps: usize,
     pub iterations: f64,
@@ -49,13 +49,13 @@ pub struct Outcome {
     pub defect: f64,
     pub given: f64,
     pub taken: f64,
-    /// Since the first step that began without torque.
+    /// Change of the energy since the first step that began without torque.
     pub drift: f64,
     pub depth: f64,
 }
 
 impl Bearing {
-    /// Bearing of a number: step sizes of 0.002 to 0.02 and torques of 0.02 to 0.3 by a Sobol sequence, everything else in turns.
+    /// Bearing with a number: step sizes of 0.002 to 0.02 and torques of 0.02 to 0.3 by a Sobol sequence, all other parameters cyclically.
     pub fn of(number: u32) -> Bearing {
         let between = |low: f64, high: f64, axis: u32| low + (high - low) * f64::from(sobol_burley::sample(number, axis, 0));
         let (method, rule) = (METHODS[number as usize % METHODS.len()], UPDATE_RULES[number as usize % UPDATE_RULES.len()]);
@@ -77,7 +77,7 @@ impl Bearing {
         Ok(model)
     }
 
-    /// Settles it and takes it through time.
+    /// Settles the bearing and runs it until a time.
     pub fn run(&self, until: f64) -> Outcome {
         let mut outcome = Outcome::default();
         if let Err(error) = self.take(until, &mut outcome) {
@@ -111,12 +111,12 @@ impl Outcome {
         self.given = largest(&|row| row.contact_work) / scale;
         self.taken = -rows[1..].iter().map(|row| row.contact_work.min(0.0)).sum::<f64>() / scale;
         self.depth = largest(&|row| row.max_penetration) / facet;
-        // A step that the end of the torque lies within still has some.
+        // A step that contains the end of the torque has torque.
         let free: Vec<f64> = rows.iter().filter(|row| row.time >= SPUN).map(LedgerRow::total).collect();
         self.drift = free.iter().map(|total| (total / free[0] - 1.0).abs()).fold(0.0, f64::max);
     }
 
-    /// What is not as it must be under a rule.
+    /// Violations of the bounds under a rule.
     pub fn faults(&self, rule: &UpdateRule) -> Vec<String> {
         let mut faults: Vec<String> = self.failed.iter().map(|error| format!("FAILED {error}")).collect();
         let mut judge = |name: &str, value: f64, limit: f64| {

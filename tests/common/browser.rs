@@ -1,6 +1,6 @@
 //! A headless Chromium, spoken to through two pipes in its own protocol: messages are JSON, each ended by a zero byte.
 
-// Each test program uses its part of it.
+// Each test program uses a part of this file.
 #![allow(dead_code)]
 
 use std::io::{BufRead, BufReader, Write};
@@ -17,13 +17,13 @@ pub struct Browser {
     answers: BufReader<ChildStdout>,
     session: Option<Value>,
     count: u64,
-    /// Where an address begins that the page may ask.
+    /// Beginning of the addresses that the page may request.
     pub allowed: String,
-    /// What the page complained of: exceptions, messages of its console, what could not be loaded.
+    /// Errors of the page: exceptions, messages of its console, failed requests.
     pub complaints: Vec<Value>,
 }
 
-/// The name of a Chromium on this machine.
+/// Name of a Chromium on this machine.
 fn program() -> Option<&'static str> {
     let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"];
     let found =
@@ -32,10 +32,10 @@ fn program() -> Option<&'static str> {
 }
 
 impl Browser {
-    /// Starts it; `None` where there is none.
+    /// Starts the browser; `None` without a Chromium.
     pub fn start(profile: &Path) -> Option<Browser> {
         let program = program()?;
-        // The browser reads its third and writes its fourth descriptor.
+        // The browser reads from its third and writes to its fourth descriptor.
         let script = format!(
             "exec {program} --headless --no-sandbox --disable-gpu --no-first-run --remote-debugging-pipe --user-data-dir=\"$0\" \
              about:blank 3<&0 4>&1 </dev/null >/dev/null 2>&1"
@@ -83,7 +83,7 @@ impl Browser {
         }
     }
 
-    /// The value of an expression in the page, waited for.
+    /// Value of an expression in the page; a promise is awaited.
     pub fn evaluate(&mut self, expression: &str) -> Value {
         let answer = self.call("Runtime.evaluate", json!({ "expression": expression, "awaitPromise": true, "returnByValue": true }));
         assert!(answer["exceptionDetails"].is_null(), "{expression}: {}", answer["exceptionDetails"]);
@@ -108,11 +108,11 @@ impl Browser {
     pub fn visit(&mut self, address: &str) {
         self.call("Page.navigate", json!({ "url": address }));
         self.wait_for("document.documentElement?.dataset.ready === 'true'");
-        // Two pictures of the screen later it is drawn.
+        // The page is drawn after two animation frames.
         self.settle();
     }
 
-    /// Waits until what was asked for is drawn.
+    /// Waits until pending drawing is done.
     pub fn settle(&mut self) {
         self.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))");
     }

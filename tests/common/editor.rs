@@ -1,6 +1,6 @@
 //! An editor that speaks the language server protocol with `conserva lsp`, for its tests and its benchmark.
 
-// Each program uses its part of it.
+// Each program uses a part of this file.
 #![allow(dead_code)]
 
 use std::io::{BufRead, BufReader, Write};
@@ -114,12 +114,12 @@ impl Editor {
         found["params"]["diagnostics"].as_array().unwrap().clone()
     }
 
-    /// Asks about the place behind a text's first occurrence of `before`.
+    /// Sends a request about the position behind the first occurrence of `before` in a text.
     pub fn ask_at(&mut self, method: &str, file: &Path, text: &str, before: &str) -> Value {
         self.ask(method, place(file, text, before))
     }
 
-    /// Names of the completions behind a text's first occurrence of `before`.
+    /// Names of the completions behind the first occurrence of `before` in a text.
     pub fn complete(&mut self, file: &Path, text: &str, before: &str) -> Vec<String> {
         let found = self.ask_at("textDocument/completion", file, text, before);
         found.as_array().into_iter().flatten().map(|item| item["label"].as_str().unwrap().to_string()).collect()
@@ -162,7 +162,7 @@ pub fn address(file: &Path) -> String {
     format!("file://{}", file.display())
 }
 
-/// Parameters of a request about the place behind a text's first occurrence of `before`.
+/// Parameters of a request about the position behind the first occurrence of `before` in a text.
 pub fn place(file: &Path, text: &str, before: &str) -> Value {
     let end = text.find(before).unwrap_or_else(|| panic!("`{before}` is not in the text")) + before.len();
     let line = text[..end].matches('\n').count();
@@ -171,7 +171,7 @@ pub fn place(file: &Path, text: &str, before: &str) -> Value {
     json!({ "textDocument": { "uri": address(file) }, "position": { "line": line, "character": character } })
 }
 
-/// A script of about so many lines: small models with contacts, loads, functions and closures.
+/// Script of about `lines` lines: small models with contacts, loads, functions and closures.
 pub fn long_script(lines: usize) -> String {
     let mut text = String::from("let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });\n");
     let mut number = 0;

@@ -1,4 +1,6 @@
-//! Damaged mesh files: bytes flipped, cut, doubled and moved, numbers replaced by extreme ones, pieces of other files put in.
+//! Damaged mesh files: bytes flipped, cut, duplicated and moved, numbers replaced by extreme ones, parts of other files inserted.
+//!
+//! Reading any file ends with a valid mesh or a message, and its memory is bounded by the length of the file.
 //!
 //! Whatever a file holds, reading it ends with a sound mesh or a message, and takes no more memory than its length calls for.
 
@@ -11,7 +13,7 @@ mod splitmix;
 
 pub use splitmix::SplitMix;
 
-/// Texts that seldom mean anything where a number or a word stands.
+/// Unusual texts in place of a number or a word.
 const STRANGE: &[&str] = &[
     "0",
     "-1",
@@ -79,7 +81,7 @@ const STRANGE: &[&str] = &[
     "ä",
 ];
 
-/// The files that damage begins with, by their paths.
+/// Undamaged files with their paths.
 pub fn originals() -> Vec<(PathBuf, Vec<u8>)> {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes");
     let mut found = Vec::new();
@@ -93,7 +95,7 @@ pub fn originals() -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// A file of one of the originals, damaged.
+/// A damaged copy of one of the originals.
 pub fn damaged(originals: &[(PathBuf, Vec<u8>)], random: &mut SplitMix) -> Vec<u8> {
     let mut content = random.pick(originals).1.clone();
     for _ in 0..1 + random.below(4) {
@@ -122,7 +124,7 @@ fn damage(content: &mut Vec<u8>, originals: &[(PathBuf, Vec<u8>)], random: &mut 
             drop(content.splice(place..place, piece));
         }
         6 => {
-            // eight bytes that are a count, a size or a number with a fraction
+            // eight bytes that are a count, a size or a floating-point number
             let number: [u8; 8] = match random.below(4) {
                 0 => 1_000_000_000_000u64.to_le_bytes(),
                 1 => f64::NAN.to_le_bytes(),
@@ -136,18 +138,18 @@ fn damage(content: &mut Vec<u8>, originals: &[(PathBuf, Vec<u8>)], random: &mut 
     }
 }
 
-/// The word at a place of a text becomes another one.
+/// Replaces the word at a place of a text.
 fn replace_word(content: &mut Vec<u8>, place: usize, random: &mut SplitMix) {
     let is_between = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',' || *byte == b'=';
     let begin = content[..place].iter().rposition(is_between).map_or(0, |before| before + 1);
     let end = content[place..].iter().position(is_between).map_or(content.len(), |after| place + after);
-    // words of a text are short; a long one is a piece of a binary file
+    // words of a text are short; a long one is part of a binary file
     if end - begin < 60 {
         content.splice(begin..end, random.pick(STRANGE).bytes());
     }
 }
 
-/// Whether a content was read; what is read must be sound, what is refused must say what to do.
+/// True if a content was read. A mesh that was read must be valid; a message must have a hint.
 #[allow(dead_code)] // not by every program
 pub fn judged(content: &[u8]) -> bool {
     if let Ok(deck) = read_deck_bytes(content, ReadOptions::default()) {

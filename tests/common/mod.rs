@@ -1,6 +1,6 @@
-//! What the tests of the kernels share: short ways to a model, a run that keeps its ledger, reproducible random numbers.
+//! Common helpers of the kernel tests: short model building, runs with their ledger, reproducible random numbers.
 
-// Each test program uses its part of it.
+// Each test program uses a part of this file.
 #![allow(dead_code)]
 
 use conserva::dynamics::{BodyBoundary, LedgerRow, LoadKind, Model, Options, Simulation, TimeFunction};
@@ -14,7 +14,7 @@ pub fn material(name: &str, values: [f64; 3]) -> Material {
     Material::new(row, &values).expect("the constants are in their ranges")
 }
 
-/// A model of which everything is known to be there: [`Model`]'s own methods, without their errors.
+/// Builder of a model whose bodies and boundaries exist: methods of [`Model`] that panic on errors.
 #[derive(Default)]
 pub struct Builder {
     /// The model so far.
@@ -32,25 +32,25 @@ impl Builder {
         self.model.boundary(body, name).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Holds components of a boundary.
+    /// Fixes components of a boundary.
     pub fn fix(&mut self, body: usize, name: &str, components: [bool; 3]) {
         let on = self.boundary(body, name);
         self.model.fix(on, components);
     }
 
-    /// Loads a boundary.
+    /// Adds a load on a boundary.
     pub fn load(&mut self, body: usize, name: &str, kind: LoadKind, amplitude: impl TimeFunction + 'static) {
         let on = self.boundary(body, name);
         self.model.load(on, kind, amplitude);
     }
 
-    /// Mortar contact with the rule of contacts that name none.
+    /// Adds mortar contact with the default update rule.
     pub fn contact(&mut self, secondary: (usize, &str), primary: (usize, &str)) {
         let (secondary, primary) = (self.boundary(secondary.0, secondary.1), self.boundary(primary.0, primary.1));
         self.model.add_contact("contact", secondary, primary);
     }
 
-    /// Throws a body.
+    /// Sets the initial velocity of a body.
     pub fn set_initial_velocity(&mut self, body: usize, linear: [f64; 3], angular: [f64; 3]) {
         self.model.set_initial_velocity(body, linear, angular);
     }
@@ -61,7 +61,7 @@ impl Builder {
     }
 }
 
-/// Runs to a time; the ledger of every accepted step, after that of the state it began with.
+/// Runs to a time; returns the ledger of the initial state and of every accepted step.
 pub fn run(sim: &mut Simulation, until: f64) -> Vec<LedgerRow> {
     let mut rows = vec![sim.row().clone()];
     while sim.time() < until - 1e-9 * sim.options().dt {
@@ -87,17 +87,17 @@ pub fn difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |largest, x| if x.is_nan() { x } else { largest.max(x) })
 }
 
-/// Reproducible random numbers (Knuth's linear congruence, the upper bits).
+/// Reproducible random numbers (Knuth's linear congruential generator, upper bits).
 pub struct Random(pub u64);
 
 impl Random {
-    /// Between -1 and 1.
+    /// Random number between -1 and 1.
     pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// Between two numbers.
+    /// Random number between two bounds.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * 0.5 * (self.next() + 1.0)
     }

@@ -1,12 +1,12 @@
-//! All files of a run, to compare two of them.
+//! Files of a run, for the comparison of two runs.
 
-// Each program uses its part of it.
+// Each program uses a part of this file.
 #![allow(dead_code)]
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// All files of a run by their paths; of a summary all but times and memory.
+/// Files of a run by their paths; summaries without times and memory.
 fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
     fn collect(folder: &Path, run: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
         for entry in std::fs::read_dir(folder).into_iter().flatten() {
@@ -31,7 +31,7 @@ fn files(run: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// What differs between two runs: files that one of them lacks, files with another content.
+/// Difference between two runs: missing files, files with another content.
 pub fn difference(expected: &Path, run: &Path) -> Option<String> {
     let (expected, found) = (files(expected), files(run));
     let lacking: Vec<&String> = expected.keys().filter(|name| !found.contains_key(*name)).collect();
@@ -42,7 +42,7 @@ pub fn difference(expected: &Path, run: &Path) -> Option<String> {
     (!is_same).then(|| format!("missing: {lacking:?}; too many: {further:?}; other content: {differing:?}"))
 }
 
-/// Fails where two runs differ, with the names of the files that do.
+/// Fails if two runs differ, with the names of the files.
 pub fn assert_same(expected: &Path, run: &Path, when: &str) {
     if let Some(difference) = difference(expected, run) {
         panic!("{when}: {difference}");

@@ -1,10 +1,13 @@
-//! Random scenes of bodies in space, judged by oracles that call no contact code: energies, momenta, and how deep points are inside each
-//! other's bodies, by winding number and distance.
+//! Random scenes of bodies in space, judged by oracles that call no contact code: energies, momenta, and penetration of points by winding
+//! number and distance.
+//!
+//! A scene has two bodies (boxes, plates, needles, balls, lumps of tetrahedra of any orientation) that are thrown at each other. The far
+//! end of the second may be fixed, and gravity may act. A seed gives the same scene with every rule.
 //!
 //! A scene is two bodies (boxes, plates, needles, balls, lumps of tetrahedra of any orientation) that are thrown at each other, the second
 //! of which may be held at its far end and may be met by gravity. A seed gives the same scene with every rule.
 
-// Each test program uses its part of it.
+// Each program uses a part of this file.
 #![allow(dead_code)]
 
 use std::sync::Arc;
@@ -19,35 +22,35 @@ use crate::common::{Random, material};
 
 pub type Point = [f64; 3];
 
-/// What a scene is made from.
+/// Parameters of a scene.
 #[derive(Clone, Copy)]
 pub struct Scene {
-    /// The same scene for every rule and friction.
+    /// Seed; it gives the same scene for every rule and friction.
     pub seed: u64,
-    /// Rule of its contact.
+    /// Update rule of the contact.
     pub rule: &'static UpdateRule,
-    /// Coefficient of friction; 0: none.
+    /// Friction coefficient; 0: none.
     pub friction: f64,
 }
 
-/// What a run came to.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// Steps with contact, and all of them.
+    /// Number of steps with contact, and of all steps.
     pub touching: usize,
     pub steps: usize,
     pub iterations: usize,
     pub halvings: usize,
-    /// Largest defect of the ledger in a step, energy gained by contact, changes of momenta, over their scales.
+    /// Largest defect of the ledger in a step, energy gained by contact, changes of momenta, each over its scale.
     pub defect: f64,
     pub gain: f64,
     pub momentum: f64,
-    /// Largest work of friction in a step over the scale of energies, which is never positive, and largest ratio of shear to pressure.
+    /// Largest friction work of a step over the energy scale, which must not be positive, and largest ratio of shear to pressure.
     pub friction: f64,
     pub ratio: f64,
-    /// Largest depth of a point, over the size of the coarser facet.
+    /// Largest penetration of a point, over the size of the coarser facet.
     pub depth: f64,
-    /// Why a step failed, if one did.
+    /// Error of a failed step.
     pub failure: Option<String>,
 }
 
@@ -67,7 +70,7 @@ fn length(a: Point) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// A mesh of a random shape about the origin, and the radius of the ball that holds it.
+/// Mesh of a random shape about the origin, and the radius of its enclosing ball.
 fn shape(random: &mut Random) -> (Mesh, f64) {
     let kind = (random.between(0.0, 5.0) as usize).min(4);
     let mut size: Point = std::array::from_fn(|_| random.between(0.4, 1.0));
@@ -96,7 +99,7 @@ fn shape(random: &mut Random) -> (Mesh, f64) {
     (mesh, radius)
 }
 
-/// Turns a mesh about the origin to a random orientation.
+/// Rotates a mesh about the origin to a random orientation.
 fn turn(mesh: &mut Mesh, random: &mut Random) {
     let quaternion: [f64; 4] = std::array::from_fn(|_| random.next());
     let size = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -109,7 +112,7 @@ fn turn(mesh: &mut Mesh, random: &mut Random) {
     }
 }
 
-/// A scene as a model with its step size and number of steps.
+/// Model, step size and number of steps of a scene.
 pub fn model_of(scene: Scene) -> (Model, f64, usize) {
     let Scene { seed, rule, friction } = scene;
     let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5eed);
@@ -156,7 +159,7 @@ pub fn model_of(scene: Scene) -> (Model, f64, usize) {
     (model, 0.005, 160)
 }
 
-/// The hull of a body as triangles of points, four about the middle of each facet of four nodes.
+/// Hull of a body as triangles, with four triangles about the center of each facet of four nodes.
 pub struct Skin {
     /// Number of the body's first node.
     pub first: usize,
@@ -183,7 +186,7 @@ impl Skin {
         std::array::from_fn(|i| q[3 * (self.first + node as usize) + i])
     }
 
-    /// Nodes and points of edges.
+    /// Nodes and points on edges.
     fn points(&self, q: &[f64]) -> Vec<Point> {
         let of_facet = |facet: &Vec<u32>| -> Vec<Point> {
             let side = |k: usize| {
@@ -195,14 +198,14 @@ impl Skin {
         self.facets.iter().flat_map(of_facet).collect()
     }
 
-    /// Size of its facets.
+    /// Size of the facets.
     pub fn size(&self, q: &[f64]) -> f64 {
         let area: f64 = self.triangles(q).iter().map(|[a, b, c]| 0.5 * length(cross(minus(*b, *a), minus(*c, *a)))).sum();
         (area / self.facets.len() as f64).sqrt()
     }
 }
 
-/// Solid angle of a triangle as seen from a point, over that of a whole sphere (Van Oosterom and Strackee, 1983).
+/// Solid angle of a triangle from a point over that of a sphere (Van Oosterom and Strackee, 1983).
 fn winding(x: Point, triangle: &[Point; 3]) -> f64 {
     let [a, b, c] = triangle.map(|corner| minus(corner, x));
     let [u, v, w] = [a, b, c].map(length);
@@ -210,7 +213,7 @@ fn winding(x: Point, triangle: &[Point; 3]) -> f64 {
     2.0 * volume.atan2(u * v * w + dot(a, b) * w + dot(b, c) * u + dot(c, a) * v) / (4.0 * std::f64::consts::PI)
 }
 
-/// Distance of a point from a triangle: the least of those from its plane, where the foot is inside, and its sides.
+/// Distance of a point from a triangle: from its plane if the foot is inside, else from the nearest side.
 fn distance(x: Point, [a, b, c]: &[Point; 3]) -> f64 {
     let normal = cross(minus(*b, *a), minus(*c, *a));
     let size = length(normal);
@@ -226,7 +229,7 @@ fn distance(x: Point, [a, b, c]: &[Point; 3]) -> f64 {
     to_side(a, b).min(to_side(b, c)).min(to_side(c, a))
 }
 
-/// The largest depth of a point of one skin inside the other.
+/// Largest penetration of a point of one skin in the other.
 pub fn deepest(skins: &[Skin; 2], q: &[f64]) -> f64 {
     let mut deepest = 0.0f64;
     for own in 0..2 {
@@ -247,12 +250,12 @@ pub fn deepest(skins: &[Skin; 2], q: &[f64]) -> f64 {
     deepest
 }
 
-/// Takes a scene through its steps, or to its failure.
+/// Runs a scene to its end or to its failure.
 pub fn run(scene: Scene) -> Outcome {
     watched(scene, &mut |_, _| ())
 }
 
-/// The same; `watch` is told the ledger and the depth in facets at the end of every step.
+/// Runs a scene; `watch` is called at the end of every step with the ledger and the penetration in facets.
 pub fn watched(scene: Scene, watch: &mut dyn FnMut(&LedgerRow, f64)) -> Outcome {
     let (model, dt, steps) = model_of(scene);
     let mut outcome = Outcome::default();

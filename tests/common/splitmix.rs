@@ -1,6 +1,6 @@
-//! Random whole numbers for what damages texts and files.
+//! Random whole numbers for damaged texts and files.
 
-/// Random numbers by splitmix64 (Steele, Lea and Flood, 2014): a seed is all there is to know.
+/// Random numbers by splitmix64 (Steele, Lea and Flood, 2014), determined by a seed.
 pub struct SplitMix(pub u64);
 
 impl SplitMix {
@@ -12,12 +12,12 @@ impl SplitMix {
         z ^ (z >> 31)
     }
 
-    /// A whole number below `count`.
+    /// Random whole number below `count`.
     pub fn below(&mut self, count: usize) -> usize {
         (self.next() % count.max(1) as u64) as usize
     }
 
-    /// One of some.
+    /// Random element of a slice.
     #[allow(dead_code)] // not by every test program
     pub fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
         &from[self.below(from.len())]

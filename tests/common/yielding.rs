@@ -1,9 +1,11 @@
-//! Random impacts of bodies that yield, in the plane, around an axis and in space, on each other and on rigid obstacles: the ledger of
-//! every step, momenta, heat that only grows, energy that never does.
+//! Random impacts of elastic-plastic bodies, in the plane, axisymmetric and in space, against each other and rigid obstacles: ledger of
+//! every step, momenta, heat that never decreases, energy that never grows.
+//!
+//! A seed always gives the same scene: shapes, cells, law, speeds, update rule and contact method.
 //!
 //! A seed gives the same scene always: shapes, cells, law, speeds, update rule and contact method.
 
-// Each test program uses its part of it.
+// Each test program uses a part of this file.
 #![allow(dead_code)]
 
 use std::f64::consts::PI;
@@ -19,24 +21,24 @@ use conserva::mesh::{Boundary, Mesh, block, disk, rectangle};
 
 use crate::common::Random;
 
-/// Defect of the ledger and change of the momenta of one step, over their scales.
+/// Largest defect of the ledger and largest change of the momenta in a step, over their scales.
 pub const DEFECT: f64 = 1e-11;
 
-/// Growth of the energy, over its scale: round-off and Newton's tolerance of 1e-13 in each step.
+/// Largest growth of the energy over its scale: round-off and Newton's tolerance of 1e-13 in each step.
 pub const GAIN: f64 = 1e-11;
 
-/// Where a scene takes place.
+/// Formulation of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     Plane(Plane),
     Space,
 }
 
-/// What a run came to; energies over the energy at the start.
+/// Results of a run; energies over the energy at the start.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     pub place: Option<Place>,
-    /// What the scene is made from.
+    /// Description of the scene.
     pub title: String,
     pub steps: usize,
     pub touching: usize,
@@ -44,11 +46,11 @@ pub struct Outcome {
     pub halvings: usize,
     /// Largest defect of the ledger in a step.
     pub defect: f64,
-    /// Largest change of momenta in a step that nothing explains, over the momentum of the faster body.
+    /// Largest unexplained change of momenta in a step, over the momentum of the faster body.
     pub momentum: f64,
-    /// Largest growth of kinetic, stored and potential energy above the least so far (with `velocity` the most).
+    /// Largest growth of kinetic, stored and potential energy above the smallest value so far (with `velocity` the largest).
     pub gain: f64,
-    /// Largest fall of the heat of a body in a step.
+    /// Largest decrease of the heat of a body in a step.
     pub cooled: f64,
     /// Heat at the end.
     pub heat: f64,
@@ -56,7 +58,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Violations of what holds in every accepted step; empty where there are none.
+    /// Violations of the bounds in any accepted step; empty without violations.
     pub fn faults(&self) -> String {
         let limits = [("defect", self.defect, DEFECT), ("momentum", self.momentum, DEFECT), ("gain", self.gain, GAIN)];
         let mut found: Vec<String> =
@@ -73,7 +75,7 @@ fn pick<T: Clone>(random: &mut Random, from: &[T]) -> T {
     from[number.min(from.len() - 1)].clone()
 }
 
-/// A law with any hardening, without rates: under rates heat may fall in a large step.
+/// A law with any hardening, without rate dependence, with which the heat may decrease in a large step.
 fn law(random: &mut Random) -> ElasticPlastic {
     let modulus = 10f64.powf(random.between(2.5, 4.0));
     let yield_stress = modulus * 10f64.powf(random.between(-2.7, -1.5));
@@ -101,7 +103,7 @@ fn law(random: &mut Random) -> ElasticPlastic {
     }
 }
 
-/// A body about the origin of the size 1; of a body of revolution the right half.
+/// A body of size 1 about the origin; for a body of revolution the right half.
 fn shape(random: &mut Random, place: Place) -> Mesh {
     let mut count = |most: f64| random.between(1.5, most) as usize;
     let (wide, high, deep) = (count(4.9), count(4.9), count(2.9));
@@ -121,7 +123,7 @@ fn shape(random: &mut Random, place: Place) -> Mesh {
     if mesh.only_kind() == Some(kind) { mesh } else { mesh.with_cells(kind).expect("cells become others") }
 }
 
-/// The scene of a seed: model, size of the steps, number of steps, and what it is made from.
+/// Scene of a seed: model, step size, number of steps, formulation and description.
 pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
     let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x71e1d);
     (0..3).for_each(|_| _ = random.next());
@@ -146,9 +148,9 @@ pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
         }
         mesh.boundaries.push(Boundary::of_facets("hull", mesh.hull()));
         let constants = law(random);
-        // The yield stress over the impedance is the speed at which a bar yields.
+        // The yield stress over the impedance is the impact speed at which a bar yields.
         let stiff = (constants.youngs_modulus * constants.density).sqrt();
-        // Up to a fifth of the speed of sound: beyond, cells are crushed to nothing.
+        // Up to a fifth of the speed of sound: faster impacts crush cells.
         let own = constants.yield_stress / stiff * 10f64.powf(random.between(0.5, 1.5));
         speed = speed.min(own.min(0.2 * stiff));
         facet = facet.min(1.0 / (mesh.points.len() as f64).powf(1.0 / mesh.dimension() as f64));
@@ -194,7 +196,7 @@ pub fn model_of(seed: u64) -> (Model, f64, usize, Place, String) {
     (model, dt, (1.2 / (speed * dt)) as usize, place, title)
 }
 
-/// Takes the scene of a seed through its steps, or to its failure.
+/// Runs the scene of a seed to its end or to its failure.
 pub fn run(seed: u64) -> Outcome {
     let mut outcome = Outcome::default();
     if catch_unwind(AssertUnwindSafe(|| take(seed, &mut outcome, &mut |_| ()))).is_err() {
@@ -203,7 +205,7 @@ pub fn run(seed: u64) -> Outcome {
     outcome
 }
 
-/// Takes the scene of a seed into `outcome`; `watch` is told the rows of the ledger.
+/// Runs the scene of a seed with results in `outcome`; `watch` is called with the rows of the ledger.
 pub fn take(seed: u64, outcome: &mut Outcome, watch: &mut dyn FnMut(&LedgerRow)) {
     let (model, dt, steps, place, title) = model_of(seed);
     (outcome.place, outcome.title) = (Some(place), title);

@@ -1,5 +1,5 @@
-//! What the element loop promises for every cell kind, material and integrator, on random states of a distorted mesh:
-//! exact tangent; directionality and orthogonality of the discrete gradient to round-off; indifference to rigid motions.
+//! Contract of the element loop for every cell kind, material and integrator, on random states of a distorted mesh: exact tangent;
+//! directionality and orthogonality of the discrete gradient to round-off; objectivity.
 
 use conserva::bodies::{BodyCells, BodyState, Dilatation, ElementLoop, Elements, Formulation, Plane, Space, Step};
 use conserva::elements::CellKind;
@@ -23,10 +23,10 @@ fn materials() -> Vec<Material> {
 
 const MODULUS: f64 = 1000.0;
 
-/// The law whose stiffness jumps where its fibers begin to pull.
+/// Law whose stiffness jumps when its fibers begin to pull.
 const FIBERS: &str = "holzapfel_gasser_ogden";
 
-/// Ten cells or so (more than one batch, the last one not full) with nodes at unit distance, every one of them moved at random.
+/// Mesh of about ten cells (more than one batch, the last one not full) with nodes at unit distance, all moved at random.
 fn distorted(kind: CellKind) -> Mesh {
     let mesh = match kind.dimension() {
         2 if kind.is_quadratic() => rectangle([10.0, 4.0], [5, 2], [0.3, -0.2]),
@@ -47,7 +47,7 @@ fn moved_at_random(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// Distorted meshes of several kinds: quadrilaterals beside triangles, and what is drawn out of them; hexahedra, pyramids and tetrahedra.
+/// Distorted meshes of several cell kinds: quadrilaterals with triangles, and their extrusions; hexahedra, pyramids and tetrahedra.
 fn mixed() -> Vec<Mesh> {
     let plate = |x: f64, kind| rectangle([3.0, 2.0], [3, 2], [x, -0.2]).and_then(|mesh| mesh.with_cells(kind)).expect("a mesh");
     let plane = plate(0.3, CellKind::Quad4).joined(&plate(3.3, CellKind::Tri3)).expect("they match");
@@ -76,14 +76,14 @@ struct Loop<const D: usize> {
     pattern: Pattern,
     nodes: usize,
     reference: Vec<f64>,
-    /// What random states are about: the state at rest, or where one family of fibers clearly pulls and the other is clearly pressed, so
-    /// that no difference quotient is taken across the strain at which a fiber begins to pull.
+    /// Center of the random states: the undeformed state, or a state in which one family of fibers clearly pulls and the other is clearly
+    /// compressed, so that no difference quotient crosses the strain at which a fiber begins to pull.
     middle: Vec<f64>,
-    /// Size of what is random, relative to laws without fibers.
+    /// Amplitude of the random displacements, relative to laws without fibers.
     spread: f64,
-    /// Whether rotations and motions in the first direction change nothing.
+    /// True if rotations and translations along the first axis are rigid motions of the body.
     is_free: bool,
-    /// What forces are multiples of: the modulus, around an axis times the largest circumference.
+    /// Scale of forces: the modulus, in axisymmetric bodies times the largest circumference.
     scale: f64,
 }
 
@@ -102,14 +102,15 @@ where
         let reference: Vec<f64> = mesh.points.iter().flat_map(|point| point[..D].to_vec()).collect();
         let (mut middle, mut spread) = (reference.clone(), 1.0);
         if material.name() == FIBERS {
-            // The families stand at 0.6 to both sides of the first axis: a shear of 1/2 stretches one to 1.28 and the other to 0.84.
+            // The families lie at angles of 0.6 to both sides of the first axis: a shear of 1/2 stretches one to 1.28 and the other to
+            // 0.84.
             middle.chunks_exact_mut(D).for_each(|x| x[1] += 0.5 * x[0]);
             spread = 0.4;
         }
         Loop { elements, pattern, nodes, is_free, scale, reference, middle, spread }
     }
 
-    /// The same about the state at rest, where fibers of both families pull here and are pressed there, and change between.
+    /// The loop about the undeformed state, where fibers of both families pull at some points and are compressed at others.
     fn at_rest(self) -> Self {
         Loop { middle: self.reference.clone(), spread: 1.0, ..self }
     }
@@ -118,7 +119,7 @@ where
         self.middle.iter().map(|x| x + self.spread * size * random.next()).collect()
     }
 
-    /// Displacements that lead to such positions.
+    /// Displacements of positions.
     fn displacements(&self, q: &[f64]) -> Vec<f64> {
         q.iter().zip(&self.reference).map(|(q, x)| q - x).collect()
     }
@@ -134,9 +135,9 @@ where
         (force, values)
     }
 
-    /// Force of a step, and the values of its tangent where they are wanted.
+    /// Force of a step; the values of its tangent are written to `values`.
     fn force(&self, integrator: &'static Scheme, q_0: &[f64], q_1: &[f64], values: Option<&mut [f64]>) -> Vec<f64> {
-        // Nothing of what stood there before may be left.
+        // Previous values must be overwritten.
         let mut force = vec![f64::NAN; q_1.len()];
         let (u_0, u_1) = (&self.displacements(q_0)[..], &self.displacements(q_1)[..]);
         let step = Step { derivative: integrator.derivative, weight: integrator.weight, inertia: 0.0, u_0, u_1, history: &[], dt: 0.0 };
@@ -144,7 +145,7 @@ where
         force
     }
 
-    /// The column of the tangent that belongs to an unknown.
+    /// Column of the tangent of an unknown.
     fn column(&self, values: &[f64], unknown: usize) -> Vec<f64> {
         let mut column = vec![0.0; D * self.nodes];
         for &other in self.pattern.neighbors(unknown / D) {
@@ -157,7 +158,7 @@ where
     }
 }
 
-/// Every formulation that goes with a mesh and a material, with its name.
+/// Formulations that a mesh and a material permit, with their names.
 fn formulations(mesh: &Mesh, material: &Material) -> Vec<(Formulation, String)> {
     let planes = [Plane::Strain, Plane::Stress, Plane::Axisymmetric];
     let dilatations = [Dilatation::Pointwise, Dilatation::Mean, Dilatation::Linear];
@@ -167,7 +168,7 @@ fn formulations(mesh: &Mesh, material: &Material) -> Vec<(Formulation, String)> 
         .collect()
 }
 
-/// Integrators that differ in what the element loop is told of them.
+/// Integrators with different force evaluations in the element loop.
 const SEEN: [&Scheme; 5] = [&ENERGY_MOMENTUM, &MEAN_VALUE, &MIDPOINT, &TRAPEZOIDAL, &BACKWARD_EULER];
 
 /// Calls a contract for every cell kind, material, formulation and integrator.
@@ -200,7 +201,7 @@ where
         let q_1: Vec<f64> = q_0.iter().map(|q| q + cells.spread * step * random.next() * 0.5).collect();
         let (_, values) = cells.assemble(integrator, &q_0, &q_1);
         let h = 1e-5;
-        // All components, of a part of the nodes.
+        // All components of a part of the nodes.
         for unknown in (0..q_1.len()).step_by(if D == 2 { 3 } else { 7 }) {
             let (mut up, mut down) = (q_1.clone(), q_1.clone());
             up[unknown] += h;
@@ -220,7 +221,7 @@ fn tangent_is_the_derivative_of_the_force() {
     for_all!(tangent);
 }
 
-/// The weight of the mass in a step adds so much of the mass matrix to the tangent.
+/// The weight of the mass in a step adds that multiple of the mass matrix to the tangent.
 fn inertia<const D: usize>(cells: Loop<D>, integrator: &'static Scheme, name: &str)
 where
     Space<D>: Elements<D>,
@@ -253,7 +254,7 @@ fn tangent_holds_the_weighted_mass() {
     for_all!(inertia);
 }
 
-/// Threads share the runs of a body, but not the order of its sums.
+/// Threads share the batches of a body, but the order of sums does not change.
 #[test]
 fn sums_do_not_depend_on_the_number_of_threads() {
     let plate = rectangle([6.0, 4.0], [60, 40], [0.0; 2]).expect("the mesh is sound");
@@ -279,7 +280,7 @@ fn sums_are_the_same(mesh: &Mesh) {
     });
     assert!(assembled[0] == assembled[1] && assembled[0] == assembled[2]);
     assert!(assembled[0].1.iter().all(|value| value.is_finite()));
-    // Every row of the tangent of the internal forces sums to zero for a translation: with the mass, to ten times the mass of its node.
+    // For a translation every row of the tangent of the internal forces sums to zero, and with the mass to ten times the mass of its node.
     let (mut mass, along) = (NodeMatrix::new(&cells.pattern, cells.nodes), [1.0, 0.0].repeat(cells.nodes));
     cells.elements.add_mass(&mut mass);
     let mut sums = vec![0.0; q_1.len()];
@@ -305,7 +306,7 @@ fn conservation<const D: usize>(cells: Loop<D>, integrator: &'static Scheme, nam
 where
     Space<D>: Elements<D>,
 {
-    // Fibers may begin to pull within a step: what it conserves does not depend on it.
+    // Fibers may begin to pull within a step: conservation does not depend on it.
     let (cells, mut random) = (cells.at_rest(), Random(7));
     for step in [1e-9, 1e-6, 1e-3, 0.2] {
         let q_0 = cells.random_state(0.1, &mut random);
@@ -313,10 +314,10 @@ where
         let middle: Vec<f64> = q_0.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
         let (force, _) = cells.assemble(integrator, &q_0, &q_1);
         let size: f64 = force.iter().map(|f| f.abs()).sum();
-        // Rigid motions of the configuration in which the force acts do no work; 5 is the extent of the mesh.
+        // Rigid motions of the configuration of the force do no work; 5 is the extent of the mesh.
         let arms = if integrator.derivative == Derivative::AT_END { &q_1 } else { &middle };
         let (sum, moment) = resultants::<D>(arms, &force);
-        // The sum along the axis of a body of revolution is zero as that of others; a linear strain knows no rotation.
+        // The sum of forces along the axis of a body of revolution vanishes; a linear strain is not invariant under rotations.
         let first = if cells.is_free { 0 } else { 1 };
         assert!(difference(&sum[first..], &[0.0; 3][first..]) < 1e-15 * size, "{name}: the force has the resultant {sum:?} of {size}");
         assert!(!cells.is_free || difference(&moment, &[0.0; 3]) < 5e-15 * size, "{name}: the force has the moment {moment:?} of {size}");
@@ -329,7 +330,7 @@ where
         if integrator.promises.energy {
             assert!(defect < round_off, "{name}: {defect:.1e} of {round_off:.1e} at step {step}");
         } else {
-            // The others are not directional: the defect of a large step is far above round-off.
+            // Other integrators are not directional: the defect of a large step is far above round-off.
             assert!(step < 0.2 || defect > 1e6 * round_off, "{name}: only {defect:.1e} at step {step}");
         }
     }
@@ -391,7 +392,7 @@ where
     assert!(difference(&turn(&force, 0.0), &turned) < 1e-12 * size, "{name}: the force turns with the body");
     let (energy, same) = (cells.strain_energy(&q_1), cells.strain_energy(&turn(&q_1, 7.0)));
     assert!((energy - same).abs() < 1e-12 * energy, "{name}: the energy stays: {energy} {same}");
-    // A body that is only turned stores nothing: strains of round-off, 1e-15, squared.
+    // A rotated body stores no energy: strains of round-off, 1e-15, squared.
     assert!(cells.strain_energy(&turn(&cells.reference, 7.0)) < 1e-26 * MODULUS, "{name}");
 }
 

@@ -1,5 +1,9 @@
-//! Every contact method with every enforcement and update rule: a ring is thrown against the inside of another, so that nodes close, slide
-//! over facet borders and leave.
+//! Every contact method with every enforcement and update rule: a ring is thrown against the inside of another one, so that nodes close,
+//! slide over facet borders and separate.
+//!
+//! Exact laws: linear and angular momentum are constant; the ledger closes in every step; `gap` only dissipates energy, which is booked;
+//! all other rules keep the energy over the whole run (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997; Laursen and Love, IJNME
+//! 53, 2002).
 //!
 //! Exact laws: both momenta are constant; the ledger closes in every step; `gap` only loses energy, and books it; everything else keeps it
 //! over the whole run (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002).

@@ -33,7 +33,7 @@ pub fn case(seed: u64) -> Case {
         (_, true) => [count.cbrt().max(1.0) as usize; 3],
         (_, false) => [count.sqrt() as usize, count.sqrt() as usize, 1],
     };
-    // Edges of cells are 1; waves go at about the root of the modulus; loads strain by at most a hundredth.
+    // Edges of cells are 1, wave speeds about the root of the modulus, strains by the load at most a hundredth.
     let load = scaled(&mut random, 1e-30, 1e30);
     let modulus = (load * scaled(&mut random, 1e2, 1e16)).clamp(1e-28, 1e40);
     let dt = scaled(&mut random, 1e-2, 1e2) / modulus.sqrt();

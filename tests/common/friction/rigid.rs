@@ -7,10 +7,10 @@ use crate::common::Random;
 
 const G: f64 = 9.81;
 
-/// Farthest motion of a body at rest, over lengths of about 1.
+/// Largest motion of a body at rest, over lengths of about 1.
 const REST: f64 = 1e-9;
 
-/// Error of a slide over the closed form.
+/// Relative error of the distance of a slide against the closed form.
 const SLIDE: f64 = 1e-3;
 
 /// Case of a seed.
@@ -24,7 +24,7 @@ fn rule(random: &mut Random) -> &'static str {
     pick(random, &["persistency", "persistency", "gap", "velocity"])
 }
 
-/// A coefficient away from the tangent of a slope, where rest and slide part.
+/// Coefficient that differs from the tangent of the slope, at which rest and sliding meet.
 fn coefficient(random: &mut Random, tilt: f64) -> f64 {
     loop {
         let mu = scaled(random, 0.05, 1.0);
@@ -34,7 +34,7 @@ fn coefficient(random: &mut Random, tilt: f64) -> f64 {
     }
 }
 
-/// Gravity on a slope of an angle that falls in a direction.
+/// Gravity on a slope with an angle and a direction of descent.
 fn gravity(tilt: f64, towards: f64) -> String {
     let down = G * tilt.sin();
     format!("m.gravity([{:e}, {:e}, {:e}]);\n", down * towards.cos(), down * towards.sin(), -G * tilt.cos())
@@ -49,7 +49,7 @@ fn simulate(pace: &Pace) -> String {
     )
 }
 
-/// Lines that print how far the body `b` has come along a direction and across it.
+/// Lines that print the displacement of the body `b` along a direction and across it.
 fn way(towards: f64) -> String {
     let (sin, cos) = towards.sin_cos();
     format!(
@@ -58,7 +58,7 @@ fn way(towards: f64) -> String {
     )
 }
 
-/// Motion along a line: rest, or a way.
+/// Expected motion along a line: rest, or a distance.
 fn straight(want: f64, absolute: f64) -> Vec<Expected> {
     let tolerance = REST + SLIDE * want.abs() + absolute;
     vec![Expected { name: "along", value: want, tolerance }, Expected { name: "across", value: 0.0, tolerance: REST + 1e-6 * want.abs() }]
@@ -106,7 +106,7 @@ fn braked(random: &mut Random) -> Case {
     );
     let time = pace.time.min(v / (mu * G));
     let name = format!("n {n}, mu {mu:.4}, v {v:.3}, dt {}, {rule}", pace.text);
-    // Within a step, the time of the stop is not resolved.
+    // The time of the stop is not resolved within a step.
     let way = v * time - 0.5 * mu * G * time * time;
     let expected = straight(way, if pace.dt > 0.0 { 0.5 * mu * G * pace.dt.powi(2) } else { 2.0 * SLIDE * way });
     Case { kind: "braked".into(), name, script, expected }
@@ -134,7 +134,7 @@ fn puck(random: &mut Random) -> Case {
     if v == 0.0 {
         let loss = 2.0 / 3.0 * mu * 2.0 * G * pace.time;
         let value = if loss < spin.abs() { spin - loss * spin.signum() } else { 0.0 };
-        // The facets have a part of the disk's area and moment.
+        // The faceted disk has a fraction of the area and moment of the circle.
         let tolerance = if rings >= 2 { 0.06 } else { 0.2 } * loss + 1e-9;
         if value != 0.0 {
             expected.push(Expected { name: "spin", value, tolerance });
@@ -200,7 +200,7 @@ fn plate(random: &mut Random) -> Case {
     Case { kind: "plate".into(), name, script, expected }
 }
 
-/// Boxes on each other on a slope, which rest, or slide together on the lowest face.
+/// Stack of boxes on a slope, at rest or sliding together on the lowest face.
 fn pile(random: &mut Random) -> Case {
     let (count, tilt, towards) = (whole(random, 2, 4), random.between(0.02, 0.25), random.between(0.0, TAU));
     let (rule, pace) = (rule(random), pace(random, 0.15));
@@ -229,7 +229,7 @@ fn pile(random: &mut Random) -> Case {
     Case { kind: "pile".into(), name, script, expected: straight(want, 0.0) }
 }
 
-/// A semicircular arch of stones thicker than the least one that stands (0.1075 of the radius; Milankovitch, 1907), which rests.
+/// Semicircular arch of stones at rest, thicker than the thinnest stable arch (0.1075 of the radius; Milankovitch, 1907).
 fn arch(random: &mut Random) -> Case {
     let (stones, n, mu) = (whole(random, 3, 9), whole(random, 1, 3), random.between(0.6, 1.0));
     let (rule, pace) = (rule(random), pace(random, 0.1));

@@ -19,7 +19,7 @@ pub fn case(seed: u64) -> Case {
     Case { kind: kind.into(), name: format!("dt {size}, {name}"), script, expected: Vec::new() }
 }
 
-/// Kind, parameters, lines of the model, mass.
+/// Kind, parameters, lines of the model and mass of a scene.
 type Scene = (&'static str, String, String, f64);
 
 fn law(random: &mut Random) -> String {

@@ -1,10 +1,10 @@
-//! Friction work of every integrator that takes friction: a scene with each of them and with four step sizes.
+//! Friction work of every integrator that supports friction, each with one scene and four step sizes.
 
 use conserva::integrators;
 
 use super::{Case, Expected, pick, promised_figures, random_of, scaled, whole};
 
-/// Integrators that take friction, and whether they bound the energy of motions without drive.
+/// Integrators that support friction, and whether they bound the energy of motions without drive.
 pub const INTEGRATORS: [(&str, bool); 14] = [
     ("energy_momentum()", true),
     ("mean_value()", true),
@@ -75,7 +75,7 @@ pub fn case(seed: u64) -> Case {
         script += "let growth = 0.0;\nlet least = 1e300;\n\
                    for k in 0..h.total.len() { let e = h.total[k]; if e - least > growth { growth = e - least; } \
                    if e < least { least = e; } }\nprint(`figure growth ${growth / scale}`);\n";
-        // Penalty potentials store energy that contact gives back.
+        // Penalty potentials store energy that contact returns.
         if penalty.is_empty() && rule != ", update: \"velocity\"" {
             expected.push(Expected { name: "growth", value: 0.0, tolerance: 1e-11 });
         }

@@ -1,4 +1,4 @@
-//! A script that is run undisturbed, and again killed at random moments and resumed until it is done.
+//! A script run without interruption, and again with kills at random moments and resumed until it completes.
 
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -12,25 +12,25 @@ use super::generator::{TABLE, script};
 const ROWS: &str = "k/history.csv";
 /// Signals that end a run, as `kill` names them; `timeout` sends each to the process and to its group.
 const SIGNALS: [&str; 5] = ["-KILL", "-KILL", "-TERM", "-INT", "-HUP"];
-/// Time between two signals of `timeout`, at most.
+/// Largest time between two signals of `timeout`.
 const APART: Duration = Duration::from_millis(30);
-/// How often a run is disturbed at most.
+/// Largest number of kills of a run.
 const MOST_KILLS: usize = 4;
-/// How long a run may take.
+/// Largest time of a run.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// What came of a script.
+/// Outcome of a script.
 #[derive(Default)]
 pub struct Course {
-    /// What is wrong, if something is.
+    /// Description of a fault.
     pub fault: Option<String>,
-    /// Kills.
+    /// Number of kills.
     pub kills: usize,
-    /// Kills by two signals in a moment that ended the run as one signal does.
+    /// Number of kills by two signals of which the first ended the run.
     pub doubled: usize,
-    /// Programs that went on from a checkpoint.
+    /// Number of processes that continued from a checkpoint.
     pub resumed: usize,
-    /// Exit code of the undisturbed run.
+    /// Exit code of the uninterrupted run.
     pub code: Option<i32>,
 }
 
@@ -94,7 +94,7 @@ pub fn course(program: &Path, home: &Path, seed: u64) -> Course {
     found
 }
 
-/// Whether the killed run has a checkpoint.
+/// True if the killed run has a checkpoint.
 fn has_checkpoint(home: &Path) -> bool {
     let entries = std::fs::read_dir(home.join("k/checkpoints")).into_iter().flatten().flatten();
     entries.into_iter().any(|entry| entry.path().extension().is_some_and(|ending| ending == "checkpoint"))
@@ -111,7 +111,7 @@ fn unfinished(home: &Path, output: &Output, has_steps: bool) -> Option<String> {
     }
 }
 
-/// What is wrong with a run that has come to its end.
+/// Fault of a completed run.
 fn fault(home: &Path, whole: &Output, output: &Output, is_resumed: bool) -> Option<String> {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     if output.status.code() != whole.status.code() {
@@ -124,7 +124,7 @@ fn fault(home: &Path, whole: &Output, output: &Output, is_resumed: bool) -> Opti
         let at = |text: &str| text.lines().nth(line).unwrap_or_default().to_string();
         return Some(format!("printed line {line} is another one:\n  {}\n  {}", at(&expected), at(&found)));
     }
-    // What ends with an error keeps its checkpoints, which differ.
+    // A run that ends with an error keeps its checkpoints, which differ.
     for run in ["whole", "k"].iter().filter(|_| !matches!(whole.status.code(), Some(0 | 1 | 4))) {
         let _ = std::fs::remove_dir_all(home.join(run).join("checkpoints"));
         let _ = std::fs::remove_file(home.join(run).join(".files"));
@@ -139,11 +139,11 @@ fn command(program: &Path, home: &Path, arguments: &[&str]) -> Command {
 }
 
 fn signal(child: &Child, name: &str) {
-    // A run that has ended takes no signal.
+    // A signal to a run that has ended fails.
     let _ = Command::new("kill").args([name, &child.id().to_string()]).stderr(Stdio::null()).status();
 }
 
-/// Waits for the end of a program, and ends it when it takes too long.
+/// Waits for the end of a process; kills it after [`PATIENCE`].
 fn ended(mut child: Child) -> Output {
     let (begun, id) = (Instant::now(), child.id());
     let watch = std::thread::scope(|scope| {

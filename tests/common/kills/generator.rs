@@ -1,6 +1,6 @@
-//! Random scripts that use all that makes the course of a run: states and ways back, branches, closures after steps, probes, files,
-//! studies, failures that are caught; models of every kind with their readers ([`SCENES`]); and the examples of the language, so that
-//! every function is called.
+//! Random scripts with everything that affects a resumed run: states, steps back, branches, closures after steps, probes, files, studies,
+//! caught errors; models of every kind with statements that read them ([`SCENES`]); and the examples of the reference, so that every
+//! function is called.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,29 +12,29 @@ use conserva::script::{Session, Settings, Silent};
 use super::super::splitmix::SplitMix;
 use super::scenes::{COMMON, SCENES};
 
-/// A table that scripts read.
+/// CSV table that scripts read.
 pub const TABLE: &str = "t,size\n0.0,1.0\n0.1,2.5\n0.3,0.5\n";
 
-/// What is known of a simulation of the script while it is written.
+/// Data of a simulation of the script while the script is written.
 struct Known {
-    /// Its variable.
+    /// Variable of the simulation.
     name: String,
-    /// The variable of its first body.
+    /// Variable of its first body.
     body: String,
-    /// Its step size when it was made.
+    /// Step size at its creation.
     dt: f64,
     /// Name of the contact; `None` for a model without contact.
     contact: Option<&'static str>,
     /// True for a supported model, which has an equilibrium.
     is_held: bool,
-    /// Variables with states of it.
+    /// Variables with states of the simulation.
     states: Vec<String>,
     probes: usize,
-    /// Statements that read it, with `{s}` for its variable.
+    /// Statements that read the simulation, with `{s}` for its variable.
     readers: Vec<String>,
 }
 
-/// Examples in a script.
+/// Number of examples in a script.
 const EXAMPLES: usize = 2;
 
 /// Functions of the language with their examples.
@@ -53,12 +53,12 @@ pub fn examples_of(seed: u64) -> impl Iterator<Item = usize> {
     (0..EXAMPLES).map(move |index| (EXAMPLES * (seed as usize % count) + index) % count)
 }
 
-/// Writes a script.
+/// Writer of a script.
 struct Writer {
     random: SplitMix,
     text: String,
     simulations: Vec<Known>,
-    /// Names that were given so far, and files.
+    /// Number of names and files given so far.
     names: usize,
 }
 
@@ -197,7 +197,7 @@ impl Writer {
         self.simulations.push(Known { name, body, dt, contact, is_held, states: Vec::new(), probes: 0, readers });
     }
 
-    /// One thing that a script may do.
+    /// A random statement.
     fn statement(&mut self) {
         let index = self.random.below(self.simulations.len());
         let (name, body, dt, contact) = {
@@ -244,7 +244,7 @@ impl Writer {
                 self.line(&format!("{name}.picture(\"{file}.{ending}\", #{{ width: 240 }});"));
             }
             21 | 22 => {
-                // Some are written again and again.
+                // Some files are written repeatedly.
                 let file = if self.chance(50) { "movie".into() } else { self.fresh("movie") };
                 let ending = *self.random.pick(&["gif", "png"]);
                 self.line(&format!("{name}.movie(\"{file}.{ending}\", #{{ width: 240, seconds: 1 }});"));

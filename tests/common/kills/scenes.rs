@@ -1,5 +1,8 @@
-//! Models for random scripts beyond elastic bodies in the plane, each with what a script may read of it: machines, bodies in space,
-//! statics, obstacles that move.
+//! Models for random scripts other than elastic bodies in the plane, each with statements that read its results: machines, bodies in space,
+//! statics, moving obstacles.
+//!
+//! In texts `{m}` stands for the variable of the model, `{b}` for that of its first body, `{s}` for that of the simulation, `{x}` for a
+//! suffix that makes further names unique.
 //!
 //! In texts `{m}` stands for the variable of the model, `{b}` for that of its first body, `{s}` for that of the simulation, `{x}` for what
 //! makes further names unique.
@@ -8,13 +11,13 @@
 pub struct Scene {
     /// Statements that make the model and its first body.
     pub model: &'static str,
-    /// Integrators that it may have.
+    /// Integrators that the model supports.
     pub integrators: &'static [&'static str],
     /// Name of the contact; `None` for a model without contact.
     pub contact: Option<&'static str>,
     /// True for a supported model, which has an equilibrium.
     pub is_held: bool,
-    /// Statements that read its simulation, each possible at any time after the first step.
+    /// Statements that read the simulation and are possible at any time after the first step.
     pub readers: &'static [&'static str],
 }
 

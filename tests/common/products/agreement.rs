@@ -1,4 +1,4 @@
-//! Agreement of what a script was told, the history, the frames and the summary of a run.
+//! Agreement of printed values, history, frames and summary of a run.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use super::{Named, told};
 /// Findings after which results are not to be trusted: the exit code is 4.
 const DOUBTS: [&str; 2] = ["energy_defect", "positive_contact_work"];
 
-/// History, state, frames and summary tell one story.
+/// Compares history, state, frames and summary.
 pub fn agreement(product: Named, ended: &Ended, history: &History, out: &Path) -> Vec<Fault> {
     let mut faults = state(ended, history);
     faults.extend(summary(product, ended, history, out));
@@ -20,7 +20,7 @@ pub fn agreement(product: Named, ended: &Ended, history: &History, out: &Path) -
     faults
 }
 
-/// The state that the script sees, against the last row of the history.
+/// Compares the state printed by the script with the last row of the history.
 fn state(ended: &Ended, history: &History) -> Vec<Fault> {
     let mut faults = Vec::new();
     for line in told::lines(&ended.printed, "column") {
@@ -57,7 +57,7 @@ fn state(ended: &Ended, history: &History) -> Vec<Fault> {
     faults
 }
 
-/// The summary, against the history and the exit code.
+/// Compares the summary with the history and the exit code.
 fn summary(product: Named, ended: &Ended, history: &History, out: &Path) -> Vec<Fault> {
     let mut faults = Vec::new();
     match read_summary(&out.join("summary.json")) {
@@ -68,13 +68,13 @@ fn summary(product: Named, ended: &Ended, history: &History, out: &Path) -> Vec<
                 faults.push(Fault::new("outcome", format!("{outcome} with the exit code {}", ended.code)));
             }
             let steps = told::first(&ended.printed, "steps").first().copied().unwrap_or(f64::NAN);
-            // Steps that were given up count, too.
+            // Discarded steps count, too.
             let goes_back = product.is("task", &["restore", "back"]);
             let is_path = product.is("task", &["follow_load"]);
             if number("steps") != steps && !is_path && !(goes_back && number("steps") > steps) {
                 faults.push(Fault::new("summary", format!("{} steps, told {steps}", number("steps"))));
             }
-            // The search for a path is counted in the rows of its points, not in those of the run: looking at a path changes no run.
+            // Iterations of a path search are counted in the rows of its points, not in those of the run, which it does not change.
             let iterations: f64 = history.column("newton_iterations").iter().sum();
             if number("newton_iterations") < iterations && !is_path {
                 faults.push(Fault::new("summary", format!("{} iterations, {iterations} in history.csv", number("newton_iterations"))));
@@ -85,7 +85,7 @@ fn summary(product: Named, ended: &Ended, history: &History, out: &Path) -> Vec<
             if doubtful != (ended.code == 4) {
                 faults.push(Fault::new("exit_code", format!("{} with findings {kinds:?}", ended.code)));
             } else if doubtful {
-                // The program says so itself: no silent violation, and told once.
+                // The program reports the violation itself, exactly once.
                 return vec![Fault::new("doubtful", format!("findings {kinds:?}"))];
             }
         }
@@ -94,7 +94,7 @@ fn summary(product: Named, ended: &Ended, history: &History, out: &Path) -> Vec<
     faults
 }
 
-/// Frames, against the state that the script sees.
+/// Compares the frames with the state printed by the script.
 fn frames(ended: &Ended, out: &Path) -> Vec<Fault> {
     let mut faults = Vec::new();
     let told: Vec<f64> = told::lines(&ended.printed, "displacement").into_iter().flat_map(told::numbers).collect();

@@ -1,4 +1,7 @@
-//! The factors of products, from the registry of the language and the catalogues of the kernels.
+//! Factors of products, from the registry of the language and the catalogues of the kernels.
+//!
+//! A new row of a catalogue is drawn automatically. Data that a script needs besides the name (the place of an obstacle, the ends of a
+//! spring) are in `script.rs`; [`Catalogue::strangers`] lists rows without such data.
 //!
 //! A row that is new in a catalogue is drawn by itself. What a script needs besides its name (the place of an obstacle, the ends of a
 //! spring) stands in `script.rs`; [`Catalogue::strangers`] lists rows for which nothing stands there.
@@ -13,7 +16,7 @@ use conserva::script::{Function, Kind, Parameter, Registry, Session, Settings, S
 
 use super::{Named, Product, script};
 
-/// A feature with its rows, the plainest first.
+/// A feature with its rows, the simplest first.
 pub struct Factor {
     /// Name.
     pub name: &'static str,
@@ -25,20 +28,20 @@ pub struct Factor {
 pub struct Catalogue {
     /// The factors.
     pub factors: Vec<Factor>,
-    /// Names of methods of a model that no factor draws.
+    /// Names of methods of a model that no factor uses.
     methods: Vec<String>,
-    /// Names of methods and functions that make what a factor has.
+    /// Names of methods and functions that create the objects of a factor.
     makers: Vec<(&'static str, String)>,
 }
 
-/// Obstacles that are in the plane alone, in space alone.
+/// Obstacles that exist in the plane only.
 const PLANE_OBSTACLES: [&str; 3] = ["rigid_disk", "rigid_ring", "rigid_polyline"];
 
-/// Methods of a model that every product uses, or that change nothing of a run.
+/// Methods of a model that every product uses, or that do not affect a run.
 const OTHER_METHODS: [&str; 9] =
     ["add_body", "add_contact", "add_joint", "check", "name", "bodies", "initial_velocity", "tie", "add_self_contact"];
 
-/// Tasks: what a script lets the simulation do.
+/// Tasks: operations of a script on its simulation.
 const TASKS: [&str; 12] = [
     "run",
     "settle",
@@ -54,13 +57,13 @@ const TASKS: [&str; 12] = [
     "set",
 ];
 
-/// Trials: what is done with a run besides.
+/// Trials: a second run of the product in another way.
 pub const TRIALS: [&str; 8] = ["once", "threads", "resume", "rotate", "translate", "units", "renumber", "process"];
 
-/// A material of no catalogue of stored energies, which [`Catalogue::flowing`] draws.
+/// Material outside of the catalogue of stored energies, which [`Catalogue::flowing`] draws.
 const FLOWS: &str = "elastic_plastic";
 
-/// Options of a body that does not deform.
+/// Options of a body that make it rigid.
 const RIGID: [&str; 2] = ["rigid", "rigid_numbers"];
 
 fn registry() -> Rc<Registry> {
@@ -68,13 +71,13 @@ fn registry() -> Rc<Registry> {
     session.registry()
 }
 
-/// Names of the functions that give an object of a type.
+/// Names of the functions that return an object of a type.
 fn functions_that_give(registry: &Registry, kind: &str) -> Vec<String> {
     let makes = |function: &&Rc<Function>| function.form.receiver().is_none() && function.returns == kind;
     registry.functions().iter().filter(makes).map(|function| function.name.to_string()).collect()
 }
 
-/// Names of the methods of a type that a condition takes.
+/// Names of the methods of a type that satisfy a condition.
 fn methods(registry: &Registry, of: &str, accepts: impl Fn(&str) -> bool) -> Vec<String> {
     registry.members(of).map(|function| function.name.to_string()).filter(|name| accepts(name)).collect()
 }
@@ -85,7 +88,7 @@ fn keys(registry: &Registry, function: &str) -> Vec<Parameter> {
     all.filter_map(|parameter| parameter.kind.keys().map(<[Parameter]>::to_vec)).flatten().collect()
 }
 
-/// Words that an option of a function takes.
+/// Values that an option of a function accepts.
 fn choices(registry: &Registry, function: &str, key: &str) -> Vec<String> {
     let of_key = keys(registry, function).into_iter().find(|parameter| parameter.name == key);
     match of_key.expect("the function has that option").kind {
@@ -99,7 +102,7 @@ fn with(first: &[&str], further: Vec<String>) -> Vec<String> {
 }
 
 impl Catalogue {
-    /// The factors as the program has them.
+    /// The factors of the current program.
     pub fn new() -> Self {
         let registry = registry();
         let plain_first = |mut rows: Vec<String>, first: &str| {
@@ -165,7 +168,7 @@ impl Catalogue {
         Catalogue { factors, methods, makers }
     }
 
-    /// The factors of bodies that deform, with the material that flows in place of all others.
+    /// The factors of deformable bodies, with the elastic-plastic material in place of all others.
     pub fn flowing() -> Self {
         let mut catalogue = Catalogue::new();
         let material = catalogue.index("material");
@@ -180,12 +183,12 @@ impl Catalogue {
         self.factors.iter().position(|factor| factor.name == name).unwrap_or_else(|| panic!("no factor {name}"))
     }
 
-    /// The product of the first rows.
+    /// Product of the first rows.
     pub fn plain(&self) -> Product {
         Product { rows: vec![0; self.factors.len()], seed: 0 }
     }
 
-    /// The plain product with some rows in place, `factor=row` each.
+    /// The plain product with given rows, each written as `factor=row`.
     pub fn product(&self, given: &str) -> Product {
         let mut product = self.plain();
         for word in given.split_whitespace() {
@@ -194,7 +197,7 @@ impl Catalogue {
                 product.seed = row.parse().expect("a seed is a number");
                 continue;
             }
-            // Titles of materials have a blank, which stands as an underscore here.
+            // Titles of materials contain blanks, which are underscores here.
             let is_it = |known: &&String| known.replace(' ', "_") == row.replace(' ', "_");
             let index = self.index(name);
             let place = self.factors[index].rows.iter().position(|known| is_it(&known));
@@ -203,7 +206,7 @@ impl Catalogue {
         product
     }
 
-    /// Names of the catalogue rows that are never drawn, or for which no script is known.
+    /// Names of the catalogue rows that are never drawn, or that have no script.
     pub fn strangers(&self) -> Vec<String> {
         let unknown = |factor: &str, known: &dyn Fn(&str) -> bool| {
             let rows = &self.factors[self.index(factor)].rows;
@@ -232,10 +235,10 @@ impl Catalogue {
         found
     }
 
-    /// Takes back rows that mean nothing in the company of the others: a friction law without contact, a material of a rigid body.
+    /// Replaces rows that have no effect in combination with the others: a friction law without contact, a material of a rigid body.
     pub fn normalized(&self, product: &Product) -> Product {
         let mut product = product.clone();
-        // A part that is left out may leave another one without a meaning.
+        // A replaced row may make another one ineffective.
         for _ in 0..2 {
             let named = Named { catalogue: self, product: &product };
             let dropped: Vec<usize> = (0..self.factors.len()).filter(|&index| !self.is_meant(named, self.factors[index].name)).collect();
@@ -282,7 +285,7 @@ pub fn is_quadratic(cell: &str) -> bool {
     CellKind::ALL.iter().any(|kind| kind.name() == cell && kind.is_quadratic())
 }
 
-/// Plane cells whose sweep gives wedges.
+/// Plane cells whose extrusion gives wedges.
 pub fn wedge_section(cell: &str) -> Option<&'static str> {
     match cell {
         "wedge6" => Some("tri3"),

@@ -1,4 +1,7 @@
-//! A covering array: products so that every pair of rows of two factors is in one of them.
+//! Covering array: products that contain every pair of rows of two factors.
+//!
+//! The construction is greedy and deterministic. A product that the program refuses covers nothing: it is reduced to the rows that cause
+//! the refusal, and later products do not combine these.
 //!
 //! Greedy and deterministic. A product that the program refuses covers nothing: it is made smaller to the rows that are to blame, and no
 //! later product has these together.
@@ -7,13 +10,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Catalogue, Product};
 
-/// A row: its factor and its place in it.
+/// Row as a pair of factor and index.
 pub type Row = (usize, usize);
 
-/// Rows that a program refuses together, with code and title.
+/// Rows that the program refuses in combination, with code and title.
 #[derive(Clone, Debug)]
 pub struct Refusal {
-    /// The rows; those of other factors do not matter.
+    /// The rows; rows of other factors are arbitrary.
     pub rows: Vec<Row>,
     /// Code of the message.
     pub code: String,
@@ -21,32 +24,32 @@ pub struct Refusal {
     pub title: String,
 }
 
-/// Pairs that are still to be drawn, and what is known of them.
+/// Pairs that are not yet covered, and known refusals.
 pub struct Cover<'a> {
     catalogue: &'a Catalogue,
-    /// Pairs that no product has had.
+    /// Pairs that no product contains yet.
     open: Open,
-    /// Number of pairs that mean nothing together.
+    /// Number of pairs without a meaning in combination.
     pub meaningless: usize,
-    /// Number of all others.
+    /// Number of all other pairs.
     pub meant: usize,
     /// Refused products.
     pub refusals: Vec<Refusal>,
-    /// Pairs for which no product was found that is not refused, with the refusals of the rows by themselves.
+    /// Pairs for which all products tried were refused, with the refusals.
     pub excluded: BTreeMap<(Row, Row), String>,
     /// Number of refused products by pair of rows.
     attempts: BTreeMap<(Row, Row), usize>,
 }
 
-/// Products that are tried for a pair before it counts as refused.
+/// Largest number of products tried for a pair before it counts as refused.
 const ATTEMPTS: usize = 4;
-/// Ways around refusals that are tried for a pair.
+/// Largest number of products tried around known refusals for a pair.
 const MOST_WAYS: usize = 200;
 
-/// Pairs of rows that are still to be drawn, as a table of all.
+/// Pairs not yet covered, as a table over all rows.
 #[derive(Clone)]
 struct Open {
-    /// Number of the first row of every factor among the rows of all.
+    /// Index of the first row of every factor among all rows.
     starts: Vec<usize>,
     rows: Vec<Row>,
     table: Vec<bool>,
@@ -78,14 +81,14 @@ impl Open {
         }
     }
 
-    /// A pair of the two factors with the most open pairs: products for these draw those of small factors along the way.
+    /// An open pair of the two factors with the most open pairs; its products also cover pairs of small factors.
     fn first(&self) -> Option<(Row, Row)> {
         let mut of_factors: BTreeMap<(usize, usize), (usize, usize)> = BTreeMap::new();
         for place in (0..self.table.len()).filter(|&place| self.table[place]) {
             let [first, second] = [place / self.rows.len(), place % self.rows.len()].map(|row| self.rows[row].0);
             of_factors.entry((first, second)).or_insert((0, place)).0 += 1;
         }
-        // The first of those with as many.
+        // The first of equal ones.
         let (_, place) = of_factors.into_values().rev().max_by_key(|(count, _)| *count)?;
         Some((self.rows[place / self.rows.len()], self.rows[place % self.rows.len()]))
     }
@@ -126,19 +129,19 @@ impl<'a> Cover<'a> {
         cover
     }
 
-    /// Number of pairs that are still to be drawn.
+    /// Number of pairs not yet covered.
     pub fn open(&self) -> usize {
         self.open.count
     }
 
-    /// The plainest product that has some rows and gives each a meaning.
+    /// The simplest product that contains some rows and gives each an effect.
     fn company(&self, rows: &[Row]) -> Option<Product> {
         let has = |product: &Product| rows.iter().all(|&(factor, row)| product.rows[factor] == row);
         let mut product = self.catalogue.plain();
         rows.iter().for_each(|&(factor, row)| product.rows[factor] = row);
         let fits = |product: &Product| Some(self.catalogue.normalized(product)).filter(|normal| has(normal));
         fits(&product).or_else(|| {
-            // What one row needs is a row of another factor or two.
+            // A row depends on one or two rows of other factors.
             let needs = [
                 "cell=hex8",
                 "partner=held_body",
@@ -160,7 +163,7 @@ impl<'a> Cover<'a> {
         })
     }
 
-    /// Why a product is refused, as far as it is known.
+    /// Known refusal of a product.
     pub fn refusal(&self, product: &Product) -> Option<&Refusal> {
         self.refusals.iter().find(|refusal| refusal.rows.iter().all(|&(factor, row)| product.rows[factor] == row))
     }
@@ -176,7 +179,7 @@ impl<'a> Cover<'a> {
         Self::pairs(product).filter(|pair| self.open.has(*pair)).count()
     }
 
-    /// A product with many pairs that are still open; nothing when all are drawn or refused.
+    /// A product with many uncovered pairs; `None` if all are covered or refused.
     pub fn next(&mut self) -> Option<Product> {
         while let Some(pair) = self.open.first() {
             let tried = self.attempts.get(&pair).copied().unwrap_or(0);
@@ -188,7 +191,7 @@ impl<'a> Cover<'a> {
             };
             *self.attempts.entry(pair).or_default() += 1;
             let count = self.catalogue.factors.len();
-            // A pair that was refused in company has less of it the next time, and none the last time.
+            // After refusals of a pair its product takes fewer uncovered rows of other factors, and none in the last attempt.
             let others = if tried + 1 >= ATTEMPTS { 0 } else { 2 * count };
             for turn in 0..others {
                 let index = (turn * 7 + pair.0.0) % count;
@@ -214,7 +217,7 @@ impl<'a> Cover<'a> {
         None
     }
 
-    /// The product, or one that differs where it is refused, with a pair in it.
+    /// The product, or for a refused one a modification that contains the pair and is allowed.
     pub fn allowed(&self, product: Product, pair: (Row, Row)) -> Option<Product> {
         let mut seen = BTreeSet::from([product.clone()]);
         let mut ways = vec![product];
@@ -244,7 +247,7 @@ impl<'a> Cover<'a> {
         self.excluded.insert(pair, why);
     }
 
-    /// Products with all pairs that the known refusals allow; none of them has run.
+    /// Products with all pairs that the known refusals allow, without running them.
     pub fn all(&mut self) -> Vec<Product> {
         let mut products = Vec::new();
         while let Some(product) = self.next() {
@@ -254,7 +257,7 @@ impl<'a> Cover<'a> {
         products
     }
 
-    /// Some products to be tried at the same time, as if those before had drawn their pairs.
+    /// Products to be run at the same time, each chosen as if the earlier ones had been covered.
     pub fn batch(&mut self, count: usize) -> Vec<Product> {
         let open = self.open.clone();
         let mut products = Vec::new();
@@ -273,7 +276,7 @@ impl<'a> Cover<'a> {
         products
     }
 
-    /// A product that ran: its pairs are drawn.
+    /// Marks the pairs of a product as covered.
     pub fn drawn(&mut self, product: &Product) {
         for pair in Self::pairs(product) {
             self.open.set(pair, false);
@@ -281,14 +284,14 @@ impl<'a> Cover<'a> {
         }
     }
 
-    /// Rows that the program refuses together.
+    /// Records rows that the program refuses in combination.
     pub fn refused(&mut self, rows: Vec<Row>, code: &str, title: &str) {
         if !rows.is_empty() && !self.refusals.iter().any(|refusal| refusal.rows == rows) {
             self.refusals.push(Refusal { rows, code: code.into(), title: title.into() });
         }
     }
 
-    /// A product that nothing known refuses: rows to blame give way to others, one after another.
+    /// A product without known refusals: rows that cause a refusal are replaced one after another.
     pub fn mended(&self, product: &Product, mut choose: impl FnMut(usize) -> usize) -> Option<Product> {
         let mut product = product.clone();
         for _ in 0..60 {
@@ -300,7 +303,7 @@ impl<'a> Cover<'a> {
         None
     }
 
-    /// The table of refusals as a file has it: code, rows, title.
+    /// Table of refusals in file format: code, rows, title.
     pub fn table(&self) -> String {
         let mut lines: Vec<String> =
             self.refusals.iter().map(|refusal| format!("{} | {} | {}", refusal.code, self.words(&refusal.rows), refusal.title)).collect();
@@ -308,7 +311,7 @@ impl<'a> Cover<'a> {
         lines.iter().map(|line| format!("{line}\n")).collect()
     }
 
-    /// Refusals that a table has; rows that the catalogue no longer has are left out.
+    /// Reads refusals of a table; rows that no longer exist in the catalogue are left out.
     pub fn learn(&mut self, table: &str) {
         for line in table.lines() {
             let parts: Vec<&str> = line.split(" | ").collect();
@@ -327,18 +330,18 @@ impl<'a> Cover<'a> {
         Some((factor, place))
     }
 
-    /// The plainest product with the rows of a refusal.
+    /// The simplest product with the rows of a refusal.
     pub fn example(&self, refusal: &Refusal) -> Option<Product> {
         self.company(&refusal.rows)
     }
 
-    /// Takes refusals out that the program no longer makes.
+    /// Removes refusals that the program no longer makes.
     pub fn forget(&mut self, is_stale: &[bool]) {
         let mut stale = is_stale.iter();
         self.refusals.retain(|_| !stale.next().copied().unwrap_or(false));
     }
 
-    /// A row in words.
+    /// Description of rows.
     pub fn words(&self, rows: &[Row]) -> String {
         let words = |&(factor, row): &Row| {
             format!("{}={}", self.catalogue.factors[factor].name, self.catalogue.factors[factor].rows[row].replace(' ', "_"))

@@ -1,4 +1,4 @@
-//! Depth of contact of a frame, by geometry alone.
+//! Penetration in a frame, from geometry alone.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,12 +11,12 @@ use super::super::solids::{Skin, deepest};
 use super::script::{RADII, TOP};
 use super::{Named, catalogue, script};
 
-/// Number of occurrences of a facet in the cells of a body, and the nodes of the facet, by its sorted nodes.
+/// Facets by their sorted nodes: number of occurrences in the cells of a body, and the nodes in order.
 type Facets = BTreeMap<Vec<usize>, (usize, Vec<usize>)>;
 
 /// Bodies of a frame.
 pub struct Frame {
-    /// Points at rest, three components each.
+    /// Undeformed points, three components each.
     pub points: Vec<[f64; 3]>,
     /// Displacement of the points.
     pub displacement: Vec<[f64; 3]>,
@@ -62,7 +62,7 @@ impl Frame {
         std::array::from_fn(|i| self.points[node][i] + self.displacement[node][i])
     }
 
-    /// Depth over the size of a facet: of the body's corners in an obstacle, of corners and edges of two bodies in each other.
+    /// Penetration over the facet size: of corners of the body in an obstacle, of corners and edges of two bodies in each other.
     pub fn depth(&self, product: Named, time: f64) -> f64 {
         let is_plane = catalogue::is_plane(product.row("cell"));
         let partner = product.row("partner");

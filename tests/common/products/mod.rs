@@ -1,11 +1,16 @@
-//! Random products of the catalogues: small models that take one row of every catalogue at once, and what must hold for all of them.
+//! Random products of the catalogues: small models that combine one row of every catalogue, and conditions that hold for all of them.
+//!
+//! A [`Product`] is a row of each factor and a seed for its numbers. It is written as a script ([`script`]), so that it can be stored, read
+//! and reduced ([`shrink`]). [`run`] executes it, [`oracle`] judges the outcome from printed lines and files, and [`cover`] chooses
+//! products so that they contain every allowed pair of rows. Factors come from the registry of the language and from the catalogues of the
+//! kernels ([`catalogue`]).
 //!
 //! A [`Product`] is a row of each factor and a seed for its numbers. It is a script ([`script`]), so that it can be kept, read and made
 //! smaller ([`shrink`]). [`run`] takes it through the program, [`oracle`] judges the outcome from what was printed and from the files, and
 //! [`cover`] chooses products so that every pair of rows that is allowed together is in one of them. Factors come from the registry of the
 //! language and from the catalogues of the kernels ([`catalogue`]).
 
-// Each program uses its part of it.
+// Each program uses a part of this file.
 #![allow(dead_code)]
 
 pub mod agreement;
@@ -29,7 +34,7 @@ pub use catalogue::Catalogue;
 pub struct Product {
     /// Index of the row of every factor.
     pub rows: Vec<usize>,
-    /// Seed of the numbers; 0 has plain ones.
+    /// Seed of the numbers; 0 gives simple ones.
     pub seed: u64,
 }
 

@@ -1,4 +1,4 @@
-//! The numbers of a product: plain ones for the seed 0, random ones for others.
+//! Numbers of a product: simple ones for the seed 0, random ones for others.
 
 use super::super::splitmix::SplitMix;
 
@@ -23,7 +23,7 @@ pub struct Numbers {
     pub steps: usize,
     /// Step at which a run is interrupted.
     pub interrupted: usize,
-    /// Angle by which a model is turned.
+    /// Angle by which a model is rotated.
     pub angle: f64,
     /// True if the joint connects the body to its partner.
     pub is_joined: bool,

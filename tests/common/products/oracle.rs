@@ -1,5 +1,8 @@
 //! Oracles for the run of any product, evaluated from its printed lines and its files.
 //!
+//! Ledger and sums, momenta, signs of works, friction cone, constraints, penetration, exit code against outcome, and agreement of the
+//! history with the printed state, the frames and the summary. No function here calls a kernel.
+//!
 //! The ledger and its sums, momenta, the signs of works, the cone of friction, constraints, depth, the exit code against the outcome, and
 //! the agreement of the history with the state that the script sees, with the frames and with the summary. Nothing here calls a kernel.
 
@@ -16,23 +19,24 @@ use super::run::Ended;
 use super::script::{self, LEFT, SIZE};
 use super::{Named, told};
 
-/// Largest energy defect of a step of a conserving scheme, over the energy of the run, and of momenta likewise.
+/// Largest energy defect of a step of a conserving scheme over the energy of the run, and momentum defect over the momentum.
 pub const DEFECT: f64 = 1e-11;
 /// Round-off of sums and signs, over the energy of the run.
 const ROUND_OFF: f64 = 1e-12;
-/// Least energy and momentum of a run that moves: masses, speeds and loads are of the order of one, and what rests has round-off of forces.
+/// Least energy and momentum scale of a run with motion: masses, speeds and loads are of order one, and a model at rest has round-off of
+/// forces.
 const AT_REST: f64 = 1e-5;
 /// Loads and weights of the models `[force]`: on a body at rest their impulses and those of its supports cancel up to round-off of the
 /// impulses, not of the body's momentum.
 const LOAD: f64 = 1.0;
-/// Depth over the size of a facet.
+/// Largest penetration over the facet size.
 const DEPTH: f64 = 0.15;
-/// Relative difference of the histories of a model in another numbering.
+/// Largest relative difference of the histories of a model in another numbering.
 const RENUMBERED: f64 = 1e-6;
-/// Distance of what constraints hold from where it must be.
+/// Largest violation of supports and joints `[length]`.
 const HELD: f64 = 1e-9;
 
-/// Violated oracle.
+/// Violation of an oracle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// Kind of the fault, one word.
@@ -62,7 +66,7 @@ pub struct History {
 }
 
 impl History {
-    /// A column; what does not exist is no number.
+    /// Column of the history; NaN for missing values.
     pub fn column(&self, name: &str) -> Vec<f64> {
         let values = self.table.column(name).map(|column| column.values.clone()).unwrap_or_default();
         values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect()
@@ -123,17 +127,17 @@ fn scheme(product: Named) -> Option<&'static integrators::Scheme> {
     all.copied().find(|scheme| scheme.name == product.row("integrator"))
 }
 
-/// True above a bound, and for what is no number.
+/// True above a bound, and for NaN.
 fn exceeds(value: f64, bound: f64) -> bool {
     value.is_nan() || value > bound
 }
 
-/// The worst of some values, with its row; what is no number is the worst.
+/// Largest value with its row; NaN counts as the largest.
 fn worst(values: impl Iterator<Item = f64>) -> (usize, f64) {
     values.enumerate().fold((0, 0.0), |worst, (row, value)| if value > worst.1 || value.is_nan() { (row, value) } else { worst })
 }
 
-/// Sums, defects, signs.
+/// Checks sums, defects and signs of the ledger.
 fn ledger(product: Named, history: &History) -> Vec<Fault> {
     let mut faults = Vec::new();
     let of = |name: &str| history.column(name);
@@ -164,7 +168,7 @@ fn ledger(product: Named, history: &History) -> Vec<Fault> {
     above("friction_gives", ROUND_OFF, &mut friction.iter().map(|work| (work / energy).max(0.0)));
     above("negative_heat", ROUND_OFF, &mut dissipation.iter().map(|heat| (-heat / energy).max(0.0)));
     let is_statics = product.is("integrator", &["statics"]);
-    // An impulse of an explicit step may give what it takes in the next one (docs/integrators.md, Explicit steps).
+    // An impulse of an explicit step may return in one step what it takes in the next (docs/integrators.md, Explicit steps).
     if !is_statics && !product.is("integrator", &["central_differences"]) {
         above("contact_gives", 10.0 * DEFECT, &mut (1..rows).filter(is_step).map(|row| (at(&contact, row) / energy).max(0.0)));
     }
@@ -186,7 +190,7 @@ fn ledger(product: Named, history: &History) -> Vec<Fault> {
         for name in ["momentum_x", "momentum_y", "momentum_z", "angular_momentum"] {
             let is_kept = name != "angular_momentum" || (promises.is_some_and(|promises| promises.angular_momentum) && turns);
             let values = of(name);
-            // Where the beginning is an equilibrium, motion begins after it.
+            // A run from an equilibrium starts to move later.
             if is_kept && let Some(&first) = values.first() {
                 above("momentum", 10.0 * DEFECT, &mut values.iter().map(|value| (value - first).abs() / (2.0 * history.momentum)));
             }
@@ -206,7 +210,7 @@ fn is_free(product: Named) -> bool {
         && !script::rests(product)
 }
 
-/// Shear against pressure at the end.
+/// Checks shear stress against pressure at the end.
 fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
     let numbers = Numbers::new(product.product.seed);
     let mu = numbers.friction;
@@ -236,7 +240,7 @@ fn cone(product: Named, ended: &Ended) -> Vec<Fault> {
     if found > 1e-6 { vec![Fault::new("cone", format!("{found:.2e} of the largest pressure outside"))] } else { Vec::new() }
 }
 
-/// Depth, and what supports and joints hold.
+/// Checks penetration, supports and joints.
 fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
     let mut faults = Vec::new();
     let time = told::first(&ended.printed, "time").first().copied().unwrap_or(0.0);
@@ -252,7 +256,7 @@ fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
             faults.push(Fault::new("held", format!("{what} is {distance:.2e} off")));
         }
     };
-    // What is displaced from the start is held where it is.
+    // Initially displaced nodes are fixed at their displaced position.
     if product.is("shape", &["box"]) && !product.is("load", &["initial_displacement"]) {
         let on = |which: &dyn Fn(&[f64; 3]) -> bool| -> Vec<usize> {
             (0..frame.points.len()).filter(|&node| which(&frame.points[node])).collect()
@@ -281,7 +285,7 @@ fn places(product: Named, ended: &Ended, frame: &Frame) -> Vec<Fault> {
             "point" | "hinge" | "weld" | "gear" => off("a joint", beside.hypot(away[1])),
             "slider" | "slot" => off("a slide", beside),
             "link" if product.is("drive", &["free"]) => off("a link", (length - 1.0).abs()),
-            // It is taut within a step.
+            // The cable becomes taut within a step.
             "cable" => off("a cable", (length - 1.0 - 3.0 * numbers.dt).max(0.0)),
             _ => {}
         }

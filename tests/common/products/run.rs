@@ -1,4 +1,4 @@
-//! A product taken through the program, in this process: a session with a folder, no child process but for the trial `process`.
+//! Execution of a product in this process, in a session with a folder; only the trial `process` starts a child process.
 
 use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use super::{Named, oracle::compare_histories};
 /// Time after which a run is stopped and counts as endless.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Code of the message that a joint asks for what a support forbids: such a model has no motion, which shows only when something moves.
+/// Code of the message that a joint contradicts a support: such a model has no motion, which is detected only when it should move.
 const CONTRADICTION: &str = "C0511";
 
 /// End of a run.
@@ -42,15 +42,15 @@ pub struct Ended {
 /// Verdict on a product.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// It ran, and everything holds.
+    /// The product ran without a violation.
     Sound,
-    /// The program refuses it: code and title.
+    /// The program refused the product: code and title.
     Refused(String, String),
-    /// It ran, or failed, with these faults.
+    /// The product ran, or failed, with these faults.
     Wrong(Vec<Fault>),
 }
 
-/// Hears what a session says, and stops it after a number of steps, or when it takes too long.
+/// Observer of a session that stops the session after a number of steps or a time.
 struct Listener {
     printed: RefCell<Vec<String>>,
     warnings: RefCell<Vec<String>>,
@@ -83,20 +83,20 @@ impl Observer for Listener {
     fn ended(&self) {}
 }
 
-/// Variation of a run against the plain one.
+/// Variation of a run relative to the plain one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Manner {
     /// Threads of the element loop.
     pub threads: usize,
-    /// Steps after which it is interrupted, with checkpoints.
+    /// Number of steps after which the run is interrupted, with checkpoints.
     pub stop_after: Option<usize>,
     /// True if the run is resumed from a checkpoint of its folder.
     pub is_resumed: bool,
-    /// True if the first step of the run is enough.
+    /// True if only the first step is run.
     pub is_probe: bool,
 }
 
-/// Exit code of the program for a class of errors, as `docs/errors.md` has it.
+/// Exit code of the program for a class of errors, as in `docs/errors.md`.
 fn exit_code(class: Class) -> i32 {
     match class {
         Class::Check => 1,
@@ -157,11 +157,11 @@ fn go_on(session: &mut Session, out: &Path) -> Result<(), String> {
     session.resume(out, found, lock).map_err(|error| error.to_string())
 }
 
-/// Takes products through the program and judges them.
+/// Runs products and judges them.
 pub struct Bench {
-    /// An own folder.
+    /// Folder of its own.
     pub home: PathBuf,
-    /// The program, for the trial `process`.
+    /// Path of the program, for the trial `process`.
     pub program: PathBuf,
 }
 
@@ -181,14 +181,14 @@ impl Bench {
             return Verdict::Refused(error.code.clone(), error.title.clone());
         }
         let mut faults = oracle::judge(product, &ended, &out);
-        // What fails twice for one cause is told once.
+        // Two faults with one cause are reported once.
         if faults.is_empty() {
             faults.extend(self.trial(product, &place, &ended));
         }
         if faults.is_empty() { Verdict::Sound } else { Verdict::Wrong(faults) }
     }
 
-    /// Verdict on a product without its trial and without its faults.
+    /// Verdict on a product without its trial, and without a check of its faults.
     pub fn judge_once(&self, product: Named) -> Verdict {
         match self.refusal(product) {
             Some((code, title)) => Verdict::Refused(code, title),
@@ -224,7 +224,7 @@ impl Bench {
             let again = run(&place, &other, Manner::default());
             let error = again.error?;
             let title = error.title.clone();
-            // A model that cannot be moved is refused, which is an answer.
+            // A refusal of a rotated model is an answer.
             (error.class != Class::Script).then(|| Fault::new(kind, format!("{} {title} {}", error.code, error.causes.join("; "))))
         };
         match product.row("trial") {

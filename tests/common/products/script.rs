@@ -38,13 +38,13 @@ pub const LOADS: [&str; 9] =
 /// Time functions for which a script is known.
 pub const AMPLITUDES: [&str; 6] = ["number", "closure", "hat", "ramp", "sine", "table"];
 
-/// A stranger to the model: what is written in place of a row for which no script is known.
+/// Marker in place of a row for which no script is known.
 const UNKNOWN: &str = "/* no script is known for this row */";
 
-/// Variation of a script against that of its product.
+/// Variation of a script relative to that of its product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variant {
-    /// Not at all.
+    /// No variation.
     Plain,
     /// Bodies in another order, nodes of boxes numbered from the other end.
     Renumbered,
@@ -52,11 +52,11 @@ pub enum Variant {
 
 /// Height, length along x, depth and lowest corner of the body.
 pub const SIZE: [f64; 3] = [1.0, 0.6, 0.8];
-/// Least x of the body.
+/// Smallest x of the body.
 pub const LEFT: f64 = 0.5;
 /// Radii of a round body.
 pub const RADII: [f64; 2] = [0.2, 0.4];
-/// Middle of the body along x.
+/// Center of the body along x.
 pub const MIDDLE: f64 = 1.0;
 /// Height of the ground point of links above the body's left end.
 const ABOVE: f64 = 1.0;
@@ -80,7 +80,7 @@ pub fn text(product: Named, variant: Variant) -> String {
     writer.text
 }
 
-/// A script that runs a product as it is and moved.
+/// Script that runs a product unchanged and moved.
 pub fn moved(product: Named, how: &str) -> String {
     let mut writer = Writer::new(product, Variant::Plain);
     writer.line(&format!("// {product}"));
@@ -92,7 +92,7 @@ pub fn moved(product: Named, how: &str) -> String {
     writer.text
 }
 
-/// True if a product asks for an equilibrium.
+/// True if the task of a product is an equilibrium.
 pub fn rests(product: Named) -> bool {
     product.is("integrator", &["statics"]) || settles(product) || product.is("task", &["follow_load"])
 }
@@ -136,7 +136,7 @@ impl<'a> Writer<'a> {
         self.is("plane", &["axisymmetric"])
     }
 
-    /// A vector; of bodies of revolution the part along the axis.
+    /// A vector; for bodies of revolution its part along the axis.
     fn vector(&self, x: f64, y: f64) -> String {
         let x = if self.is_axial() { 0.0 } else { x };
         if self.is_plane { format!("[{x:?}, {y:?}]") } else { format!("[{x:?}, {y:?}, 0.0]") }
@@ -151,7 +151,7 @@ impl<'a> Writer<'a> {
         self.numbers.dt * self.numbers.steps as f64
     }
 
-    /// A time function with a peak; a number is the peak from the beginning.
+    /// A time function with a peak; a number has the peak from the start.
     fn amplitude(&self, peak: f64) -> String {
         let end = self.duration();
         let peak = peak * self.numbers.load;
@@ -166,7 +166,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A motion with a peak, which is zero at the start: of numbers none.
+    /// A motion with a peak that is zero at the start; of a number, zero throughout.
     fn motion(&self, peak: f64) -> String {
         if self.is("amplitude", &["number"]) { "0.0".into() } else { self.amplitude(peak) }
     }
@@ -232,7 +232,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// True if half a turn renumbers the mesh: a turned box is the same box, unless it is cut into tetrahedra.
+    /// True if half a turn renumbers the mesh: a rotated box is the same box, unless it is divided into tetrahedra.
     fn turns_mesh(&self) -> bool {
         self.variant == Variant::Renumbered && !self.is_round() && !self.product.row("cell").starts_with("tet")
     }
@@ -268,7 +268,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Boundaries of the body: what may touch, and its three other sides.
+    /// Boundaries of the body: the side of the contact, and the three other sides.
     fn boundaries(&mut self) {
         if self.is_round() {
             let arguments = if self.is_plane { "|x, y|" } else { "|x, y, z|" };
@@ -454,7 +454,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The point at which the joint of a product stands at rest.
+/// Initial position of the joint of a product.
 pub fn joint_point(product: Named) -> [f64; 3] {
     Writer::new(product, Variant::Plain).joint_point()
 }

@@ -1,4 +1,4 @@
-//! A product made smaller, as long as it keeps failing in the same way.
+//! Reduction of a product that keeps the kind of its failure.
 
 use super::cover::Row;
 use super::run::{Bench, Verdict};
@@ -13,8 +13,8 @@ fn is_alike(verdict: &Verdict, other: &Verdict) -> bool {
     }
 }
 
-/// The product with as few rows as possible that are not the first of their factor, with the same kind of verdict; and plain numbers, if it
-/// keeps the verdict with them.
+/// Product with the fewest rows that are not the first of their factor and with the same kind of verdict, and with simple numbers if the
+/// verdict permits.
 pub fn shrink(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &Verdict) -> (Product, Verdict) {
     let judge = |product: &Product| bench.judge(Named { catalogue, product });
     shrink_by(catalogue, &judge, product, verdict)
@@ -41,7 +41,7 @@ fn shrink_by(catalogue: &Catalogue, judge: &dyn Fn(&Product) -> Verdict, product
             let plain = Product { seed: 0, ..best.0.clone() };
             is_smaller |= attempt(plain, &mut best);
         }
-        // The last factors first: what is done with a model before the model.
+        // The last factors first: operations on a model before the model.
         for index in (0..catalogue.factors.len()).rev() {
             if best.0.rows[index] > 0 {
                 let mut candidate = best.0.clone();
@@ -53,7 +53,7 @@ fn shrink_by(catalogue: &Catalogue, judge: &dyn Fn(&Product) -> Verdict, product
     best
 }
 
-/// The first cell, or from there the plainest of the same dimension where that changes nothing else.
+/// The first cell kind, or the simplest one of the same dimension if the verdict needs the dimension.
 fn simpler_cell(catalogue: &Catalogue, index: usize, product: &Product) -> usize {
     let solid = |row: usize| !super::catalogue::is_plane(&catalogue.factors[index].rows[row]);
     let plainest = catalogue.factors[index].rows.iter().position(|row| row == "hex8").unwrap_or(0);
@@ -62,7 +62,7 @@ fn simpler_cell(catalogue: &Catalogue, index: usize, product: &Product) -> usize
     if solid(product.rows[index]) && product.rows[index] != plainest && is_obstacle_of_space { plainest } else { 0 }
 }
 
-/// Rows to which a refusal is due: those that are not the first of their factor, and first ones in place of which others are allowed.
+/// Rows that cause a refusal: those that are not the first of their factor, and first ones for which other rows are allowed.
 pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &Verdict) -> Vec<Row> {
     let is_early = bench.refusal(Named { catalogue, product }).is_some();
     let judge = |product: &Product| match bench.refusal(Named { catalogue, product }) {
@@ -84,15 +84,15 @@ pub fn blame(catalogue: &Catalogue, bench: &Bench, product: &Product, verdict: &
             is_alike && !matches!(judge(&candidate), Verdict::Refused(..))
         };
         if row > 0 || [1, count / 2, count - 1].into_iter().filter(|&other| other < count && other > 0).any(is_cured) {
-            // The row that the whole product has there.
+            // The row of the original product.
             rows.push((factor, whole.rows[factor]));
         }
     }
     general(catalogue, &judge, &product, rows)
 }
 
-/// Takes rows out of a refusal that only give a meaning to the others: without them these mean nothing, and every other row of their factor
-/// that gives a meaning is refused alike, as any partner is with friction that an integrator does not take.
+/// Removes rows from a refusal that are necessary only to give the others an effect, if every other such row of their factor is refused as
+/// well: friction that an integrator does not support is refused with any partner.
 fn general(catalogue: &Catalogue, judge: &dyn Fn(&Product) -> Verdict, product: &Product, rows: Vec<Row>) -> Vec<Row> {
     let verdict = judge(product);
     let keeps = |candidate: &Product, factor: usize| rows.iter().all(|&(other, row)| other == factor || candidate.rows[other] == row);

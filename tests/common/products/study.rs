@@ -1,4 +1,4 @@
-//! Many products, some at a time: the covering array, and random ones.
+//! Verdicts on many products, several at a time: the covering array, and random ones.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,14 +12,13 @@ use super::run::{Bench, Verdict};
 use super::shrink::blame;
 use super::{Catalogue, Named, Product};
 
-/// Products that are chosen before the verdicts of any of them are known.
-/// More would be refused together for a reason that the first of them tells.
+/// Number of products that are chosen before the first verdict. With larger batches more products would be refused for the same reason.
 const BATCH: usize = 2;
 
-/// A violation that is known.
+/// A known violation.
 #[derive(Debug)]
 pub struct Known {
-    /// Kinds of faults, parted by blanks.
+    /// Kinds of faults, separated by blanks.
     pub kinds: String,
     /// Rows that a product must have.
     pub rows: String,
@@ -28,7 +27,7 @@ pub struct Known {
 }
 
 impl Known {
-    /// Known violations of a table, a line each: kinds, rows and name, separated by bars.
+    /// Known violations of a table, one per line: kinds, rows and name, separated by bars.
     pub fn read(table: &str) -> Vec<Known> {
         let line = |line: &str| {
             let parts: Vec<String> = line.split('|').map(|part| part.trim().to_string()).collect();
@@ -42,17 +41,17 @@ impl Known {
 /// Verdicts on many products.
 #[derive(Default)]
 pub struct Study {
-    /// Products that ran and are sound.
+    /// Number of products that ran without a violation.
     pub sound: usize,
-    /// Products that were refused.
+    /// Number of refused products.
     pub refused: usize,
-    /// Products with a fault that is known.
+    /// Number of products with a known fault.
     pub known: usize,
     /// Number of occurrences of each known violation.
     pub met: BTreeMap<usize, usize>,
     /// Products with other faults.
     pub wrong: Vec<(Product, Verdict)>,
-    /// Refusals that the table has and the program does not make any more, or the other way round.
+    /// Refusals of the table that the program no longer makes, and the reverse.
     pub changed: Vec<String>,
     /// Times of all products.
     pub times: Vec<(Duration, Product)>,
@@ -65,7 +64,7 @@ struct Judged {
     time: Duration,
 }
 
-/// Judges products on threads with a folder each, in their order.
+/// Judges products on threads with a folder each; results are in the order of the products.
 fn judge_all(catalogue: &Catalogue, home: &Path, program: &Path, threads: usize, products: &[Product], is_blamed: bool) -> Vec<Judged> {
     let next = AtomicUsize::new(0);
     let found: Mutex<BTreeMap<usize, Judged>> = Mutex::default();
@@ -94,7 +93,7 @@ fn judge_all(catalogue: &Catalogue, home: &Path, program: &Path, threads: usize,
 }
 
 impl Study {
-    /// Books a verdict.
+    /// Records a verdict.
     fn book(&mut self, catalogue: &Catalogue, product: &Product, judged: &Judged, known: &[Known]) {
         self.times.push((judged.time, product.clone()));
         match &judged.verdict {
@@ -117,7 +116,7 @@ impl Study {
         }
     }
 
-    /// Books a judged product, and prints one that is wrong in a way that is not known.
+    /// Records a judged product, and prints one with an unknown fault.
     fn book_and_print(&mut self, catalogue: &Catalogue, product: &Product, judged: &Judged, known: &[Known]) {
         let before = self.wrong.len();
         self.book(catalogue, product, judged, known);
@@ -126,7 +125,7 @@ impl Study {
         }
     }
 
-    /// Every pair of rows that is allowed together; `refusals` is the table of what was refused when it was made.
+    /// Judges products that cover every allowed pair of rows; `refusals` is the stored table of refusals.
     pub fn cover<'a>(
         catalogue: &'a Catalogue,
         home: &Path,
@@ -161,7 +160,7 @@ impl Study {
         }
     }
 
-    /// The array of all pairs that the known refusals allow, chosen before any product has run: pairs of products that are refused
+    /// Judges the array of all pairs that the known refusals allow, chosen before any product has run; pairs of products that are refused
     /// nevertheless stay open.
     pub fn array<'a>(
         catalogue: &'a Catalogue,
@@ -189,7 +188,7 @@ impl Study {
         (study, cover)
     }
 
-    /// Products at random, by consecutive seeds.
+    /// Judges random products with consecutive seeds.
     pub fn random(
         catalogue: &Catalogue,
         home: &Path,
@@ -213,7 +212,7 @@ impl Study {
     }
 }
 
-/// The random product of a seed, which nothing known refuses: about half of its rows are the first of their factor.
+/// Random product of a seed without known refusals; about half of its rows are the first of their factor.
 pub fn random(cover: &Cover, catalogue: &Catalogue, seed: u64) -> Product {
     let mut random = SplitMix(seed ^ 0x0070_726f_6475_6374);
     let rows = catalogue.factors.iter().map(|factor| if random.below(2) == 0 { 0 } else { random.below(factor.rows.len()) }).collect();
@@ -221,7 +220,7 @@ pub fn random(cover: &Cover, catalogue: &Catalogue, seed: u64) -> Product {
     cover.mended(&product, |count| random.below(count)).unwrap_or(product)
 }
 
-/// Takes refusals out of the table that the program does not make any more; their words.
+/// Removes refusals from the table that the program no longer makes; returns their descriptions.
 fn stale(catalogue: &Catalogue, cover: &mut Cover, home: &Path) -> Vec<String> {
     let bench = Bench { home: home.to_path_buf(), program: home.to_path_buf() };
     let is_stale = |refusal: &super::cover::Refusal| {

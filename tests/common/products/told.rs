@@ -1,12 +1,12 @@
-//! Parser of the end that a script printed.
+//! Parser of the values that a script prints at its end.
 
-/// The lines that begin with a word, without it.
+/// Lines that begin with a word, without the word.
 pub fn lines<'a>(printed: &'a [String], word: &str) -> Vec<&'a str> {
     let rest = |line: &'a String| line.strip_prefix('@')?.strip_prefix(word)?.strip_prefix(' ');
     printed.iter().filter_map(rest).collect()
 }
 
-/// All numbers of a text, in their order; `()`, `true` and the like are left out.
+/// All numbers of a text, in their order; `()`, `true` and similar words are left out.
 pub fn numbers(text: &str) -> Vec<f64> {
     text.split(['[', ']', ',', ' ']).filter(|word| !word.is_empty()).filter_map(|word| word.parse().ok()).collect()
 }

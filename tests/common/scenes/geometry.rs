@@ -1,9 +1,9 @@
-//! Points, segments and outlines in the plane: inside or outside, depth, clearance, crossings. By brute force, so that it can be believed.
+//! Points, segments and outlines in the plane: inside or outside, depth, clearance, crossings. Brute force, independent of the kernels.
 
 /// A point or a vector.
 pub type Point = [f64; 2];
 
-/// A straight piece between two points.
+/// Straight segment between two points.
 pub type Segment = [Point; 2];
 
 pub fn add(a: Point, b: Point) -> Point {
@@ -30,7 +30,7 @@ pub fn length(a: Point) -> f64 {
     a[0].hypot(a[1])
 }
 
-/// The vector turned counter-clockwise.
+/// A vector rotated counter-clockwise.
 pub fn turned(angle: f64, a: Point) -> Point {
     let (s, c) = angle.sin_cos();
     [c * a[0] - s * a[1], s * a[0] + c * a[1]]
@@ -44,17 +44,17 @@ pub fn distance(x: Point, [a, b]: Segment) -> f64 {
     length(subtract(arm, scaled(share, side)))
 }
 
-/// Whether two segments cross, each having its ends on both sides of the other.
+/// True if two segments cross, each with its ends on both sides of the other.
 pub fn segments_cross([a, b]: Segment, [c, d]: Segment) -> bool {
     let side = |p: Point, q: Point, x: Point| cross(subtract(q, p), subtract(x, p));
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
-/// The closed loops that bound a region, as segments in any order.
+/// Closed loops that bound a region, as segments in any order.
 #[derive(Clone, Debug)]
 pub struct Outline {
     pub segments: Vec<Segment>,
-    /// Least and largest coordinates.
+    /// Smallest and largest coordinates.
     pub bounds: [Point; 2],
 }
 
@@ -80,17 +80,17 @@ impl Outline {
         self.segments.iter().map(|[a, b]| length(subtract(*b, *a))).fold(f64::INFINITY, f64::min)
     }
 
-    /// First points of all segments: of closed loops each corner once.
+    /// First points of all segments: each corner of the closed loops once.
     pub fn corners(&self) -> impl Iterator<Item = Point> + '_ {
         self.segments.iter().map(|segment| segment[0])
     }
 
-    /// Whether a point lies in the box around the outline.
+    /// True if a point lies in the bounding box of the outline.
     pub fn may_hold(&self, x: Point) -> bool {
         (0..2).all(|i| x[i] >= self.bounds[0][i] && x[i] <= self.bounds[1][i])
     }
 
-    /// Whether a point lies inside: a ray from it crosses the outline an odd number of times.
+    /// True if a point lies inside: a ray from the point crosses the outline an odd number of times.
     pub fn holds(&self, x: Point) -> bool {
         if !self.may_hold(x) {
             return false;
@@ -105,7 +105,7 @@ impl Outline {
         distances.fold((0, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least })
     }
 
-    /// How far apart two regions are; 0 when they overlap.
+    /// Distance of two regions; 0 if they overlap.
     pub fn clearance(&self, other: &Outline) -> f64 {
         let overlap = self.segments.iter().any(|a| other.segments.iter().any(|b| segments_cross(*a, *b)));
         if overlap || self.corners().any(|x| other.holds(x)) || other.corners().any(|x| self.holds(x)) {

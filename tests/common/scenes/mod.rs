@@ -1,4 +1,10 @@
-//! Random scenes as plain data, and oracles for them that know nothing of the code.
+//! Random scenes as plain data, and oracles that are independent of the kernels.
+//!
+//! A [`Scene`] contains the data of a script: shapes, places, constants, velocities, walls. It can be converted to a model of the kernels
+//! ([`Scene::model`]), to a script ([`Scene::script`]), to its mirror image and to a rotated scene. [`run`](run::run) computes it and
+//! evaluates after every nominal step only positions and velocities: energy, momenta, penetration.
+//!
+//! Bodies are numbered in their order; the whole hull of each body is in contact with all earlier bodies and with every wall.
 //!
 //! A [`Scene`] is what a script would say: shapes, places, constants, velocities, walls. From it come a model of the kernels
 //! ([`Scene::model`]), the same as a script ([`Scene::script`]), its mirror image and the turned one. [`run`](run::run) takes it through
@@ -6,7 +12,7 @@
 //!
 //! Bodies are numbered in their order; each touches all before it with its whole hull, and every wall.
 
-// Each program uses its part of it.
+// Each program uses a part of this file.
 #![allow(dead_code)]
 
 pub mod geometry;
@@ -43,13 +49,13 @@ pub enum Shape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
     pub shape: Shape,
-    /// Whether the shape is mirrored at the y axis before it is turned.
+    /// True if the shape is mirrored at the y axis before its rotation.
     pub mirrored: bool,
-    /// How far it is turned about the origin before it is moved.
+    /// Rotation angle about the origin before the translation.
     pub angle: f64,
-    /// How far it is moved.
+    /// Translation.
     pub center: Point,
-    /// Name of the material's row.
+    /// Name of the row of the material.
     pub law: &'static str,
     /// Young's modulus, Poisson's ratio, density.
     pub constants: [f64; 3],
@@ -66,11 +72,11 @@ pub enum Wall {
     Disk { center: Point, radius: f64 },
     /// Bodies are inside.
     Ring { center: Point, radius: f64 },
-    /// The obstacle is on the left; open, with ends that nothing reaches.
+    /// The obstacle is on the left; the polyline is open, and bodies do not reach its ends.
     Polyline { points: Vec<Point> },
 }
 
-/// What a scene is about.
+/// Type of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Bodies fly freely into each other.
@@ -85,11 +91,11 @@ pub enum Kind {
     Fall,
     /// Bodies one on another.
     Stack,
-    /// Very different facets and stiffnesses.
+    /// Very different facet sizes and stiffnesses.
     Extreme,
 }
 
-/// Everything that a run depends on.
+/// All data of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub seed: u64,
@@ -99,14 +105,14 @@ pub struct Scene {
     pub gravity: Point,
     pub method: &'static ContactMethod,
     pub rule: &'static UpdateRule,
-    /// Coefficient of friction of everything; 0: none.
+    /// Friction coefficient of all contacts; 0: none.
     pub friction: f64,
     pub dt: f64,
     pub steps: usize,
 }
 
 impl Body {
-    /// Its mesh at its place.
+    /// Mesh of the body at its place.
     ///
     /// # Errors
     /// What the generators refuse.
@@ -125,7 +131,7 @@ impl Body {
         mesh.rotate(self.angle, [0.0; 3])?.translate([self.center[0], self.center[1], 0.0])
     }
 
-    /// Its hull at rest.
+    /// Hull of the undeformed body.
     ///
     /// # Errors
     /// As for the mesh.
@@ -141,7 +147,7 @@ impl Body {
     }
 }
 
-/// The nodes of all facets of the hull, the body on the left.
+/// Nodes of all facets of the hull, with the body on the left.
 pub fn hull(mesh: &Mesh) -> Vec<[usize; 2]> {
     let ends = |facet| {
         let mut nodes = mesh.facet_nodes(facet).map(|node| node as usize);
@@ -156,14 +162,14 @@ pub fn plane(x: [f64; 3]) -> Point {
 }
 
 impl Wall {
-    /// Signed distance of a point, negative within.
+    /// Signed distance of a point, negative inside.
     pub fn gap(&self, x: Point) -> f64 {
         match self {
             Wall::Plane { point, normal } => dot(*normal, subtract(x, *point)) / length(*normal),
             Wall::Disk { center, radius } => length(subtract(x, *center)) - radius,
             Wall::Ring { center, radius } => radius - length(subtract(x, *center)),
             Wall::Polyline { points } => {
-                // Where the nearest point is a corner, the side is that of the facet whose line is farther away.
+                // If the nearest point is a corner, the side is that of the facet whose line is farther away.
                 let mut nearest = (f64::INFINITY, 0.0f64);
                 for pair in points.windows(2) {
                     let d = distance(x, [pair[0], pair[1]]);
@@ -179,7 +185,7 @@ impl Wall {
         }
     }
 
-    /// Corners that could enter a body.
+    /// Corners of the wall that could enter a body.
     pub fn corners(&self) -> &[Point] {
         match self {
             Wall::Polyline { points } => &points[1..points.len() - 1],
@@ -187,13 +193,13 @@ impl Wall {
         }
     }
 
-    /// Distance of a body from it; 0 when they overlap.
+    /// Distance of a body from the wall; 0 if they overlap.
     pub fn clearance(&self, outline: &Outline) -> f64 {
         let least = outline.corners().map(|x| self.gap(x)).fold(f64::INFINITY, f64::min);
         let peaks = self.corners().iter().map(|&x| if outline.holds(x) { 0.0 } else { outline.nearest(x).1 });
         let least = peaks.fold(least, f64::min);
         let near = match self {
-            // The middle of a straight side is nearer to a disk than its ends are.
+            // The middle of a straight side is nearer to a disk than its ends.
             Wall::Disk { center, radius } => outline.nearest(*center).1 - radius,
             _ => least,
         };
@@ -231,13 +237,13 @@ impl Scene {
         Scene { friction, ..self }
     }
 
-    /// Its friction as a contact has it.
+    /// Friction of the scene in the form of a contact.
     fn friction(&self) -> Option<Friction> {
         let law = || Friction { law: Arc::new(Coulomb::default()), coefficient: Coefficient::Constant(self.friction) };
         (self.friction > 0.0).then(law)
     }
 
-    /// The mirror image at the y axis.
+    /// Mirror image at the y axis.
     pub fn mirrored(&self) -> Scene {
         let flip = |[x, y]: Point| [-x, y];
         let mut scene = self.clone();
@@ -275,7 +281,7 @@ impl Scene {
         scene
     }
 
-    /// Hulls of all bodies at rest.
+    /// Hulls of all undeformed bodies.
     ///
     /// # Errors
     /// What the generators refuse.
@@ -283,7 +289,7 @@ impl Scene {
         self.bodies.iter().map(Body::outline).collect()
     }
 
-    /// Whether nothing overlaps at the start.
+    /// True if no bodies overlap at the start.
     pub fn is_free_of_overlap(&self) -> bool {
         let Ok(outlines) = self.outlines() else { return false };
         let apart = |k: usize| outlines[..k].iter().all(|other| outlines[k].clearance(other) > 0.0);
@@ -329,12 +335,12 @@ impl Scene {
         Ok(model)
     }
 
-    /// A direction and size of gravity as one number.
+    /// Magnitude of gravity.
     pub fn gravity_size(&self) -> f64 {
         length(self.gravity)
     }
 
-    /// The scene moved as a whole.
+    /// The scene translated.
     pub fn moved(&self, offset: Point) -> Scene {
         let mut scene = self.clone();
         scene.bodies.iter_mut().for_each(|body| body.center = add(body.center, offset));

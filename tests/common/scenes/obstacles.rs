@@ -1,5 +1,7 @@
-//! One random body and one rigid obstacle of a twentieth of a facet to five facets, standing or moving, by up to five facets a step: how
-//! deep is which in the other, and did they pass through each other?
+//! One random body and one rigid obstacle of a twentieth of a facet to five facets, at rest or moving by up to five facets a step: depth of
+//! each in the other, and whether they passed through each other.
+//!
+//! Evaluated from the positions of the nodes and the prescribed place of the obstacle alone.
 //!
 //! Judged from the positions of the nodes and the obstacle's prescribed place alone.
 
@@ -30,13 +32,13 @@ pub enum Form {
     Polygon { corners: Vec<Point> },
 }
 
-/// Everything that a run depends on.
+/// All data of a run.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub seed: u64,
     pub body: Body,
     pub form: Form,
-    /// Where the obstacle is at the start, and its velocity.
+    /// Place of the obstacle at the start, and its velocity.
     pub place: Point,
     pub velocity: Point,
     pub rule: &'static UpdateRule,
@@ -44,18 +46,18 @@ pub struct Case {
     pub steps: usize,
 }
 
-/// What became of a case.
+/// Outcome of a case.
 #[derive(Clone, Debug, Default)]
 pub struct Verdict {
-    /// Largest depth after a step, over the facet concerned.
+    /// Largest penetration after a step, over the facet concerned.
     pub depth: f64,
-    /// Where that was.
+    /// Place of the largest penetration.
     pub place: String,
     /// Largest energy defect of a step, over the largest energy.
     pub defect: f64,
-    /// Whether both touched.
+    /// True if the body and the obstacle touched.
     pub touched: bool,
-    /// The step in which they passed through each other without a push.
+    /// Step in which they passed through each other without a contact force.
     pub missed: Option<usize>,
     pub error: Option<String>,
     pub pieces: usize,
@@ -74,7 +76,7 @@ impl Case {
         let size = facet * random.magnitude(0.05, 5.0);
         let form = random.form(size);
         let rule = UPDATE_RULES[random.below(UPDATE_RULES.len())];
-        // The obstacle comes from outside until it is near; a plane faces the body.
+        // The obstacle approaches from outside; a plane faces the body.
         let towards = match form {
             Form::Plane { normal } => normal,
             _ => random.direction(),
@@ -103,7 +105,7 @@ impl Case {
         Case { seed, body, form, place, velocity, rule, dt, steps: steps.clamp(4, 60) }
     }
 
-    /// Where the obstacle is.
+    /// Place of the obstacle at a time.
     fn place_at(&self, time: f64) -> Point {
         add(self.place, scaled(time, self.velocity))
     }
@@ -133,7 +135,7 @@ impl Case {
         Simulation::new(&model, Options::new(&ENERGY_MOMENTUM, self.dt)).map_err(|error| error.to_string())
     }
 
-    /// Takes the case through time.
+    /// Runs the case.
     pub fn run(&self) -> Verdict {
         let mut verdict = Verdict::default();
         if catch_unwind(AssertUnwindSafe(|| self.take(&mut verdict))).is_err() {
@@ -167,7 +169,7 @@ impl Case {
             if depth > verdict.depth {
                 (verdict.depth, verdict.place) = (depth, format!("{place}, step {step} of {}", self.steps));
             }
-            // Where nothing has pushed, all that was in between is known.
+            // Without contact forces the motion between two steps is known.
             let [old, new] = [&before, &state].map(|state| mass_speed(&state.velocities));
             let rest = length(self.velocity).max(length(self.body.velocity)) * (state.velocities.len() / 2) as f64;
             if length(subtract(new, old)) < 1e-9 * rest && verdict.missed.is_none() {
@@ -180,7 +182,7 @@ impl Case {
                 verdict.missed = is_inside.then_some(step);
             }
         }
-        // Where the obstacle moves, nothing has energy until they touch.
+        // With a moving obstacle there is no energy before the first touch.
         verdict.defect /=
             energy.max(1e-12 * self.body.constants[2] * (dot(self.velocity, self.velocity) + dot(self.body.velocity, self.body.velocity)));
     }
@@ -253,7 +255,7 @@ impl Skin {
         Some(Skin { facets, rim })
     }
 
-    /// Largest depth over the facet concerned, and where.
+    /// Largest penetration over the facet concerned, and its place.
     fn deepest(&self, q: &[f64], form: &Form, place: Point) -> (f64, String) {
         let at = |node: usize| [q[2 * node], q[2 * node + 1]];
         let outline = Outline::new(self.facets.iter().map(|(ends, _)| ends.map(at)).collect());

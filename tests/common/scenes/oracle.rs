@@ -1,4 +1,7 @@
-//! What a state is worth, from positions, velocities and the scene alone: energies and momenta by quadrature, depth by geometry.
+//! Energies, momenta and penetrations of a state, from positions, velocities and the scene alone.
+//!
+//! No function here calls the kernels; nodes and cells are numbered as in the mesh. Energies are integrated with two by two Gauss points in
+//! each quadrilateral, which is exact for the kinetic energy and equals the discretization for the strain energy.
 //!
 //! Nothing here calls the kernels; the numbering of nodes and cells is the mesh's. Energies: two by two Gauss points in each
 //! quadrilateral, which is exact for the kinetic energy and, for the strain energy, the discretization itself.
@@ -24,14 +27,14 @@ impl Sums {
     }
 }
 
-/// How far something is inside something else.
+/// Penetration of one object in another one.
 #[derive(Clone, Debug, Default)]
 pub struct Depth {
-    /// As a length.
+    /// Penetration `[length]`.
     pub length: f64,
-    /// Over the coarser of the two facets involved.
+    /// Penetration over the coarser of the two facets involved.
     pub facets: f64,
-    /// What is inside what.
+    /// Description of the two objects.
     pub place: String,
 }
 
@@ -44,7 +47,7 @@ impl Depth {
     }
 }
 
-/// A Gauss point: shape functions, their gradients, its area at rest.
+/// Gauss point: shape functions, their gradients, its undeformed area.
 struct GaussPoint {
     shape: [f64; 4],
     gradients: [Point; 4],
@@ -58,7 +61,7 @@ struct Matter {
     points: Vec<Point>,
     cells: Vec<[usize; 4]>,
     quadrature: Vec<[GaussPoint; 4]>,
-    /// Facets of the hull, and their lengths at rest.
+    /// Facets of the hull with their undeformed lengths.
     facets: Vec<([usize; 2], f64)>,
     /// Nodes of the hull, each with its longer facet.
     rim: Vec<(usize, f64)>,
@@ -67,7 +70,7 @@ struct Matter {
     neo_hookean: bool,
 }
 
-/// The measures of a scene.
+/// Quadrature and geometry of a scene.
 pub struct Oracle {
     bodies: Vec<Matter>,
     walls: Vec<Wall>,
@@ -113,7 +116,7 @@ impl Matter {
         let exy = 0.5 * (xy + yx + xx * xy + yx * yy);
         let trace = exx + eyy;
         if self.neo_hookean {
-            // ln J from det C - 1, which is small where the strain is.
+            // ln J from det C - 1, which is accurate for small strains.
             let log = 0.5 * (2.0 * trace + 4.0 * (exx * eyy - exy * exy)).ln_1p();
             mu * (trace - log) + 0.5 * lambda * log * log
         } else {
@@ -191,18 +194,19 @@ impl Oracle {
         self.bodies.iter().map(|body| body.cells.len()).sum()
     }
 
-    /// How far the bodies extend in a direction at rest.
+    /// Extent of the undeformed bodies in a direction.
     pub fn extent(&self, direction: Point) -> f64 {
         let heights = || self.bodies.iter().flat_map(|body| &body.points).map(|&x| dot(direction, x));
         heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min)
     }
 
-    /// Largest distance of a node from the origin at rest.
+    /// Largest distance of an undeformed node from the origin.
     pub fn reach(&self) -> f64 {
         self.bodies.iter().flat_map(|body| &body.points).map(|&x| length(x)).fold(0.0, f64::max)
     }
 
-    /// The node of a hull that is deepest in another body or a wall, or the corner of a wall that is deepest in a body.
+    /// The node of a hull with the largest penetration in another body or a wall, or the corner of a wall with the largest penetration in a
+    /// body.
     pub fn deepest(&self, positions: &[f64]) -> Depth {
         let mut deepest = Depth::default();
         let outlines: Vec<Outline> = self.bodies.iter().map(|body| body.outline(positions)).collect();
@@ -228,8 +232,8 @@ impl Oracle {
         deepest
     }
 
-    /// The two crossing facets of different bodies that are worst: whose four ends are all far from the other facet. Where a node has
-    /// entered a body this is at most its depth; where a body has passed through another it is not small.
+    /// The worst pair of crossing facets of different bodies: all four ends are far from the other facet. If a node has entered a body this
+    /// is at most its penetration; if a body has passed through another one it is not small.
     pub fn crossing(&self, positions: &[f64]) -> Depth {
         let mut worst = Depth::default();
         let outlines: Vec<Outline> = self.bodies.iter().map(|body| body.outline(positions)).collect();

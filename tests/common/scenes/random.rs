@@ -1,4 +1,7 @@
-//! The generator: a seed gives a scene, always the same.
+//! Generator of scenes; a seed always gives the same scene.
+//!
+//! Bodies are added one by one: each moves in from far away as far as its clearance from all others permits (steps equal the remaining
+//! distance, so bodies cannot pass through another one). Clearances are at most two facets, so that all bodies meet within the run.
 //!
 //! Bodies are put down one by one: each flies in from far away, as far as its clearance from all that is there allows (steps as long
 //! as the distance that is left, so none can pass through another). Clearances are up to two facets, so that all meet within the run.
@@ -12,19 +15,19 @@ use super::geometry::{Outline, Point, add, length, scaled, subtract, turned};
 use super::{Body, Kind, Scene, Shape, Wall};
 use crate::common::Random;
 
-/// How fast bodies of a scene may be, over the wave speed of the slowest material: two that meet have half the wave speed together.
+/// Largest speed of bodies over the wave speed of the slowest material: two colliding bodies have half the wave speed together.
 const FASTEST: f64 = 0.25;
 
-/// Where stresses are not meant for strong compression, or walls are thin and would fold.
+/// Largest speed for laws that are unsuitable for strong compression and for thin walls that would fold.
 const FASTEST_DELICATE: f64 = 0.05;
 
 impl Random {
-    /// A whole number below `count`.
+    /// Random whole number below `count`.
     pub(super) fn below(&mut self, count: usize) -> usize {
         (self.between(0.0, count as f64) as usize).min(count - 1)
     }
 
-    /// Evenly in the logarithm.
+    /// Random number, uniform in its logarithm.
     pub(super) fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
@@ -37,7 +40,7 @@ impl Random {
         turned(self.between(0.0, TAU), [1.0, 0.0])
     }
 
-    /// A body around the origin: half of its extent, a length for its facets, the range of its modulus.
+    /// A body around the origin with half its extent, the length of its facets and the range of its modulus.
     pub(super) fn body(&mut self, radius: f64, facet: f64, moduli: [f64; 2]) -> Body {
         let along = |extent: f64| ((extent / facet).round() as usize).clamp(1, 24);
         let shape = match self.below(5) {
@@ -55,7 +58,7 @@ impl Random {
                 Shape::Ring { radii: [inner, radius], cells: [along(radius - inner).clamp(1, 4), around] }
             }
             3 => {
-                // Even angles between the corners, each shifted by up to a third of them: convex on the circle.
+                // Equal angles between the corners, each shifted by up to a third: the polygon on the circle is convex.
                 let count = 3 + self.below(5);
                 let corner = |k: usize| turned(TAU / count as f64 * (k as f64 + self.between(-0.3, 0.3)), [radius, 0.0]);
                 Shape::Polygon { corners: (0..count).map(corner).collect(), size: facet.max(0.12 * radius) }
@@ -81,7 +84,7 @@ impl Random {
 impl Scene {
     /// The scene of a seed, with the first method and rule.
     pub fn random(seed: u64) -> Scene {
-        // Spread over the numbers, since neighboring seeds of a linear congruence begin alike.
+        // Neighboring seeds of a linear congruential generator give similar first numbers; the product spreads them.
         let mut random = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(2007));
         random.below(7);
         let lot = random.between(0.0, 1.0);
@@ -115,7 +118,7 @@ impl Scene {
     }
 }
 
-/// A scene in the making.
+/// Scene under construction.
 struct Draft {
     random: Random,
     scene: Scene,
@@ -170,7 +173,7 @@ impl Draft {
         }
     }
 
-    /// Half of a body's extent, and a length for its facets.
+    /// Half the extent of a body, and the length of its facets.
     fn size(&mut self) -> (f64, f64) {
         let radius = self.random.between(0.3, 0.8);
         (radius, radius * self.random.between(0.2, 0.5))
@@ -189,13 +192,13 @@ impl Draft {
         self.scene.bodies.push(body);
     }
 
-    /// Distance from all that is there.
+    /// Distance from all bodies and walls so far.
     fn clearance(&self, outline: &Outline) -> f64 {
         let bodies = self.outlines.iter().map(|other| outline.clearance(other));
         bodies.chain(self.scene.walls.iter().map(|wall| wall.clearance(outline))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Lets a body come from a place along a direction until it is at a clearance from something.
+    /// Moves a body from a place along a direction until it reaches a clearance from another object.
     fn fly_in(&mut self, body: Body, start: Point, direction: Point, clearance: f64) {
         let outline = body.outline().expect("generated shapes can be meshed");
         let mut traveled = 0.0;
@@ -209,7 +212,7 @@ impl Draft {
         self.put(body, add(start, scaled(traveled, direction)));
     }
 
-    /// Least and largest coordinates of all bodies.
+    /// Smallest and largest coordinates of all bodies.
     fn bounds(&self) -> [Point; 2] {
         let corners: Vec<_> = self.outlines.iter().flat_map(Outline::corners).map(|x| [x, x]).collect();
         Outline::new(corners).bounds
@@ -227,7 +230,7 @@ impl Draft {
     fn enclose(&mut self) {
         let (center, radius) = self.circle();
         let around = 16 + self.random.below(33);
-        // The chords of the inner side come nearer than its nodes.
+        // The chords of the inner side are nearer to the center than its nodes.
         let inner = (radius + self.random.between(0.02, 0.2)) / (0.5 * TAU / around as f64).cos();
         let outer = inner * self.random.between(1.15, 1.5);
         let mut body = self.body(1.0, 0.5);
@@ -244,7 +247,7 @@ impl Draft {
         }
     }
 
-    /// Something to fall on, and what falls.
+    /// Adds a wall and the bodies that fall on it.
     fn drop_on_ground(&mut self) {
         let ground = match self.random.below(4) {
             0 => Wall::Plane { point: [0.0; 2], normal: [0.0, 1.0] },
@@ -268,14 +271,14 @@ impl Draft {
             let (radius, facet) = self.size();
             let body = self.body(radius, facet);
             let (x, clearance) = (self.random.between(-0.6, 0.6), facet * self.random.between(0.05, 1.5));
-            // No body may miss the disk, so that the way down ends.
+            // Every body meets the disk, so that no body falls forever.
             let x = if matches!(self.scene.walls[0], Wall::Disk { .. }) { 0.3 * x } else { x };
             self.fly_in(body, [x, 20.0], [0.0, -1.0], clearance);
         }
         self.weigh();
     }
 
-    /// Gravity with which a body that falls by one reaches a random share of the wave speed.
+    /// Gravity with which a body that falls by one reaches a random fraction of the wave speed.
     fn weigh(&mut self) {
         let speed = self.slowest() * self.random.magnitude(0.01, 0.15);
         self.scene.gravity = [0.0, -0.5 * speed * speed];
@@ -308,7 +311,7 @@ impl Draft {
         self.scene.bodies.iter().map(Body::wave_speed).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the scene holds a law or a shape that does not bear a strong impact.
+    /// True if the scene has a law or a shape that is unsuitable for a strong impact.
     fn is_delicate(&self) -> bool {
         let delicate = |body: &Body| body.law == "saint_venant_kirchhoff" || matches!(body.shape, Shape::Ring { .. });
         self.scene.bodies.iter().any(delicate)
@@ -346,7 +349,7 @@ impl Draft {
         }
     }
 
-    /// The fastest relative motion takes a random share of the smallest facet per step.
+    /// Step size with which the fastest relative motion is a random fraction of the smallest facet per step.
     fn choose_step(&mut self) {
         let facet = self.outlines.iter().map(Outline::shortest).fold(f64::INFINITY, f64::min);
         let extent = |k: usize| 0.5 * length(subtract(self.outlines[k].bounds[1], self.outlines[k].bounds[0]));

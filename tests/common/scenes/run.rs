@@ -1,4 +1,4 @@
-//! A scene taken through time, and what the oracles say about every nominal step.
+//! Run of a scene, with the evaluation of the oracles after every nominal step.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -9,52 +9,53 @@ use super::Scene;
 use super::geometry::{length, subtract};
 use super::oracle::{Depth, Oracle, Sums};
 
-/// Energy that may be gained, over the energy scale: two hundred steps of Newton's tolerance of 1e-13, and round-off of positions.
+/// Largest gain of energy over the energy scale: two hundred steps with Newton's tolerance of 1e-13, and round-off of positions.
 pub const GAIN: f64 = 1e-10;
 
-/// Shear beyond what friction bears of the pressure, over the largest that it has borne by then.
+/// Largest excess of shear over the friction limit, over the largest limit so far.
 pub const CONE: f64 = 1e-9;
 
-/// Defect of the ledger in one step, over the energy scale.
+/// Largest energy defect of a step, over the energy scale.
 pub const DEFECT: f64 = 1e-11;
 
-/// Change of the momenta over a whole run, over their scales, where nothing acts from outside.
+/// Largest change of the momenta over a whole run without external forces, over their scales.
 pub const MOMENTUM: f64 = 1e-10;
 
-/// Difference between the ledger's energy and ours, over the energy scale: both sum some hundred terms of the same positions.
+/// Difference between the energies of the ledger and of the oracle, over the energy scale: both sum some hundred terms of the same
+/// positions.
 pub const DISAGREEMENT: f64 = 1e-12;
 
-/// Depth of a node and of crossing facets, over the coarser facet.
+/// Largest penetration of a node and of crossing facets, over the coarser facet.
 pub const DEPTH: f64 = 0.1;
 
-/// Iterations, those of refused steps included, after which a run is given up: thirty in the mean of two hundred steps.
+/// Number of iterations, including refused steps, after which a run is abandoned: a mean of thirty in two hundred steps.
 const ITERATIONS: usize = 6000;
 
-/// What can be wrong with a run.
+/// Kinds of faults of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fault {
     /// The model was refused, a step failed, or the code panicked.
     Failed,
-    /// A cell of a Saint Venant-Kirchhoff body turned inside out: under strong compression that law has no more resistance, and the scene
-    /// no solution. Not a fault of contact.
+    /// A cell of a Saint Venant-Kirchhoff body is inverted: in strong compression this law loses its stiffness, and the scene has no
+    /// solution. This is no fault of contact.
     Crushed,
-    /// Given up because of its many iterations.
+    /// The run was abandoned because of its many iterations.
     Slow,
-    /// Energy has grown: above the least of the steps before, with the `velocity` rule (which keeps some for later) above the most.
+    /// The energy has grown: above the smallest value so far, with the rule `velocity` (which stores impact energy) above the largest.
     Gained,
-    /// Friction has given energy.
+    /// Friction has created energy.
     Rubbed,
-    /// Friction holds more than it can.
+    /// The friction force exceeds its limit.
     Cone,
     /// The ledger does not close.
     Defect,
-    /// Momentum or angular momentum has changed, though nothing acts from outside.
+    /// Linear or angular momentum has changed without external forces.
     Momentum,
-    /// The ledger's energy is not ours.
+    /// The energies of the ledger and of the oracle differ.
     Ledger,
-    /// A node is too deep, or facets cross too far.
+    /// The penetration of a node or of crossing facets is too large.
     Deep,
-    /// An open contact keeps energy, or presses.
+    /// An open contact stores energy, or has a force.
     Apart,
 }
 
@@ -90,21 +91,21 @@ impl Fault {
     }
 }
 
-/// A fault of a run: where it was first seen, and how bad it became.
+/// A fault of a run with its first occurrence and its largest value.
 #[derive(Clone, Debug)]
 pub struct Finding {
     pub fault: Fault,
-    /// The nominal step that showed it first.
+    /// Nominal step of the first occurrence.
     pub first: usize,
-    /// The one that showed it most.
+    /// Nominal step of the largest value.
     pub worst_step: usize,
-    /// Its largest value.
+    /// Largest value.
     pub worst: f64,
-    /// The error, or the place.
+    /// Error, or place.
     pub text: String,
 }
 
-/// A nominal step in numbers; energies over the energy scale.
+/// Figures of a nominal step; energies over the energy scale.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     pub step: usize,
@@ -112,46 +113,46 @@ pub struct Record {
     pub sums: Sums,
     /// Change of the total energy since the start.
     pub change: f64,
-    /// What has been gained by now.
+    /// Energy gained so far.
     pub gain: f64,
-    /// Largest defect of the ledger's rows.
+    /// Largest defect of the rows of the ledger.
     pub defect: f64,
-    /// Change of both momenta since the start, over their scales.
+    /// Change of linear and angular momentum since the start, over their scales.
     pub momentum: f64,
-    /// Difference between the ledger's energy and ours.
+    /// Difference between the energies of the ledger and of the oracle.
     pub disagreement: f64,
     pub depth: Depth,
     pub crossing: Depth,
-    /// What closed contacts keep in reserve, as the ledger says.
+    /// Stored impact energy of closed contacts, from the ledger.
     pub reserve: f64,
-    /// Largest work of friction of a piece: it must not be positive.
+    /// Largest friction work of a substep, which must not be positive.
     pub rubbed: f64,
-    /// Shear of a row beyond what friction bears, over the largest by now.
+    /// Excess of the shear of a constraint over the friction limit, over the largest limit so far.
     pub cone: f64,
-    /// What contact has lost since the start, as the ledger says.
+    /// Energy dissipated by contact since the start, from the ledger.
     pub lost: f64,
-    /// Reserve kept at the end of a piece at which no contact is closed.
+    /// Stored impact energy at the end of a substep at which no contact is closed.
     pub kept_open: f64,
-    /// Largest force of a contact in a piece at whose start and end it is open, over the largest of any contact.
+    /// Largest force of a contact in a substep at whose start and end it is open, over the largest force of any contact.
     pub across: f64,
-    /// Largest penetration that the ledger reports.
+    /// Largest penetration in the ledger.
     pub reported: f64,
     pub iterations: usize,
     pub halvings: usize,
     pub active: usize,
 }
 
-/// A run in numbers.
+/// Figures of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
     pub findings: Vec<Finding>,
-    /// Nominal steps that were taken.
+    /// Number of nominal steps taken.
     pub steps: usize,
-    /// Accepted pieces.
+    /// Number of accepted substeps.
     pub pieces: usize,
     pub iterations: usize,
     pub halvings: usize,
-    /// Steps that ended in contact.
+    /// Number of steps that ended in contact.
     pub touching: usize,
     pub cells: usize,
     /// Largest values of the run.
@@ -163,9 +164,9 @@ pub struct Outcome {
     pub disagreement: f64,
     pub depth: f64,
     pub crossing: f64,
-    /// Largest difference between the reported penetration and the depth from positions, over a facet.
+    /// Largest difference between the reported penetration and that from positions, over a facet.
     pub misread: f64,
-    /// What contact has lost.
+    /// Energy dissipated by contact.
     pub lost: f64,
 }
 
@@ -174,7 +175,7 @@ impl Outcome {
         self.findings.iter().any(|finding| finding.fault == fault)
     }
 
-    /// The depth that counts.
+    /// Largest penetration of nodes and of crossing facets.
     pub fn deepest(&self) -> f64 {
         self.depth.max(self.crossing)
     }
@@ -193,7 +194,7 @@ impl Outcome {
         self.find(Fault::Failed, step, f64::INFINITY, text);
     }
 
-    /// Takes a step in and judges it.
+    /// Adds a step and judges it.
     fn add(&mut self, record: &Record) {
         let step = record.step;
         self.steps = step;
@@ -225,7 +226,7 @@ impl Outcome {
     }
 }
 
-/// What energies and momenta of a scene are compared with.
+/// Scales of energies and momenta of a scene.
 #[derive(Clone, Copy, Debug)]
 struct Scales {
     energy: f64,
@@ -234,19 +235,20 @@ struct Scales {
 }
 
 impl Scales {
-    /// Kinetic energy at the start and a fall through the height of the scene, and the momenta of all mass with that energy.
+    /// Scales: the kinetic energy at the start plus the energy of a fall through the height of the scene, and the momentum of the total
+    /// mass with this energy.
     fn new(scene: &Scene, oracle: &Oracle, start: &Sums) -> Scales {
         let (mass, gravity) = (oracle.mass(), scene.gravity_size());
         let height = if gravity > 0.0 { oracle.extent(scene.gravity.map(|g| g / gravity)) } else { 0.0 };
         let energy = start.kinetic + mass * gravity * height;
-        // A scene without energy stays as it is; whatever it gains is too much.
+        // A scene without energy stays at rest; any gain is too much.
         let energy = if energy > 0.0 { energy } else { f64::MIN_POSITIVE };
         let momentum = (2.0 * mass * energy).sqrt();
         Scales { energy, momentum, angular_momentum: momentum * oracle.reach() }
     }
 }
 
-/// Takes a scene through all its steps, or to its failure; `watch` sees every nominal step. Nothing panics: what does, is a finding.
+/// Runs a scene to its end or to its failure; `watch` is called with every nominal step. A panic is a finding.
 pub fn run(scene: &Scene, watch: &mut dyn FnMut(&Record)) -> Outcome {
     let mut outcome = Outcome::default();
     if let Err(payload) = catch_unwind(AssertUnwindSafe(|| take(scene, &mut outcome, watch))) {
@@ -265,15 +267,15 @@ pub fn simulate(scene: &Scene) -> Result<Simulation, String> {
     simulate_with_reach(scene, 1.0)
 }
 
-/// A simulation of the scene in which the search for contact reaches farther.
+/// Simulation of the scene with a larger search horizon of contact.
 fn simulate_with_reach(scene: &Scene, reach: f64) -> Result<Simulation, String> {
     let model = scene.model().map_err(|error| error.to_string())?;
     let options = Options { reach, ..Options::new(&ENERGY_MOMENTUM, scene.dt) };
     Simulation::new(&model, options).map_err(|error| error.to_string())
 }
 
-/// The first step of a scene whose positions, velocities or rows of the ledger are not the same bytes when the search for contact reaches
-/// `reach` times as far; a step that fails has its error.
+/// First step in which positions, velocities or rows of the ledger change a byte if the search horizon of contact is `reach` times as
+/// large; a failed step is compared by its error.
 ///
 /// # Errors
 /// What the kernels say about the model.
@@ -310,10 +312,10 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
     let scales = Scales::new(scene, &oracle, &start);
     let is_alone = scene.walls.is_empty() && scene.gravity_size() == 0.0;
     let offset = start.total() - sim.row().total();
-    // The energy that must not be exceeded.
+    // Largest permitted energy.
     let mut bound = start.total();
-    // Of each contact whether it was closed at the end of the piece before; what all have lost; the largest force of one; the largest
-    // shear that friction could bear.
+    // State of each contact at the end of the previous substep; energy dissipated so far; largest force of a contact; largest friction
+    // limit.
     let (mut was_closed, mut lost, mut force, mut borne) = (Vec::new(), 0.0, 0.0f64, 0.0f64);
     for step in 1..=scene.steps {
         let mut record = Record { step, ..Record::default() };
@@ -355,7 +357,7 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
         record.change = (total - start.total()) / scales.energy;
         record.gain = (total - bound) / scales.energy;
         bound = if scene.rule == &VELOCITY { bound.max(total) } else { bound.min(total) };
-        // What closed contacts keep in reserve is no energy of the bodies.
+        // The stored impact energy is not part of the energy of the bodies.
         record.disagreement = (total - (row.total() - row.reserve) - offset).abs() / scales.energy;
         if is_alone {
             let linear = length(subtract(record.sums.momentum, start.momentum)) / scales.momentum;
@@ -370,13 +372,13 @@ fn take(scene: &Scene, outcome: &mut Outcome, watch: &mut dyn FnMut(&Record)) {
     }
 }
 
-/// Whether the last step failed because a cell turned inside out whose law lets it.
+/// True if the last step failed because a cell of a law that permits it was inverted.
 fn is_crushed(scene: &Scene, sim: &Simulation) -> bool {
     let Some(FailureCause::InvertedCell { body, .. }) = sim.failure().map(|report| &report.cause) else { return false };
     scene.bodies.iter().enumerate().any(|(k, other)| *body == format!("body {k}") && other.law == "saint_venant_kirchhoff")
 }
 
-/// The larger number, or the one that is none.
+/// The larger number; NaN if one is NaN.
 fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }

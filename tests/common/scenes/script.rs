@@ -6,7 +6,7 @@ use super::geometry::Point;
 use super::{Body, Scene, Shape, Wall};
 
 impl Scene {
-    /// The scene as a script that runs it and prints what became of its energy. Of mirrored bodies it has the original shape.
+    /// The scene as a script that runs it and prints the change of its energy. Mirrored bodies have the original shape.
     pub fn script(&self) -> String {
         let mut text =
             format!("// Scene {} ({:?}): what `cargo run --release --example scenes` found, as a script.\n", self.seed, self.kind);

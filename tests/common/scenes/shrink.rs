@@ -1,9 +1,12 @@
-//! A failing scene made smaller, as long as it keeps failing in the same way.
+//! Reduction of a failing scene that keeps the kind of its failure.
 
 use super::run::{Fault, run};
 use super::{Scene, Shape};
 
-/// The smallest scene that was found with that fault, by taking things away one by one until nothing more can go.
+/// Smallest scene found with a fault, by removing parts one by one.
+///
+/// The reduced scene is about as bad as the original: at least half the penetration, a hundredth of the gained or lost energy, so that the
+/// reduction does not end at a scene that only just exceeds the limit. The scene ends with its worst step.
 ///
 /// What is left is about as bad as the original: half as deep, and a hundredth of what it gains or lacks, so that it does not end at a
 /// scene that only just crosses the limit. It ends with its worst step.
@@ -25,12 +28,12 @@ pub fn shrink(scene: &Scene, fault: Fault, told: &mut dyn FnMut(&str)) -> Scene 
     }
 }
 
-/// Whether anything moves at all.
+/// True if a body of the scene moves.
 fn moves(scene: &Scene) -> bool {
     scene.gravity_size() > 0.0 || scene.bodies.iter().any(|body| body.velocity != [0.0; 2] || body.spin != 0.0)
 }
 
-/// Scenes with one thing less.
+/// Scenes with one part removed.
 fn candidates(scene: &Scene) -> Vec<(String, Scene)> {
     let mut candidates: Vec<(String, Scene)> = Vec::new();
     let mut offer = |what: String, change: &dyn Fn(&mut Scene)| {
@@ -58,7 +61,7 @@ fn candidates(scene: &Scene) -> Vec<(String, Scene)> {
     candidates
 }
 
-/// Fewer cells of the same shape.
+/// Reduces the number of cells of a shape.
 fn coarsen(shape: &mut Shape) {
     match shape {
         Shape::Rectangle { cells, .. } => *cells = cells.map(|count| count.div_ceil(2)),

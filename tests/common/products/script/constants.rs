@@ -1,10 +1,10 @@
 //! Constants of obstacles and friction laws.
 
-/// Horizontal place, x and z, of the tops and tips of obstacles: beside the nodes and planes of symmetry of the bodies, where round-off
-/// would decide to which side a body slides off.
+/// Horizontal place, x and z, of the tops and tips of obstacles: away from nodes and planes of symmetry of the bodies, where round-off
+/// would decide on which side a body slides off.
 pub const TOP: [f64; 2] = [1.04, 0.53];
 
-/// The constants of an obstacle at rest, with its top at [`TOP`].
+/// Constants of an obstacle at rest with its top at [`TOP`].
 pub fn obstacle(name: &str) -> Option<&'static str> {
     Some(match name {
         "rigid_plane" => "point: [1.0, 0.0@], normal: [0.0, 1.0@]",

@@ -50,7 +50,7 @@ impl Writer<'_> {
         self.line(&text);
     }
 
-    /// A cell from a corner on, for a rigid body beside the model.
+    /// A cell with a corner at a point, for a rigid body beside the model.
     fn block(&self, [x, y]: [f64; 2]) -> String {
         if self.is_plane {
             format!("rectangle(#{{ size: [0.4, 0.4], cells: [1, 1], origin: [{x:?}, {y:?}] }})")
@@ -59,7 +59,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The point of the joint at rest.
+    /// Initial position of the joint.
     pub fn joint_point(&self) -> [f64; 3] {
         if self.is_round() { [MIDDLE - RADII[1], self.gap + RADII[1], 0.5] } else { [LEFT, self.gap + 0.5 * SIZE[1], 0.1] }
     }
@@ -145,7 +145,7 @@ impl Writer<'_> {
             self.line(&text);
         }
         if rests(self.product) {
-            // What is asked to rest is held.
+            // A task at rest needs supports.
             match row {
                 "fix" | "prescribe_angle" => {}
                 "prescribe" => {
