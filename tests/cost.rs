@@ -1,18 +1,19 @@
-//! What a run costs in counts that do not depend on the machine's speed, against a record: a change that makes the program slower shows
-//! here even where times cannot be trusted.
+//! Cost of a run in counts that do not depend on the speed of the machine, compared with a record: a change that makes the program slower
+//! is found even if times are unreliable.
 //!
-//! Counted on the bearing (refine 1, 30 steps after `settle`): Newton iterations, assemblies, structures, operations of the factorisations,
-//! allocations per step, bytes that a kept state takes beside its neighbors; the solver's operations and memory on larger meshes; for every
-//! cell kind bytes of a cell and allocations of an assembly; for every contact method patches of a row, bytes of a patch and allocations of
-//! an evaluation. A count may be off by a tenth.
-//! `tests/cost.txt` holds the record. It ratchets: a gain that is not written down fails, too, or it could be lost again unseen. Where a
-//! change is meant, the record is renewed by
+//! The counts of the bearing (refine 1, 30 steps after `settle`) are Newton iterations, assemblies, structures, operations of the
+//! factorizations, allocations per step, and bytes of a stored state beside its neighbors. Further counts are operations and memory of the
+//! solver on larger meshes; for every cell kind bytes of a cell and allocations of an assembly; for every contact method contact elements
+//! of a constraint, bytes of an element and allocations of an evaluation.
+//!
+//! A count may differ by a tenth from the record in `tests/cost.txt`. An improvement fails, too, until it is recorded, so that it cannot be
+//! lost unnoticed. If a change is intended, the record is renewed by
 //!
 //! ```text
 //! CONSERVA_RENEW_COST="why it changed" cargo test --release --test cost
 //! ```
 //!
-//! which writes the counts and adds the note. Not counted: instructions, and what the operating system does.
+//! which writes the counts and adds the note. Not counted are instructions and the work of the operating system.
 
 mod common;
 
@@ -32,10 +33,10 @@ use conserva::materials::NeoHookean;
 use conserva::math::workers::Workers;
 use conserva::mesh::{Mesh, block, rectangle, ring};
 
-/// Growth or shrinkage of a count that needs no note: round-off differs between processors, and with it an iteration now and then.
+/// Factor of a count that needs no note: round-off differs between processors, and thus the number of iterations.
 const ALLOWED: f64 = 1.1;
 
-/// Counts what is asked of the system's allocator.
+/// Allocator that counts calls and bytes.
 struct Counting;
 
 static CALLS: AtomicU64 = AtomicU64::new(0);
@@ -61,7 +62,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The bearing after `settle`; at every size a step slides by the same part of a facet.
+/// The bearing after `settle`; at every size a step slides by the same fraction of a facet.
 fn bearing(refine: usize) -> Simulation {
     let mut builder = Builder::default();
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
@@ -76,7 +77,7 @@ fn bearing(refine: usize) -> Simulation {
     sim
 }
 
-/// What some work asks of the allocator: calls and bytes.
+/// Calls and bytes that some work allocates.
 fn allocated<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
     let (calls, bytes) = (CALLS.load(Ordering::Relaxed), BYTES.load(Ordering::Relaxed));
     let result = work();
@@ -84,7 +85,7 @@ fn allocated<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
     (result, calls as f64, bytes as f64)
 }
 
-/// Bytes that the element loop and its part of the matrix take for each cell, and allocations of an assembly.
+/// Bytes per cell of the element loop and its part of the matrix, and allocations of an assembly.
 fn count_cells<const D: usize>(kind: CellKind, mesh: &Mesh, count: &mut impl FnMut(&str, f64))
 where
     Space<D>: Elements<D>,
@@ -112,8 +113,8 @@ where
     count(&format!("allocations_per_assembly_{}", kind.name()), calls);
 }
 
-/// Patches that a contact method lists for each constraint where two rings lie in one another, bytes that each takes, and allocations of
-/// an evaluation when room for its results has been made.
+/// Contact elements per constraint of a contact method for two nested rings, bytes of an element, and allocations of an evaluation after
+/// its buffers exist.
 fn count_patches(name: &str, kernel: &mut dyn ContactKernel, q: &[f64], count: &mut impl FnMut(&str, f64)) {
     let mut out = Evaluation::default();
     let lambda = vec![1.0; kernel.rows()];

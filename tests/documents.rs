@@ -1,4 +1,4 @@
-//! Documents: every link leads somewhere, every script runs, the site has every page, and words of the field find their page.
+//! Documents: links have targets, scripts run, the site has every page, and terms of the field are in the glossary or in a heading.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ fn without_code(text: &str) -> String {
 
 /// Targets of the links of a text.
 fn links(text: &str) -> Vec<String> {
-    // Code in the name of a link is no code of its target.
+    // Code in the name of a link is not part of its target.
     let mut found = Vec::new();
     let prose: String = text.split("\n```").step_by(2).collect::<Vec<_>>().join("\n");
     for rest in prose.split("](").skip(1) {
@@ -65,7 +65,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
     found
 }
 
-/// Links of a document that lead nowhere.
+/// Links of a document without a target.
 fn broken(path: &Path, text: &str, documents: &BTreeMap<PathBuf, String>) -> Vec<String> {
     let is_broken = |target: &String| {
         let (file, anchor) = target.split_once('#').map_or((target.as_str(), None), |(file, anchor)| (file, Some(anchor)));
@@ -145,7 +145,7 @@ fn every_script_runs() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Words of the field, as people of other programs write them.
+/// Terms of the field and of other programs.
 const WORDS: [&str; 64] = [
     "abaqus",
     "amplitude",
@@ -213,7 +213,7 @@ const WORDS: [&str; 64] = [
     "weak form",
 ];
 
-/// Pages on which a word stands: as a word of the glossary, with the page named there, or else in a heading.
+/// Pages for a term: the page named in the glossary, or pages with the term in a heading.
 fn pages_of(word: &str, documents: &BTreeMap<PathBuf, String>) -> Vec<String> {
     let word = word.to_lowercase();
     let glossary = &documents[&repository().join("docs/glossary.md")];

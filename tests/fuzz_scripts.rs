@@ -18,12 +18,12 @@ mod splitmix;
 use conserva::script::{Class, Diagnostic, Ink, Interactive, Kind, Mode, Observer, Parameter, Progress, Session, Settings};
 use splitmix::SplitMix;
 
-/// Time after which a script is asked to stop, as by Ctrl-C, and time after which it should have.
+/// Time after which a script is interrupted, as by Ctrl-C.
 const PATIENCE: Duration = Duration::from_millis(400);
 const HANG: Duration = Duration::from_secs(60);
-/// Time that a script may take to stop; it is kept where it takes longer, because a busy machine is slow, too.
+/// Time that a script may take to stop; scripts that take longer are stored, because the machine may be busy.
 const STOPPED: Duration = Duration::from_secs(1);
-/// Operations of a script: no example needs a hundredth of it.
+/// Limit of operations of a script: no example needs a hundredth of it.
 const OPERATIONS: u64 = 300_000;
 
 /// An observer that draws every message, because drawing may fail, too.
@@ -40,7 +40,7 @@ impl Observer for Drawing {
     fn ended(&self) {}
 }
 
-/// A text in words, numbers, strings, signs and white space.
+/// Splits a text into words, numbers, strings, signs and white space.
 fn tokens(text: &str) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut letters = text.chars().peekable();
@@ -72,7 +72,7 @@ fn tokens(text: &str) -> Vec<String> {
     found
 }
 
-/// Values that seldom mean anything.
+/// Unusual values in place of a number.
 const NUMBERS: &[&str] = &[
     "0",
     "-1",
@@ -172,7 +172,7 @@ const WORDS: &[&str] = &[
     "ans",
 ];
 
-/// What mutations draw from.
+/// Scripts and names that mutations use.
 struct Corpus {
     scripts: Vec<String>,
     names: Vec<String>,
@@ -204,7 +204,7 @@ impl Corpus {
         for folder in ["scripts", "tests/scripts", "tests/errors/cases"] {
             read_scripts(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut scripts);
         }
-        // Examples are short and many: as often as the files.
+        // Examples are short and many; together they have the same weight as the files.
         scripts.extend(registry.functions().iter().map(|function| function.example.to_string()));
         Corpus { scripts, names }
     }
@@ -257,7 +257,7 @@ impl Corpus {
             }
             8 => parts.insert(at, random.pick(SIGNS).to_string()),
             _ => {
-                // A piece of another script, between whole lines or not.
+                // Part of another script, at line ends or not.
                 let other = tokens(random.pick(&self.scripts).as_str());
                 let from = random.below(other.len());
                 let until = (from + 1 + random.below(20)).min(other.len());
@@ -276,7 +276,7 @@ fn names_of(parameter: &Parameter) -> Vec<String> {
     [vec![parameter.name.to_string()], inner].concat()
 }
 
-/// What a script is tried as.
+/// Runs a script, or enters it at the prompt.
 fn run(script: &str, random: &mut SplitMix, folder: &Path, interrupt: &Arc<AtomicBool>) -> Option<Diagnostic> {
     let settings = Settings {
         mode: if random.below(8) == 0 { Mode::Check } else { Mode::Run },
@@ -293,7 +293,7 @@ fn run(script: &str, random: &mut SplitMix, folder: &Path, interrupt: &Arc<Atomi
     }
     let mut session = Interactive::new(Settings { mode: Mode::Run, interactive: true, ..settings }, &home, Rc::new(Drawing)).unwrap();
     let mut worst = None;
-    // Some lines at a time, and what is asked while they are typed.
+    // Several lines at a time, with completions between them.
     let lines: Vec<&str> = script.lines().collect();
     for entry in lines.chunks(1 + random.below(12)) {
         let entry = entry.join("\n");
@@ -314,7 +314,7 @@ fn run(script: &str, random: &mut SplitMix, folder: &Path, interrupt: &Arc<Atomi
     worst.or(session.finish().error)
 }
 
-/// What the watchman looks at.
+/// State that the watching thread reads.
 struct Watch {
     begun: Mutex<Instant>,
     interrupt: Arc<AtomicBool>,
@@ -323,7 +323,7 @@ struct Watch {
     seed: AtomicU64,
 }
 
-/// Stops scripts that take long; ends the process when one does not stop.
+/// Interrupts scripts after [`PATIENCE`]; ends the process if a script does not stop.
 fn watch(watch: &Watch) {
     while !watch.is_over.load(Ordering::Relaxed) {
         std::thread::sleep(Duration::from_millis(20));
@@ -338,7 +338,7 @@ fn watch(watch: &Watch) {
     }
 }
 
-/// Runs scripts of consecutive seeds until time is up; the scripts that made the program panic.
+/// Runs scripts of consecutive seeds until the time is up; returns those that caused a panic.
 fn fuzz(first_seed: u64, time: Duration, name: &str) -> Result<u64, String> {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("fuzz-{name}"));
     let home = folder.join("home");

@@ -1,4 +1,4 @@
-//! The gallery is complete: every scenario and tutorial stands in it with a picture, and no picture is left over.
+//! Completeness of the gallery: every scenario and tutorial has a picture in it, and there are no other pictures.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn files(folder: &Path) -> BTreeSet<String> {
     std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
 }
 
-/// What stands in parentheses after `](` and begins with a word.
+/// Texts in parentheses after `](` that begin with `beginning`.
 fn links(page: &str, beginning: &str) -> BTreeSet<String> {
     page.split("](").skip(1).filter_map(|rest| rest.split(')').next()?.strip_prefix(beginning)).map(String::from).collect()
 }
@@ -40,7 +40,7 @@ fn every_script_stands_in_the_gallery_with_a_picture() {
     }
 }
 
-/// The words beside a picture are those with which the script begins.
+/// The text beside a picture equals the first comment of the script.
 #[test]
 fn the_gallery_says_what_the_scripts_say() {
     let page = std::fs::read_to_string(repository().join("docs/gallery.md")).unwrap();

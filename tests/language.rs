@@ -1,4 +1,4 @@
-//! The language from outside: every function with a working example, modules, closures, states, parameters, and what `check` says.
+//! The language as a library: working examples of every function, modules, closures, states, parameters, and the output of `check`.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ impl Observer for Recorder {
     fn ended(&self) {}
 }
 
-/// A folder of its own for a test.
+/// New folder for a test.
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("language-{name}"));
     let _ = std::fs::remove_dir_all(&folder);
@@ -34,7 +34,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Runs a script with settings in a folder: what it printed, what it was warned of, how it ended.
+/// Runs a script with settings in a folder; returns printed lines, warnings, and the report.
 fn run_in(folder: &Path, text: &str, settings: Settings) -> (Vec<String>, Vec<String>, Report) {
     let script = folder.join("main.rhai");
     std::fs::write(&script, text).unwrap();
@@ -45,7 +45,7 @@ fn run_in(folder: &Path, text: &str, settings: Settings) -> (Vec<String>, Vec<St
     (recorder.lines.take(), recorder.warnings.take(), report)
 }
 
-/// Runs a script that must not fail: what it printed.
+/// Runs a script that must not fail; returns printed lines.
 fn run(name: &str, text: &str) -> Vec<String> {
     let (lines, _, report) = run_in(&folder(name), text, Settings::default());
     assert!(report.error.is_none(), "{}", report.error.unwrap().render(Ink::Plain));
@@ -177,7 +177,7 @@ fn parameters_come_from_outside() {
     assert_eq!(run_in(&home, text, Settings::default()).0, ["3.0", "a"]);
     assert_eq!(run_in(&home, text, set("n", "4")).0, ["6.0", "a"]);
     assert_eq!(run_in(&home, text, set("name", "a b")).0, ["3.0", "a b"]);
-    // An unknown name is refused before a long computation begins.
+    // An unknown name is refused before a long computation.
     let late = flight("print(\"never\"); let dt = param(\"dt\", 1.0);").replace("let sim", "param(\"known\", 1); let sim");
     let (lines, _, report) = run_in(&home, &late, set("unknown", "1"));
     assert!(lines.is_empty());
@@ -190,13 +190,13 @@ fn a_parameter_may_be_asked_for_after_the_simulation() {
     let run = |text: &str| run_in(&home, text, Settings { overrides: vec![("late".into(), "1".into())], ..Settings::default() });
     let (lines, _, report) = run(&flight("print(param(\"late\", 2));"));
     assert!(report.error.is_none() && lines == ["1"], "{lines:?}");
-    // The name is computed, or the call stands in a module that is imported later.
+    // The name is computed at run time, or the call is in a module that is imported later.
     let (lines, _, report) = run(&flight("let name = \"la\" + \"te\"; print(param(name, 2));"));
     assert!(report.error.is_none() && lines == ["1"], "{lines:?}");
     std::fs::write(home.join("asks.rhai"), "fn late() { param(\"late\", 2) }").unwrap();
     let (lines, _, report) = run(&flight("import \"asks\" as asks; print(asks::late());"));
     assert!(report.error.is_none() && lines == ["1"], "{lines:?}");
-    // A call that is not reached has its place; `check` does not run so far and says nothing of it.
+    // A call that is not reached still counts as a place of the parameter; `check` stops earlier and does not report it.
     let text = flight("if sim.time > 9.0 { param(\"late\", 2); }");
     let error = run(&text).2.error.unwrap();
     assert!(error.title.contains("ended before the script asked for `late`") && error.place.is_some(), "{}", error.title);
@@ -222,7 +222,7 @@ fn check_lists_everything_and_takes_no_step() {
     assert!(report.error.is_none());
     assert!(report.findings.last().unwrap().contains("the script uses `energy`"), "{:?}", report.findings);
 
-    // What `settle` gives is a result, too.
+    // The result of `settle` counts as a result, too.
     let text = flight("let settled = sim.settle();\nprint(settled.strain);\nnonsense();");
     let (_, _, report) = run_in(&home, &text, settings());
     assert!(report.error.is_none(), "{:?}", report.error);
@@ -351,7 +351,7 @@ fn a_loop_of_pushes_takes_time_as_it_has_pushes_and_keeps_the_limits() {
         "pushes",
         "fn filled() { let l = []; for i in 0..400000 { l.push(`entry`); } l } let l = filled(); for i in 0..400000 { l.push(i); }",
     );
-    // Measured again after every push, this takes minutes.
+    // Measuring all values after every push would take minutes.
     assert!(begun.elapsed().as_secs() < 10, "{:?}", begun.elapsed());
     for bomb in [
         "let big = []; big.pad(100000, 1); let l = []; loop { l.push(big); }",
@@ -363,7 +363,7 @@ fn a_loop_of_pushes_takes_time_as_it_has_pushes_and_keeps_the_limits() {
     }
 }
 
-/// Points that print, warn, check, fail and run simulations, aside and inside of one another.
+/// Points that print, warn, check, fail and run simulations, in parallel and nested.
 const STUDY: &str = r#"
 fn flight(speed) {
     let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });

@@ -1,4 +1,4 @@
-//! The language server, by a client that speaks its protocol: messages, completion, help, definitions, renaming, hostile texts.
+//! Language server, tested by a client of its protocol: messages, completion, help, definitions, renaming, malformed texts.
 
 use std::path::{Path, PathBuf};
 
@@ -39,7 +39,7 @@ fn told(messages: &[Value]) -> Vec<(i64, i64, String)> {
     messages.iter().map(|of| (of["severity"].as_i64().unwrap(), line(of), of["message"].as_str().unwrap().to_string())).collect()
 }
 
-/// Messages without the note that a result is used.
+/// Messages without the note about the first use of a result.
 fn faults(messages: &[Value]) -> Vec<(i64, i64, String)> {
     told(messages).into_iter().filter(|(severity, ..)| *severity < 3).collect()
 }
@@ -57,7 +57,7 @@ fn mistakes_are_told_while_typing() {
         ("twice(0.25)", "twic(0.25)", 1, 6, "did you mean `twice`"),
         ("2.0 * x", "2.0 * y", 1, 5, "there is no variable `y`"),
         ("load = twice(0.25)", "load = 1/4", 2, 6, "1/4 is 0"),
-        // behind the first use of a result, where a check does not come
+        // after the first use of a result, which a check does not pass
         ("total[0] + twice(", "total[0] + twise(", 2, 11, "there is no function `twise`"),
         ("print(sim.", "sim.plot(\"a.svg\", \"total\", #{ titel: 1 });\nprint(sim.", 1, 11, "has no option `titel`"),
     ] {
@@ -78,7 +78,7 @@ fn completions_know_values_and_types() {
     let file = folder.join("press.rhai");
     editor.open(&file, PRESS);
     let mut complete = |line: &str, wanted: &[&str], unwanted: &[&str]| {
-        // Typed at the end of the script, which is unfinished then.
+        // The text is typed at the end of the script, which is then incomplete.
         let text = format!("{PRESS}{line}");
         editor.type_text(&file, &text);
         let found = editor.complete(&file, &text, &text);
@@ -98,7 +98,7 @@ fn completions_know_values_and_types() {
     complete("fn f(length) { le", &["length", "let"], &["load"]);
     complete("fn f(body) { body.bound", &["boundary"], &[]);
     complete("// tw", &[], &["twice"]);
-    // The help of a completion comes when it is asked for.
+    // The help of a completion is sent on request.
     let text = format!("{PRESS}le");
     let items = editor.ask_at("textDocument/completion", &file, &text, &text);
     let item = items.as_array().unwrap().first().cloned().unwrap_or(json!({ "label": "linspace" }));
@@ -169,7 +169,7 @@ fn names_are_explained_found_and_renamed() {
     assert_eq!(applied(&text, &edits), PRESS);
 }
 
-/// A text after edits.
+/// Applies edits to a text.
 fn applied(text: &str, edits: &Value) -> String {
     let byte = |of: &Value| {
         let (line, character) = (of["line"].as_u64().unwrap() as usize, of["character"].as_u64().unwrap() as usize);
@@ -199,10 +199,10 @@ fn modules_are_read_where_the_script_reads_them() {
     assert_eq!(editor.complete(&main, text, "all::"), ["two"]);
     let definition = editor.ask_at("textDocument/definition", &main, text, "all::tw");
     assert_eq!(definition["uri"].as_str(), Some(&*address(&folder.join("lib/all.rhai"))));
-    // The module by itself belongs to the script above.
+    // Opened alone, the module belongs to the script above.
     let module = folder.join("lib/all.rhai");
     assert_eq!(faults(&editor.open(&module, &std::fs::read_to_string(&module).unwrap())), []);
-    // What is wrong in a module is told where the script uses it.
+    // Errors in a module are reported at the import in the script.
     std::fs::write(folder.join("lib/parts.rhai"), "fn plate(n) {\n    rectangle(#{ size: [1.0, 1.0], cels: [n, n] })\n}\n").unwrap();
     let found = faults(&editor.change(&main, &format!("{text}\n")));
     assert!(matches!(found.as_slice(), [(1, 2, text)] if text.contains("cels") && text.contains("lib/parts.rhai:2")), "{found:?}");
@@ -214,7 +214,7 @@ fn nothing_runs_and_nothing_hangs() {
     let file = folder.join("main.rhai");
     let found = told(&editor.open(&file, "let x = 1;\nloop { x += 1; }\n"));
     assert!(found.iter().any(|(severity, _, text)| *severity == 3 && text.contains("stopped after 2 s")), "{found:?}");
-    // A question during such a check is answered at once, not after it.
+    // A request during this check is answered at once.
     editor.type_text(&file, "let xyz = 1;\nloop { xyz += 1; }\n// ");
     std::thread::sleep(std::time::Duration::from_millis(200));
     let begun = std::time::Instant::now();
@@ -229,7 +229,7 @@ fn nothing_runs_and_nothing_hangs() {
     assert_eq!(editor.quit(), Some(0));
 }
 
-/// The times are told, not judged (`-- --nocapture`): they depend on what else the machine does.
+/// Times are printed, not compared (`-- --nocapture`): they depend on the load of the machine.
 #[test]
 fn messages_of_500_lines_come_with_every_change() {
     let (folder, mut editor) = started("quick");
@@ -245,7 +245,7 @@ fn messages_of_500_lines_come_with_every_change() {
     println!("messages of 500 lines: {} ms, half of them at most {} ms", times[0], times[times.len() / 2]);
 }
 
-/// Characters, words and brackets that seldom stand there.
+/// Characters, words and brackets for malformed texts.
 const PIECES: [&str; 24] = [
     "(",
     ")",

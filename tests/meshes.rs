@@ -1,4 +1,6 @@
-//! Mesh files made by other programs: the one that is shipped, and public contact tests where their folder is present.
+//! Mesh files of other programs: the one in the repository, and public contact tests if their folder is present.
+//!
+//! Expected numbers come from the geometry (closed forms for the mesh of the repository) and from the element lists of the files.
 //!
 //! Expected numbers come from the geometry (closed forms for the shipped mesh) and from the element lists of the files themselves.
 
@@ -19,7 +21,7 @@ fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The folder of meshes beside the repository, if it is there.
+/// Folder of meshes beside the repository, if present.
 fn shared_meshes() -> Option<PathBuf> {
     let folder = std::env::var_os("CONSERVA_SHARED").map_or_else(|| repository().join("../shared"), PathBuf::from).join("meshes");
     folder.is_dir().then_some(folder)
@@ -66,7 +68,7 @@ fn the_shipped_punch_is_what_its_geometry_says() {
         let [x, y, _] = punch.points[node as usize];
         assert!((x.hypot(y - 1.01) - 1.0).abs() < placed);
     }
-    // good enough to compute with: no angle below 30 or above 150 degrees
+    // sufficient quality for a computation: no angle below 30 or above 150 degrees
     let quality = mesh.quality();
     assert!(quality.smallest_scaled_jacobian > 0.5, "{quality}");
 }
@@ -112,7 +114,7 @@ fn public_contact_meshes_are_read() {
         for (name, facets) in [("slave", slave), ("master", master)] {
             let boundary = mesh.boundary(name).unwrap_or_else(|| panic!("{file} has no boundary {name}"));
             assert_eq!(boundary.facets.len(), facets, "{file} {name}");
-            // all of it on the hull of one of the two bodies
+            // all facets on the hull of one of the two bodies
             let counts = bodies.each_ref().map(|body| body.boundary(name).map_or(0, |b| b.facets.len()));
             assert!(counts.contains(&facets) && counts.contains(&0), "{file} {name}: {counts:?}");
             let body = &bodies[usize::from(counts[1] == facets)];
@@ -126,19 +128,19 @@ fn public_contact_meshes_are_read() {
 fn damaged_files_are_read_or_refused() {
     let (originals, mut random) = (mesh_damage::originals(), mesh_damage::SplitMix(2026));
     let read = (0..4000).filter(|_| mesh_damage::judged(&mesh_damage::damaged(&originals, &mut random))).count();
-    // damage to a byte of a comment or a coordinate does no harm; most does
+    // damage to a byte of a comment or a coordinate is harmless; other damage is detected
     assert!((100..3000).contains(&read), "{read}");
 }
 
-/// All facets that belong to one cell alone, in a file that names no boundary.
+/// Name for all facets that belong to a single cell, in a file without boundaries.
 const HULL: &str = "hull";
 
-/// A file of another program, what it says of itself, and what follows from the geometry.
+/// File of another program with its content and with quantities that follow from the geometry.
 struct Made {
     file: &'static str,
     kind: CellKind,
     cells: usize,
-    /// Area or volume, and how near the mesh comes to it.
+    /// Area or volume, and its tolerance.
     measure: (f64, f64),
     /// A boundary with its length or area, or [`HULL`].
     boundary: (&'static str, f64),
@@ -148,8 +150,8 @@ struct Made {
 fn files_of_other_programs_are_what_their_geometry_says() {
     use CellKind::{Hex8, Hex20, Hex27, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6, Wedge6};
     let made = |file, kind, cells, measure, boundary| Made { file, kind, cells, measure, boundary };
-    // a hole of radius 0.3 in a plate 2 x 1, a quarter of a ring of radii 1 and 2, a box 2 x 1 x 1; chords of the circles make the
-    // difference, whose areas were summed by another program (shoelace formula over the cells)
+    // a plate 2 x 1 with a hole of radius 0.3, a quarter of a ring of radii 1 and 2, a box 2 x 1 x 1; chords replace the circles, and the
+    // areas were summed by another program (shoelace formula over the cells)
     let (plate, ring) = (2.0 - PI * 0.09, 0.75 * PI);
     // sums of a hundred terms of numbers that were written with 16 digits
     let written = 1e-12;
@@ -183,7 +185,7 @@ fn files_of_other_programs_are_what_their_geometry_says() {
         made("tube_hex20.inp", Hex20, 8, (ring, 1e-3), ("top", 0.75 * PI)),
         made("tube_hex27_22.msh", Hex27, 8, (ring, 1e-3), ("outer", PI)),
         made("tube_hex27.inp", Hex27, 8, (ring, 1e-3), ("bottom", 0.75 * PI)),
-        // meshio writes no sets: there is the whole edge or surface of the body.
+        // meshio writes no sets: the boundary is the whole edge or surface of the body
         made("plate_quad4_meshio.inp", Quad4, 112, (1.7244679286971352, written), (HULL, 6.0 + 0.6 * PI)),
         made("box_hex8_meshio.inp", Hex8, 8, (2.0, written), (HULL, 10.0)),
     ] {
@@ -208,7 +210,7 @@ fn files_of_other_programs_are_what_their_geometry_says() {
 
 #[test]
 fn files_of_several_kinds_of_cells_are_read_block_by_block() {
-    // Areas and volumes by the geometry, with chords of the hole where cells are of first order (its 8 sides summed by hand).
+    // Areas and volumes from the geometry, with chords of the hole for cells of first order (its 8 sides summed by hand).
     let hole = 2.0 - PI * 0.09;
     for (file, kinds, measure, tolerance, boundary) in [
         ("plate_mixed.msh", "16 tri3 and 76 quad4 cells", hole, 1.5e-2, ("hole", 0.6 * PI)),

@@ -1,5 +1,8 @@
-//! Products of the catalogues: random ones, and every pair of rows that is allowed together, in small models that are judged from their
-//! files.
+//! Products of the catalogues: random ones, and every allowed pair of rows, in small models that are judged from their files.
+//!
+//! More random products, with reduction of failing ones: `cargo run --release --example products -- 1000 --shrink-all`. Known refusals are
+//! listed in `products/refused.txt`, so that their causes need not be searched; `--cover` rewrites this table. Known violations that are to
+//! be repaired are listed in `products/known.txt` and, for the array of all pairs, in `products/known_of_pairs.txt`.
 //!
 //! Any number of products at random, and what fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals
 //! that are known stand in `products/refused.txt`, so that the rows to blame need not be looked for; `--cover` writes that table anew.
@@ -28,26 +31,25 @@ use products::script::{Variant, text};
 use products::study::{Known, Study};
 use products::{Catalogue, Named};
 
-/// Refusals that are known, a line each: code, rows, title.
+/// Known refusals, one per line: code, rows, title.
 const REFUSED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/refused.txt");
 
-/// Violations that are known, a line each: kinds of faults, rows of the product, name of the fault. A line that nothing meets any more
-/// fails the test.
+/// Known violations, one per line: kinds of faults, rows of the product, name of the fault. A line without an occurrence fails the test.
 const KNOWN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/known.txt");
 
 /// Known violations of the array of all pairs, in the form of [`KNOWN`].
 const KNOWN_OF_PAIRS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/known_of_pairs.txt");
 
-/// Known violations of the products of a material that flows, in the form of [`KNOWN`].
+/// Known violations of the products of an elastic-plastic material, in the form of [`KNOWN`].
 const KNOWN_OF_FLOW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/products/known_of_flow.txt");
 
 /// Number of random products.
 const RANDOM: u64 = 300;
 
-/// Number of random products of a material that flows.
+/// Number of random products of an elastic-plastic material.
 const FLOWING: u64 = 200;
 
-/// Least part of the pairs with a meaning that are drawn; the rest is refused.
+/// Smallest fraction of the meaningful pairs that are drawn; the others are refused.
 const DRAWN: f64 = 0.8;
 
 fn home(name: &str) -> PathBuf {
@@ -67,7 +69,7 @@ fn every_row_of_the_catalogues_is_drawn() {
     assert!(strangers.is_empty(), "tests/common/products/script.rs has no script for {strangers:?}");
 }
 
-/// Names violations that are not known, and known ones that nothing meets.
+/// Asserts that all violations are known, and that all known violations occur.
 fn judge(catalogue: &Catalogue, study: &Study, known: &[Known]) {
     study.met.iter().for_each(|(place, count)| println!("{count} times: {}", known[*place].fault));
     let wrong = study.wrong.iter().map(|(product, verdict)| format!("{}: {verdict:?}", Named { catalogue, product }));
@@ -78,7 +80,7 @@ fn judge(catalogue: &Catalogue, study: &Study, known: &[Known]) {
     assert!(gone.is_empty(), "known violations that are met no more: take them out of the table: {gone:?}");
 }
 
-/// The table of refusals, and one of known violations.
+/// Tables of refusals and of known violations.
 fn tables(known: &str) -> (String, Vec<Known>) {
     let [refused, known] = [REFUSED, known].map(|path| std::fs::read_to_string(path).expect("the table is there"));
     (refused, Known::read(&known))
@@ -104,7 +106,7 @@ fn random_products_that_flow_keep_what_holds_for_all() {
     assert!(3 * study.refused < study.times.len(), "{} of {} are refused", study.refused, study.times.len());
 }
 
-/// The array that the known refusals leave has every pair of rows, and what it leaves out is refused for a known reason. Nothing runs.
+/// The array for the known refusals contains every pair of rows except those with a known reason. No product is run.
 #[test]
 fn every_pair_of_rows_is_drawn_or_refused_for_a_reason() {
     let (catalogue, (refused, _)) = (Catalogue::new(), tables(KNOWN));
@@ -138,7 +140,7 @@ fn every_pair_of_rows_that_is_allowed_together_keeps_what_holds_for_all() {
     assert!(drawn as f64 >= DRAWN * cover.meant as f64, "{drawn} of {} pairs are drawn", cover.meant);
 }
 
-/// A run of a body that slides, with its history changed by hand, is found out.
+/// The oracle detects changes by hand in the history of a sliding body.
 #[test]
 fn the_oracle_finds_what_is_wrong_in_the_files() {
     let catalogue = Catalogue::new();

@@ -1,4 +1,4 @@
-//! The prompt through a pseudo-terminal: several lines, completion, history, interrupts, and a session that is saved and run again.
+//! The prompt through a pseudo-terminal: entries of several lines, completion, history, interrupts, and a saved session that is run again.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ mod program;
 
 use rexpect::session::{PtySession, spawn_command};
 
-/// Longest time to wait for an answer, on a machine with much else to do.
+/// Longest time to wait for an answer, on a busy machine.
 const PATIENCE: u64 = 30_000;
 
 const PRESS: &str = "let steel = neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 });
@@ -42,7 +42,7 @@ fn prompt(folder: &Path, arguments: &[&str]) -> PtySession {
     session
 }
 
-/// What the editor writes when it takes the terminal and when it gives it back.
+/// Control sequence with which the line editor takes the terminal.
 const EDITING: &str = "\x1b[?2004h";
 const RUNNING: &str = "\x1b[?2004l";
 
@@ -77,12 +77,12 @@ fn entries_completion_help_and_history() {
     let mut session = prompt(&folder, &["repl"]);
     enter(&mut session, "6 * 7", "42\r\n");
     enter(&mut session, "ans / 4.0", "10.5");
-    // several lines: nothing is evaluated before the brackets are closed
+    // several lines: evaluation begins when the brackets are closed
     session.send_line("let plate = rectangle(#{").unwrap();
     session.send_line("size: [2, 1], cells: [4, 2]").unwrap();
     enter(&mut session, "});", "");
     enter(&mut session, "plate", "mesh of 8 quad4 cells and 15 nodes\r\n  boundary  facets  length");
-    // one Tab completes what is unique, two list what is not
+    // one Tab completes a unique name, two list several
     press(&mut session, "plate.bou\t\t");
     session.exp_string("boundary_where(name, condition)").unwrap();
     press(&mut session, "y(\"le\t\")\r");
@@ -94,7 +94,7 @@ fn entries_completion_help_and_history() {
     enter(&mut session, ":vars", "plate  Mesh");
     enter(&mut session, ":time 1 + 1", " s\r\n");
     enter(&mut session, ":nonsense", "there is no command");
-    // what is meant comes first
+    // the best match comes first
     enter(&mut session, "help(\"friction\")", "it is part of\r\n\r\nmodel.add_contact(");
     // digits
     enter(&mut session, "[1.0 / 3, 2e10 / 3, 2.0]", "[0.333333, 6.66667e9, 2.0]");
@@ -103,13 +103,13 @@ fn entries_completion_help_and_history() {
     enter(&mut session, ":digits all", "all digits");
     enter(&mut session, "1.0 / 3", "0.3333333333333333\r\n");
     enter(&mut session, ":digits 99", "1 to 17");
-    // the shell, and what is no command of it
+    // shell commands, and an unknown one
     enter(&mut session, "!echo $((5 * 8 + 2)) there", "42 there\r\n");
     enter(&mut session, "!exit 3", "exit status: 3");
     enter(&mut session, "!true", "false\r\n");
     enter(&mut session, "let done = false; !done", "true\r\n");
     enter(&mut session, "!done", "true\r\n");
-    // `else` on a line of its own; an empty line ends an `if` without one
+    // `else` on a line of its own; an empty line ends an `if` without `else`
     for line in ["if done {", "1", "}"] {
         session.send_line(line).unwrap();
     }
@@ -125,7 +125,7 @@ fn entries_completion_help_and_history() {
     ready(&mut session);
     enter(&mut session, "1 + 1", "2\r\n");
     quit(session);
-    // the history lasts: Ctrl-R finds the entry of the session before
+    // the history persists: Ctrl-R finds the entry of the previous session
     let mut session = prompt(&folder, &["repl"]);
     session.send_control('r').unwrap();
     press(&mut session, "6 *");
@@ -166,7 +166,7 @@ fn interrupts_leave_everything_usable_and_the_record_gives_the_same_bytes() {
     let folder = folder("record");
     let mut session = prompt(&folder, &["repl", "press.rhai", "--out", "first"]);
     enter(&mut session, "sim.step(5); sim.time", "0.05");
-    // a long computation shows how far it is and stops at a whole step
+    // a long computation shows its progress and stops at a whole step
     session.send_line("sim.run_to(1e5)").unwrap();
     session.exp_string(" of 100000, step ").unwrap();
     session.send_control('c').unwrap();
@@ -193,7 +193,7 @@ fn interrupts_leave_everything_usable_and_the_record_gives_the_same_bytes() {
     assert!(history("first") == history("second"), "{script}");
 }
 
-/// Completes what was typed with a Tab, and clears the line again.
+/// Completes typed text with a Tab, and clears the line.
 fn completed(session: &mut PtySession, typed: &str, completed: &str) {
     press(session, &format!("{typed}\t"));
     session.exp_string(completed).unwrap_or_else(|error| panic!("{typed}: {error}"));
@@ -226,13 +226,13 @@ fn everything_that_has_a_name_is_completed_and_hinted() {
     completed(&mut session, "rings::th", "rings::thick(");
     completed(&mut session, "?settl", "?settle");
     completed(&mut session, ":load pre", ":load press.rhai");
-    // the rest of the signature is shown while it is typed
+    // the remaining signature is shown during typing
     press(&mut session, "ramp(");
     session.exp_string("start, end, value)").unwrap();
     session.send_control('c').unwrap();
     session.exp_string(RUNNING).unwrap();
     ready(&mut session);
-    // an import lasts
+    // an import persists
     enter(&mut session, "rings::thick(1.0)", "mesh of 16 quad4 cells");
     quit(session);
 }
@@ -250,7 +250,7 @@ fn objects_files_and_states_at_the_prompt() {
     enter(&mut session, ":load none.rhai", "cannot be read");
     enter(&mut session, "40 + 1;", "");
     enter(&mut session, "ans + 1", "42");
-    // a state is a value: the same steps again give the same energy to the last bit
+    // a state is a value: repeated steps give the same energy to the last bit
     enter(&mut session, "let kept = sim.save(); sim.step(5); let first = sim.energy.total;", "");
     enter(&mut session, "sim.back(5); sim.step(5); sim.energy.total == first", "true");
     enter(&mut session, "sim.restore(kept); let other = sim.branch(); other.step(5); other.energy.total == first", "true");
@@ -258,20 +258,20 @@ fn objects_files_and_states_at_the_prompt() {
     enter(&mut session, "sim.show([\"kinetic\", \"strain\"])", "kinetic");
     enter(&mut session, "sim.plot(\"energies.svg\", [\"total\"])", "");
     enter(&mut session, "help(sim)", "simulation.run_to(time)");
-    // failed steps can be asked why
+    // failed steps can be diagnosed
     enter(&mut session, "let hit = branch_of(1)", "there is no function `branch_of`");
     quit(session);
     assert!(folder.join("out/press-repl/energies.svg").is_file());
 }
 
-/// Keys that are typed while an entry runs are the next entries.
+/// Keys typed during an entry become the next entries.
 #[test]
 fn what_is_typed_ahead_is_kept() {
     let folder = folder("ahead");
     let mut session = prompt(&folder, &["repl"]);
     session.send_line("let a = 0; for i in 0..3000000 { a += 1 }").unwrap();
     session.exp_string(RUNNING).unwrap();
-    // while it runs: two whole entries and half of a third
+    // during the run: two whole entries and half of a third
     press(&mut session, "40 + 2\r7 * 111\r10");
     session.exp_string(EDITING).unwrap();
     session.exp_string("42\r\n").unwrap();
@@ -283,7 +283,7 @@ fn what_is_typed_ahead_is_kept() {
     quit(session);
 }
 
-/// Entries that change more than the time of one simulation, stopped halfway, are repeated by the record to the same bytes.
+/// Interrupted entries that change more than the time of one simulation are repeated by the record to the same bytes.
 #[test]
 fn the_record_repeats_interrupted_entries() {
     let folder = folder("interrupted");
@@ -321,8 +321,8 @@ fn the_record_repeats_interrupted_entries() {
     assert!(first == second, "{script}");
 }
 
-/// Start to the line above the prompt in under 50 ms: the best of several, for a machine with much else to do. Without a
-/// pseudo-terminal, whose making waits for longer than that.
+/// Start to the first prompt in under 50 ms: the best of several, because the machine may be busy. Without a pseudo-terminal, whose
+/// creation takes longer.
 #[test]
 fn the_prompt_is_there_at_once() {
     let folder = folder("start");

@@ -1,4 +1,4 @@
-//! The reference of the language: complete, current, and every example in it runs.
+//! Reference of the language: complete, current, with examples that run.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -17,7 +17,7 @@ fn functions() -> Vec<Rc<Function>> {
     session().registry().functions().to_vec()
 }
 
-/// Parameters and the keys of options, those inside other keys, too.
+/// Parameters and keys of options, including nested keys.
 fn parameters(of: &[Parameter]) -> Vec<&Parameter> {
     of.iter()
         .flat_map(|parameter| {
@@ -135,7 +135,7 @@ fn the_files_of_the_reference_are_current() {
     }
 }
 
-/// Files below a folder that end so.
+/// Files below a folder with an extension.
 fn files_below(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let below = |path: PathBuf| match path.is_dir() {
@@ -145,7 +145,7 @@ fn files_below(folder: &Path, ending: &str) -> Vec<PathBuf> {
     entries.flat_map(below).collect()
 }
 
-/// Codes such as `C0123` that stand in a text between two of these signs, in the order of their numbers.
+/// Codes such as `C0123` between two of the given characters, in numerical order.
 fn codes_between(text: &str, signs: &[char]) -> Vec<String> {
     let is_code = |part: &&str| part.len() == 5 && part.starts_with('C') && part[1..].bytes().all(|byte| byte.is_ascii_digit());
     let mut codes: Vec<String> = text.split(signs).filter(is_code).map(Into::into).collect();
@@ -172,7 +172,7 @@ fn every_code_stands_once_in_the_source_and_is_explained() {
     }
 }
 
-/// Names of the types in a text that are errors.
+/// Names of error types in a text.
 fn errors_in(text: &str) -> Vec<&str> {
     let word = |text: &str| text.find(|letter: char| !letter.is_alphanumeric()).unwrap_or(text.len());
     let mut names = Vec::new();

@@ -1,5 +1,5 @@
-//! Commands on the folders of runs, from outside: `diff`, `list`, `info`, `export`, and the log of a run. Numbers that a file gives back
-//! are compared with what the script printed, damage is told with its place and a hint.
+//! Commands on run folders as processes: `diff`, `list`, `info`, `export`, and the log of a run. Numbers read from files are compared with
+//! printed ones; damage is reported with its place and a hint.
 
 use std::path::Path;
 use std::process::Output;
@@ -12,7 +12,7 @@ mod program;
 
 use program::{folder, stderr, stdout};
 
-/// A block that falls on another one, with a probe; prints what contact does at the end.
+/// A block that falls on another one, with a probe; prints contact results at the end.
 const PUNCH: &str = r#"
 let dt = param("dt", 0.005);
 let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });
@@ -44,7 +44,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
     output
 }
 
-/// Code and messages of a command that is refused.
+/// Exit code and messages of a refused command.
 fn refused(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let output = conserva(folder, arguments);
     (output.status.code(), stderr(&output))
@@ -61,7 +61,7 @@ fn files_give_back_what_the_script_sees() {
     let said = stdout(&run(&home, &[]));
     let lines: Vec<Vec<f64>> = said.lines().map(printed).collect();
     let out = home.join("out/main");
-    // Tables: all columns are the history itself, in both formats; chosen ones in the order of the call.
+    // Tables: all columns equal the history, in both formats; chosen ones are in the order of the call.
     assert_eq!(std::fs::read(out.join("all.csv")).unwrap(), std::fs::read(out.join("history.csv")).unwrap());
     let history = read_table(&out.join("history.csv")).unwrap().table;
     assert_eq!(read_parquet(&out.join("all.parquet")).unwrap(), history);
@@ -69,7 +69,7 @@ fn files_give_back_what_the_script_sees() {
     assert_eq!(total, lines[2]);
     let some = std::fs::read_to_string(out.join("some.csv")).unwrap();
     assert!(some.starts_with("time,race.normal_force,tip.uy\n0.0,,0.0\n0.005,0.0,"), "{some}");
-    // The contact surface: own file beside each frame, values of the contact alone, in the order along the surface.
+    // Contact surface: a file beside each frame, values of the contact alone, in the order along the surface.
     let frames = read_frames(&out.join("contacts.pvd")).unwrap();
     assert_eq!(frames.len(), read_frames(&out.join("fields.pvd")).unwrap().len());
     for surface in [frames.last().unwrap().path.clone(), out.join("now_contacts.vtu")] {
@@ -82,10 +82,10 @@ fn files_give_back_what_the_script_sees() {
         assert_eq!(reals(Section::PointData, "contact_pressure"), lines[0]);
         let places = reals(Section::Points, "Points").into_iter().zip(reals(Section::PointData, "displacement"));
         for (point, printed) in places.map(|(x, u)| x + u).collect::<Vec<_>>().chunks(3).zip(lines[1].chunks(2)) {
-            // The displacement is a difference of positions.
+            // Displacements are differences of positions.
             assert!((point[0] - printed[0]).abs() < 1e-15 && (point[1] - printed[1]).abs() < 1e-15, "{point:?} {printed:?}");
         }
-        // Body and node lead to the same point of the fields.
+        // Body and node numbers lead to the same point of the fields.
         let fields = read_fields(&out.join("now.vtu")).unwrap();
         let points = fields.array(Section::Points, "Points").unwrap();
         for (index, node) in reals(Section::PointData, "node").into_iter().enumerate() {
@@ -112,7 +112,7 @@ fn runs_are_converted_and_described() {
     }
     let out = home.join("out/main");
     assert_eq!(read_parquet(&out.join("history.parquet")).unwrap(), read_table(&out.join("history.csv")).unwrap().table);
-    // Text and packed frames hold the same numbers; a table has them row by row.
+    // Text and packed frames have the same numbers; a table has them row by row.
     let packed = read_fields(&out.join("fields/fields_000005.vtu")).unwrap();
     let text = read_fields(&out.join("fields-text/fields_000005.vtu")).unwrap();
     assert_eq!(format!("{packed:?}"), format!("{text:?}"));
@@ -169,12 +169,12 @@ fn runs_are_compared_and_listed() {
     let first = &found["simulations"][0];
     assert_eq!((&found["same"], &first["rows"]), (&false.into(), &serde_json::json!([21, 11, 11])));
     assert_eq!((&first["entries"][0]["name"], &first["entries"][0]["second"]), (&"parameter dt".into(), &0.01.into()));
-    // Both fall freely until the block lands: no column of a probe differs before by more than round-off.
+    // Both blocks fall freely until the landing: columns of probes differ by round-off before.
     let tip = first["columns"].as_array().unwrap().iter().find(|column| column["column"] == "tip.uy").unwrap();
     assert!(tip["largest"].as_f64().unwrap() > 1e-4, "{tip}");
     assert!(stdout(&conserva(&home, &["diff", "out/a", "out/deep/coarse"])).contains("parameter dt: 0.005 | 0.01\n"));
 
-    // One number of the history is another one: the column, the step, the size; a tolerance above it makes the runs the same.
+    // One changed number of the history is reported with column, step and size; a larger tolerance makes the runs equal.
     let path = home.join("out/b/history.csv");
     let text = std::fs::read_to_string(&path).unwrap();
     let line = text.lines().nth(8).unwrap();
@@ -216,7 +216,7 @@ fn damage_and_absence_have_a_place_and_a_cure() {
     let (code, said) = refused(&home, &["export", "out/a", "--format", "excel"]);
     assert!(code == Some(2) && said.contains("[possible values: parquet, csv, vtu, vtm, xdmf]"), "{said}");
 
-    // A last line that a killed run left is left out; a line in the middle is damage.
+    // An incomplete last line of a killed run is ignored; a damaged line in the middle is an error.
     let history = home.join("out/b/history.csv");
     let text = std::fs::read_to_string(&history).unwrap();
     std::fs::remove_file(home.join("out/b/summary.json")).unwrap();
@@ -234,7 +234,7 @@ fn damage_and_absence_have_a_place_and_a_cure() {
     assert!(stdout(&conserva(&home, &["list"])).contains("killed, or still running"));
     std::fs::write(&history, &text).unwrap();
 
-    // A frame that is cut, and one that is gone.
+    // A truncated frame, and a missing one.
     let frame = home.join("out/b/fields/fields_000005.vtu");
     let bytes = std::fs::read(&frame).unwrap();
     std::fs::write(&frame, &bytes[..bytes.len() / 2]).unwrap();
@@ -248,7 +248,7 @@ fn damage_and_absence_have_a_place_and_a_cure() {
     assert!(code == Some(2) && said.contains("does not exist"), "{said}");
 }
 
-/// Lines of a log, each a JSON object with an event.
+/// A run replaces the files of the previous run; a run that fails before its first simulation changes nothing.
 #[test]
 fn a_run_replaces_the_files_of_the_run_before_and_a_failed_start_nothing() {
     let home = folder("replaced", PUNCH);
@@ -260,7 +260,7 @@ fn a_run_replaces_the_files_of_the_run_before_and_a_failed_start_nothing() {
     let (out, first) = (home.join("o"), names(&home.join("o")));
     assert!(first.contains(&"fields/fields_000000.vtu".to_string()) && first.contains(&"summary.json".to_string()), "{first:?}");
     assert!(first.iter().all(|name| out.join(name).is_file()), "all that it names is there");
-    // Nothing of what stands there is touched by what does not come to a simulation.
+    // A script without a simulation does not touch existing files.
     std::fs::write(out.join("mine.txt"), "kept").unwrap();
     let summary = std::fs::read(out.join("summary.json")).unwrap();
     std::fs::create_dir_all(out.join("checkpoints")).unwrap();
@@ -275,7 +275,7 @@ fn a_run_replaces_the_files_of_the_run_before_and_a_failed_start_nothing() {
         let (code, _) = refused(&home, &["run", script, "--quiet", "--out", "new"]);
         assert_eq!((code, home.join("new/summary.json").exists()), (Some(2), script == "early.rhai"), "{script}: nothing is hidden");
     }
-    // Another script in the same folder: only its own files, and what was never a run's.
+    // Another script in the same folder: files of the old run are removed, foreign files stay.
     let shorter = PUNCH.replace("run_to(0.1)", "run_to(0.03)").replace("sim.table(\"some.csv\"", "sim.table(\"other.csv\"");
     std::fs::write(home.join("main.rhai"), shorter).unwrap();
     run(&home, &["--out", "o"]);
@@ -288,7 +288,7 @@ fn a_run_replaces_the_files_of_the_run_before_and_a_failed_start_nothing() {
     assert!(!out.join("checkpoints").exists());
 }
 
-/// The record is a file that anybody may write: what it names elsewhere stays.
+/// The record of files can be edited by anybody: paths outside of the folder are ignored.
 #[test]
 fn a_record_that_names_files_elsewhere_removes_none() {
     let home = folder("record", PUNCH);
@@ -322,7 +322,7 @@ fn the_log_tells_what_happens() {
     let ends = [&lines[0], &lines[lines.len() - 1]].map(|line| line["event"].as_str().unwrap());
     assert_eq!(ends, ["start", "end"]);
     assert_eq!((count(&lines, "step"), count(&lines, "print"), count(&lines, "check")), (history.rows() - 1, 3, 1));
-    // Numbers of the text itself: this reader of JSON may be off in the last bit.
+    // Numbers of the text itself: this JSON reader may differ in the last bit.
     let told = stderr(&output);
     for (row, step) in told.lines().filter(|line| line.starts_with("{\"event\":\"step\"")).enumerate() {
         for name in ["step", "time", "total", "energy_defect", "newton_iterations", "active"] {
@@ -330,7 +330,7 @@ fn the_log_tells_what_happens() {
             assert_eq!(text.parse().ok(), history.column(name).unwrap().values[row + 1], "{name} of row {row}");
         }
     }
-    // The block lands and bounces off: the contact closes and opens where its column says so.
+    // The block lands and bounces: the log has closing and opening at the steps of the column.
     let active: Vec<f64> = history.column("race.active").unwrap().values.iter().map(|value| value.unwrap_or(0.0)).collect();
     let expected: Vec<(u64, &str)> = (1..active.len())
         .filter(|&row| (active[row] > 0.0) != (active[row - 1] > 0.0))
@@ -341,7 +341,7 @@ fn the_log_tells_what_happens() {
     assert!(expected.len() >= 2, "{expected:?}");
     let end = &lines[lines.len() - 1];
     assert_eq!((&end["outcome"], &end["exit_code"], &end["checks"]), (&"completed".into(), &0.into(), &1.into()));
-    // But for the clock, logs of equal runs are equal.
+    // Except for wall times, logs of equal runs are equal.
     let again = run(&home, &["--log", "json:run.jsonl"]);
     assert_eq!(stderr(&again), "");
     let file = std::fs::read_to_string(home.join("run.jsonl")).unwrap();
@@ -353,7 +353,7 @@ fn the_log_tells_what_happens() {
 
 #[test]
 fn the_log_tells_of_halvings_and_failures() {
-    // An impact as fast as this must be halved; the number of halvings is that of the summary.
+    // A fast impact must be halved; the number of halvings equals that of the summary.
     let script = PUNCH.replace("0.0, -1.0", "80.0, -8.0").replace("sim.run_to(0.1);", "sim.settle(); sim.run_to(0.015); expect(false);");
     let home = folder("log-failure", &script);
     let output = conserva(&home, &["run", "main.rhai", "--log", "json"]);
@@ -368,7 +368,7 @@ fn the_log_tells_of_halvings_and_failures() {
     let told: u64 = lines.iter().filter(|line| line["event"] == "halving").map(|line| line["count"].as_u64().unwrap()).sum();
     assert_eq!(told, counted);
     assert!(told > 0, "the scene is meant to halve");
-    // What cannot be logged is refused before the run.
+    // A log that cannot be written is refused before the run.
     let (code, said) = refused(&home, &["run", "main.rhai", "--log", "json:none/x"]);
     assert!(code == Some(2) && said.contains("the log none/x cannot be written"), "{said}");
     let (code, said) = refused(&home, &["run", "main.rhai", "--log", "text"]);

@@ -1,4 +1,7 @@
-//! Random scenes with oracles that know nothing of the code: energies, momenta and depth from positions and velocities alone.
+//! Random scenes with oracles that are independent of the kernels: energies, momenta and penetrations from positions and velocities alone.
+//!
+//! A hundred scenes here, thousands by `cargo run --release --example scenes`. Methods and rules cycle with the seeds. A failure is named
+//! with its seed: `cargo run --release --example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
 //!
 //! A hundred scenes here, thousands by `cargo run --release --example scenes`. Methods and rules go around with the seeds. What fails is
 //! named with its seed: `cargo run --release --example scenes -- --shrink SEED --method M --rule R` makes a small script of it.
@@ -28,18 +31,18 @@ const COUNT: u64 = 100;
 /// Seeds of obstacles.
 const OBSTACLES: std::ops::Range<u64> = 60..90;
 
-/// Number of scenes that are compared with an image.
+/// Number of scenes that are compared with a mirror image or a rotated scene.
 const PAIRS: u64 = 40;
 
-/// Number of scenes that are compared with a search that reaches farther: two of each method and rule.
+/// Number of scenes that are compared with a larger search horizon: two of each method and rule.
 const REACHED: u64 = 24;
 
-/// Scenes in which the multipliers of a corner and of the surface beside it share a load as round-off decides, and under `velocity` the
-/// reserve with them: images part by so many facets.
+/// Scenes in which round-off decides how the multipliers of a corner and of the adjacent surface share a load, and under `velocity` the
+/// stored impact energy: images differ by this many facets.
 const UNDETERMINED: [(u64, f64); 1] = [(5, 1e-3)];
 
-/// The scene of a seed; methods and rules take turns, so that twelve seeds in a row have all pairs. A quarter has
-/// friction: a third of those that no single nodes hold, which sink deeper at corners where they are dragged.
+/// Scene of a seed; methods and rules cycle, so that twelve consecutive seeds have all pairs. A quarter has friction: a third of the scenes
+/// without support at single nodes, which penetrate more when they are dragged at corners.
 fn scene(seed: u64) -> Scene {
     let (methods, rules) = (METHODS, UPDATE_RULES);
     let scene = Scene::random(seed).with(methods[(seed % 4) as usize], rules[(seed % 3) as usize]);
@@ -66,7 +69,7 @@ fn runs() -> &'static [(Scene, Outcome)] {
     })
 }
 
-/// No run has any of these faults.
+/// Asserts that no run has any of these faults.
 fn assert_free_of(faults: &[Fault]) {
     let describe = |(scene, outcome): &(Scene, Outcome)| {
         let findings: Vec<String> = outcome.findings.iter().filter(|finding| faults.contains(&finding.fault)).map(describe).collect();
@@ -110,8 +113,8 @@ fn nothing_is_deeper_than_a_tenth_of_a_facet() {
     assert_free_of(&[Fault::Deep]);
 }
 
-/// Two convex corners that passed each other sideways went on through each other, by 0.10 to 0.21 of a facet in these scenes: no node was
-/// inside the other body, or it was led out through the wrong side.
+/// Regression: two convex corners that passed each other sideways crossed by 0.10 to 0.21 of a facet in these scenes, because no node was
+/// inside the other body, or it was moved out through the wrong side.
 #[test]
 fn corners_that_slip_past_each_other_do_not_cross() {
     for seed in [15, 123, 141, 209, 256, 301] {
@@ -126,7 +129,7 @@ fn an_open_contact_keeps_nothing_and_presses_nowhere() {
     assert_free_of(&[Fault::Apart]);
 }
 
-/// The scenes are worth something: bodies meet in nearly all of them, and every kind is there.
+/// Coverage of the scenes: bodies meet in nearly all of them, and every kind occurs.
 #[test]
 fn bodies_meet_and_all_kinds_are_there() {
     let touching = runs().iter().filter(|(_, outcome)| outcome.touching > 0).count();
@@ -137,8 +140,8 @@ fn bodies_meet_and_all_kinds_are_there() {
     assert!((0..COUNT).all(|seed| scene(seed).is_free_of_overlap()));
 }
 
-/// What does not move and is not pulled stays where it is, to round-off of its coordinates (steps move pieces by a rigid motion first,
-/// which rounds): without overlap nothing pushes.
+/// Bodies at rest without loads stay in place to round-off of their coordinates (the predictor moves bodies by a rigid motion, with
+/// rounding): without overlap there is no contact force.
 #[test]
 fn rest_stays_rest() {
     let stirred = |seed: u64| {
@@ -170,7 +173,10 @@ fn journey(scene: &Scene, after: usize) -> (Vec<Vec<Point>>, usize) {
     (places, touched)
 }
 
-/// A scene and its image take the same way: free flight to round-off, and a few steps of contact to what Newton's tolerance leaves open.
+/// A scene and its image have the same motion: in free flight to round-off, and for a few steps of contact to Newton's tolerance.
+///
+/// The tolerance is 1e-13 of the energy, so velocities are exact to 3e-7 of the speed, and a step moves less than a facet. Later, contact
+/// amplifies the last bit: if two nodes touch at the same time, round-off decides which is first.
 ///
 /// It leaves 1e-13 of the energy, so velocities are known to 3e-7 of the speed, and a step moves less than a facet. Later than that
 /// contact amplifies the last bit: where two nodes come to touch at the same time, round-off says which is first.
@@ -196,7 +202,7 @@ fn assert_same_way(image: impl Fn(&Scene) -> Scene, place: impl Fn(Point) -> Poi
     assert!(differing.is_empty(), "{} of {PAIRS} scenes:\n{}", differing.len(), differing.join("\n"));
 }
 
-/// A step, if it came.
+/// A step that was reached.
 struct Step(usize);
 
 impl std::fmt::Display for Step {
@@ -218,8 +224,8 @@ fn the_turned_and_moved_scene_takes_the_turned_and_moved_way() {
     assert_same_way(|scene| scene.turned(0.7).moved([2.0, -1.0]), |x| add(turned(0.7, x), [2.0, -1.0]));
 }
 
-/// How far the search for contact reaches changes no byte: what takes part in a step is decided of each pair alone, and blocks that are
-/// always zero have no part in the factors.
+/// Results are byte-identical for every search horizon: participation in a step is decided for each pair alone, and blocks that are always
+/// zero are not part of the factors.
 #[test]
 fn the_reach_of_the_search_changes_nothing() {
     let differs = |seed: u64| {
@@ -231,7 +237,7 @@ fn the_reach_of_the_search_changes_nothing() {
     assert!(differing.is_empty(), "{} of {REACHED} scenes:\n{}", differing.len(), differing.join("\n"));
 }
 
-/// Disks and polylines of a twentieth of a facet to five, standing and moving by up to five facets a step; hundreds, and planes, by
+/// Disks and polylines of a twentieth of a facet to five facets, at rest and moving by up to five facets a step; hundreds, and planes, by
 /// `cargo run --release --example obstacles`.
 #[test]
 fn obstacles_of_any_size_and_speed_stay_outside() {
@@ -245,7 +251,7 @@ fn obstacles_of_any_size_and_speed_stay_outside() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// What a script of a scene prints is what the kernels computed.
+/// The printed values of the script of a scene equal those of the kernels.
 #[test]
 fn the_script_of_a_scene_does_the_same() {
     for seed in [11, 20, 38] {
@@ -266,7 +272,7 @@ fn the_script_of_a_scene_does_the_same() {
     }
 }
 
-/// Depths and crossings of bodies that were put into each other by hand.
+/// Penetrations and crossings of bodies placed into each other by hand.
 #[test]
 fn depth_is_measured_where_it_is() {
     let plank = |size: [f64; 2], cells: [usize; 2], center: Point| Body {
@@ -287,12 +293,12 @@ fn depth_is_measured_where_it_is() {
         (oracle.deepest(&positions), oracle.crossing(&positions))
     };
     let near = |a: f64, b: f64| (a - b).abs() < 1e-14;
-    // The lower corners of a block of facets of 0.5 stand 0.1 deep in a plank of one facet of length 4.
+    // The lower corners of a block with facets of 0.5 are 0.1 deep in a plank with one facet of length 4.
     let [block, table] = [plank([1.0, 1.0], [2, 2], [0.0, 0.4]), plank([4.0, 0.5], [1, 1], [0.0, -0.25])];
     let (depth, crossing) = measured(vec![block.clone(), table], Vec::new());
     assert!(near(depth.length, 0.1) && near(depth.facets, 0.1 / 4.0), "{depth:?}");
     assert!(crossing.facets > 0.0 && crossing.length <= depth.length, "{crossing:?}");
-    // A beam right through a wall has no node in it; its ends are 0.75 from the sides, whose facets are the longest: 2.
+    // A beam through a wall has no node in it; its ends are 0.75 from the sides, whose facets are the longest: 2.
     let [beam, wall] = [plank([2.0, 0.1], [1, 1], [0.0; 2]), plank([0.5, 2.0], [1, 1], [0.0; 2])];
     let (depth, crossing) = measured(vec![beam, wall], Vec::new());
     assert!(depth.length == 0.0 && near(crossing.length, 0.75) && near(crossing.facets, 0.375), "{depth:?} {crossing:?}");
@@ -304,7 +310,7 @@ fn depth_is_measured_where_it_is() {
     assert!(near(depth.length, 0.1), "{depth:?}");
 }
 
-/// Bodies that yield: ten in each formulation, more by `cargo run --release --example yielding`.
+/// Elastic-plastic bodies: ten scenes in each formulation, more by `cargo run --release --example yielding`.
 #[test]
 fn bodies_that_yield_turn_energy_into_heat_and_gain_none() {
     let next = AtomicUsize::new(0);

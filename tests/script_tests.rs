@@ -1,4 +1,4 @@
-//! `conserva test` from outside: the shipped script tests and tutorials pass, failures are told as they should be, and it is fast.
+//! `conserva test` as a process: the script tests and tutorials of the repository pass, failures are reported correctly, and it is fast.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -67,7 +67,7 @@ fn a_file_that_does_not_parse_is_told_and_the_others_still_run() {
     let folder = folder("parse");
     std::fs::write(folder.join("broken.rhai"), "fn test_a() { let x = ; }\n").unwrap();
     std::fs::write(folder.join("sound.rhai"), "fn test_b() { expect(true); }\n").unwrap();
-    // a scenario is a test where it is named, alone or by its folder, and not when the current folder is searched
+    // a scenario is a test if it is named, alone or by its folder, but not in a search of the current folder
     std::fs::write(folder.join("scenario.rhai"), "expect(false);\n").unwrap();
     let output = conserva(&folder, &["test"]);
     let text = said(&output);
@@ -96,7 +96,7 @@ fn two_hundred_small_tests_in_ten_files_pass() {
         let tests: Vec<String> = (0..20).map(|number| format!("fn test_{number}() {test}\n")).collect();
         std::fs::write(folder.join(format!("file_{file}.rhai")), tests.concat()).unwrap();
     }
-    // Less than 5 s on two cores that do nothing else (measured: 1 to 3 s); no timed test, a busy machine takes longer.
+    // Less than 5 s on two idle cores (measured: 1 to 3 s); the time is not tested, because the machine may be busy.
     let output = conserva(&folder, &["test", ".", "--threads", "2"]);
     assert_eq!(output.status.code(), Some(0), "{}", said(&output));
     assert!(said(&output).contains("200 tests in 10 files: 200 passed, 0 failed"));

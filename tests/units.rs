@@ -1,5 +1,5 @@
-//! Units, from outside: one script in SI and in mm, N, t, s gives the same motion; files, tables and the prompt say their units; wrong
-//! numbers are told; without `units` no file changes.
+//! Units: a script in SI and in mm, N, t, s gives the same motion; files, tables and the prompt show units; wrong numbers are reported;
+//! without `units` no file changes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,7 +49,7 @@ sim.probe("corner", cube, mm([9, 20.5]));
 sim.run_to(quantity(2, "ms"));
 "#;
 
-/// Block of steel in space with a spring and a rigid body: a run with columns of forces and moments in all directions.
+/// Block of steel in space with a spring and a rigid body: columns of forces and moments in all directions.
 const IN_SPACE: &str = r#"
 units(param("units", "SI"));
 let steel = neo_hookean(#{ youngs_modulus: gpa(210), poisson_ratio: 0.3, density: kg_m3(7850) });
@@ -78,7 +78,7 @@ fn run(folder: &Path, set: &str) -> String {
     stdout(&output)
 }
 
-/// Runs a script in SI and in another set, and compares the histories and fields in SI, but for what is `ignored`.
+/// Runs a script in SI and in another set, and compares histories and fields in SI, except those that are `ignored`.
 fn agrees(name: &str, script: &str, set: &str, tolerance: f64, ignored: &[&str]) {
     let home = folder(name, script);
     run(&home, "SI");
@@ -88,7 +88,7 @@ fn agrees(name: &str, script: &str, set: &str, tolerance: f64, ignored: &[&str])
     let all = compare(&home.join("SI"), &home.join(set), &exactness).unwrap().remove(0);
     assert!(all.is_same(), "{all:#?}");
     assert!(all.rows[2] > 40 && all.frames_compared > 1, "{all:?}");
-    // Without the conversion they are other numbers.
+    // Without the conversion the numbers differ.
     std::fs::remove_file(home.join(set).join("units.json")).unwrap();
     assert!(!compare(&home.join("SI"), &home.join(set), &exactness).unwrap()[0].is_same());
 }
@@ -111,8 +111,8 @@ fn an_impact_with_friction_in_millimeters_is_that_in_si_to_round_off() {
 
 #[test]
 fn a_bearing_in_millimeters_is_that_in_si() {
-    // Round-off of what vanishes has no size to which it could be compared: momenta of rings at rest, resultants of a round support. The
-    // press fit of steel multiplies that of displacements.
+    // Round-off of vanishing quantities has no scale: momenta of rings at rest, resultants of a round support. The press fit of steel
+    // amplifies that of displacements.
     let ignored = ["momentum_*", "*max_penetration", "*.reaction.*", "rim.*", "contact_gap"];
     agrees(
         "bearing",
@@ -165,7 +165,7 @@ fn files_and_pictures_say_their_units() {
     ] {
         assert_eq!(units.columns.get(column).map(String::as_str), Some(unit), "{column}");
     }
-    // Every column but those of numbers has a unit, and each is one of the table.
+    // Every column except counts has a unit of the table.
     let numbers = ["step", "newton_iterations", "halvings", "active", "factorizations", "race.active", "race.sliding"];
     for column in read_table(&out.join("history.csv")).unwrap().table.columns {
         assert_eq!(units.columns.contains_key(&column.name), !numbers.contains(&&*column.name), "{}", column.name);

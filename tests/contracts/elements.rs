@@ -1,4 +1,4 @@
-//! What every row of the catalogue of cell kinds promises: shape functions, quadrature, mass and facets (Hughes, The Finite Element Method,
+//! Contract of every row of the catalogue of cell kinds: shape functions, quadrature, mass and facets (Hughes, The Finite Element Method,
 //! 2000, chapter 3).
 
 use conserva::bodies::{BodyCells, Elements, Formulation, Space};
@@ -60,7 +60,7 @@ fn exact(row: &CellRow, powers: &[usize]) -> f64 {
     }
 }
 
-/// Exact for every product of powers that the row promises, and not for the next one.
+/// Quadrature is exact for every product of powers that the row states, and not for the next one.
 fn quadrature(row: &CellRow) {
     let (dimension, promised) = (row.dimension, row.exact_power);
     let is_total = row.cell_shape.is_simplex() || row.cell_shape == CellShape::Wedge;
@@ -122,7 +122,7 @@ fn fine_rule(row: &CellRow) -> Vec<([f64; 3], f64)> {
     rule
 }
 
-/// The consistent mass of the reference cell itself.
+/// Consistent mass of the reference cell.
 fn mass(kind: CellKind) {
     let row = kind.row();
     let connectivity: Vec<u32> = (0..row.nodes as u32).collect();
@@ -153,7 +153,7 @@ fn mass(kind: CellKind) {
     }
 }
 
-/// Facets tile the hull and look outward: with the cell on the left in the plane, by the right hand in space.
+/// Facets cover the hull with outward normals: cell on the left in the plane, right-hand rule in space.
 fn facets(row: &CellRow) {
     let corners = row.cell_shape.corners();
     let place = |local: usize| Vector3::from(row.cell_shape.place(row.node_places[local]));
@@ -174,7 +174,7 @@ fn facets(row: &CellRow) {
         volume += area.dot(&center) / row.dimension as f64;
     }
     assert!(sum.norm() < ROUND_OFF, "{}: the hull is closed", row.name);
-    // By the divergence theorem, with every normal outward.
+    // Divergence theorem with outward normals.
     let measure: f64 = (row.quadrature)().into_iter().map(|(xi, weight)| weight * determinant(row, xi)).sum();
     assert!((volume - measure).abs() < ROUND_OFF, "{}: {volume}", row.name);
 }

@@ -1,5 +1,5 @@
-//! What a simulation promises for every integrator, material and cell kind: constants of free flight, order two in time, indifference to
-//! where the model stands, to the number of threads and to being stopped and resumed.
+//! Contract of simulations for every integrator, material and cell kind: constants of free flight, order in time, independence of the place
+//! of the model, of the number of threads and of interruptions.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -12,8 +12,8 @@ use conserva::mesh::{Mesh, block, rectangle, ring};
 
 use crate::common::{Builder, difference, drift, run, worst};
 
-/// Laws at the beginning of the catalogue whose waves in the plane are as slow as those of shear, so that steps resolve them; others hardly
-/// change their volume.
+/// Number of laws at the beginning of the catalogue whose pressure waves in the plane are as slow as shear waves, so that steps resolve
+/// them; the other laws are nearly incompressible.
 const SLOW: usize = 3;
 
 /// A soft bar, 2 x 1 (x 1), that spins fast enough to stretch by some percent: waves travel at about 10 lengths per time.
@@ -40,14 +40,14 @@ fn thrown(kind: CellKind, row: &'static MaterialRow) -> Builder {
     builder
 }
 
-/// Kinds that take seconds. Schemes see forces alone: what those of second order in space do, the contract of bodies says, and script tests
-/// let them fly.
+/// Cell kinds without those that take seconds. Cells of second order in space are covered by the contract of bodies, since schemes use
+/// forces only, and by script tests in free flight.
 fn light_kinds() -> impl Iterator<Item = CellKind> {
     CellKind::ALL.iter().copied().filter(|kind| !(kind.dimension() == 3 && kind.is_quadratic()))
 }
 
-/// Every kind of cell and every law with one scheme, and every scheme on one kind of each dimension and one law: a scheme gets forces, and
-/// does not see whose they are.
+/// Every cell kind and every law with one scheme, and every scheme with one cell kind of each dimension and one law: a scheme uses forces
+/// independently of their origin.
 fn combinations(laws: usize) -> Vec<(CellKind, &'static MaterialRow, &'static Scheme)> {
     let of_kind = |kind: CellKind| CATALOGUE.iter().take(laws).map(move |row| (kind, row, &ENERGY_MOMENTUM));
     let others = || integrators::CATALOGUE.iter().copied().filter(|scheme| **scheme != ENERGY_MOMENTUM);
@@ -75,8 +75,8 @@ fn free_flight_keeps_what_each_integrator_promises() {
         let gain = (rows[40].total() + dissipated - energy).abs();
         let least = rows.iter().map(|row| row.dissipation).fold(0.0, f64::min);
         assert!(least == 0.0 && (dissipated > 1e-6 * energy) != integrator.dissipation.is_none(), "{name}: dissipates {dissipated:.1e}");
-        // All quantities are of order ten. What a step leaves is set by Newton's tolerance, 1e-13 of the energy, and by round-off of the
-        // solve.
+        // All quantities are of order ten. The error of a step is set by Newton's tolerance, 1e-13 of the energy, and by round-off of the
+        // solution.
         assert!(worst(&rows, |row| row.strain) > 1e-3 * energy, "{name}: the bar deforms");
         let integrators::ConservedQuantities {
             energy: keeps_energy,
@@ -107,15 +107,15 @@ fn stretched(kind: CellKind, row: &'static MaterialRow, integrator: &'static Sch
 #[test]
 fn every_integrator_is_of_the_promised_order_in_time() {
     for (kind, row, integrator) in combinations(SLOW) {
-        // One reference serves the schemes of first and second order.
+        // One reference is used for schemes of first and second order.
         if integrator.promises.order > 2 {
             continue;
         }
         // Cells of second order and thin tetrahedra vibrate faster.
         let resolved = if kind.is_quadratic() || kind == CellKind::Tet4 { 2 } else { 1 };
-        // Those that damp vibrations reach their rate where the steps resolve them.
+        // Damping schemes reach their order if steps resolve the vibrations.
         let finer = resolved * if integrator.is_long() { 4 } else { 1 };
-        // One reference for all: the schemes share the limit. Its own error is 1/64 of the finest run's.
+        // One reference for all schemes, which share the limit. Its own error is 1/64 of that of the finest run.
         let reference = stretched(kind, row, &ENERGY_MOMENTUM, 640 * finer);
         let finer = if integrator.promises.order == 1 { 32 * resolved } else { finer };
         let errors = [20, 40, 80].map(|steps| difference(&stretched(kind, row, integrator, steps * finer), &reference));
@@ -151,7 +151,7 @@ fn a_model_that_stands_elsewhere_behaves_the_same() {
         for (node, (x, y)) in expected.chunks_exact(dimension).zip(positions.chunks_exact(dimension)).enumerate() {
             let image = turn(std::array::from_fn(|i| if i < dimension { x[i] } else { 0.0 }));
             for i in 0..dimension {
-                // Newton stops at 1e-13 of the energy, which leaves up to its root in the least stiff motions; seen: 1e-9.
+                // Newton's method stops at 1e-13 of the energy, an error of up to its root in the least stiff motions; observed: 1e-9.
                 assert!((image[i] + shift[i] - y[i]).abs() < 1e-8, "{name}: node {node} {image:?} {y:?}");
             }
         }
@@ -178,7 +178,7 @@ fn one_and_two_threads_give_the_same_bytes() {
     }
 }
 
-/// A free body, and two rings that touch.
+/// Models for states: a free body, and two rings in contact.
 fn resumable() -> [Builder; 2] {
     let rubber = NeoHookean { youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let mut alone = Builder::default();
@@ -211,7 +211,7 @@ fn a_restored_state_goes_on_as_the_run_did() {
     }
 }
 
-/// A ring that turns in another one, pressed into it.
+/// A ring that is pressed into another one and rotates in it.
 fn sliding_rings() -> Builder {
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
     let mut builder = Builder::default();
@@ -223,7 +223,7 @@ fn sliding_rings() -> Builder {
     builder
 }
 
-/// Sliding contact makes the search, the matrix pattern and the order of elimination change on the way; all of it belongs to the state.
+/// Sliding contact changes the search, the matrix pattern and the elimination order; all of them are part of the state.
 #[test]
 fn a_state_of_sliding_bodies_goes_on_to_the_same_bytes() {
     let builder = sliding_rings();
@@ -275,7 +275,7 @@ fn what_was_counted_goes_on_from_its_bytes() {
     assert_eq!((branch.tally(), branch.halvings()), (sim.tally(), sim.halvings()));
 }
 
-/// Everything that a program keeps of a simulation may go to another thread.
+/// Types of a simulation that can be sent to another thread.
 const _: fn() = || {
     fn is_send<T: Send>() {}
     is_send::<Model>();
@@ -298,7 +298,7 @@ fn simulations_on_threads_of_their_own_give_the_same_bytes() {
     }
 }
 
-/// A time function that is cut short in one of its calls, by an interrupt or by a mistake of its own.
+/// Time function that is ended in one of its calls, by an interrupt or by an error.
 struct CutShort {
     calls: Arc<AtomicUsize>,
     at: usize,

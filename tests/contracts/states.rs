@@ -1,4 +1,4 @@
-//! Checkpoints of random models at random times: what goes on from one comes to the same bytes, and a damaged one is refused.
+//! Checkpoints of random models at random times: a continued run has the same bytes, and a damaged checkpoint is refused.
 
 use std::sync::Arc;
 
@@ -19,18 +19,18 @@ use proptest::test_runner::{RngSeed, TestRunner};
 
 use crate::common::{Builder, material};
 
-/// What is in a model.
+/// Kind of a model.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     /// Two blocks that are thrown at each other in the plane.
     Collision,
-    /// The same in space.
+    /// Two blocks that are thrown at each other in space.
     CollisionInSpace,
     /// A rigid bar on a joint at the ground, pulled by a spring, that falls on a block.
     Hammer,
 }
 
-/// A model, how it is integrated, and when it is saved.
+/// Model, integrator, and time of the checkpoint.
 #[derive(Clone, Debug)]
 struct Case {
     kind: Kind,
@@ -73,7 +73,7 @@ fn nearest(mesh: &Mesh, point: [f64; 3]) -> u32 {
 }
 
 impl Case {
-    /// The model; its kinds differ in what touches.
+    /// Model of the case.
     fn model(&self) -> Model {
         let branches = vec![Branch { shear_modulus: 20.0, relaxation_time: 0.1 }];
         let viscosity = Viscosity { shear: 0.05, bulk: 0.02, branches };
@@ -130,14 +130,14 @@ impl Case {
         builder.model
     }
 
-    /// The simulation, or `None` where the integrator does not take what is in the model.
+    /// Simulation, or `None` if the integrator does not support the model.
     fn simulation(&self, model: &Model, threads: usize) -> Option<Simulation> {
         let control = self.chooses_steps.then_some(StepControl { tolerance: 1e-3, smallest: None, largest: None, plastic_strain: None });
         Simulation::new(model, Options { control, threads, ..Options::new(self.scheme, 0.01) }).ok()
     }
 }
 
-/// Takes steps; the rows of those that were accepted, and why no more came.
+/// Takes steps; returns the rows of the accepted ones, and the error that ended them.
 fn advance(simulation: &mut Simulation, steps: usize) -> (Vec<LedgerRow>, Option<String>) {
     let mut rows = Vec::new();
     let failed = (0..steps).find_map(|_| simulation.step(None, &mut |row| rows.push(row.clone())).err());
@@ -185,7 +185,7 @@ proptest! {
         prop_assert!(Checkpoint::from_bytes(&bytes).is_err(), "byte {place} is another one");
     }
 
-    /// Whoever writes a checkpoint by hand can make its checksum fit: what it holds is refused, or goes on or fails as a step does.
+    /// A checkpoint written by hand can have a valid checksum: its content is refused, or the run continues, or a step fails.
     #[test]
     fn a_state_of_other_bytes_is_refused_or_gone_on_from(case in cases(), at in any::<Index>(), flipped in 1..=u8::MAX) {
         let Some(mut simulation) = case.simulation(&case.model(), 1) else { return Ok(()) };

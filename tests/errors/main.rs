@@ -1,4 +1,6 @@
-//! The catalogue of mistakes: each script in `cases/` with the messages that a user sees, script and messages together in one snapshot.
+//! Catalogue of mistakes: each script in `cases/` with the messages that a user gets, script and messages together in one snapshot.
+//!
+//! A first line `// --set name=value` gives parameters. Everything runs in this process, without files; paths are relative to `cases/`.
 //!
 //! A first line `// --set name=value` gives parameters. Everything runs in this process, without files; paths are relative to `cases/`.
 
@@ -51,12 +53,12 @@ fn without_magnitudes(record: &str) -> String {
     format!("{script}\n----\n{masked}")
 }
 
-/// The script, what it and the program said, and the class of its error.
+/// Record of a script: text, printed lines, messages, and the class of its error.
 fn record(script: &Path, output: &Path) -> String {
     let text = std::fs::read_to_string(script).unwrap();
     let arguments = text.lines().next().and_then(|line| line.strip_prefix("// --set ")).unwrap_or("");
     let overrides = arguments.split_once('=').map(|(name, value)| (name.to_string(), value.to_string()));
-    // Endless scripts are to end soon; no other case needs a hundredth of this.
+    // Short limits for endless scripts; no other case needs a hundredth of them.
     let settings = Settings {
         overrides: overrides.into_iter().collect(),
         max_operations: 1_000_000,
@@ -73,8 +75,7 @@ fn record(script: &Path, output: &Path) -> String {
         }
         None => record.push_str("(no error)"),
     }
-    // Places of this machine.
-    // What is left of a step that failed depends on the round-off of the processor.
+    // Paths of this machine are replaced. Residuals of failed steps depend on the round-off of the processor.
     let is_step = script.file_stem().is_some_and(|stem| stem.to_string_lossy().starts_with("step_"));
     let record = if is_step { without_magnitudes(&record) } else { record };
     record.replace(&output.display().to_string(), "OUT").replace(env!("CARGO_MANIFEST_DIR"), "HERE")

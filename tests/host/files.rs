@@ -1,4 +1,4 @@
-//! Files and names that are not what they should be.
+//! Files of unexpected kinds and unusual names.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::program::{conserva, empty_folder, folder, stderr, stdout};
 
-/// The exit code and messages of a command that must not wait.
+/// Exit code and messages of a command that must end within seconds.
 fn within_seconds(home: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let mut child = conserva(home, arguments).stdout(std::process::Stdio::null()).stderr(std::process::Stdio::piped()).spawn().unwrap();
     let begun = Instant::now();

@@ -1,4 +1,4 @@
-//! What surrounds the program: signals, streams that cannot be written, files of all kinds, names, memory.
+//! Environment of the program: signals, streams that cannot be written, files of all kinds, names, memory.
 
 #[path = "../common/program.rs"]
 mod program;

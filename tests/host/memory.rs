@@ -1,4 +1,4 @@
-//! What would not fit into memory is refused with its figure before it is made; scripts that hold more than they may are stopped.
+//! Memory limits: allocations beyond the limit are refused with the figure, and scripts that exceed it are stopped.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::program::{conserva, folder, stderr};
 
-/// The exit code, messages, and the most memory a command has held, in MB.
+/// Exit code, messages, and peak memory of a command in MB.
 fn held(home: &Path, arguments: &[&str]) -> (Option<i32>, String, u64) {
     let mut child = conserva(home, arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let mut most = 0;
@@ -74,7 +74,7 @@ fn arrays_and_strings_have_one_limit_together() {
         let (code, message, most) = held(&home, &["run", "main.rhai", "--memory", "100MB"]);
         assert_eq!(code, Some(2), "{script}: {message}");
         let told = message.contains("there is no memory left for the script") && message.contains("may take 100 MB together");
-        // The last of them ends by the depth of its calls where these come first.
+        // The last script may end at the call depth before it reaches the limit.
         assert!(told || number == 3, "{script}: {message}");
         assert!(most <= 160, "{script}: {most} MB");
     }
@@ -88,7 +88,7 @@ fn sizes_are_given_with_their_unit() {
     for command in [&["check", "main.rhai"][..], &["run", "main.rhai"], &["test", "main.rhai"], &["sweep", "main.rhai", "--vary", "a=1,2"]]
     {
         let (code, message, _) = held(&home, &[command, &["--memory", "1GB"]].concat());
-        // The script has no parameter, and is no test that expects anything.
+        // The script has no parameter, and is no test with expectations.
         assert!(code == Some(0) || message.contains("has no parameter"), "{command:?}: {message}");
     }
 }

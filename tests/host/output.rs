@@ -1,4 +1,4 @@
-//! Standard output that cannot be written is told, and the exit code says so; a reader that goes away wants no more.
+//! Standard output that cannot be written: it is reported, and the exit code shows it; a reader that closes its pipe is no error.
 
 use std::fs::File;
 use std::path::Path;

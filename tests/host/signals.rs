@@ -1,4 +1,4 @@
-//! What signals do to a run: the table in `docs/files.md`.
+//! Effects of signals on a run, as in the table of `docs/files.md`.
 
 use std::io::Read;
 use std::path::Path;
@@ -15,7 +15,7 @@ pub const ENDLESS: &str = "let m = model(\"flight\");\n\
     let sim = simulate(m, #{ integrator: energy_momentum(), dt: 0.01 });\n\
     sim.run_to(1e6);\n";
 
-/// The program as a shell starts it after `before`.
+/// Command that starts the program from a shell after `before`.
 pub fn by_shell(home: &Path, before: &str, arguments: &str) -> Command {
     let mut command = Command::new("sh");
     command.current_dir(home).arg("-c").arg(format!("{before}; exec \"$0\" {arguments}")).arg(env!("CARGO_BIN_EXE_conserva"));
@@ -35,7 +35,7 @@ fn send(child: &Child, signal: &str) {
     assert!(Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap().success());
 }
 
-/// Asserts that a run ended with all that an interrupted one has.
+/// Asserts that a run ended with all files of an interrupted run.
 fn assert_ended(home: &Path, child: &mut Child, why: &str) {
     assert_eq!(child.wait().unwrap().code(), Some(130), "{why}");
     let summary = std::fs::read_to_string(home.join("out/main/summary.json")).unwrap();
@@ -53,7 +53,7 @@ fn signals_that_end_a_run_leave_checkpoint_summary_and_report() {
         wait_for_rows(&home, &mut child);
         send(&child, signal);
         if signal != "INT" {
-            // They come more than once by themselves.
+            // These signals are sent repeatedly by their senders.
             send(&child, signal);
         }
         assert_ended(&home, &mut child, signal);
@@ -62,7 +62,7 @@ fn signals_that_end_a_run_leave_checkpoint_summary_and_report() {
 
 #[test]
 fn a_second_interrupt_key_ends_the_process_at_once() {
-    // Both wait for the process, so that nothing comes between them.
+    // Both processes are awaited, so that nothing happens between them.
     let home = folder("signal-twice", ENDLESS);
     let mut child = conserva(&home, &["run", "main.rhai", "--quiet"]).stderr(Stdio::null()).spawn().unwrap();
     wait_for_rows(&home, &mut child);
@@ -107,7 +107,7 @@ fn the_signal_of_a_closed_pipe_changes_nothing() {
     let home = folder("signal-pipe", &ENDLESS.replace("sim.run_to(1e6)", "sim.run_to(8.0); print(`at ${sim.time}`)"));
     let mut child = conserva(&home, &["run", "main.rhai", "--quiet"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
-    // The program has begun: before that, the signal would mean its own start.
+    // The program has started: an earlier signal would end it with the default action.
     wait_for_rows(&home, &mut child);
     send(&child, "PIPE");
     let mut message = String::new();

@@ -1,4 +1,9 @@
-//! Small mesh files, one for each construct, made by hand. Each says in its comments what it holds: lines `expect: …`.
+//! Small handmade mesh files, one for each construct. Comments in the files state the expected content in lines `expect: …`.
+//!
+//! `cells N KIND`, `nodes N`, `measure X`, `box X Y Z to X Y Z`; `part NAME CELLS` and `boundary NAME FACETS NODES MEASURE` for all parts
+//! and boundaries; `note TEXT` for all changes made by the reader; `error LINE TEXT` with `in FILE` for an error in an included file;
+//! `deck NAME CELLS MEASURE`, `held PART BOUNDARY`, `contact PART.BOUNDARY PART.BOUNDARY` and `decknote TEXT` for the file read as a deck;
+//! `option plane` (shells are read as plane cells) and `option skip` (elements that are no cells are refused).
 //!
 //! `cells N KIND`, `nodes N`, `measure X`, `box X Y Z to X Y Z`; `part NAME CELLS` and `boundary NAME FACETS NODES MEASURE` for all that
 //! there are; `note TEXT` for all that was done to the file; `error LINE TEXT` with `in FILE` where the error is in an included file;
@@ -41,7 +46,7 @@ impl Case {
         }
     }
 
-    /// Finds included files as `read_mesh` does: below the folder.
+    /// Finds included files as `read_mesh` does: in the folder and below.
     fn find(&self, name: &str) -> Result<PathBuf, String> {
         let folder = self.path.parent().unwrap().canonicalize().unwrap();
         let file = folder.join(name).canonicalize().map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! Surfaces of triangles that do not fit: what is mended, and what is refused.
+//! Faulty surfaces of triangles: repaired and refused cases.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use conserva::contact::{Facets, FacetsError, Mending};
 
 type Triangle = [u32; 3];
 
-/// Whether every edge has two triangles.
+/// True if every edge has two triangles.
 fn is_closed(facets: &Facets) -> bool {
     let mut edges: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for nodes in facets.triangles() {
@@ -45,7 +45,7 @@ fn turned_doubled_and_flat_triangles_and_points_apart_are_mended() {
     triangles[3].swap(0, 1);
     triangles[8].swap(0, 1);
     triangles.push(triangles[0]);
-    // a point of one triangle is off by round-off of a file with six digits
+    // a point of one triangle has the round-off of a file with six digits
     points[15][0] += 3e-8;
     let (facets, mending) = Facets::mended(&points, &triangles).unwrap();
     assert_eq!(mending, Mending { joined: 1, slivers: 0, doubled: 1, turned: 2 });
@@ -56,7 +56,8 @@ fn turned_doubled_and_flat_triangles_and_points_apart_are_mended() {
 
 #[test]
 fn a_sliver_leaves_no_gap() {
-    // the first triangle's first edge is cut at its middle on one side, a flat triangle fills the cut, and another triangle is turned
+    // the first edge of the first triangle is split at its middle on one side, a flat triangle fills the gap, and another triangle is
+    // reversed
     let (mut points, mut triangles) = cube();
     let [a, b, c] = [0, 1, 2].map(|k| points[k]);
     let middle = [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]));
@@ -81,7 +82,7 @@ fn what_has_no_one_repair_is_refused_with_its_place() {
     triangles.push([36, 37, 38]);
     let error = Facets::mended(&points, &triangles).unwrap_err();
     assert!(matches!(error, FacetsError::Turned(_)));
-    // half of it looks inside
+    // half of the triangles face inward
     let (points, mut triangles) = cube();
     triangles[..6].iter_mut().for_each(|triangle| triangle.swap(0, 1));
     assert!(matches!(Facets::mended(&points, &triangles), Err(FacetsError::Turned(_))));

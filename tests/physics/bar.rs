@@ -39,7 +39,8 @@ fn dead_traction_stretches_by_the_root_of_the_cubic() {
         let across = (1.0 - poisson / (1.0 - poisson) * (a * a - 1.0)).sqrt();
         let fields = &sim.fields()[0];
         for (x, u) in fields.mesh.points.iter().zip(&fields.displacement) {
-            // Required. `settle` balances every node to 1e-11 of the load, and so the displacements, times the number of cells.
+            // Required accuracy. `settle` balances every node to 1e-11 of the load; the error of displacements is larger by the number of
+            // cells.
             assert!((u[0] - (a - 1.0) * x[0]).abs() < 1e-9 && (u[1] - (across - 1.0) * x[1]).abs() < 1e-9, "{traction}: {x:?} {u:?}");
         }
         // W = E' E_11^2 / 2 over the area 4, and the Cauchy stress t / across.
@@ -73,7 +74,7 @@ fn frequency(sim: &mut Simulation, steps: usize, measure: impl Fn(&[f64]) -> f64
 /// Period of a bar of length 1 with wave speed 10.
 const PERIOD: f64 = 4.0 / 10.0;
 
-/// That bar in `cells` cells, in its lowest axial vibration; 40 steps a period.
+/// Bar of length 1 in `cells` cells, in its lowest axial vibration; 40 steps a period.
 fn axial_bar(cells: usize, integrator: &'static Scheme) -> Simulation {
     let mut builder = Builder::default();
     let mesh = rectangle([1.0, 0.2], [cells, 1], [0.0; 2]).expect("the mesh is sound");
@@ -93,7 +94,7 @@ fn axial_bar(cells: usize, integrator: &'static Scheme) -> Simulation {
     sim
 }
 
-/// Angular frequency of that vibration of the bar of cells, with its consistent mass, before time is discrete.
+/// Angular frequency of the lowest axial vibration of the bar in `cells` cells, with consistent mass and continuous time.
 fn axial_frequency(cells: usize) -> f64 {
     let h = 1.0 / cells as f64;
     let cosine = (FRAC_PI_2 * h).cos();
@@ -103,12 +104,12 @@ fn axial_frequency(cells: usize) -> f64 {
 #[test]
 fn axial_frequency_is_the_discrete_one_and_converges_to_the_exact_one() {
     let exact = FRAC_PI_2 * 10.0;
-    // Those whose period is that of the trapezoidal rule; the others' are in `spectra.rs`.
+    // Integrators with the period of the trapezoidal rule; the periods of others are in `spectra.rs`.
     for integrator in [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL] {
         let errors = [4, 8, 16].map(|cells| {
             let discrete = axial_frequency(cells);
             let measured = frequency(&mut axial_bar(cells, integrator), 60, |q| q[2 * cells] - 1.0);
-            // Strains of 1e-6 are not quite linear: harmonics of that size, relative to the motion. The step from 4 to 8 cells is 5e-3.
+            // Strains of 1e-6 are not quite linear: harmonics of this relative size. The difference between 4 and 8 cells is 5e-3.
             assert!((measured / discrete - 1.0).abs() < 1e-6, "{} cells {cells}: {measured} {discrete}", integrator.name);
             measured / exact - 1.0
         });
@@ -133,7 +134,7 @@ fn backward_euler_damps_a_vibration_by_its_law() {
     }
 }
 
-/// Lowest bending frequency of a cantilever of length 1, height 0.1, in `cells` cells along its length, over Euler and Bernoulli's.
+/// Lowest bending frequency of a cantilever of length 1, height 0.1, in `cells` cells along its length, over that of Euler and Bernoulli.
 fn bending(cells: usize) -> f64 {
     const ROOT: f64 = 1.875104068711961;
     let mut builder = Builder::default();
@@ -170,6 +171,6 @@ fn bending_frequency_converges_to_the_cantilever() {
     println!("bending: ratios {ratios:.5?}, rate {rate:.3}, limit {limit:.5}");
     // The parasitic shear of the bilinear cell stiffens by (cell length / height)^2 / 2: order two.
     assert!((rate - 2.0).abs() < 0.1, "{ratios:?}");
-    // What Euler and Bernoulli leave out, shear and rotary inertia, lowers the frequency by about half a percent at this height.
+    // Shear and rotary inertia, which Euler and Bernoulli neglect, lower the frequency by about half a percent at this height.
     assert!(limit > 0.99 && limit < 1.0, "{limit}");
 }

@@ -28,7 +28,7 @@ fn collide(
     until: f64,
 ) -> Vec<LedgerRow> {
     let (cells, dt) = (100, 0.005);
-    // The touch falls into the middle of a step.
+    // The first touch is in the middle of a step.
     let gap = SPEED * 10.5 * dt;
     let mut builder = Builder::default();
     let mesh = rectangle([LENGTH, HEIGHT], [cells, 1], [gap, 0.0]).expect("the mesh is sound");
@@ -53,7 +53,7 @@ const RULES: [(&UpdateRule, Enforcement); 4] = [
     (&GAP, Enforcement::Multiplier),
     (&PERSISTENCY, Enforcement::Multiplier),
     (&VELOCITY, Enforcement::Multiplier),
-    // Its spring is the facet (0.05) over the factor long: with 1 it would delay the release by 0.1.
+    // The stiffness of the penalty is the facet length (0.05) over the factor: a factor of 1 would delay the release by 0.1.
     (&GAP, Enforcement::Penalty { factor: 25.0 }),
 ];
 
@@ -81,7 +81,7 @@ fn contact_lasts_until_the_wave_returns_and_presses_with_the_impedance() {
             let last = (0..force.len()).rfind(pressed).expect("it touches");
             let (touch, release) = (rows[first].time, rows[last + 1].time);
             let impulse = rows[rows.len() - 1].momentum[0] - rows[0].momentum[0];
-            // Without the first and last tenth, where numerical waves ring.
+            // The first and last tenth, with numerical oscillations, are left out.
             let (from, to) = (first + (last - first) / 10, last - (last - first) / 10);
             let mean = force[from..to].iter().sum::<f64>() / (to - from) as f64 / HEIGHT;
             let work: f64 = rows[1..].iter().map(|row| row.load_work).sum();
@@ -106,7 +106,8 @@ fn contact_lasts_until_the_wave_returns_and_presses_with_the_impedance() {
     }
 }
 
-/// Whatever the integrator does to the energy: the wall's impulse explains the change of the momentum, and its work is impulse times speed.
+/// For every integrator, whatever its energy error: the impulse of the wall explains the change of the momentum, and its work is impulse
+/// times speed.
 #[test]
 fn every_integrator_books_impulse_and_work_of_the_wall() {
     for &integrator in integrators::CATALOGUE.iter().filter(|scheme| !scheme.goes_back()) {
@@ -115,10 +116,10 @@ fn every_integrator_books_impulse_and_work_of_the_wall() {
         let impulse = rows[rows.len() - 1].momentum[0];
         let work: f64 = rows[1..].iter().map(|row| row.load_work).sum();
         assert!(impulse > 0.1 * mass * SPEED, "{}: {impulse}", integrator.name);
-        // Where forces act longer than in one step, the work of what moves is that of the forces at the ends of steps.
+        // For integrators with forces in several steps, the work of the moving wall uses the forces at the ends of steps.
         let closeness = if integrator.is_long() { 0.02 } else { 1e-9 };
         assert!((work / (impulse * SPEED) - 1.0).abs() < closeness, "{}: {work} {impulse}", integrator.name);
-        // As above: a relative round-off of 1e-11.
+        // Relative round-off of 1e-11, as above.
         let defect = worst(&rows, |row| row.momentum_defect);
         assert!(defect < 1e-10 * mass * SPEED, "{}: {:.1e}", integrator.name, defect / (mass * SPEED));
     }

@@ -1,4 +1,4 @@
-//! How a model begins and what acts on it: initial displacements, gravity that varies, single points that are held and loaded.
+//! Start of a model and its loads: initial displacements, gravity over time, single points that are fixed and loaded.
 
 use conserva::dynamics::{InitialDisplacement, LoadKind, Ramp};
 use conserva::integrators::{ENERGY_MOMENTUM, MIDPOINT, TRAPEZOIDAL};
@@ -7,7 +7,7 @@ use conserva::mesh::{Boundary, rectangle};
 
 use crate::common::{Builder, drift, run, worst};
 
-/// A bar 2 x 1 from the origin, of mass 6, Young's modulus 1000 and no lateral strain.
+/// Bar 2 x 1 from the origin, of mass 6, with Young's modulus 1000 and Poisson's ratio 0.
 fn bar() -> (Builder, usize) {
     let mut builder = Builder::default();
     let material = SaintVenantKirchhoff { youngs_modulus: 1e3, poisson_ratio: 0.0, density: 3.0 }.material().expect("in range");
@@ -15,7 +15,7 @@ fn bar() -> (Builder, usize) {
     (builder, body)
 }
 
-/// Closed form: the stretch `l` stores `E/2 ((l^2 - 1)/2)^2` per volume; let go, it is exchanged with motion and none is lost.
+/// Closed form: the stretch `l` stores `E/2 ((l^2 - 1)/2)^2` per volume; after release the total energy is constant.
 #[test]
 fn a_body_that_starts_strained_has_that_energy_and_keeps_it() {
     let (mut builder, body) = bar();
@@ -31,10 +31,10 @@ fn a_body_that_starts_strained_has_that_energy_and_keeps_it() {
     assert!(drift(&rows, |row| row.momentum) < 1e-10 && drift(&rows, |row| row.angular_momentum) < 1e-10);
 }
 
-/// Closed form: gravity that grows linearly to its full size gives a free body the momentum `m g t^2/(2 T)`.
+/// Closed form: gravity that grows linearly over a time `T` gives a free body the momentum `m g t^2/(2 T)`.
 #[test]
 fn gravity_that_grows_is_a_load() {
-    // Others let a part of each load act later, all of it in the end (`tests/scripts/integrators.rhai`).
+    // Other integrators apply a part of each load in later steps (`tests/scripts/integrators.rhai`).
     for integrator in [&ENERGY_MOMENTUM, &MIDPOINT, &TRAPEZOIDAL] {
         let (mut builder, _) = bar();
         builder.model.gravity = [1.0, -10.0, 0.0];
@@ -48,7 +48,7 @@ fn gravity_that_grows_is_a_load() {
     }
 }
 
-/// Exact law: a force on a point moves the mass center; a point that is held feels what it carries.
+/// Exact law: a force on a point accelerates the center of mass; a fixed point has the reaction of its load.
 #[test]
 fn single_points_are_loaded_and_held() {
     let (mut builder, body) = bar();
@@ -61,7 +61,7 @@ fn single_points_are_loaded_and_held() {
     for row in &run(&mut sim, 0.2) {
         assert!((row.momentum[1] + 6.0 * row.time).abs() < 1e-11 && row.energy_defect.abs() < 1e-11);
     }
-    // Hinge and roller: the weight of 60 is carried in halves.
+    // Hinge and roller each carry half of the weight of 60.
     free.gravity = [0.0, -10.0, 0.0];
     free.fix(on(node([0.0, 0.0])), [true, true, false]);
     free.fix(on(node([2.0, 0.0])), [false, true, false]);

@@ -1,4 +1,9 @@
-//! A spinning ring bounces on a rigid plane under gravity, and in a rigid ring without it.
+//! A spinning ring bounces on a rigid plane under gravity, and in a rigid ring without gravity.
+//!
+//! Exact laws. Plane: the contact force is normal, so the momentum along the plane is constant; the impulses of gravity and contact explain
+//! the rest. Ring: contact forces have no moment about its center, so the angular momentum about it is constant. `gap` dissipates energy at
+//! closings, booked as contact work; the other rules and the penalty keep it (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997;
+//! Laursen and Love, IJNME 53, 2002).
 //!
 //! Exact laws. Plane: its force is normal to it, so the momentum along it is constant; impulses of gravity and plane explain the rest.
 //! Ring: its forces have no moment about its center, where the angular momentum is constant. `gap` loses energy at closings, booked as
@@ -26,7 +31,7 @@ const FACET: f64 = 0.157;
 
 /// A ring of radius 1 at the origin, thrown at 2 and 5, spinning at 3, with gravity.
 fn bounce(obstacle: Obstacle, gravity: f64, rule: (&'static UpdateRule, Enforcement), until: f64) -> Vec<LedgerRow> {
-    // Corners of an obstacle have constraints of their own, which leave this share of a facet alone; nodes do not penetrate.
+    // Corners of an obstacle have constraints of their own with a slack of this fraction of a facet; nodes do not penetrate.
     let corners = if matches!(obstacle, Obstacle::Polyline { .. }) { CORNER_SLACK * FACET } else { 0.0 };
     let mut builder = Builder::default();
     let mesh = ring(0.7, 1.0, [2, 40], [0.0; 2], 0.0).expect("the mesh is sound");
@@ -91,7 +96,7 @@ fn in_a_rigid_ring_the_angular_momentum_about_its_center_is_constant() {
     }
 }
 
-/// The ring over a polyline: flats, a step up and a roof, corners that nodes slide over.
+/// The ring rolls over a polyline with flats, a step up and a roof; nodes slide over its corners.
 #[test]
 fn over_the_corners_of_a_polyline_the_energy_closes() {
     let points = vec![[20.0, -1.2], [6.0, -1.2], [4.0, -0.8], [2.0, -1.5], [1.0, -1.5], [0.8, -1.3], [-20.0, -1.3]];

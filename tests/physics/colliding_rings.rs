@@ -33,7 +33,7 @@ fn they_meet_and_part_and_the_ledger_closes() {
     // Required: momenta to 1e-11 of themselves.
     let momentum = start.momentum[0];
     assert!(drift(&rows, |row| row.momentum) < 1e-11 * momentum, "{:.1e}", drift(&rows, |row| row.momentum) / momentum);
-    // About the origin the first ring has none; the measure is momentum times the distance of the centers.
+    // About the origin the first ring has no angular momentum; the scale is momentum times the distance of the centers.
     assert!(drift(&rows, |row| row.angular_momentum) < 1e-11 * momentum * 20.0);
     assert!(worst(&rows, |row| row.energy_defect) < 1e-11 * energy, "{:.1e}", worst(&rows, |row| row.energy_defect) / energy);
     let lost = -rows[1..].iter().map(|row| row.contact_work).sum::<f64>();

@@ -13,19 +13,20 @@ use crate::common::Builder;
 
 const TRACTION: f64 = 50.0;
 const MODULUS: f64 = 1000.0;
-/// Required. The solve leaves 1e-14 relative in the displacements, and the multiplier sees them through the stiffness: 1e-12 or so.
+/// Required accuracy. The solution has a relative error of 1e-14 in the displacements, and of about 1e-12 in the multiplier, by the
+/// stiffness.
 const TOLERANCE: f64 = 1e-10;
 
 #[derive(Clone, Copy, Debug)]
 struct Case {
-    /// Cells of the lower and the upper block along the width.
+    /// Numbers of cells of the lower and the upper block along the width.
     cells: [usize; 2],
     lower_is_secondary: bool,
     angle: f64,
     poisson: f64,
 }
 
-/// Two blocks of width 3 and heights 1 and 2, turned as a whole by an angle.
+/// Two blocks of width 3 and heights 1 and 2, rotated together by an angle.
 fn pressed(case: Case) -> Simulation {
     let stuff = SaintVenantKirchhoff { youngs_modulus: MODULUS, poisson_ratio: case.poisson, density: 1.0 }.material().expect("in range");
     let mut builder = Builder::default();
@@ -39,7 +40,7 @@ fn pressed(case: Case) -> Simulation {
         builder.fix(lower, "left", [true, false, false]);
         builder.fix(upper, "left", [true, false, false]);
     } else {
-        // Supports know only the axes; without Poisson's effect a block that is held altogether is in the same state.
+        // Supports act along the axes only; without Poisson's effect a fully fixed block has the same solution.
         assert_eq!(case.poisson, 0.0);
         builder.fix(lower, "bottom", [true; 3]);
     }
@@ -79,7 +80,7 @@ fn pressure_is_constant_across_meshes_that_do_not_match() {
                     assert!((pressure / expected - 1.0).abs() < TOLERANCE, "{case:?}: pressure {pressure} at {node}, expected {expected}");
                 }
                 assert!(contact.active.iter().all(|active| *active), "{case:?}");
-                // Nothing penetrates: the gap is a linear function that vanishes on the average of every node.
+                // No penetration: the gap is a linear function whose weighted mean vanishes at every node.
                 assert!(contact.gap.iter().all(|gap| gap.abs() < TOLERANCE), "{case:?}: {:?}", contact.gap);
                 let fields = sim.fields();
                 let upper = &fields[1];

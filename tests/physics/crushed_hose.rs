@@ -1,5 +1,9 @@
 //! A hose pressed flat between two rigid planes until its inner wall touches itself.
 //!
+//! Exact laws: the work of the planes (booked as work of loads) equals the stored energy plus the energy dissipated by `gap`; the planes
+//! are mirror images, so the transverse momentum stays zero. The inner wall does not penetrate itself: the height of the hose is at least
+//! its two walls.
+//!
 //! Exact laws: the work of the planes, which the ledger books as work of loads, is what the hose stores and what `gap` loses; the planes
 //! are mirror images, so the momentum across stays zero. The inner wall does not pass through itself: the hose stays as high as its two
 //! walls.
@@ -51,8 +55,8 @@ fn the_inner_wall_touches_itself_and_the_ledger_closes() {
         assert!(worst(&rows, |row| row.energy_defect) < 1e-11 * last.total(), "{:.1e}", worst(&rows, |row| row.energy_defect));
         assert!((last.total() - work - booked).abs() < 1e-9 * last.total(), "{} {work} {booked}", last.total());
         assert!(worst(&rows, |row| row.momentum_defect) < 1e-11 && worst(&rows, |row| row.angular_momentum_defect) < 1e-11);
-        // The upper half of the inner wall has stayed above the lower one: the mesh is not symmetric, so the line of contact is a little
-        // off the middle, but by far less than the thickness of 0.2 that a wall passing through would show.
+        // The upper half of the inner wall stays above the lower one. The mesh is not symmetric, so the line of contact is slightly off the
+        // middle, but far less than the thickness of 0.2 that a penetration would cause.
         assert!(worst(&rows, |row| row.max_penetration) < 0.01, "{method:?}: {}", worst(&rows, |row| row.max_penetration));
         let inner = sim.fields().remove(0);
         let low =

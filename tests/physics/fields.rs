@@ -12,8 +12,8 @@ fn block(origin: [f64; 2], name: &str, builder: &mut Builder) -> usize {
     builder.body(name, rectangle([2.0, 1.0], [4, 2], origin).expect("the mesh is sound"), &material)
 }
 
-/// Closed form: a bar without lateral strain that is pulled to the stretch `l` has the strain `(l^2 - 1)/2`, the stress
-/// `l E (l^2 - 1)/2`, which pushes on its height alone, and the energy `E/2 ((l^2 - 1)/2)^2` per volume.
+/// Closed form: a bar with Poisson's ratio 0 at the stretch `l` has the strain `(l^2 - 1)/2`, the Cauchy stress `l E (l^2 - 1)/2` on its
+/// undeformed height, and the energy `E/2 ((l^2 - 1)/2)^2` per volume.
 #[test]
 fn a_homogeneous_stretch_has_its_strain_stress_and_energy_everywhere() {
     let mut builder = Builder::default();

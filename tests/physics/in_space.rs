@@ -8,7 +8,8 @@ use solids::Scene;
 use conserva::dynamics::{Options, Simulation, UPDATE_RULES};
 use conserva::integrators::ENERGY_MOMENTUM;
 
-/// Energy is never gained, the ledger closes, momenta stay, and nothing gets deep: `persistency` leaves what a step approaches.
+/// Energy never grows, the ledger closes, momenta are constant, and penetrations stay small: `persistency` permits the approach of one
+/// step.
 #[test]
 fn random_solids_conserve_and_stay_out_of_each_other() {
     let mut touching = 0;
@@ -23,7 +24,7 @@ fn random_solids_conserve_and_stay_out_of_each_other() {
     assert!(touching >= 9, "{touching} of 12 touch");
 }
 
-/// The same with friction, whose work is never positive and whose stress is within its cone.
+/// Random scenes in space with friction: its work is never positive, and its stress is within the friction cone.
 #[test]
 fn random_solids_rub_each_other() {
     let mut rubbing = 0;
@@ -38,7 +39,7 @@ fn random_solids_rub_each_other() {
     assert!(rubbing >= 6, "{rubbing} of 12 rub");
 }
 
-/// A simulation that is made anew goes on from a state to the same bytes, with friction and without.
+/// A new simulation continues from a state with the same bytes, with and without friction.
 #[test]
 fn a_state_is_taken_up_by_a_new_simulation() {
     for friction in [0.0, 0.5] {

@@ -1,4 +1,7 @@
-//! Node-to-segment contact of two free rings, one in the other with clearance: nodes slide over facet borders, meet and part.
+//! Node-to-segment contact of two free rings, one in the other with clearance: nodes slide over facet borders, meet and separate.
+//!
+//! Exact laws: linear and angular momentum are constant; `gap` books the energy dissipated by closings, `persistency` and `velocity`
+//! dissipate none (Hesch and Betsch, IUTAM Bookseries 3, 2007).
 //!
 //! Exact laws: both momenta are constant; `gap` books what closings lose, `persistency` and `velocity` lose nothing (Hesch and Betsch,
 //! IUTAM Bookseries 3, 2007).
@@ -77,12 +80,12 @@ fn spun_up(method: &'static ContactMethod, radius: f64) -> LedgerRow {
     builder.fix(outer, "outer", [true; 3]);
     builder.contact((inner, "outer"), (outer, "inner"));
     (builder.model.interactions[0].method, builder.model.interactions[0].update) = (method, Some(&GAP));
-    // Corners of polygons are what catches it.
+    // The test is about the corners of polygons.
     builder.model.interactions[0].facets = Some(FacetShape::Straight);
     builder.model.gravity = [0.0, -50.0, 0.0];
     builder.load(inner, "inner", LoadKind::Torque([0.0, 0.0, 1.0]), Hat { start: 0.0, end: 0.2, peak: 0.1 });
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.0025);
-    // The corners of the larger journal overlap the race at first.
+    // The corners of the larger journal overlap the race at the start.
     sim.settle().unwrap_or_else(|error| panic!("{error}"));
     let rows = run(&mut sim, 0.5);
     let last = &rows[rows.len() - 1];
@@ -103,15 +106,15 @@ fn spun_up(method: &'static ContactMethod, radius: f64) -> LedgerRow {
     last.clone()
 }
 
-/// Why mortar is the default. The corners of the journal lie on the radius, the middles of the race's facets at cos(pi/48) = 0.99786: a
-/// journal of 0.995 turns freely, one of 0.998 has its corners caught in those of the race, although a round one would have clearance.
+/// Advantage of mortar contact. The corners of the journal lie on the radius, the middles of the race's facets at cos(pi/48) = 0.99786: a
+/// journal of 0.995 rotates freely, the corners of one of 0.998 lock with those of the race, although a circle would have clearance.
 #[test]
 fn a_journal_turns_or_is_caught_by_its_corners() {
     for (method, radius, turns) in
         [(&NODE_TO_SEGMENT, 0.995, true), (&MORTAR, 0.995, true), (&NODE_TO_SEGMENT, 0.998, false), (&MORTAR, 0.998, true)]
     {
         let momentum = spun_up(method, radius).angular_momentum[2];
-        // Free: most of the impulse of 0.01 is left (the weight rattles over the corners). Caught: the race takes it.
+        // Free: most of the impulse of 0.01 remains (the weight rattles over the corners). Locked: the race takes it.
         assert!(if turns { momentum > 5e-3 } else { momentum.abs() < 1e-3 }, "{method:?} {radius}: {momentum}");
     }
 }

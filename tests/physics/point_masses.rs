@@ -1,4 +1,4 @@
-//! Masses at points of bodies: their weight, their inertia in every scheme, energy and momenta where they fly and strike.
+//! Masses at points of bodies: weight, inertia in every scheme, energy and momenta in flight and impact.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use conserva::mesh::rectangle;
 
 use crate::common::{Builder, drift, material, run, worst};
 
-/// A block 1 x 1 of density 1 at `x`, with a mass at its upper right corner.
+/// Block 1 x 1 of density 1 at `x`, with a mass at its upper right corner.
 fn loaded(builder: &mut Builder, name: &str, x: f64, modulus: f64, mass: f64) -> usize {
     let law = material("neo_hookean", [modulus, 0.3, 1.0]);
     let body = builder.body(name, rectangle([1.0, 1.0], [2, 2], [x, 0.0]).expect("the mesh is sound"), &law);
@@ -17,7 +17,7 @@ fn loaded(builder: &mut Builder, name: &str, x: f64, modulus: f64, mass: f64) ->
     body
 }
 
-/// Closed form: a stiff block of mass 1 that carries a mass 3 at a corner falls as any other, and its weight is on its support.
+/// Closed form: a stiff block of mass 1 with a mass 3 at a corner falls like any other body, and its support carries the weight.
 #[test]
 fn a_mass_weighs_and_falls() {
     for &scheme in CATALOGUE {
@@ -71,7 +71,7 @@ fn bodies_with_masses_keep_energy_and_momenta_in_flight_and_in_impact() {
         );
         contact.update = Some(rule);
         let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.005);
-        // It turns about the center of the block and the mass together.
+        // The rotation is about the common center of the block and the mass.
         assert!((sim.row().momentum[0] - 1.7).abs() < 1e-12);
         let rows = run(&mut sim, 0.6);
         let energy = rows[0].total();

@@ -1,4 +1,4 @@
-//! Reactions of supports: the weight that they carry, the momentum that they give, the force that a prescribed motion takes.
+//! Reactions of supports: weight, momentum, and the force of a prescribed motion.
 
 use conserva::dynamics::{Model, Prescription, Ramp};
 use conserva::integrators;
@@ -29,7 +29,7 @@ fn supports_carry_the_weight_and_its_moment() {
     let reaction = sim.row().reactions[0];
     let weight = 3.0 * 2.0 * GRAVITY;
     assert!((reaction.force[1] - weight).abs() < 1e-9 * weight && reaction.force[0].abs() < 1e-9 * weight, "{reaction:?}");
-    // The center of mass, 1 from the side at rest, is where the deformed block has it.
+    // The center of mass, at the distance 1 from the fixed side when undeformed, moves with the deformed block.
     let fields = sim.fields();
     let positions = sim.state().positions;
     let mass = |node: usize| {
@@ -41,7 +41,7 @@ fn supports_carry_the_weight_and_its_moment() {
     assert!((reaction.moment[2] - turning).abs() < 1e-8 * turning, "{reaction:?} {turning}");
 }
 
-/// Exact law: what supports and gravity give in a step is the change of the momentum, for every integrator.
+/// Exact law: the impulse of supports and gravity in a step is the change of the momentum, for every integrator.
 #[test]
 fn reactions_and_weight_change_the_momentum() {
     for &integrator in integrators::CATALOGUE {
@@ -63,7 +63,7 @@ fn reactions_and_weight_change_the_momentum() {
     }
 }
 
-/// Closed form: a bar without lateral strain that is pulled to the stretch `l` has the force `E/2 (l^2 - 1) l` over its height.
+/// Closed form: a bar with Poisson's ratio 0 at the stretch `l` has the force `E/2 (l^2 - 1) l` over its height.
 #[test]
 fn a_prescribed_motion_takes_the_force_of_its_stretch() {
     let (mut builder, body) = block(1e3);

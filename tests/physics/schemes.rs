@@ -1,6 +1,7 @@
-//! Time integrators, parts and laws that are written beside the crate, in `examples/`: what a scheme remembers is right at the start, in
-//! steps of any size, after `settle` and in a state of another scheme; a dashpot and a mass are right in every scheme, a law at rest and in
-//! motion.
+//! Time integrators, force elements and laws implemented outside of the crate, in `examples/`: history vectors at the start, in steps of
+//! any size, after `settle` and in a state of another scheme; a dashpot and a mass in every scheme, a law at rest and in motion.
+//!
+//! Closed forms: the scalar recursion of Newmark's method (Hughes, The Finite Element Method, 1987, section 9.1), the damped oscillator.
 //!
 //! Closed forms: the scalar recursion of Newmark's method (Hughes, The Finite Element Method, 1987, section 9.1), the damped oscillator.
 
@@ -15,7 +16,7 @@ use conserva::mesh::rectangle;
 
 use crate::common::{Builder, difference, run, worst};
 
-// It brings the oscillator of `newmark.rs` along, as the dashpot does.
+// The example includes the oscillator of `newmark.rs`, as the dashpot does.
 #[allow(dead_code, clippy::duplicate_mod)]
 #[path = "../../examples/ballast.rs"]
 mod ballast;
@@ -31,10 +32,11 @@ mod mullins;
 
 use dashpot::newmark::{self, AMPLITUDE, AVERAGE, DAMPED, STIFFNESS, oscillator};
 
-/// Newmark's method, and one that reads the acceleration at the start although it is of second order; stable up to `omega dt` = 3.46.
+/// Newmark's method with linear acceleration, a scheme of second order that uses the acceleration at the start; stable up to `omega dt` =
+/// 3.46.
 static LINEAR: Scheme = newmark::newmark("linear acceleration", 1.0 / 6.0, 0.5);
 
-/// A mass 1 on a spring by Newmark's method: displacement from the spring's rest, velocity, acceleration.
+/// Oscillator of mass 1 by Newmark's method: displacement from the rest length, velocity, acceleration.
 #[derive(Clone, Copy)]
 struct Point {
     x: f64,
@@ -55,7 +57,7 @@ impl Point {
     }
 }
 
-/// The oscillator of the example, thrown, and its displacement.
+/// Oscillator of the example with an initial velocity, and its displacement.
 fn thrown(scheme: &'static Scheme, speed: f64, dt: f64) -> Simulation {
     let mut model = oscillator().expect("the model is sound");
     model.set_initial_velocity(1, [speed, 0.0, 0.0], [0.0; 3]);
@@ -66,8 +68,8 @@ fn displacement(sim: &Simulation) -> f64 {
     sim.state().positions[8] - 3.0 + AMPLITUDE
 }
 
-/// The block gives by `STIFFNESS / 1e8` of the motion, and the vibration that is left of that at the node of the spring by some times more.
-/// A step with another acceleration at its start is 1e-3 off.
+/// The block deforms by `STIFFNESS / 1e8` of the motion, and vibrates at the node of the spring by a small multiple of that. A step with
+/// another initial acceleration differs by 1e-3.
 const SAME: f64 = 1e-4 * AMPLITUDE;
 
 #[test]
@@ -84,7 +86,7 @@ fn newmark_follows_its_recursion_in_steps_of_any_size() {
     }
 }
 
-/// In a linear problem average acceleration keeps the energy; what damping takes in a period falls with the step.
+/// In a linear problem average acceleration keeps the energy; numerical damping per period decreases with the step size.
 #[test]
 fn newmark_is_of_its_order_and_average_acceleration_keeps_the_energy_of_linear_problems() {
     for (scheme, steps) in [(&AVERAGE, 200), (&DAMPED, 800)] {
@@ -92,7 +94,7 @@ fn newmark_is_of_its_order_and_average_acceleration_keeps_the_energy_of_linear_p
         let ((coarse, _), (fine, [least, largest])) = (of(steps), of(2 * steps));
         let rate = (coarse / fine).log2();
         assert!((rate - scheme.promises.order as f64).abs() < 0.1, "{}: {coarse} {fine}", scheme.name);
-        // The spring's energy is quadratic in its stretch; the block's own is 1e-7 of it.
+        // The energy of the spring is quadratic in its elongation; that of the block is 1e-7 of it.
         assert_eq!(largest - least < 1e-10, scheme.promises.order == 2, "{}: {least} {largest}", scheme.name);
     }
 }
@@ -125,7 +127,7 @@ fn states_go_on_and_those_of_others_are_taken_over() {
     other.restore(&postcard::from_bytes(&bytes).expect("and read"));
     advance(&mut other, &mut { at });
     assert!(other.state() == end, "a state goes on to the same bytes");
-    // A state in which another scheme stands.
+    // A state of another scheme.
     let mut before = thrown(&ENERGY_MOMENTUM, 0.3, 0.02);
     run(&mut before, 0.1);
     let (x, v) = (displacement(&before), before.state().velocities[8]);
@@ -133,7 +135,7 @@ fn states_go_on_and_those_of_others_are_taken_over() {
     advance(&mut sim, &mut Point::at(x, v));
 }
 
-/// A displacement that begins with an acceleration.
+/// Prescribed displacement with an initial acceleration.
 struct Sway;
 
 impl TimeFunction for Sway {
@@ -148,7 +150,7 @@ impl TimeFunction for Sway {
     }
 }
 
-/// A soft bar, its left end moved, gravity, and a load: the start has accelerations everywhere.
+/// A soft bar with a moving left end, gravity, and a load: accelerations are nonzero everywhere at the start.
 fn shaken(is_tied: bool) -> Builder {
     let mut builder = Builder::default();
     let rubber = NeoHookean { youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
@@ -173,7 +175,7 @@ fn supports_that_move_ties_and_settle_keep_order_and_ledger() {
         let end = |scheme: &'static Scheme, steps: usize| {
             let mut sim = shaken(is_tied).simulate(scheme, 0.1 / steps as f64);
             if settles {
-                // With velocities as they are, forces are others, and with a wrong one the scheme would be of first order.
+                // With the same velocities but other history vectors forces differ, and with wrong ones the scheme would be of first order.
                 run(&mut sim, 0.05);
                 sim.settle().expect("there is an equilibrium");
             }
@@ -193,7 +195,7 @@ fn supports_that_move_ties_and_settle_keep_order_and_ledger() {
     }
 }
 
-/// The order where springs and dampers do what there is to do: what a scheme takes from vibrations of bodies is nothing there.
+/// Order of a scheme in a model dominated by springs and dampers, where numerical damping of body vibrations is negligible.
 fn order_beside_bodies(scheme: &Scheme) -> f64 {
     if scheme.dissipation.is_none() { scheme.promises.order as f64 } else { 2.0 }
 }
@@ -239,7 +241,7 @@ fn a_law_with_history_is_right_at_rest_and_its_heat_is_booked() {
     assert!(off < 1e-9 && defect < 1e-12 && heat > 0.05, "{off:e} off, defect {defect:e}, heat {heat}");
 }
 
-/// The mean rate of a step is that of its middle: what is viscous lags by half a step in schemes that mix the forces of its ends.
+/// Viscous stresses use the mean rate of the step: they lag by half a step in schemes that combine the forces at both ends.
 #[test]
 fn viscous_bodies_fade_in_every_scheme() {
     for &scheme in CATALOGUE.iter().filter(|scheme| !scheme.goes_back()) {
@@ -259,7 +261,7 @@ fn viscous_bodies_fade_in_every_scheme() {
         let errors = [160, 320].map(|steps| difference(&end(scheme, steps), &reference));
         let rate = (errors[0] / errors[1]).log2();
         println!("viscous {}: errors {errors:?}, order {rate:.3}", scheme.name);
-        // Where the lag is hardly larger than the error of second order, and has the other sign, the first rates are less than 1.
+        // If the lag is hardly larger than the error of second order, with the opposite sign, the first rates are below 1.
         let least = if errors[0] < 2.5e-5 { 0.7 } else { 0.9 };
         assert!(rate > least, "{}: {rate}", scheme.name);
     }

@@ -1,4 +1,7 @@
-//! `settle`: what it calls equilibrium balances, body by body, and it finds one where there is one.
+//! Equilibria of `settle` balance body by body, and an equilibrium is found if there is one.
+//!
+//! Closed forms: a bar of Saint Venant-Kirchhoff material without Poisson's effect under a dead end load `p` has the stretch that solves
+//! `lambda^3 - lambda = 2 p/E`; in a stack every interface carries the weight above it.
 //!
 //! Closed forms: a bar of Saint Venant-Kirchhoff material without Poisson's effect under a dead end load `p` has the stretch that solves
 //! `lambda^3 - lambda = 2 p/E`; a stack carries at every interface the weight of what lies above it.
@@ -11,14 +14,14 @@ use conserva::mesh::{rectangle, ring};
 
 use crate::common::Builder;
 
-/// Promised: the forces on every body balance to that part of them.
+/// Required: the forces on every body balance to this fraction of their size.
 const BALANCE: f64 = 1e-10;
 
 fn settle(sim: &mut Simulation) -> SettleReport {
     sim.settle().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What is settled stays to the last bit: a step that gains nothing is not taken.
+/// Asserts that a settled state does not change by another `settle`: a step without improvement is not taken.
 fn expect_settled(sim: &mut Simulation) {
     let before = sim.state().clone();
     settle(sim);
@@ -35,7 +38,7 @@ fn elongation(load_over_modulus: f64) -> f64 {
     d
 }
 
-/// A soft block falls on a floor and is pressed; a body of another stiffness lies elsewhere and touches nothing.
+/// A soft block falls on a floor and is compressed; a body of another stiffness lies elsewhere without contact.
 #[test]
 fn a_stiff_bystander_hides_no_imbalance() {
     const PRESSURE: f64 = 10.0;
@@ -61,14 +64,14 @@ fn a_stiff_bystander_hides_no_imbalance() {
         let fields = &sim.fields()[0];
         let shortening = elongation(-PRESSURE / 200.0) * 10.0 - 0.01;
         for node in fields.mesh.boundary_nodes(fields.mesh.boundary("top").expect("a rectangle has it")) {
-            // An imbalance of 1e-10 of the load is 1e-10 of the shortening, near enough.
+            // An imbalance of 1e-10 of the load changes the shortening by about 1e-10.
             assert!((fields.displacement[node as usize][1] / shortening - 1.0).abs() < 2.0 * BALANCE, "{bystander:e}");
         }
         expect_settled(&mut sim);
     }
 }
 
-/// The error of the first damped step used to stay: 3e-6 of the strain, whatever its size.
+/// Regression: the error of the first damped step remained, 3e-6 of the strain, whatever its size.
 #[test]
 fn small_strains_are_as_exact_as_positions_can_be() {
     for load in [1e-6, 1e-4, 1e-2, 1.0, 100.0] {
@@ -84,13 +87,13 @@ fn small_strains_are_as_exact_as_positions_can_be() {
         let fields = &sim.fields()[0];
         let tip = fields.mesh.points.iter().position(|point| point[0] == 10.0).expect("the strip ends there");
         let off = fields.displacement[tip][0] / (10.0 * elongation(load / 900.0)) - 1.0;
-        // Coordinates of 10 are exact to 2e-15, strains of cells of 0.5 to 4e-15; the bar is 20 of them.
+        // Coordinates of 10 are exact to 2e-15, strains of cells of 0.5 to 4e-15; the bar has 20 cells.
         assert!(off.abs() < BALANCE + 2e-14 / (load / 900.0), "{load:e}: {off:e}");
         expect_settled(&mut sim);
     }
 }
 
-/// A block at a height above a wider one that is held below.
+/// A block at a height above a wider one with a fixed bottom.
 fn drop_from(height: f64) -> (Simulation, SettleReport) {
     let rubber = NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let mut builder = Builder::default();
@@ -111,16 +114,16 @@ fn a_body_comes_to_rest_from_any_height() {
         let (mut sim, report) = drop_from(height);
         let force = sim.contact("contact").expect("there is one").force;
         assert!((force[1] / 10.0 - 1.0).abs() < BALANCE && force[0].abs() < 10.0 * BALANCE, "{height}: {force:?}");
-        // The energy is quadratic in what is left of the imbalance; from afar the coordinates carry the round-off of the height, 3e-14,
-        // into strains of 1e-4.
+        // The energy is quadratic in the remaining imbalance. For large heights coordinates have a round-off of 3e-14 of the height,
+        // relative to strains of 1e-4.
         assert!((report.strain / touching.strain - 1.0).abs() < BALANCE + 1e-12 * height, "{height}: {:e}", report.strain);
-        // Half a facet a step once it is near, half the distance before.
+        // Half a facet a step in the neighborhood of contact, half the distance before.
         assert!(report.steps <= 25, "{height}: {} steps", report.steps);
         expect_settled(&mut sim);
     }
 }
 
-/// Blocks of one size over a rigid floor, gaps of 0.01 between them, every block a number of offsets out of line.
+/// Blocks of equal size over a rigid floor, with gaps of 0.01, each shifted sideways by a multiple of `offset`.
 fn stack(count: usize, offset: f64, height: f64) -> Simulation {
     let rubber = NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
     let mut builder = Builder::default();
@@ -151,7 +154,7 @@ fn stacks_come_to_rest() {
             assert!((force / weight - 1.0).abs() < BALANCE, "{count}: {force} above, {weight} expected at {k}");
         }
         expect_settled(&mut sim);
-        // At rest means that nothing moves when time goes on: forces out of balance by 1e-10 move a block by 1e-14 in a step.
+        // At rest nothing moves in time: forces with an imbalance of 1e-10 move a block by 1e-14 in a step.
         let settled = sim.state().positions.clone();
         for _ in 0..5 {
             sim.step(None, &mut |_| ()).unwrap_or_else(|error| panic!("{error}"));
@@ -161,7 +164,7 @@ fn stacks_come_to_rest() {
     }
 }
 
-/// Nothing holds the blocks sideways, and the top of what is pressed out of its middle slopes.
+/// Blocks without lateral support: the top of a block that is loaded off its center inclines.
 #[test]
 fn a_frictionless_stack_out_of_line_is_said_to_lack_guidance() {
     let mut sim = stack(10, 0.02, 0.0);
@@ -174,7 +177,7 @@ fn a_frictionless_stack_out_of_line_is_said_to_lack_guidance() {
     assert_eq!(sim.state().positions, stack(10, 0.02, 0.0).state().positions);
 }
 
-/// The same stack, guided.
+/// The shifted stack with lateral guidance.
 #[test]
 fn guidance_brings_a_stack_out_of_line_to_rest() {
     let rubber = NeoHookean { youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 }.material().expect("in range");
@@ -217,7 +220,7 @@ fn round_off_at_nodes_does_not_hide_the_weight() {
     expect_settled(&mut sim);
 }
 
-/// A press fit has no load, only contact forces.
+/// A press fit has contact forces and no load.
 #[test]
 fn a_press_fit_stays_settled() {
     let steel = NeoHookean { youngs_modulus: 1e5, poisson_ratio: 0.1, density: 1e-3 }.material().expect("in range");
@@ -229,7 +232,7 @@ fn a_press_fit_stays_settled() {
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.005);
     settle(&mut sim);
     let contact = sim.contact("contact").expect("there is one");
-    // Contact is all that acts on the inner ring: its resultant over the sum of its forces.
+    // Only contact acts on the inner ring: its resultant over the sum of its forces.
     assert!(contact.force[0].hypot(contact.force[1]) < BALANCE * contact.normal_force, "{:?}", contact.force);
     expect_settled(&mut sim);
 }

@@ -1,4 +1,12 @@
-//! Amplification matrices of time integrators, column by column from real steps of an oscillator, against closed forms.
+//! Amplification matrices of time integrators, column by column from steps of an oscillator, against closed forms.
+//!
+//! The oscillator is one cell of a linear law, fixed at its left side: stiffness E, mass 1/3, so that `omega` = 1 and `dt` is
+//! `Omega = omega dt`. States are constructed: positions, velocities, and history vectors.
+//!
+//! Closed forms: Hughes (The Finite Element Method, 1987, section 9), Hilber, Hughes and Taylor (1977), Wood, Bossak and Zienkiewicz
+//! (1980), Chung and Hulbert (1993), the scalar equations of the energy-decaying scheme, and for the differentiation formulas the
+//! characteristic polynomial and the stability function at `i Omega` (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996;
+//! Bank et al. 1985).
 //!
 //! The oscillator is one cell, held at its left side, with a law that is linear: stiffness E, mass 1/3, so that `omega` = 1 and `dt` is
 //! `Omega = omega dt`. States are made by hand: positions, velocities, and what the scheme remembers.
@@ -32,10 +40,10 @@ fn oscillator(scheme: &Scheme, dt: f64) -> Simulation {
     Simulation::new(&model, Options::new(scheme, dt)).expect("the model is sound")
 }
 
-/// A state by its parts; what stands in `memory` is written over what the scheme remembers.
+/// Simulation whose state is set component by component; `memory` overwrites the history vectors.
 struct Hand {
     sim: Simulation,
-    /// The unknowns of the side that moves.
+    /// Unknowns of the moving side.
     moving: Vec<usize>,
     unknowns: usize,
     start: Value,
@@ -48,7 +56,7 @@ impl Hand {
         let moving = (0..state.positions.len()).step_by(2).filter(|&k| state.positions[k] > 0.5).collect();
         let data = |sim: &Simulation| serde_json::to_value(sim.state()).expect("a state is data");
         let mut start = data(&sim);
-        // After a step it remembers something.
+        // History vectors exist after a step.
         sim.step(None, &mut |_| ()).expect("the step converges");
         (start["remembered"], start["row"]["step"]) = (data(&sim)["remembered"].take(), 1.into());
         Hand { sim, moving, unknowns: state.positions.len(), start }
@@ -59,7 +67,8 @@ impl Hand {
         numbers.collect::<Vec<f64>>().into()
     }
 
-    /// The state with these; `memory` are acceleration, what is left of forces, what accelerations answer, of those that it remembers.
+    /// State after a step from given values; `memory` has acceleration, force remainder and the delayed force, as far as the scheme has
+    /// them.
     fn after(&mut self, [x, v]: [f64; 2], memory: Option<[f64; 3]>) -> Value {
         let mut state = self.start.clone();
         let (u, v) = (self.vector(x), self.vector(v));
@@ -68,7 +77,7 @@ impl Hand {
             *position = (rest + u[k].as_f64().expect("a number")).into();
         }
         (state["displacements"], state["velocities"]) = (u, v);
-        // Newton's method measures energies by that of the state.
+        // Newton's method scales energies by that of the state.
         state["row"]["kinetic"] = (SIZE * SIZE).into();
         match memory {
             None => state["row"]["step"] = 0.into(),
@@ -96,7 +105,7 @@ impl Hand {
 /// Forces at the two nodes are half of the stiffness each, and masses half of the mass; in units of `omega` = 1 both are 1/6.
 const HALF: f64 = 1.0 / 6.0;
 
-/// The amplification matrix of `[x, v]`, where what is remembered follows from them.
+/// Amplification matrix of `[x, v]` for schemes whose history vectors follow from these.
 fn two(scheme: &Scheme, dt: f64) -> DMatrix<f64> {
     let mut hand = Hand::new(scheme, dt);
     DMatrix::from_columns(&[[SIZE, 0.0], [0.0, SIZE]].map(|state| {
@@ -105,7 +114,7 @@ fn two(scheme: &Scheme, dt: f64) -> DMatrix<f64> {
     }))
 }
 
-/// That of `[x, v, a]` for a scheme that remembers an acceleration and the force that it answers.
+/// Amplification matrix of `[x, v, a]` for a scheme with an acceleration and its delayed force as history.
 fn three(scheme: &Scheme, dt: f64) -> DMatrix<f64> {
     let mut hand = Hand::new(scheme, dt);
     let lag = scheme.lag;
@@ -119,7 +128,7 @@ fn three(scheme: &Scheme, dt: f64) -> DMatrix<f64> {
     }))
 }
 
-/// That of `[x, v, a, m]` for one that remembers what is left of forces by itself.
+/// Amplification matrix of `[x, v, a, m]` for a scheme with an independent force remainder `m`.
 fn four(scheme: &Scheme, dt: f64) -> DMatrix<f64> {
     let mut hand = Hand::new(scheme, dt);
     DMatrix::from_columns(&[0, 1, 2, 3].map(|k: usize| {
@@ -130,7 +139,8 @@ fn four(scheme: &Scheme, dt: f64) -> DMatrix<f64> {
     }))
 }
 
-/// That of the authors for Newmark's method with inertia and forces between the ends of a step, from its three equations.
+/// Published amplification matrix of the alpha methods, from the three equations of Newmark's method with inertia and forces between the
+/// ends of a step.
 fn published(alpha: [f64; 2], beta: f64, gamma: f64, dt: f64) -> DMatrix<f64> {
     let [alpha_m, alpha_f] = alpha;
     #[rustfmt::skip]
@@ -149,7 +159,7 @@ fn published(alpha: [f64; 2], beta: f64, gamma: f64, dt: f64) -> DMatrix<f64> {
     DMatrix::from_iterator(3, 3, matrix.iter().copied())
 }
 
-/// In units in which all entries are of the same size: `x`, `v dt`, `a dt^2`, and forces as accelerations.
+/// Matrix in units in which all entries have the same size: `x`, `v dt`, `a dt^2`, and forces as accelerations.
 fn scaled(matrix: &DMatrix<f64>, dt: f64) -> DMatrix<f64> {
     let unit = |k: usize| dt.powi(k.min(2) as i32);
     DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * unit(i) / unit(j))
@@ -163,7 +173,7 @@ fn radius(values: &[Complex<f64>]) -> f64 {
     values.iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// The angle of the pair that turns the other way round least, over that of the exact solution.
+/// Angle of the least damped complex pair of eigenvalues, over that of the exact solution.
 fn turned(values: &[Complex<f64>], dt: f64) -> f64 {
     let turning = values.iter().filter(|value| value.im > 1e-12).max_by(|a, b| a.norm().total_cmp(&b.norm()));
     turning.map_or(f64::NAN, |value| value.arg() / dt)
@@ -219,13 +229,13 @@ fn the_alpha_methods_have_the_matrices_of_their_authors() {
             let off = (&computed - &exact).amax() / exact.amax();
             println!("{} {dt}: matrix off by {off:.1e}", scheme.describe());
             assert!(off < 1e-11, "{}, Omega = {dt}: {computed} {exact}", scheme.describe());
-            // Where steps are long the three eigenvalues meet, and round-off of 1e-16 in a matrix is 1e-6 in them.
+            // For long steps the three eigenvalues coincide, and round-off of 1e-16 in a matrix is 1e-6 in them.
             let within = if dt <= 100.0 { 1e-10 } else { 1e-5 };
             let (values, expected) = (eigenvalues(&computed), eigenvalues(&exact));
             assert!((radius(&values) - radius(&expected)).abs() < within, "{}, Omega = {dt}", scheme.describe());
             assert!(dt > 10.0 || (turned(&values, dt) - turned(&expected, dt)).abs() < 1e-8, "{}, Omega = {dt}", scheme.describe());
         }
-        // In steps without end.
+        // In the limit of infinite steps.
         let rho = radius(&eigenvalues(&scaled(&published([alpha_m, alpha_f], beta, gamma, 1e8), 1e8)));
         let told = match scheme.name {
             "generalized_alpha" => scheme.parameters.values[0],
@@ -236,7 +246,8 @@ fn the_alpha_methods_have_the_matrices_of_their_authors() {
     }
 }
 
-/// Of the energy-decaying scheme: `v - v_0 + dt ((q_0 + q)/2 + chi/2 (q - q_0)) = 0`, `q - q_0 = dt (v_0 + v)/2`, and the filter of `v`.
+/// Amplification matrix of the energy-decaying scheme: `v - v_0 + dt ((q_0 + q)/2 + chi/2 (q - q_0)) = 0`, `q - q_0 = dt (v_0 + v)/2`, and
+/// the filter of `v`.
 fn decaying(rho: f64, dt: f64) -> DMatrix<f64> {
     let chi = (1.0 - rho) / (1.0 + rho);
     let left = nalgebra::Matrix2::new(0.5 * dt * (1.0 + chi), 1.0, 1.0, -0.5 * dt);
@@ -254,9 +265,9 @@ fn the_energy_decaying_scheme_has_the_spectral_radius_that_was_given() {
         let mut before = 1.0 + 1e-12;
         for dt in STEPS {
             let (computed, exact) = (scaled(&two(&scheme, dt), dt), scaled(&decaying(rho, dt), dt));
-            // Over the amplitude before the step: that after it may be nothing.
+            // Relative to the amplitude before the step, because that after it may vanish.
             let off = (&computed - &exact).amax() / exact.amax().max(1.0);
-            // Two eigenvalues meet where steps are long.
+            // Two eigenvalues coincide for long steps.
             let radius = radius(&eigenvalues(&computed));
             println!("{} {dt}: matrix off by {off:.1e}, radius {radius:.9}", scheme.describe());
             assert!(off < 1e-11, "{}, Omega = {dt}: {computed} {exact}", scheme.describe());
@@ -281,7 +292,7 @@ fn newmark_has_the_closed_forms() {
     }
 }
 
-/// What steps that choose their size take for the growth of an error: amplitude and phase of a slow vibration in a step.
+/// Leading error that adaptive steps use: amplitude and phase of a slow vibration in a step.
 #[test]
 fn slow_vibrations_are_off_by_the_leading_error() {
     let dt = 0.02f64;

@@ -1,4 +1,4 @@
-//! Springs between nodes of two bodies: the period of two masses, and energy and momenta while everything spins.
+//! Springs between nodes of two bodies: the period of two masses, and energy and momenta in free rotation.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::common::{Builder, drift, material, run, worst};
 
 const STIFFNESS: f64 = 20.0;
 
-/// Two blocks 1 x 1 (x 1), their facing sides 2 apart, and a spring between the middles of these.
+/// Two blocks 1 x 1 (x 1) at a distance of 2, with a spring between the middles of the facing sides.
 fn joined(meshes: [Mesh; 2], modulus: f64, rest_length: Option<f64>) -> Builder {
     let mut builder = Builder::default();
     let steel = material("neo_hookean", [modulus, 0.3, 1.0]);
@@ -40,10 +40,10 @@ fn two_masses_swing_with_their_period() {
     let (omega, amplitude) = ((2.0 * STIFFNESS).sqrt(), 0.2);
     let turn = 2.0 * (0.5 * omega * dt).atan();
     for row in &run(&mut sim, 2.0)[1..] {
-        // The potential knows the stretch but for its sign.
+        // The potential gives the absolute value of the elongation.
         let stretch = (2.0 * row.potential / STIFFNESS).sqrt();
         let expected = amplitude * (turn * row.step as f64).cos().abs();
-        // The blocks themselves give by k/E = 2e-6 of the stretch, some hundred periods of theirs in one of the spring's.
+        // The blocks deform by k/E = 2e-6 of the elongation, with some hundred periods of their own in one of the spring.
         assert!((stretch - expected).abs() < 2e-5 * amplitude, "step {}: {stretch} {expected}", row.step);
     }
 }

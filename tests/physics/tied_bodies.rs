@@ -1,4 +1,7 @@
-//! Two bodies whose meshes do not match, tied: a patch in tension, and two half-thick rings thrown spinning as one.
+//! Two bodies with nonmatching meshes, tied: a patch test in tension, and two rings of half the thickness in free rotation.
+//!
+//! Exact laws: linear displacements are in both finite element spaces and satisfy the tie exactly, so the patch test is solved exactly;
+//! energy, linear and angular momentum of the free body are constant, also if the tied polygons do not coincide.
 //!
 //! Exact laws: linear displacements are in both finite element spaces and satisfy the tie exactly, so the patch is solved exactly; energy
 //! and both momenta of the free body are constant, also where the tied polygons do not coincide.
@@ -27,12 +30,12 @@ fn a_tied_patch_in_tension_is_exact() {
     let stretch = fields[1].position(2)[0] / 2.0;
     for body in &fields {
         for (node, x) in body.mesh.points.iter().enumerate() {
-            // Damped steps end at displacements to about 1e-10.
+            // Damped steps reach displacements to about 1e-10.
             assert!((body.position(node)[0] - stretch * x[0]).abs() < 1e-9, "{} {x:?} {:?}", body.name, body.position(node));
             assert!((body.stress[node][0] / fields[0].stress[0][0] - 1.0).abs() < 1e-8 && body.stress[node][3].abs() < 1e-6);
         }
     }
-    // The seam carries the traction: its length is 1.
+    // The tie carries the traction over its length of 1.
     let seam = sim.contact("seam").expect("it is there");
     assert!((seam.force[0] + 100.0).abs() < 1e-6 && seam.force[1].abs() < 1e-6, "{:?}", seam.force);
     assert!(seam.pressure.iter().all(|pressure| (pressure - 100.0).abs() < 1e-6), "{:?}", seam.pressure);
@@ -66,7 +69,7 @@ fn tied_rings_tumble_as_one_body() {
             worst(&rows, |row| row.energy_defect) / energy,
             drift(&rows, |row| row.angular_momentum)
         );
-        // They have turned by 8 and nothing has come apart.
+        // They have rotated by 8 rad, and the tie still holds.
         let fit = sim.contact("fit").expect("it is there");
         assert!(fit.gap.iter().all(|gap| gap.abs() < 1e-9) && fit.active.iter().all(|active| *active));
     }

@@ -1,4 +1,7 @@
-//! A torque on a free ring: its angular momentum is the integral of the torque, exactly, and the energy comes from the torque's work alone.
+//! A torque on a free ring: its angular momentum is the integral of the torque, exactly, and the energy is the work of the torque.
+//!
+//! Exact laws. The kinks of the hat are at ends of steps, so that the mid-step and the end-point sum of the torque both equal its integral.
+//! For comparison, the midpoint and the trapezoidal rule have an energy error in the ledger with the same steps.
 //!
 //! Exact laws. The hat's kinks fall on steps, so that both the mid-step and the end-point sum of the torque equal its integral.
 //! The comparison shows what the conserving scheme buys: on the same steps the midpoint and the trapezoidal rule leave an energy error in
@@ -34,7 +37,8 @@ fn angular_momentum_is_the_integral_of_the_torque() {
     for integrator in [&ENERGY_MOMENTUM, &MIDPOINT] {
         let rows = spun(integrator);
         for row in &rows {
-            // Newton leaves up to 1e-12 a step (1e-13 of the energy), forty steps. The ring stands off the origin: torque has no resultant.
+            // Newton's method has errors of up to 1e-12 a step (1e-13 of the energy) in forty steps. The ring is away from the origin: the
+            // torque has no resultant.
             assert!((row.angular_momentum[2] - impulse(row.time)).abs() < 1e-11, "{}: {row:?}", integrator.name);
             assert!(row.momentum[0].abs().max(row.momentum[1].abs()) < 1e-12, "{}: {:?}", integrator.name, row.momentum);
         }
@@ -50,6 +54,6 @@ fn only_the_conserving_scheme_closes_the_energy() {
         println!("{}: worst energy defect of a step {:.1e} of {total:.3}", integrator.name, worst(&rows, |row| row.energy_defect));
         worst(&rows, |row| row.energy_defect) / total
     });
-    // Newton's tolerance against the truncation of order dt^3 in a ring that is strained by a tenth.
+    // Newton's tolerance against the truncation error of order dt^3 in a ring with strains of a tenth.
     assert!(errors[0] < 1e-12 && errors[1] > 1e-5 && errors[2] > 1e-5, "{errors:?}");
 }

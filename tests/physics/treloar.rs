@@ -49,7 +49,7 @@ fn moduli_for_ogdens_powers_fit_better_than_his_and_are_near_them() {
         stresses.iter().zip(&test.points).map(|(stress, point)| (stress - point[1]).powi(2)).sum::<f64>()
     };
     let rms = (tests().iter().map(square).sum::<f64>() / 40.0).sqrt();
-    // His fit leaves the last points out, where the rubber crystallises.
+    // Ogden's fit leaves out the last points, at which the rubber crystallizes.
     assert!(found.rms < rms && rms < 4.0 * found.rms, "{} against {rms}", found.rms);
     for (found, published) in found.constants.iter().zip([6.3, 0.012, -0.1]) {
         assert!((found / published - 1.0).abs() < 0.3, "{found} {published}");

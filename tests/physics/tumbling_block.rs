@@ -1,4 +1,7 @@
-//! A block thrown spinning, free of all forces: energy and both momenta are constants of motion, whatever the step.
+//! A free spinning block: energy, linear and angular momentum are constant for every step size.
+//!
+//! Exact laws. In space the block rotates about its middle axis, about which rigid rotation is unstable (Euler), so that it tumbles. A
+//! benchmark of this kind: Simo and Tarnow, ZAMP 43 (1992), section 6.
 //!
 //! Exact laws. In space it turns about its middle axis, where rigid rotation is unstable (Euler), so that the motion is a true tumbling.
 //! A benchmark of this kind: Simo and Tarnow, ZAMP 43 (1992), section 6.
@@ -40,7 +43,7 @@ fn block_in_space_keeps_energy_and_momenta_while_it_tumbles() {
     }
 }
 
-/// Newton's tolerance leaves the same sign in every step, which added up to 8e-11 of the energy here.
+/// Regression: errors of Newton's method had the same sign in every step and added up to 8e-11 of the energy.
 #[test]
 fn what_newton_leaves_in_each_step_does_not_add_up() {
     let mut builder = Builder::default();
@@ -50,6 +53,6 @@ fn what_newton_leaves_in_each_step_does_not_add_up() {
     let mut sim = builder.simulate(&ENERGY_MOMENTUM, 0.1);
     let rows = run(&mut sim, 2000.0);
     let energy = rows[0].total();
-    // A tenth of it is round-off.
+    // A tenth of the bound is round-off.
     assert!(worst(&rows, |row| row.total() - energy) < 2.5e-11 * energy, "{:.1e}", worst(&rows, |row| row.total() - energy) / energy);
 }

@@ -1,6 +1,6 @@
-//! Pages at the widths of a telephone, a laptop and a large screen, light and dark: nothing overlaps or is cut, nothing complains, and the
-//! accessibility checker axe-core finds nothing serious. Without axe-core on the machine (`AXE_CORE` names its `axe.min.js`, or a global
-//! `npm install -g axe-core`) that part is skipped, which the test says.
+//! Pages at the widths of a telephone, a laptop and a large screen, light and dark: no overlapping or cut texts, no errors, and no serious
+//! finding of the accessibility checker axe-core. Without axe-core on the machine (`AXE_CORE` names its `axe.min.js`, or a global
+//! `npm install -g axe-core`) this part is skipped with a message.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::browser::Browser;
 use super::{MACHINE, browser, folder, run};
 
-/// Ten bodies in space that fall onto each other, loaded, held and tied by a spring.
+/// Ten bodies in space that fall onto each other, loaded, fixed and connected by a spring.
 const IN_SPACE: &str = r#"
 let m = model("ten bodies");
 let rubber = neo_hookean(#{ youngs_modulus: 1e4, poisson_ratio: 0.3, density: 1.0 });
@@ -50,7 +50,7 @@ fn axe() -> Option<String> {
     given.into_iter().chain(global).find_map(|path| fs::read_to_string(path).ok())
 }
 
-/// Texts that are cut or that cover each other, and bodies that leave the frame.
+/// Script that finds cut or overlapping texts, and bodies outside of the frame.
 const FAULTS: &str = r#"(async () => {
   const faults = [], shown = (e) => e.checkVisibility() && e.getClientRects().length > 0;
   const name = (e) => `${e.tagName.toLowerCase()}#${e.id}.${e.className.baseVal ?? e.className} "${e.textContent.trim().slice(0, 30)}"`;

@@ -1,5 +1,5 @@
-//! `report.html` as a reader sees it, in a headless Chromium: it loads without complaints, the picture changes when it is played and
-//! scrubbed, numbers are those of `history.csv`, names do no harm. Without a browser on the machine these tests say so and pass.
+//! `report.html` in a headless Chromium: it loads without errors, the picture changes when it is played and scrubbed, numbers equal those
+//! of `history.csv`, and names cannot inject markup. Without a browser on the machine these tests print a message and pass.
 
 #[path = "../common/browser.rs"]
 mod browser;
@@ -14,7 +14,7 @@ use std::process::Command;
 use browser::Browser;
 use serde_json::{Value, json};
 
-/// A drop onto the ground, with names that try to leave their place.
+/// A drop onto the ground, with names that contain markup.
 const SCRIPT: &str = r#"
 let height = param("height", 0.1);
 let rubber = neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 });
@@ -45,7 +45,7 @@ fn run(folder: &Path, script: &str, out: &str) -> PathBuf {
     out
 }
 
-/// A browser, or a word that there is none.
+/// Browser, or a message that there is none.
 fn browser(folder: &Path) -> Option<Browser> {
     let browser = Browser::start(&folder.join("profile"));
     if browser.is_none() {
@@ -54,7 +54,7 @@ fn browser(folder: &Path) -> Option<Browser> {
     browser
 }
 
-/// A number that changes when the picture does.
+/// Checksum of the picture.
 const PICTURE: &str =
     "[...document.getElementById('canvas').toDataURL()].reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) >>> 0, 0)";
 
@@ -97,7 +97,7 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
     let middle = page.evaluate(PICTURE);
     assert_ne!(start, middle);
 
-    // Every number of the moment and of the ledger is that of history.csv.
+    // Every number at the chosen time and in the ledger equals that of history.csv.
     let mut history = csv_of(&out.join("history.csv"));
     let names = history.remove(0);
     let row = page.evaluate("conserva.row").as_u64().unwrap() as usize;
@@ -150,7 +150,7 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
     page.settle();
     assert_ne!(page.evaluate(PICTURE), light, "dark");
 
-    // Names did no harm, and nothing complained.
+    // Names injected nothing, and there were no errors.
     let body = page.evaluate("conserva.data.bodies[0].name");
     assert_eq!(body, json!("</script><script>alert(1)</script>"));
     assert_eq!(page.evaluate("document.querySelectorAll('b, i').length === document.querySelectorAll('.legend b').length"), json!(true));
@@ -160,7 +160,7 @@ fn the_picture_plays_and_is_scrubbed_and_numbers_are_those_of_the_history() {
     assert_eq!(page.complaints, Vec::<Value>::new());
 }
 
-/// A crank that a motor turns and a geared wheel: rigid bodies only.
+/// A crank with a motor and a geared wheel: rigid bodies only.
 const MACHINE: &str = r#"
 let mill = model("mill");
 let wheel = |name, x| mill.add_rigid_body(name, disk(#{ radius: 0.5, cells: [2, 16], center: [x, 0.0] }), #{ mass: 1.0 });
@@ -196,7 +196,7 @@ fn a_machine_is_summed_up_and_colored_by_its_bodies() {
         let is_shown = |text: &str| cells.iter().any(|cell| cell.starts_with(text));
         assert!(is_shown("gear of \"axle\" and \"shaft\", ratio 2") && is_shown("driven: ") && is_shown("-0.125"), "{cells:?}");
         assert_eq!(page.evaluate("document.getElementById('field').value"), json!("body"));
-        // On a narrow screen plots come before the numbers of the moment.
+        // On a narrow screen plots come before the numbers at the chosen time.
         let top = |id: &str| format!("document.getElementById('{id}').getBoundingClientRect().top");
         let comes_first = page.evaluate(&format!("{} < {}", top("plots"), top("now")));
         assert_eq!(comes_first, json!(width == 390));
@@ -205,7 +205,7 @@ fn a_machine_is_summed_up_and_colored_by_its_bodies() {
     }
 }
 
-/// In space: what is toward the viewer hides what is behind it, and the ground is seen from above and not from below.
+/// Visibility in space: near bodies hide distant ones, and the ground is visible from above and not from below.
 #[test]
 fn bodies_in_space_and_the_ground_below_them_are_seen_from_where_the_viewer_is() {
     let folder = folder("space");
@@ -225,7 +225,7 @@ sim.step(2);
                const x = [r[1] * u[2] - r[2] * u[1], r[2] * u[0] - r[0] * u[2], r[0] * u[1] - r[1] * u[0]]; \
                return x.map((x, k) => Math.abs(x - t[k])); })())";
     assert!(page.evaluate(off).as_f64().unwrap() < 1e-12, "right, up and toward the viewer make a right-handed triad");
-    // Share of the picture that has the color of obstacles, which is lit gray.
+    // Fraction of the picture with the lit gray of obstacles.
     let gray = "(() => { const { data } = conserva.scene.image; let count = 0; \
                 for (let k = 0; k < data.length; k += 4) { \
                   const [r, g, b] = data.slice(k, k + 3); if (r > 100 && r < 200 && r <= g && g <= b && b - r < 14) count += 1; } \
@@ -238,8 +238,8 @@ sim.step(2);
     assert_eq!(page.complaints, Vec::<Value>::new());
 }
 
-/// A cut across a tube: its wall has a face, plain where only the surface is recorded and colored where the inside is, its hole has none,
-/// and what is on the viewer's side is gone.
+/// A section of a tube: its wall has a face, plain if only the surface is recorded and colored if the inside is; its hole has none, and the
+/// part on the viewer's side is removed.
 #[test]
 fn a_cut_shows_the_inside() {
     let folder = folder("cut");
@@ -278,7 +278,7 @@ sim.step(2);
         assert_eq!(saturation > 20.0, inside, "{wall:?}");
         let note = page.evaluate("document.getElementById('cut-note').hidden");
         assert_eq!(note, json!(inside));
-        // At the far end nothing is taken away but the face itself.
+        // At the far end only the face itself is removed.
         page.evaluate(
             "document.getElementById('cut-at').value = '1000'; document.getElementById('cut-at').dispatchEvent(new Event('input'))",
         );

@@ -1,4 +1,4 @@
-//! Texts of a script that are markup: wherever a page shows one, it is text there, and none runs.
+//! Texts of a script that contain markup: every page shows them as text, and none is executed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::browser::Browser;
 use super::{browser, folder};
 
-/// What would run, by its number.
+/// Payload with a number that would be executed.
 fn payload(number: usize) -> String {
     let forms = ["<img src=x onerror=hit(N)>", "</script><script>hit(N)</script>", "<svg onload=hit(N)>", "'><img src=x onerror=hit(N)>"];
     forms[number % forms.len()].replace('N', &number.to_string())
@@ -60,11 +60,11 @@ if param("fails", false) { throw "@"; }
 expect(color != "stop", "@");
 "#;
 
-/// Opens a page and gives back which payloads ran.
+/// Opens a page and returns the payloads that were executed.
 fn ran(page: &mut Browser, path: &Path) -> Value {
     page.call("Page.navigate", json!({ "url": format!("file://{}", path.display()) }));
     page.wait_for("document.readyState === 'complete' && location.protocol === 'file:'");
-    // Images that do not load say so a little later.
+    // Errors of images that cannot be loaded come later.
     page.evaluate("new Promise((done) => setTimeout(() => done(true), 300))");
     page.evaluate("window.hits")
 }
@@ -74,7 +74,7 @@ fn texts_that_are_markup_run_in_no_page() {
     let home = folder("markup");
     let Some(mut page) = browser(&home) else { return };
     page.call("Page.addScriptToEvaluateOnNewDocument", json!({ "source": "window.hits = []; window.hit = (n) => window.hits.push(n);" }));
-    // They would run.
+    // Payloads without escaping are executed.
     let all: Vec<String> = (1..5).map(payload).collect();
     fs::write(home.join("plain.html"), format!("<!DOCTYPE html><script>0</script>{}", all.concat())).unwrap();
     let hits = ran(&mut page, &home.join("plain.html"));
@@ -103,7 +103,7 @@ fn texts_that_are_markup_run_in_no_page() {
     for path in &pages {
         let hits = ran(&mut page, path);
         assert_eq!(hits, json!([]), "{}", path.display());
-        // What is to be seen of the run is there, as text.
+        // All data of the run are visible, as text.
         let text = page.evaluate("document.documentElement.outerHTML");
         assert!(text.as_str().unwrap_or_default().contains("hit("), "{}", path.display());
     }

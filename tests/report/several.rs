@@ -1,4 +1,4 @@
-//! Several runs on one page, and what one page tells of its run: nodes with curves, symbols of the problem, pictures, printed lines.
+//! Several runs on one page, and the content of a page of one run: nodes with curves, symbols of the model, pictures, printed lines.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn report(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_conserva")).arg("report").args(arguments).current_dir(folder).output().unwrap()
 }
 
-/// A wheel that turns by a drive, a spring and a link on it, a held and loaded block beside it.
+/// A wheel with a drive, a spring and a link, and a fixed and loaded block.
 const PARTS: &str = r#"
 let m = model("parts");
 let rubber = neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 });
@@ -47,7 +47,7 @@ fn a_page_shows_nodes_over_time_and_the_symbols_of_the_problem() {
                 for (let i = 0; i < body.nodes; i += 3) { const off = Math.abs(all[i] - film.valueAt(name, k, b, i)); \
                 worst = Math.max(worst, off / (1e-9 + Math.abs(all[i]))); } }); } return worst; })()";
     assert!(page.evaluate(same).as_f64().unwrap() < 1e-5);
-    // Typed with the keyboard: its curve ends at the value that the script has found.
+    // Node entered with the keyboard: its curve ends at the value printed by the script.
     let summary: Value = serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
     let expected = summary["results"]["displacement"].as_f64().unwrap();
     page.evaluate(
@@ -66,13 +66,13 @@ fn a_page_shows_nodes_over_time_and_the_symbols_of_the_problem() {
     let last = curve.as_array().unwrap().last().unwrap().as_f64().unwrap();
     assert!((last - expected).abs() < 1e-4 * expected, "{last} {expected}");
     assert_eq!(texts(&mut page, "#nodes .pair button"), ["Curve of the node", "× block, node 24"]);
-    // Fields that the page computes from the stress, at the end.
+    // Fields computed by the page from the stress, at the end.
     for (name, field) in [("principal", "principal_3"), ("tresca", "tresca")] {
         let expected = summary["results"][name].as_f64().unwrap();
         let found = page.evaluate(&format!("conserva.film.valueAt('{field}', conserva.data.stills.length - 1, 1, 12)")).as_f64().unwrap();
         assert!((found - expected).abs() < 1e-3 * expected.abs(), "{field}: {found} {expected}");
     }
-    // A click on a node adds it, a number that is none is told.
+    // A click on a node adds it; an invalid number is reported.
     let place = "(() => { document.getElementById('canvas').scrollIntoView(); \
                  const s = conserva.scene, p = s.places[1], b = s.canvas.getBoundingClientRect(); \
                  return [b.left + p[0] / s.fineness, b.top + p[1] / s.fineness]; })()";
@@ -84,7 +84,7 @@ fn a_page_shows_nodes_over_time_and_the_symbols_of_the_problem() {
     assert_eq!(page.evaluate("conserva.nodes.chosen[1]"), json!({ "body": 1, "node": 0 }));
     page.evaluate("conserva.nodes.addNumber(1, '99')");
     assert_eq!(page.evaluate("conserva.nodes.note.textContent"), json!("block has nodes 0 to 24."));
-    // Symbols: those of the model, few, where their points are.
+    // Symbols: those of the model, few, at their points.
     let kinds = page.evaluate("conserva.data.marks.map(({ kind, name }) => `${kind} ${name}`)");
     assert_eq!(kinds, json!(["support block.bottom", "pressure block.top", "load block.right", "line tie", "joint axle"]));
     let spring = page.evaluate(
@@ -113,7 +113,7 @@ fn several_runs_stand_on_one_page() {
     let Some(mut page) = browser(&folder) else { return };
     run(&folder, SCRIPT, "low");
     run(&folder, &SCRIPT.replace("param(\"height\", 0.1)", "param(\"height\", 0.2)"), "high");
-    // One that fails in its course, of a model in space.
+    // A run that fails, of a model in space.
     let failing = r#"
 let m = model("cube");
 let rubber = neo_hookean(#{ youngs_modulus: 1e3, poisson_ratio: 0.3, density: 1.0 });
@@ -133,19 +133,19 @@ throw "<i>stopped</i>";
         page.evaluate("[...document.querySelectorAll('#views .badge')].map((e) => e.classList.contains('well'))"),
         json!([true, true, false])
     );
-    // One set of axes for all: the kinetic energy of each with times of its own, and the values of histories.
+    // One set of axes for all runs: the kinetic energy of each at its own times, with the values of the histories.
     let kinetic = page.evaluate("conserva.plots[0].curves.map(({ label, values, time }) => [label, values.length === time.length])");
     assert_eq!(kinetic, json!([["low", true], ["high", true], ["cube", true]]));
     let history = fs::read_to_string(folder.join("high/history.csv")).unwrap();
     let column = history.lines().next().unwrap().split(',').position(|name| name == "kinetic").unwrap();
     let last: f64 = history.lines().last().unwrap().split(',').nth(column).unwrap().parse().unwrap();
     assert_eq!(page.evaluate("[...conserva.plots[0].curves[1].values].pop()").as_f64().unwrap(), last);
-    // What differs: the parameter, the model, the line of the script.
+    // Differences: the parameter, the model, the line of the script.
     let cells = texts(&mut page, "#difference-list tbody tr");
     assert!(cells.iter().any(|row| row == "height0.10.2–"), "{cells:?}");
     let lines = texts(&mut page, "#difference-list pre .added");
     assert!(lines.iter().any(|line| line.contains("param(\"height\", 0.2)")), "{lines:?}");
-    // Pictures move together; after the end of a run its last one stays.
+    // Pictures are synchronized; after the end of a run its last one remains.
     page.evaluate("conserva.goTo(conserva.times.length - 1)");
     let clocks = texts(&mut page, "#views figure > span");
     assert_eq!(clocks, ["t = 0.3", "t = 0.3", "ended at t = 0.1"]);
@@ -212,7 +212,7 @@ fn what_makes_no_page_is_told() {
         assert!(message.contains(title) && message.contains(hint), "{arguments:?}: {message}");
         assert!(!folder.join("comparison.html").exists() && !folder.join("page.txt").exists());
     }
-    // A page of several runs is not one of a run.
+    // A page of several runs is not accepted as that of one run.
     run(&folder, SCRIPT, "high");
     assert!(report(&folder, &["low", "high"]).status.success());
     let output = report(&folder, &["low", "comparison.html"]);

@@ -1,4 +1,4 @@
-//! One process at a time writes into the folder of a run: others say so, and nothing is damaged.
+//! Lock of a run folder: one process at a time writes into it; others report the lock, and nothing is damaged.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::program::{folder, stderr};
 use super::splitmix::SplitMix;
 use super::{LOOKS, assert_same, begun, interrupted, run, signal, wait_for_lines};
 
-/// Begins both at once; how many of them said that a run is under way.
+/// Starts two commands at once; returns how many reported a running process.
 fn both(home: &Path, first: &[&str], second: &[&str]) -> usize {
     let children = [begun(home, first), begun(home, second)];
     let outputs = children.map(|child| child.wait_with_output().unwrap());

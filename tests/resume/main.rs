@@ -1,4 +1,4 @@
-//! Runs that are killed or interrupted and resumed: every file ends with the bytes of the run that nobody disturbed.
+//! Runs that are killed or interrupted and resumed: every file ends with the bytes of an uninterrupted run.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -24,7 +24,7 @@ use program::{conserva, folder, stderr};
 use run_files::assert_same;
 use splitmix::SplitMix;
 
-/// Rings on a block and on a plane, with everything by which a script can look at them.
+/// Script with rings on a block and on a plane, and all ways to read results.
 const LOOKS: &str = include_str!("looks.rhai");
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
@@ -35,7 +35,7 @@ fn begun(folder: &Path, arguments: &[&str]) -> Child {
     conserva(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Waits until the histories of a run have so many lines together, or it has ended.
+/// Waits until the histories of a run have a total number of lines, or it has ended.
 fn wait_for_lines(run: &Path, child: &mut Child, count: usize) {
     let begun = Instant::now();
     let lines = |folder: &Path| std::fs::read_to_string(folder.join("history.csv")).map_or(0, |text| text.lines().count());
@@ -50,7 +50,7 @@ fn wait_for_lines(run: &Path, child: &mut Child, count: usize) {
 }
 
 fn signal(child: &Child, name: &str) {
-    // A run that has ended takes no signal.
+    // A signal to a run that has ended fails.
     let _ = Command::new("kill").args([name, &child.id().to_string()]).stderr(Stdio::null()).status();
 }
 
@@ -78,7 +78,7 @@ fn a_run_that_was_killed_at_any_moment_ends_as_if_it_had_not_been() {
             continue;
         }
         if round % 2 == 0 {
-            // Killed once more, wherever it is by then.
+            // Killed once more, at an arbitrary time.
             let mut child = begun(&home, &["resume", "k", "--checkpoint", "10"]);
             std::thread::sleep(Duration::from_millis(random.below(300) as u64));
             signal(&child, "-KILL");
@@ -122,7 +122,7 @@ fn interrupts_and_stops_change_nothing() {
 
 #[test]
 fn the_frame_of_an_interrupt_does_not_replace_one_on_which_a_checkpoint_counts() {
-    // Both are at the same time: one of the step, one of the equilibrium after it, at which the interrupt comes.
+    // Two rows at one time: that of the step, and that of the following equilibrium, at which the interrupt arrives.
     let script = r#"
         let rubber = neo_hookean(#{ youngs_modulus: 100.0, poisson_ratio: 0.3, density: 1.0 });
         let sky = model("sky");
@@ -177,7 +177,7 @@ fn joints_of_a_resumed_run_are_those_of_their_time() {
 
 #[test]
 fn a_closure_of_time_that_is_interrupted_ends_the_step() {
-    // The closure waits, so that the signal meets it; a row without its force would be no row of this run.
+    // The closure waits, so that the signal arrives during it; a row without its force would be wrong.
     let script = r#"
         let m = model("pushed");
         let box = m.add_rigid_body("box", rectangle(#{ size: [1.0, 1.0], cells: [1, 1] }), #{ density: 1.0 });
@@ -218,7 +218,7 @@ fn a_run_that_goes_on_is_not_resumed_beside_it() {
     assert_same(&home.join("whole"), &home.join("k"), "beside");
 }
 
-/// A run that was interrupted after some checkpoints.
+/// A run interrupted after some checkpoints.
 fn interrupted(name: &str) -> PathBuf {
     let home = folder(name, LOOKS);
     let mut child = begun(&home, &["run", "main.rhai", "--out", "k", "--checkpoint", "5"]);
@@ -254,7 +254,7 @@ fn a_checkpoint_that_is_no_good_is_refused_with_its_reason_and_the_one_before_it
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains(reason) && message.contains("the one before it is sound"), "{message}");
     }
-    // What is offered works.
+    // The suggested command works.
     let message = stderr(&run(&home, &["resume", "k"]));
     let offered = message.split("`conserva resume ").nth(1).and_then(|rest| rest.split('`').next()).unwrap().to_string();
     let output = run(&home, &["resume", &offered]);
@@ -297,7 +297,7 @@ fn random_scripts_call_every_function_of_the_language() {
     }
 }
 
-/// A share of what `cargo run --release --example kills` does.
+/// A part of the runs of `cargo run --release --example kills`.
 #[test]
 fn random_scripts_end_as_if_nobody_had_killed_them() {
     let home = program::empty_folder("kills");

@@ -1,4 +1,4 @@
-//! Results that cannot be written, or are taken away: exit code 3 with the file and a hint, and what was computed is there to go on from.
+//! Results that cannot be written, or are removed: exit code 3 with the file and a hint; computed steps are available for resuming.
 
 use std::path::Path;
 use std::process::Command;
@@ -27,7 +27,7 @@ sim.run_to(0.3);
 fn a_checkpoint_that_cannot_be_written_is_told_once_and_the_run_comes_to_its_end() {
     let home = folder("removed", LOOKS);
     assert_eq!(run(&home, &["run", "main.rhai", "--quiet", "--out", "whole"]).status.code(), Some(0));
-    // In the way of every checkpoint.
+    // A folder in the place of every checkpoint.
     std::fs::create_dir(home.join("k")).unwrap();
     std::fs::write(home.join("k/checkpoints"), "in the way").unwrap();
     let output = run(&home, &["run", "main.rhai", "--quiet", "--out", "k", "--checkpoint", "3"]);
@@ -64,7 +64,7 @@ fn a_log_that_does_not_fit_is_told_and_the_run_goes_to_its_end() {
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
 }
 
-/// Runs the program with files of so many blocks of 512 bytes at most: a larger one is refused as by a full disk, to anybody.
+/// Runs the program with a limit of `blocks` blocks of 512 bytes for files: larger ones fail as on a full disk, for any user.
 #[cfg(target_os = "linux")]
 fn limited(folder: &Path, blocks: usize, arguments: &[&str]) -> std::process::Output {
     let program = conserva(folder, arguments);
@@ -94,7 +94,7 @@ fn what_fits_is_whole_and_the_run_goes_on_when_there_is_room() {
         assert!(message.contains("could not be written: ") && message.contains("= hint: raise the limit"), "{blocks}: {message}");
         let refusal = message.lines().find(|line| line.contains("could not be written")).unwrap_or_default();
         refused.push(refusal.rsplit(['/', '"']).nth(1).unwrap_or_default().to_string());
-        // Nothing is left beside the files, and all of them can be read.
+        // No temporary files remain, and all files can be read.
         let history = std::fs::read_to_string(home.join("k/history.csv")).unwrap_or_default();
         assert!(whole.starts_with(&history) && (history.is_empty() || history.ends_with('\n')), "{blocks}");
         let listed = run(&home, &["list", "k"]);

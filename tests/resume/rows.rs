@@ -1,4 +1,4 @@
-//! Histories of many rows: memory does not grow with them, a resumed run goes on with its `history.csv`.
+//! Long histories: memory does not grow with the number of rows, and a resumed run continues its `history.csv`.
 
 use std::path::Path;
 
@@ -30,7 +30,7 @@ fn memory_does_not_grow_with_the_steps() {
     assert!(!home.join("26000/checkpoints").exists());
 }
 
-/// A run that was killed after some checkpoints, with one that was not disturbed beside it.
+/// A run killed after some checkpoints, and an uninterrupted one beside it.
 fn killed(name: &str) -> std::path::PathBuf {
     let home = folder(name, PENDULUM);
     assert_eq!(run(&home, &["run", "main.rhai", "--quiet", "--out", "whole"]).status.code(), Some(0));

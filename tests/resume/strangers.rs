@@ -1,4 +1,4 @@
-//! What others have put into the folder of a run, or taken from it: it is refused or left alone, never written through, never followed.
+//! Foreign files in the folder of a run, and missing ones: they are refused or left alone, never written through, never followed.
 
 use std::path::Path;
 use std::process::Command;
@@ -54,7 +54,7 @@ fn a_checkpoint_of_another_run_is_refused() {
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("those of another run") && message.contains("the one before it is sound"), "{message}");
     }
-    // The folder of its checkpoints as a whole, too.
+    // The whole folder of checkpoints, too.
     std::fs::remove_dir_all(home.join("k/checkpoints")).unwrap();
     std::fs::rename(home.join("short/checkpoints"), home.join("k/checkpoints")).unwrap();
     let output = run(&home, &["resume", "k"]);
@@ -70,7 +70,7 @@ fn a_result_never_takes_the_place_of_what_the_run_reads() {
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("history.csv\" is read by this run"), "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(home.join("history.csv")).unwrap(), SHORT);
-    // A record that names it does not make it go, either.
+    // Not even if the record of files names it.
     std::fs::write(home.join(".files"), "history.csv\ntable.csv\n").unwrap();
     std::fs::write(home.join("table.csv"), "t,a\n0,1\n").unwrap();
     std::fs::write(home.join("main.rhai"), format!("let a = read_csv(\"table.csv\");{SHORT}sim.table(\"table.csv\", [\"time\"]);"))
@@ -98,7 +98,7 @@ fn links_and_pipes_are_replaced_not_written_through() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert_eq!(std::fs::read_to_string(home.join("precious")).unwrap(), "theirs");
     assert_same(&home.join("whole"), &out, "over links");
-    // A pipe where the history, the record and the checkpoints are to be.
+    // A pipe in the place of the history, the record and the checkpoints.
     std::fs::remove_dir_all(&out).unwrap();
     std::fs::create_dir_all(out.join("checkpoints")).unwrap();
     for name in ["history.csv", ".files", "checkpoints/journal", "checkpoints/000003.checkpoint"] {
@@ -128,7 +128,7 @@ fn frames_of_others_stay_and_lists_are_not_followed_out_of_their_folder() {
     }
 }
 
-/// What is there after a way back follows the history, whenever it is interrupted.
+/// After a way back the files follow the history, at every moment of an interrupt.
 #[test]
 fn frames_follow_the_history_when_a_simulation_goes_back() {
     let script = SHORT
@@ -140,7 +140,7 @@ fn frames_follow_the_history_when_a_simulation_goes_back() {
     let times = &table.column("time").unwrap().values;
     assert!(frames.len() >= 6 && frames.iter().all(|frame| times.contains(&Some(frame.time))), "{frames:?}");
     assert_eq!(std::fs::read_dir(home.join("k/fields")).unwrap().count(), frames.len());
-    // A frame before the last one counts for `diff`, too.
+    // `diff` compares frames before the last one, too.
     assert_eq!(run(&home, &["run", "main.rhai", "--quiet", "--out", "other"]).status.code(), Some(0));
     assert_eq!(run(&home, &["diff", "k", "other"]).status.code(), Some(0));
     let frame = |number: usize| home.join(format!("k/fields/fields_{number:06}.vtu"));
@@ -150,7 +150,7 @@ fn frames_follow_the_history_when_a_simulation_goes_back() {
     assert!(String::from_utf8_lossy(&output.stdout).contains("displacement"), "{}", String::from_utf8_lossy(&output.stdout));
 }
 
-/// The state to which `back` goes belongs to the checkpoint, also where the script goes back behind it.
+/// The state to which `back` returns is part of the checkpoint, also if the script goes back behind the checkpoint.
 #[test]
 fn a_script_that_goes_back_by_steps_is_resumed() {
     let script =

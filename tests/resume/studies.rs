@@ -1,5 +1,4 @@
-//! Studies that are killed or interrupted: points that were computed are not computed again, and every file and line is as if nothing had
-//! happened.
+//! Studies that are killed or interrupted: finished points are not computed again, and files and lines equal those of an uninterrupted run.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -42,7 +41,7 @@ fn points_are_not_computed_again_whenever_a_run_is_killed() {
         }
         signal(&child, if round % 2 == 0 { "-KILL" } else { "-INT" });
         child.wait().unwrap();
-        // What is there is whole: complete lines that the whole run has, too.
+        // The partial table consists of complete lines of the whole table.
         let table = std::fs::read_to_string(home.join("k/studies/sweep.csv")).unwrap_or_default();
         let complete = std::fs::read_to_string(home.join("whole/studies/sweep.csv")).unwrap();
         assert!(table.is_empty() || table.ends_with('\n') && table.lines().skip(1).all(|line| complete.contains(line)), "{when}: {table}");
@@ -80,7 +79,7 @@ fn what_points_read_is_part_of_what_a_run_depends_on() {
     let output = run(&home, &["resume", "k"]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("until.csv has another content"), "{}", stderr(&output));
-    // A run from the start takes nothing over.
+    // A run from the start reuses nothing.
     let output = run(&home, &["run", "main.rhai", "--quiet", "--out", "k"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(!home.join("k/checkpoints").exists());

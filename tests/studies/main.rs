@@ -1,4 +1,4 @@
-//! Studies from outside: the points they have, how points fail, and that nothing is lost or computed twice, whoever is killed.
+//! Studies as processes: their points, failing points, and that nothing is lost or computed twice when processes are killed.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use program::{conserva, folder, stderr, stdout};
 use splitmix::SplitMix;
 
 const BLOCK: &str = include_str!("block.rhai");
-/// What a study of formulas yields.
+/// Script with results by formulas.
 const SUM: &str = "let a = param(\"a\", 1.0);\nlet b = param(\"b\", 0);\nlet word = param(\"word\", \"none\");\n\
                    result(\"sum\", a + b);\nresult(\"said\", word + \", \\\"quoted\\\"\");\nresult(\"both\", [a, b]);\n";
 
@@ -24,7 +24,7 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
     conserva(folder, arguments).output().unwrap()
 }
 
-/// Runs a command that must end with a code.
+/// Runs a command that must end with an exit code.
 fn run_to(folder: &Path, arguments: &[&str], code: i32) -> Output {
     let output = run(folder, arguments);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", stderr(&output));
@@ -47,7 +47,7 @@ fn column<'a>(rows: &'a [BTreeMap<String, String>], name: &str) -> Vec<&'a str> 
     rows.iter().map(|row| row[name].as_str()).collect()
 }
 
-/// All records of a study by their points, as they stand in the files.
+/// Records of the points of a study, as bytes of the files.
 fn records(study: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let points = std::fs::read_dir(study.join("points")).into_iter().flatten().flatten();
     points.filter_map(|point| Some((point.path(), std::fs::read(point.path().join("point.json")).ok()?))).collect()
@@ -62,7 +62,7 @@ fn every_kind_of_design_has_its_points() {
     assert_eq!(column(&rows, "sum"), ["1.5", "2.5", "3.5", "2.0", "3.0", "4.0"]);
     assert_eq!((rows[0]["said"].as_str(), rows[4]["both"].as_str()), ("x, \"quoted\"", "[1.0,2]"));
     assert_eq!(rows[3]["command"], "conserva run main.rhai --set word=x --set a=1 --set b=1");
-    // The same command computes nothing again; a study that grows computes what is new.
+    // The same command computes nothing again; a larger study computes its new points.
     let before = records(&folder.join("out/main-sweep"));
     run_to(&folder, &["sweep", "main.rhai", "--vary", "a=0.5,1,2", "--vary", "b=1..3:3", "--set", "word=x"], 0);
     let after = records(&folder.join("out/main-sweep"));
@@ -121,14 +121,14 @@ fn what_cannot_be_planned_says_why_and_computes_nothing() {
         let output = run_to(&folder, arguments, 2);
         assert!(stderr(&output).contains(said), "{arguments:?}: {}", stderr(&output));
     }
-    // A script that has changed makes other points.
+    // A changed script has new points.
     std::fs::write(folder.join("main.rhai"), format!("{SUM}result(\"more\", 1);\n")).unwrap();
     assert!(stderr(&run_to(&folder, &["sweep", "study"], 2)).contains("has been changed since"));
     run_to(&folder, &["sweep", "study", "--retry", "all"], 0);
     assert_eq!(column(&table(&folder.join("study")), "more"), ["1", "1"]);
 }
 
-/// The kinds of failure of `block.rhai`, how each ends, and what the row says.
+/// Kinds of failure of `block.rhai`, their outcomes, and the causes in the row.
 const FAILURES: [(&str, &str, &str); 7] = [
     ("throw", "failed", "the user's own error"),
     ("check", "failed", "main.rhai:14:"),
@@ -161,17 +161,17 @@ fn points_that_fail_are_rows_and_harm_no_others() {
         assert!(row["command"].ends_with(&format!("--set kind={kind}")) && row["energy"].is_empty());
         assert!(!row["energy at first"].is_empty(), "what a point has yielded before it failed is kept");
     }
-    // Rigid motion keeps the energy of the start: m v^2 / 2 + J w^2 / 2 with m = 1 and J of a unit square.
+    // Rigid motion keeps the initial energy: m v^2 / 2 + J w^2 / 2 with m = 1 and J of a unit square.
     for row in table_of_all.iter().filter(|row| row["outcome"] == "completed") {
         let [spin, energy] = ["spin", "energy"].map(|name| row[name].parse::<f64>().unwrap());
         let expected = 0.5 + spin * spin / 12.0;
         assert!((energy / expected - 1.0).abs() < 1e-12, "{energy} {expected}");
     }
-    // The command of a row does the same by itself.
+    // The command of a row repeats its point.
     let row = table_of_all.iter().find(|row| row["kind"] == "throw").unwrap();
     let words: Vec<&str> = row["command"].split(' ').skip(1).collect();
     assert!(stderr(&run_to(&folder, &words, 2)).contains("the user's own error"));
-    // Again: nothing is missing; those that failed are computed again where that is asked for.
+    // Again: nothing is missing; failed points are computed again on request.
     let before = records(&study);
     run_to(&folder, &["sweep", "study"], 1);
     assert_eq!(records(&study), before);
@@ -214,7 +214,7 @@ fn a_point_that_somebody_computes_is_left_to_him() {
     let claim = std::fs::File::create(point.join(".claim")).unwrap();
     claim.lock().unwrap();
     assert!(stdout(&run_to(&folder, &["sweep", "point", "study", "--index", "0"], 0)).contains("under way elsewhere"));
-    // A study waits for it.
+    // A waiting study.
     let mut waiting = begun(&folder, &["sweep", "study"]);
     std::thread::sleep(Duration::from_millis(500));
     assert!(waiting.try_wait().unwrap().is_none() && !point.join("point.json").exists());
@@ -228,7 +228,7 @@ fn begun(folder: &Path, arguments: &[&str]) -> Child {
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 
-/// Processes that a process has started.
+/// Child processes of a process.
 fn children(parent: u32) -> Vec<u32> {
     let of = |entry: std::fs::DirEntry| {
         let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
@@ -261,13 +261,13 @@ fn whoever_is_killed_the_table_is_the_same_and_nothing_is_computed_twice() {
             _ => [controller.id()].into_iter().chain(workers.iter().copied()).for_each(kill),
         }
         controller.wait().unwrap();
-        // Orphans end with the point that they compute; what is done stays as it is.
+        // Orphaned processes end with their current point; finished points stay.
         let before = records(&study);
         let is_done = |record: &[u8]| !String::from_utf8_lossy(record).contains("\"killed\"");
         std::thread::sleep(Duration::from_millis(20));
         let after = records(&study);
         assert!(before.iter().filter(|(_, record)| is_done(record)).all(|(point, record)| after[point] == *record), "round {round}");
-        // Most rounds begin anew, so that the next kill meets work.
+        // Most rounds start anew, so that the next kill interrupts work.
         if round % 5 == 4 {
             run_to(&folder, &arguments, 0);
             let last = records(&study);
@@ -283,7 +283,7 @@ fn what_cannot_be_written_ends_the_study_and_the_next_one_goes_on() {
     let folder = folder("refused files", BLOCK);
     let arguments = ["sweep", "main.rhai", "--vary", "spin=1,2,3,4", "--out", "study", "--jobs", "1"];
     run_to(&folder, &["sweep", "plan", "main.rhai", "--vary", "spin=1,2,3,4", "--out", "study"], 0);
-    // A folder where the record of a point must stand.
+    // A folder in the place of the record of a point.
     std::fs::create_dir_all(folder.join("study/points/spin=3/point.json/x")).unwrap();
     std::fs::write(folder.join("study/points/spin=2"), "in the way").unwrap();
     let output = run_to(&folder, &arguments, 3);

@@ -1,4 +1,4 @@
-//! Every row of the verification manual is within its tolerance, and `docs/verification.md` shows the rows that there are.
+//! Every row of the verification manual is within its tolerance, and `docs/verification.md` shows these rows.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,7 +7,7 @@ mod manual;
 
 use manual::{Row, SCRIPTS, run};
 
-/// The rows of all scripts, which two threads share out.
+/// Rows of all scripts, computed on two threads.
 fn all() -> Vec<(&'static str, Vec<Row>)> {
     let folder = std::env::temp_dir().join(format!("conserva-verification-{}", std::process::id()));
     let next = AtomicUsize::new(0);

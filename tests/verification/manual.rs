@@ -1,7 +1,7 @@
 //! The verification manual: its scripts, the rows that they compute, and the page that shows them. Used by the test that runs the scripts
 //! and by the example that writes `docs/verification.md`.
 
-// Each program uses its part of it.
+// Each program uses a part of this file.
 #![allow(dead_code)]
 
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use conserva::script::{Ink, Session, Settings, Silent, home};
 
-/// Names of the scripts beside this file, and the rows that each has at least.
+/// Names of the scripts beside this file, and the smallest number of rows of each.
 pub const SCRIPTS: &[(&str, usize)] = &[
     ("01_bars_and_patches", 46),
     ("02_bending_and_membranes", 42),
@@ -30,7 +30,7 @@ pub const SCRIPTS: &[(&str, usize)] = &[
     ("16_plasticity", 22),
 ];
 
-/// What a script computes against what is known.
+/// A computed value with its reference value.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub topic: String,
@@ -44,12 +44,12 @@ pub struct Row {
 }
 
 impl Row {
-    /// Whether it is within its tolerance; what is no number is not.
+    /// True if the value is within its tolerance; false for NaN.
     pub fn holds(&self) -> bool {
         self.difference <= self.tolerance
     }
 
-    /// The cells that only a change of the scripts changes, as they stand in the page.
+    /// Cells of the row in the page that do not depend on computed values.
     pub fn head(&self) -> String {
         format!("| {} | {} | {}", cell(&self.what), cell(&self.source), number(self.expected))
     }
@@ -59,7 +59,7 @@ fn scripts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/verification")
 }
 
-/// Runs a script into a folder, which then has its picture; its rows.
+/// Runs a script with results and picture in a folder; returns its rows.
 pub fn run(name: &str, output: &Path) -> Result<Vec<Row>, String> {
     let script = scripts().join(name).with_extension("rhai");
     let settings = Settings { output: Some(output.to_path_buf()), ..Settings::default() };
@@ -78,7 +78,7 @@ pub fn run(name: &str, output: &Path) -> Result<Vec<Row>, String> {
     rows.ok_or_else(|| format!("{name}: a row of verification.csv cannot be read"))
 }
 
-/// The page: for each script what it is about, its picture, and its rows.
+/// The page: introduction, picture and rows of each script.
 pub fn page(all: &[(&str, Vec<Row>)]) -> String {
     let count: usize = all.iter().map(|(_, rows)| rows.len()).sum();
     let held = all.iter().flat_map(|(_, rows)| rows).filter(|row| row.holds()).count();
@@ -122,7 +122,7 @@ fn title(name: &str) -> String {
     words[..1].to_uppercase() + &words[1..]
 }
 
-/// The comment that a script begins with.
+/// Initial comment of a script.
 fn about(name: &str) -> String {
     let text = std::fs::read_to_string(scripts().join(name).with_extension("rhai")).unwrap_or_default();
     text.lines().map_while(|line| line.strip_prefix("//")).map(str::trim).collect::<Vec<_>>().join(" ")
@@ -132,7 +132,7 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('*', "\\*").replace('<', "&lt;")
 }
 
-/// Seven digits.
+/// Number with seven digits.
 fn number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
         let digits = if value == 0.0 { 0 } else { (6 - value.abs().log10().floor() as i32).max(0) as usize };
@@ -146,7 +146,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// Two digits.
+/// Number with two digits.
 fn short(value: f64) -> String {
     if value == 0.0 { "0".into() } else { format!("{value:.1e}").replace(".0e", "e") }
 }

@@ -1,5 +1,5 @@
-//! `--watch`: the page that follows a run is there for those who know its address and for nobody else, shows what is in the files, and
-//! changes nothing of the run, whoever asks for it and however.
+//! `--watch`: the page that follows a run is available only with its address, shows the content of the files, and does not affect the run,
+//! whatever is requested.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -26,7 +26,7 @@ use browser::Browser;
 use program::{conserva, folder};
 use run_files::assert_same;
 
-/// A ball that bounces on a plane; it goes on for as long as it is told.
+/// A ball that bounces on a plane until a time.
 const BOUNCE: &str = r#"
 let end = param("end", 1.0);
 let cells = param("cells", 2);
@@ -65,7 +65,7 @@ impl Watched {
         Watched { process, address, home: home.into() }
     }
 
-    /// One that does not end by itself.
+    /// Starts a run without an end.
     fn endless(name: &str) -> Watched {
         Watched::start(&folder(name, BOUNCE), &["run", "main.rhai", "--out", "out", "--quiet", "--watch", "--set", "end=1e6"])
     }
@@ -84,19 +84,19 @@ impl Watched {
         stream
     }
 
-    /// Status and content of the answer to some bytes.
+    /// Status and content of the answer to raw bytes.
     fn answer(&self, request: &str) -> (u16, String) {
         let mut stream = self.connect();
         let _ = stream.write_all(request.as_bytes());
         read(stream)
     }
 
-    /// What is at a path below the secret.
+    /// Content at a path below the secret.
     fn get(&self, path: &str) -> (u16, String) {
         self.answer(&format!("GET {}{path} HTTP/1.1\r\nHost: {}\r\n\r\n", self.path(), self.host()))
     }
 
-    /// News since a change.
+    /// Changes since a change number.
     fn news(&self, reader: u32, since: u64) -> Option<Value> {
         let mut stream = TcpStream::connect(self.host()).ok()?;
         let path = format!("{}data?since={since}&simulation=0&reader={reader}", self.path());
@@ -106,7 +106,7 @@ impl Watched {
         Some(serde_json::from_str(&content).unwrap())
     }
 
-    /// Waits until there is a simulation to see.
+    /// Waits until there is a simulation.
     fn wait(&self) {
         while self.news(1, 0).unwrap()["state"]["simulations"] == json!([]) {
             thread::sleep(Duration::from_millis(10));
@@ -117,7 +117,7 @@ impl Watched {
         let _ = Command::new("kill").args([name, &self.process.id().to_string()]).stderr(Stdio::null()).status();
     }
 
-    /// Interrupts it; its exit code.
+    /// Interrupts the run; returns its exit code.
     fn stop(mut self) -> Option<i32> {
         self.signal("-INT");
         self.process.wait().unwrap().code()
@@ -139,7 +139,7 @@ fn read(mut stream: TcpStream) -> (u16, String) {
     (status, text.split_once("\r\n\r\n").map(|(_, content)| content.to_string()).unwrap_or_default())
 }
 
-/// One test after another: readers of one would take the time that a process waits at its end for those of another.
+/// Lock that serializes tests: a process waits a limited time at its end for its readers, which those of other tests would use up.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -170,11 +170,11 @@ fn nobody_else_gets_an_answer() {
     assert_eq!(run.answer("GET / HTTP/1.1\r\n\r\n").0, 400, "no host");
     assert_eq!(run.answer("nonsense\r\n\r\n").0, 400);
     assert_eq!(run.answer("\u{1}\u{2}\r\n\r\n").0, 400);
-    // Nothing of this machine but itself can reach it: it listens at the address of the machine to itself.
+    // Not reachable from other machines: the server listens on the loopback address.
     let listening = fs::read_to_string("/proc/net/tcp").unwrap_or_default();
     let port = format!(":{:04X} ", host.split(':').next_back().unwrap().parse::<u16>().unwrap());
     assert!(listening.lines().filter(|line| line.contains(" 0A ") && line.contains(&port)).all(|line| line.contains("0100007F:")));
-    // What the browser is told.
+    // Headers of the answer.
     let mut stream = run.connect();
     stream.write_all(format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes()).unwrap();
     let mut bytes = Vec::new();
@@ -201,7 +201,7 @@ fn who_is_slow_or_asks_too_much_is_left_behind() {
     let begun = Instant::now();
     assert_eq!(run.answer(&format!("GET /{} HTTP/1.1\r\n", "x".repeat(1 << 20))).0, 431);
     assert_eq!(run.answer(&format!("GET / HTTP/1.1\r\n{}\r\n", "a: b\r\n".repeat(1000))).0, 431);
-    // Who does not read.
+    // A client that does not read.
     let mut deaf = run.connect();
     deaf.write_all(request.as_bytes()).unwrap();
     assert_eq!(run.get("").0, 200);
@@ -220,7 +220,7 @@ fn who_is_slow_or_asks_too_much_is_left_behind() {
     assert!(begun.elapsed() < Duration::from_secs(30));
     assert_eq!(run.get("").0, 200);
     drop(deaf);
-    // More than there is room for: some are refused, and all are served when these have gone.
+    // More connections than the limit: some are refused, and all are served after these have gone.
     let idle: Vec<TcpStream> = (0..150).map(|_| run.connect()).collect();
     thread::sleep(Duration::from_millis(300));
     assert!([503, 0].contains(&run.get("").0));
@@ -261,7 +261,7 @@ fn unpacked(packed: &Value) -> Vec<u8> {
     bytes
 }
 
-/// A reader as the page is one: rows by the number of the change that told them.
+/// Reader with the protocol of the page: rows with the number of the change in which they came.
 #[derive(Default)]
 struct Reader {
     change: u64,
@@ -303,11 +303,11 @@ impl Reader {
 #[test]
 fn readers_have_the_rows_of_the_history_when_it_has_ended() {
     let _alone = alone();
-    // More rows than a page shows, steps that are taken back, stills that are thinned.
+    // More rows than a page shows, discarded steps, removed stills.
     let home = folder("rows", BOUNCE);
     let mut run = Watched::start(&home, &["run", "main.rhai", "--out", "out", "--quiet", "--watch", "--set", "end=25", "--set", "cells=3"]);
     run.wait();
-    // The second one asks seldom.
+    // The second reader requests rarely.
     let mut readers = [Reader::default(), Reader::default()];
     let mut rounds = 0;
     let outcome = loop {
@@ -341,7 +341,7 @@ fn readers_have_the_rows_of_the_history_when_it_has_ended() {
             assert!(same && values.len() == rows[*place].len(), "row {place}");
         }
         assert!((40..=161).contains(&reader.stills.len()));
-        // The reader of JSON here rounds the last bit.
+        // This JSON reader rounds the last bit.
         assert!(
             reader
                 .stills
@@ -375,7 +375,7 @@ fn ports_logs_and_resumed_runs() {
         reader.take(&run.news(1, reader.change).unwrap());
     }
     assert_eq!(run.stop(), Some(130));
-    // A log of its own tells the address, and so does standard error.
+    // The address is in the log and on standard error.
     let run =
         Watched::start(&home, &["run", "main.rhai", "--out", "third", "--log", "json:log.jsonl", "--quiet", "--watch", "--set", "end=1e6"]);
     run.wait();
@@ -401,7 +401,7 @@ fn the_page_follows_and_tells_the_end() {
     page.wait_for(&format!("conserva.data.row_count > {before} && conserva.still === conserva.data.stills.length - 1"));
     page.wait_for("document.getElementById('outcome').textContent.startsWith('running, t = ')");
     page.wait_for("conserva.data.parameters.color === 'red'");
-    // Who looks at an earlier moment stays there while further ones come.
+    // A reader at an earlier time stays there while new stills arrive.
     page.evaluate("(() => { const m = document.getElementById('moment'); m.value = 0; m.dispatchEvent(new Event('input')); })()");
     let (time, before) = (page.evaluate("conserva.data.stills[conserva.still].time"), seen(&mut page));
     page.wait_for(&format!("conserva.data.row_count > {before}"));
@@ -411,7 +411,7 @@ fn the_page_follows_and_tells_the_end() {
     page.settle();
     assert_eq!(page.evaluate("conserva.still === conserva.data.stills.length - 1"), json!(true));
     assert_eq!(page.complaints, Vec::<Value>::new());
-    // It hears of the end, and then has what the report has.
+    // The page receives the end of the run, and then has the content of the report.
     assert_eq!(run.stop(), Some(130));
     page.wait_for("document.documentElement.dataset.following === 'over'");
     assert_eq!(page.evaluate("document.getElementById('outcome').textContent"), json!("interrupted"));
