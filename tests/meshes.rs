@@ -1,8 +1,6 @@
 //! Mesh files of other programs: the one in the repository, and public contact tests if their folder is present.
 //!
 //! Expected numbers come from the geometry (closed forms for the mesh of the repository) and from the element lists of the files.
-//!
-//! Expected numbers come from the geometry (closed forms for the shipped mesh) and from the element lists of the files themselves.
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};

@@ -3,10 +3,6 @@
 //! More random products, with reduction of failing ones: `cargo run --release --example products -- 1000 --shrink-all`. Known refusals are
 //! listed in `products/refused.txt`, so that their causes need not be searched; `--cover` rewrites this table. Known violations that are to
 //! be repaired are listed in `products/known.txt` and, for the array of all pairs, in `products/known_of_pairs.txt`.
-//!
-//! Any number of products at random, and what fails made smaller: `cargo run --release --example products -- 1000 --shrink-all`. Refusals
-//! that are known stand in `products/refused.txt`, so that the rows to blame need not be looked for; `--cover` writes that table anew.
-//! Violations that wait for their repair stand in `products/known.txt` and, of the array of all pairs, in `products/known_of_pairs.txt`.
 
 #[path = "common/mod.rs"]
 mod common;

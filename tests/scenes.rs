@@ -2,9 +2,6 @@
 //!
 //! A hundred scenes here, thousands by `cargo run --release --example scenes`. Methods and rules cycle with the seeds. A failure is named
 //! with its seed: `cargo run --release --example scenes -- --shrink SEED --method M --rule R` reduces it to a small script.
-//!
-//! A hundred scenes here, thousands by `cargo run --release --example scenes`. Methods and rules go around with the seeds. What fails is
-//! named with its seed: `cargo run --release --example scenes -- --shrink SEED --method M --rule R` makes a small script of it.
 
 mod common;
 #[path = "common/scenes/mod.rs"]
@@ -177,9 +174,6 @@ fn journey(scene: &Scene, after: usize) -> (Vec<Vec<Point>>, usize) {
 ///
 /// The tolerance is 1e-13 of the energy, so velocities are exact to 3e-7 of the speed, and a step moves less than a facet. Later, contact
 /// amplifies the last bit: if two nodes touch at the same time, round-off decides which is first.
-///
-/// It leaves 1e-13 of the energy, so velocities are known to 3e-7 of the speed, and a step moves less than a facet. Later than that
-/// contact amplifies the last bit: where two nodes come to touch at the same time, round-off says which is first.
 fn assert_same_way(image: impl Fn(&Scene) -> Scene, place: impl Fn(Point) -> Point) {
     let differs = |seed: u64| {
         let scene = scene(seed);

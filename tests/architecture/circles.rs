@@ -3,10 +3,6 @@
 //! A file depends on another one through a path that begins with `crate`, `self`, `super` or a module of its own. The path is resolved to
 //! the file that defines the name: a re-export in a `mod.rs` counts as the file that it comes from, and re-exporting is no dependency. A
 //! `mod.rs` that only re-exports is therefore in no cycle; one that defines items for its files and also uses these files is.
-//!
-//! A file reaches another one by a path that begins with `crate`, `self`, `super` or a module of its own. The path is followed to the file
-//! that holds what it names: a name that a `mod.rs` only passes on belongs to the file that it comes from, and passing on is no use. So a
-//! `mod.rs` that re-exports is on no circle, and one that defines what its files need and uses these files in turn is.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -3,9 +3,6 @@
 //!
 //! Files are split into tokens, so that comments and strings may name anything. Rules examine tokens, not resolved paths: a crate or module
 //! that is reached through a re-export is found where it is re-exported. The last tests show that every rule can fail.
-//!
-//! Files are cut into tokens, so that comments and strings name what they like. Rules look at tokens, not at resolved paths: a crate
-//! or module that is reached through a re-export is seen where it is re-exported. The last tests show that every rule can fail.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -2,8 +2,6 @@
 //! function, no function or key in backticks, no options map. Words for scripts are in `src/script/api/remedies/`.
 //!
 //! A kernel may name its own terms: rows of catalogues, fields of results, and functions of an energy text.
-//!
-//! A kernel may name what it has itself: rows of catalogues, fields of results, and what is written in an energy.
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,6 @@
 //! Damaged mesh files: bytes flipped, cut, duplicated and moved, numbers replaced by extreme ones, parts of other files inserted.
 //!
 //! Reading any file ends with a valid mesh or a message, and its memory is bounded by the length of the file.
-//!
-//! Whatever a file holds, reading it ends with a sound mesh or a message, and takes no more memory than its length calls for.
 
 use std::path::{Path, PathBuf};
 

@@ -3,9 +3,6 @@
 //!
 //! A scene has two bodies (boxes, plates, needles, balls, lumps of tetrahedra of any orientation) that are thrown at each other. The far
 //! end of the second may be fixed, and gravity may act. A seed gives the same scene with every rule.
-//!
-//! A scene is two bodies (boxes, plates, needles, balls, lumps of tetrahedra of any orientation) that are thrown at each other, the second
-//! of which may be held at its far end and may be met by gravity. A seed gives the same scene with every rule.
 
 // Each program uses a part of this file.
 #![allow(dead_code)]

@@ -2,8 +2,6 @@
 //! every step, momenta, heat that never decreases, energy that never grows.
 //!
 //! A seed always gives the same scene: shapes, cells, law, speeds, update rule and contact method.
-//!
-//! A seed gives the same scene always: shapes, cells, law, speeds, update rule and contact method.
 
 // Each test program uses a part of this file.
 #![allow(dead_code)]

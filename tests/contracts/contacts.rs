@@ -4,9 +4,6 @@
 //! Exact laws: linear and angular momentum are constant; the ledger closes in every step; `gap` only dissipates energy, which is booked;
 //! all other rules keep the energy over the whole run (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997; Laursen and Love, IJNME
 //! 53, 2002).
-//!
-//! Exact laws: both momenta are constant; the ledger closes in every step; `gap` only loses energy, and books it; everything else keeps it
-//! over the whole run (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002).
 
 use conserva::contact::{ContactMethod, METHODS, MORTAR, NODE_TO_SEGMENT};
 use conserva::dynamics::{Enforcement, GAP, LedgerRow, PERSISTENCY, UPDATE_RULES, UpdateRule};

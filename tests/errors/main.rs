@@ -1,8 +1,6 @@
 //! Catalogue of mistakes: each script in `cases/` with the messages that a user gets, script and messages together in one snapshot.
 //!
 //! A first line `// --set name=value` gives parameters. Everything runs in this process, without files; paths are relative to `cases/`.
-//!
-//! A first line `// --set name=value` gives parameters. Everything runs in this process, without files; paths are relative to `cases/`.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;

@@ -4,11 +4,6 @@
 //! and boundaries; `note TEXT` for all changes made by the reader; `error LINE TEXT` with `in FILE` for an error in an included file;
 //! `deck NAME CELLS MEASURE`, `held PART BOUNDARY`, `contact PART.BOUNDARY PART.BOUNDARY` and `decknote TEXT` for the file read as a deck;
 //! `option plane` (shells are read as plane cells) and `option skip` (elements that are no cells are refused).
-//!
-//! `cells N KIND`, `nodes N`, `measure X`, `box X Y Z to X Y Z`; `part NAME CELLS` and `boundary NAME FACETS NODES MEASURE` for all that
-//! there are; `note TEXT` for all that was done to the file; `error LINE TEXT` with `in FILE` where the error is in an included file;
-//! `deck NAME CELLS MEASURE`, `held PART BOUNDARY`, `contact PART.BOUNDARY PART.BOUNDARY` and `decknote TEXT` for the file as a deck;
-//! `option plane` (shells are read as plane cells) and `option skip` (elements that are no cells are refused).
 
 use std::path::{Path, PathBuf};
 

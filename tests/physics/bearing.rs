@@ -3,10 +3,6 @@
 //! Mesh, Young's modulus, Poisson's ratio, density, times and hat are those of the paper; radii, peak and step size are chosen here.
 //! Expected energies come from an independent code, a prototype in NumPy, SciPy and JAX (`bearing.py --T 0.5`), written before this program
 //! from the same formulas.
-//!
-//! Mesh, Young's modulus, Poisson's ratio, density, times and hat are the paper's; radii, peak and step are ours. Expected energies: an
-//! independent code, the project's prototype in NumPy, SciPy and JAX (`bearing.py --T 0.5`), written before this program from the same
-//! formulas.
 
 use conserva::contact::FacetShape;
 use conserva::dynamics::{GAP, Hat, LedgerRow, LoadKind, Simulation};

@@ -4,11 +4,6 @@
 //! the rest. Ring: contact forces have no moment about its center, so the angular momentum about it is constant. `gap` dissipates energy at
 //! closings, booked as contact work; the other rules and the penalty keep it (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997;
 //! Laursen and Love, IJNME 53, 2002).
-//!
-//! Exact laws. Plane: its force is normal to it, so the momentum along it is constant; impulses of gravity and plane explain the rest.
-//! Ring: its forces have no moment about its center, where the angular momentum is constant. `gap` loses energy at closings, booked as
-//! contact work; the other rules and the penalty keep it (Hesch and Betsch 2007; Laursen and Chawla, IJNME 40, 1997; Laursen and Love,
-//! IJNME 53, 2002).
 
 use conserva::contact::Obstacle;
 use conserva::dynamics::{Enforcement, GAP, Interaction, LedgerRow, PERSISTENCY, UpdateRule, VELOCITY};

@@ -3,10 +3,6 @@
 //! Exact laws: the work of the planes (booked as work of loads) equals the stored energy plus the energy dissipated by `gap`; the planes
 //! are mirror images, so the transverse momentum stays zero. The inner wall does not penetrate itself: the height of the hose is at least
 //! its two walls.
-//!
-//! Exact laws: the work of the planes, which the ledger books as work of loads, is what the hose stores and what `gap` loses; the planes
-//! are mirror images, so the momentum across stays zero. The inner wall does not pass through itself: the hose stays as high as its two
-//! walls.
 
 use std::sync::Arc;
 

@@ -2,9 +2,6 @@
 //!
 //! Exact laws: linear and angular momentum are constant; `gap` books the energy dissipated by closings, `persistency` and `velocity`
 //! dissipate none (Hesch and Betsch, IUTAM Bookseries 3, 2007).
-//!
-//! Exact laws: both momenta are constant; `gap` books what closings lose, `persistency` and `velocity` lose nothing (Hesch and Betsch,
-//! IUTAM Bookseries 3, 2007).
 
 use conserva::contact::{ContactMethod, FacetShape, MORTAR, NODE_TO_SEGMENT};
 use conserva::dynamics::{Enforcement, GAP, Hat, LedgerRow, LoadKind, PERSISTENCY, UpdateRule, VELOCITY};

@@ -3,10 +3,6 @@
 //! Exact laws: momenta are constant; `gap` dissipates energy at each closing, never creates any, and the ledger books the loss as contact
 //! work, so that it closes; the other rules and the penalty keep the energy through impact and release (Hesch and Betsch 2007; Laursen and
 //! Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002). The case is that of the prototype: clearance 0.05, speed 5, spin 20.
-//!
-//! Exact laws: momenta are constant; `gap` loses energy at each closing, never gains, and the ledger books the loss as contact work, so
-//! that the rest closes; the other rules and the penalty keep the energy through impact and release (Hesch and Betsch 2007; Laursen and
-//! Chawla, IJNME 40, 1997; Laursen and Love, IJNME 53, 2002). The case is the prototype's own: clearance 0.05, speed 5, spin 20.
 
 use conserva::dynamics::{Enforcement, GAP, LedgerRow, PERSISTENCY, UpdateRule, VELOCITY};
 use conserva::integrators::ENERGY_MOMENTUM;

@@ -2,8 +2,6 @@
 //! any size, after `settle` and in a state of another scheme; a dashpot and a mass in every scheme, a law at rest and in motion.
 //!
 //! Closed forms: the scalar recursion of Newmark's method (Hughes, The Finite Element Method, 1987, section 9.1), the damped oscillator.
-//!
-//! Closed forms: the scalar recursion of Newmark's method (Hughes, The Finite Element Method, 1987, section 9.1), the damped oscillator.
 
 use std::sync::Arc;
 

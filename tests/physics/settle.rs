@@ -2,9 +2,6 @@
 //!
 //! Closed forms: a bar of Saint Venant-Kirchhoff material without Poisson's effect under a dead end load `p` has the stretch that solves
 //! `lambda^3 - lambda = 2 p/E`; in a stack every interface carries the weight above it.
-//!
-//! Closed forms: a bar of Saint Venant-Kirchhoff material without Poisson's effect under a dead end load `p` has the stretch that solves
-//! `lambda^3 - lambda = 2 p/E`; a stack carries at every interface the weight of what lies above it.
 
 use conserva::contact::Obstacle;
 use conserva::dynamics::{Constant, Interaction, LoadKind, SettleReport, Simulation};

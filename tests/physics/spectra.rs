@@ -7,14 +7,6 @@
 //! (1980), Chung and Hulbert (1993), the scalar equations of the energy-decaying scheme, and for the differentiation formulas the
 //! characteristic polynomial and the stability function at `i Omega` (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996;
 //! Bank et al. 1985).
-//!
-//! The oscillator is one cell, held at its left side, with a law that is linear: stiffness E, mass 1/3, so that `omega` = 1 and `dt` is
-//! `Omega = omega dt`. States are made by hand: positions, velocities, and what the scheme remembers.
-//!
-//! Closed forms: Hughes (The Finite Element Method, 1987, section 9), Hilber, Hughes and Taylor (1977), Wood, Bossak and Zienkiewicz
-//! (1980), Chung and Hulbert (1993), the scalar equations of the energy-decaying scheme, and for the differentiation formulas the
-//! characteristic polynomial and the stability function at `i Omega` (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996;
-//! Bank et al. 1985).
 
 use conserva::dynamics::{Model, Options, Simulation, State};
 use conserva::integrators::{

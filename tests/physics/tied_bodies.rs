@@ -2,9 +2,6 @@
 //!
 //! Exact laws: linear displacements are in both finite element spaces and satisfy the tie exactly, so the patch test is solved exactly;
 //! energy, linear and angular momentum of the free body are constant, also if the tied polygons do not coincide.
-//!
-//! Exact laws: linear displacements are in both finite element spaces and satisfy the tie exactly, so the patch is solved exactly; energy
-//! and both momenta of the free body are constant, also where the tied polygons do not coincide.
 
 use conserva::dynamics::{Constant, Interaction, LoadKind, Partner};
 use conserva::integrators::ENERGY_MOMENTUM;

@@ -2,10 +2,6 @@
 //!
 //! Exact laws. The kinks of the hat are at ends of steps, so that the mid-step and the end-point sum of the torque both equal its integral.
 //! For comparison, the midpoint and the trapezoidal rule have an energy error in the ledger with the same steps.
-//!
-//! Exact laws. The hat's kinks fall on steps, so that both the mid-step and the end-point sum of the torque equal its integral.
-//! The comparison shows what the conserving scheme buys: on the same steps the midpoint and the trapezoidal rule leave an energy error in
-//! the ledger.
 
 use conserva::dynamics::{Hat, LedgerRow, LoadKind};
 use conserva::integrators::{ENERGY_MOMENTUM, MIDPOINT, Scheme, TRAPEZOIDAL};

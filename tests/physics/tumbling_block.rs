@@ -2,9 +2,6 @@
 //!
 //! Exact laws. In space the block rotates about its middle axis, about which rigid rotation is unstable (Euler), so that it tumbles. A
 //! benchmark of this kind: Simo and Tarnow, ZAMP 43 (1992), section 6.
-//!
-//! Exact laws. In space it turns about its middle axis, where rigid rotation is unstable (Euler), so that the motion is a true tumbling.
-//! A benchmark of this kind: Simo and Tarnow, ZAMP 43 (1992), section 6.
 
 use conserva::integrators::ENERGY_MOMENTUM;
 use conserva::mesh::{Mesh, block, rectangle};

@@ -55,7 +55,7 @@ impl TimeFunction for Combined {
     }
 }
 
-/// A function of the place in a moved model.
+/// Function of position in a moved model.
 struct Displaced {
     inner: Arc<dyn PlaceFunction>,
     motion: Motion,
@@ -72,12 +72,12 @@ impl PlaceFunction for Displaced {
 }
 
 impl Motion {
-    /// Moved by a vector.
+    /// Translation by a vector.
     pub fn translation(offset: [f64; 3]) -> Self {
         Motion { cosine: 1.0, sine: 0.0, quarters: Some(0), offset, units: Units::SAME }
     }
 
-    /// Turned about the third axis through the origin.
+    /// Rotation about the third axis through the origin.
     pub fn rotation(angle: f64) -> Self {
         let turns = angle / std::f64::consts::FRAC_PI_2;
         // `deg(90)` differs from a quarter turn in the last bit of the conversion.
@@ -94,7 +94,7 @@ impl Motion {
         Motion { units, ..Motion::translation([0.0; 3]) }
     }
 
-    /// A vector turned and multiplied by a factor.
+    /// Vector rotated and multiplied by a factor.
     pub fn vector(&self, [x, y, z]: [f64; 3], factor: f64) -> [f64; 3] {
         [factor * (self.cosine * x - self.sine * y), factor * (self.sine * x + self.cosine * y), factor * z]
     }
@@ -121,7 +121,7 @@ impl Motion {
         self.units.stress() * self.units.length.powi(dimension as i32)
     }
 
-    /// Mass and inertia of a rigid body that is moved.
+    /// Mass and inertia of a moved rigid body.
     fn inertia(&self, inertia: &Inertia, dimension: usize) -> Inertia {
         let (units, transposed) = (&self.units, |rows: [[f64; 3]; 3]| [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[j][i])));
         let mass = self.energy(dimension) * (units.time / units.length).powi(2);
@@ -293,7 +293,7 @@ impl Motion {
                 ObstacleInSpace::Torus { center: at(center), axis: along(axis), radius, tube, is_hollow: *is_hollow }
             }
             ObstacleInSpace::Facets(facets) => {
-                // A rigid motion keeps it valid.
+                // A rigid motion keeps the facets valid.
                 let moved = facets.mapped(|point| self.point(point));
                 ObstacleInSpace::Facets(moved.map_or_else(|_| facets.clone(), Arc::new))
             }
@@ -320,7 +320,7 @@ impl Motion {
 
     fn prescription(&self, model: &Model, given: &Prescription) -> Result<Prescription, String> {
         let [x, y, z] = &given.displacement;
-        // If one of the two directions is free, it must be free after the motion, too.
+        // A rotation other than by quarter turns mixes the directions, so both must be prescribed or both free.
         if given.turn.is_none() && x.is_some() != y.is_some() && self.quarters.is_none() {
             return Err(oblique(&format!("the prescribed displacement of \"{}\"", model.boundary_name(&given.on))));
         }
@@ -341,7 +341,7 @@ impl Motion {
         turned.rescaled(|dimension| Dimension::parse(dimension).map(|dimension| self.units.factor(dimension)))
     }
 
-    /// A row of the ledger with the times of the script.
+    /// Row of the ledger with times in the units of the script.
     pub fn on_script_clock(&self, row: LedgerRow) -> LedgerRow {
         LedgerRow { time: row.time / self.units.time, dt: row.dt / self.units.time, ..row }
     }

@@ -32,7 +32,7 @@ fn of_number(name: &'static str, summary: &'static str, compute: fn(f64) -> f64)
     }
 }
 
-/// A function of the number that an argument is, or of each entry of an array of numbers.
+/// Applies a function to a number, or to each entry of an array of numbers.
 ///
 /// # Errors
 /// The argument is neither.
@@ -42,7 +42,7 @@ pub(super) fn entrywise(argument: &Argument, compute: impl Fn(f64) -> f64) -> Re
     if value.is_array() { each(argument, &value, &entry, 0) } else { Ok(compute(argument.number()?).into()) }
 }
 
-/// Applies a function of numbers to all entries of an array, those of arrays inside of it, too.
+/// Applies a function of numbers to all entries of an array, including nested arrays.
 fn each(argument: &Argument, value: &Dynamic, of: &dyn Fn(&Dynamic) -> Option<Dynamic>, depth: usize) -> Result<Dynamic, Failure> {
     let Some(entries) = value.read_lock::<Array>().filter(|_| depth < MAX_DEPTH) else {
         let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title()));
@@ -56,7 +56,7 @@ fn each(argument: &Argument, value: &Dynamic, of: &dyn Fn(&Dynamic) -> Option<Dy
         .map(Into::into)
 }
 
-/// The size of a number; whole numbers stay whole.
+/// Function `abs`: absolute value; whole numbers stay whole.
 fn abs() -> Function {
     let size = |value: &Dynamic| match value.as_int().ok().and_then(i64::checked_abs) {
         Some(whole) => Some(whole.into()),
@@ -123,7 +123,7 @@ fn of_two(name: &'static str, summary: &'static str, names: [&'static str; 2], c
     }
 }
 
-/// A number of an array.
+/// Number in an array.
 fn entry_of(argument: &Argument, value: &Dynamic) -> Result<f64, Failure> {
     as_number(value).ok_or_else(|| {
         let failure = argument.fail(format!("{} must be a number or an array of numbers", argument.title()));

@@ -40,7 +40,7 @@ fn of_array(
     }
 }
 
-/// An array of an argument, all of whose entries are numbers.
+/// Argument that is an array of numbers.
 fn array(call: &Call, name: &str) -> Result<Vec<f64>, Box<EvalAltResult>> {
     Ok(numbers(&numbers_of(call, name)?).collect())
 }
@@ -194,7 +194,7 @@ fn fft() -> Function {
                 return Err(too_short(call, "at least one number"));
             }
             let (n, spectrum) = (values.len(), fourier(&values));
-            // All but the first, and of an even number of values the last, stand for a pair of conjugate ones.
+            // Every spectral line stands for a pair of conjugate ones, except the first, and for an even number of values the last.
             let pairs = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
             let mut found = Map::new();
             let mut put = |name: &str, values: Array| found.insert(name.into(), values.into());
@@ -237,6 +237,6 @@ fn cfc_filter() -> Function {
     )
 }
 
-/// Largest class times distance of values: beyond it the filter's frequency is above half of that of the values, and SAE J211 asks for
-/// less than half of this.
+/// Largest filter class times sampling interval; beyond it the filter frequency exceeds half the sampling frequency. SAE J211 requires less
+/// than half of this value.
 const HIGHEST: f64 = 0.2;

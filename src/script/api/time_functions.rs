@@ -49,7 +49,7 @@ fn kept(call: &Call, function: FnPtr) -> ScriptFunction {
     ScriptFunction(ThreadBound::new(Closure { callback: Callback::new(call, function), host: call.host.clone() }))
 }
 
-/// A closure of a place in the plane.
+/// A closure of position in the plane.
 pub fn place_function(call: &Call, function: FnPtr) -> Arc<dyn PlaceFunction> {
     Arc::new(kept(call, function))
 }
@@ -203,7 +203,7 @@ pub struct RecordedTimeFunction {
 }
 
 impl RecordedTimeFunction {
-    /// Watches a time function.
+    /// Wraps a time function to record its evaluations.
     pub fn new(inner: Arc<dyn TimeFunction>) -> Self {
         RecordedTimeFunction { inner, asked: AtomicBool::new(false), acted: AtomicBool::new(false) }
     }

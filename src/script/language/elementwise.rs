@@ -63,7 +63,7 @@ impl Operator {
                 if a.len() != b.len() {
                     return Err(self.unequal(a.len(), b.len()).into());
                 }
-                // A point and a number at equal positions of two arrays cannot be combined.
+                // A point and a number at corresponding positions of two arrays cannot be combined.
                 a.iter().zip(b.iter()).map(|(a, b)| self.pair(context, a, b, depth + 1)).collect::<Result<Array, _>>().map(Into::into)
             }
             (Some(a), None) => a.iter().map(|a| self.apply(context, a, b, depth + 1)).collect::<Result<Array, _>>().map(Into::into),
@@ -108,7 +108,7 @@ fn is_written(host: &Host, context: &NativeCallContext, sign: &str) -> bool {
     text.is_none_or(|text| offset(&text, context.call_position()).is_some_and(|start| text[start..].starts_with(sign)))
 }
 
-/// Registers `+=` of arrays, which appends or, where the optimizer has made it of `a = a + b`, sums.
+/// Registers `+=` of arrays, which appends; if the optimizer made it of `a = a + b`, it adds.
 fn register_append(module: &mut Module, host: &Rc<Host>) {
     let of_entries = Rc::downgrade(host);
     let add = |b: &str| {
@@ -163,7 +163,7 @@ pub fn register(module: &mut Module, host: &Rc<Host>) {
         });
     }
     let negative = FuncRegistration::new("-").in_global_namespace().with_params_info(["a: Array", "Array"]);
-    // Times -1 rather than from 0, which would make 0.0 of -0.0.
+    // Multiplication by -1, because subtraction from 0 would make 0.0 of -0.0.
     negative.set_into_module(module, |context: NativeCallContext, a: Array| -> Value {
         OPERATORS[2].apply(&context, &a.into(), &(-1_i64).into(), 0)
     });

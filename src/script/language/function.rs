@@ -100,7 +100,7 @@ pub struct Function {
 }
 
 impl Function {
-    /// True for what reads a value of an object: a property or a column.
+    /// True if the function reads a value of an object: a property or a column.
     pub fn reads(&self) -> bool {
         matches!(self.form, Form::Property(_) | Form::Column(_))
     }

@@ -56,7 +56,7 @@ impl Size {
     }
 }
 
-/// An array after its last push: address, length, capacity and size of its entries.
+/// Array after its last push: address, length, capacity and size of its entries.
 struct Known {
     address: usize,
     length: usize,
@@ -131,7 +131,7 @@ fn sort(engine: &Engine, array: &mut Array) -> Result<(), Failure> {
 
 type Method = fn(&NativeCallContext, &mut Array) -> Result<Dynamic, Failure>;
 
-/// The ways to sort: in place, or as a copy, upwards or downwards.
+/// Variants of sorting: in place or as a copy, ascending or descending.
 const SORTS: [(&str, Method); 4] = [
     ("sort", |context, array| sort(context.engine(), array).map(|()| Dynamic::UNIT)),
     ("sort_desc", |context, array| {

@@ -40,7 +40,7 @@ pub struct Host {
     pub findings: RefCell<Vec<String>>,
     engine: RefCell<Weak<RefCell<Engine>>>,
     module_contexts: RefCell<HashMap<String, Option<Rc<NativeCallContextStore>>>>,
-    /// Paths of imported modules by where these are kept.
+    /// Paths of imported modules by the addresses of the modules.
     module_paths: RefCell<HashMap<usize, String>>,
     loading: RefCell<Vec<Vec<String>>>,
     /// Keys and texts of the warnings.
@@ -102,7 +102,7 @@ impl Host {
         self.stepping.get() > 0
     }
 
-    /// Notes that a simulation begins to take steps, until [`Self::end_steps`].
+    /// Records that a simulation begins to take steps, until [`Self::end_steps`].
     pub(crate) fn begin_steps(&self) {
         self.stepping.set(self.stepping.get() + 1);
     }
@@ -177,7 +177,7 @@ impl Host {
         let key = format!("{} {}", warning.title, warning.place.as_ref().map(ToString::to_string).unwrap_or_default());
         if !self.warned.borrow().iter().any(|(known, _)| *known == key) {
             self.observer.warn(&warning);
-            // For files, with the names of scripts without folders, which differ between machines.
+            // Warnings in files name scripts without folders, which differ between machines.
             if let Some(place) = &mut warning.place {
                 place.source = place.source.rsplit(['/', '\\']).next().unwrap_or_default().into();
             }
@@ -206,7 +206,7 @@ impl Host {
         }
     }
 
-    /// The checks that held, by their keys, and the warnings; from now on, all are new.
+    /// Returns passed checks (by their keys) and warnings, and clears both, so that they are reported again.
     pub(crate) fn forget_told(&self) -> Vec<(String, String)> {
         self.warned.take();
         self.passed.take()
@@ -222,7 +222,7 @@ impl Host {
         self.passed.borrow().len()
     }
 
-    /// Notes the path of a module that was imported and is kept as long as the session.
+    /// Stores the path of an imported module, which lives as long as the session.
     pub(crate) fn note_module(&self, module: &Shared<Module>, path: &str) {
         self.module_paths.borrow_mut().insert(Shared::as_ptr(module) as usize, path.into());
     }

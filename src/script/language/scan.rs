@@ -70,7 +70,7 @@ pub fn lexemes(engine: &Engine, text: &str) -> Vec<Lexeme> {
         if matches!(token, Token::EOF | Token::LexError(_)) {
             break;
         }
-        // The empty piece of text at the end of an interpolated string has no position: it stands behind the bracket before it.
+        // The empty part at the end of an interpolated string has no position: it follows the bracket before it.
         let behind = found.last().map_or(0, |last| last.range.start + 1);
         let start = offsets.of(position).unwrap_or(behind);
         match token {
@@ -207,7 +207,7 @@ pub fn truncating_divisions(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)>
     found
 }
 
-/// Exclusive ors of two integer literals, which were hardly meant: their bytes and the two numbers.
+/// Exclusive ors of two integer literals, which were probably meant as powers: their bytes and the two numbers.
 pub fn exclusive_ors(lexemes: &[Lexeme]) -> Vec<(Range<usize>, i64, i64)> {
     let found = |window: &[Lexeme]| match (&window[0].token, &window[1].token, &window[2].token) {
         (Token::IntegerConstant(a), Token::XOr, Token::IntegerConstant(b)) => Some((window[0].range.start..window[2].range.end, *a, *b)),

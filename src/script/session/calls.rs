@@ -23,7 +23,7 @@ use crate::script::language::observer::Observer;
 use crate::script::language::registry::Registry;
 use crate::script::language::settings::Settings;
 
-/// First letters of the names of the texts of calls.
+/// First letters of the source names of calls.
 const CALL: &str = "call ";
 
 /// Functions of a session for a program without a script.
@@ -53,7 +53,7 @@ impl Calls {
         Ok(Calls { session: RefCell::new(session), registry, prepared: RefCell::default() })
     }
 
-    /// The functions, which calls name by their place in this list.
+    /// Functions of the language; calls use their index in this list.
     pub fn functions(&self) -> &[Rc<Function>] {
         self.registry.functions()
     }
@@ -73,7 +73,7 @@ impl Calls {
         self.registry.types().names()
     }
 
-    /// True of a message about a text that the user has written, and not about the text of a call.
+    /// True for a message about a text of the user, false for one about the text of a call.
     pub fn is_in_text(error: &Diagnostic) -> bool {
         error.place.as_ref().is_some_and(|place| !place.source.starts_with(CALL))
     }
@@ -136,7 +136,7 @@ impl Calls {
         Ok(prepared)
     }
 
-    /// The error by which a function of the program, called by the engine, hands on that the computation is interrupted.
+    /// Error with which a native function called by the engine passes on an interrupt.
     pub fn interrupted() -> Box<EvalAltResult> {
         interrupted("interrupted").into()
     }

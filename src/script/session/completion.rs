@@ -43,7 +43,7 @@ pub struct Words<'a> {
     pub engine: &'a Engine,
     /// Variables.
     pub scope: &'a Scope<'static>,
-    /// Variables whose values are not known, each with its type as far as that is.
+    /// Variables without a known value, with the type if known.
     pub unknown: &'a BTreeMap<String, Option<&'static str>>,
     /// Functions of the language.
     pub registry: &'a Registry,
@@ -177,7 +177,7 @@ impl Words<'_> {
             .collect()
     }
 
-    /// Functions of the language that take an array alone, which may stand in front of a dot.
+    /// Functions of the language with an array as only argument, which can be called as methods.
     fn of_arrays(&self) -> impl Iterator<Item = Candidate> {
         let takes_an_array = |function: &&Rc<Function>| {
             function.form == Form::Function && matches!(function.parameters.as_slice(), [only] if only.kind == Kind::Array)
@@ -279,7 +279,7 @@ impl Words<'_> {
         self.scope.iter_raw().filter_map(|(_, _, value)| value.flatten_clone().try_cast::<T>()).collect()
     }
 
-    /// Names that a string at the cursor may hold.
+    /// Possible names in a string at the cursor.
     fn in_string(&self, cursor: &Cursor, written: &str) -> Vec<String> {
         let string = cursor.pieces.len() - 1;
         if string.checked_sub(1).is_some_and(|before| cursor.kind(before) == Some(TextTokenKind::Name) && cursor.slice(before) == "import")
@@ -299,7 +299,7 @@ impl Words<'_> {
                 return words;
             }
         }
-        // The innermost call counts, also for a string inside an array.
+        // The innermost call determines the names, also for a string inside an array.
         let call = cursor.levels.iter().rev().find(|level| level.bracket == '(');
         let Some((level, function)) = call.and_then(|level| Some((level, self.called_at(cursor, level)?))) else { return self.all_names() };
         if let Some(words) = function.parameters.get(level.commas).and_then(|parameter| choices(&parameter.kind)) {

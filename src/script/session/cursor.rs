@@ -42,10 +42,10 @@ pub struct TextToken {
     pub range: Range<usize>,
 }
 
-/// Interpolations inside of each other that are read; deeper ones count as text.
+/// Largest depth of nested interpolations that are split into tokens; deeper ones count as text.
 const INTERPOLATIONS: usize = 4;
 
-/// Cuts a text into pieces; white space is left out.
+/// Splits a text into tokens; white space is left out.
 pub fn pieces(text: &str) -> Vec<TextToken> {
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(piece) = piece_from(text, at, INTERPOLATIONS) {
@@ -55,7 +55,7 @@ pub fn pieces(text: &str) -> Vec<TextToken> {
     found
 }
 
-/// Cuts a text into pieces; the code of interpolations `${ … }` follows the string in which it stands, between its braces.
+/// Splits a text into tokens; the code of interpolations `${ … }` follows the token of its string.
 pub fn pieces_with_interpolations(text: &str) -> Vec<TextToken> {
     let mut found = Vec::new();
     add_pieces(text, 0..text.len(), INTERPOLATIONS, &mut found);
@@ -82,7 +82,7 @@ fn add_pieces(text: &str, range: Range<usize>, depth: usize, found: &mut Vec<Tex
     }
 }
 
-/// Returns the first piece of a text from a byte on.
+/// Returns the first token of a text from a byte on.
 fn piece_from(text: &str, from: usize, depth: usize) -> Option<TextToken> {
     let at = from + text[from..].find(|letter: char| !letter.is_whitespace())?;
     let (rest, is_word) = (&text[at..], |letter: char| letter.is_alphanumeric() || letter == '_');
@@ -123,7 +123,7 @@ fn piece_from(text: &str, from: usize, depth: usize) -> Option<TextToken> {
     Some(TextToken { kind, range: at..at + length })
 }
 
-/// Returns the byte behind a comment `/* … */`, which may hold others.
+/// Returns the byte after a comment `/* … */`, which may contain nested comments.
 fn comment_end(text: &str) -> Option<usize> {
     let (mut depth, mut at) = (0usize, 0);
     loop {
@@ -225,14 +225,14 @@ impl<'a> Cursor<'a> {
         cursor
     }
 
-    /// Reads a text, in front of all brackets; [`Self::enter`] goes on token by token.
+    /// Cursor at the start of a text; [`Self::enter`] advances by tokens.
     pub fn at_start(text: &'a str) -> Self {
         let mut pieces = pieces(text);
         pieces.retain(|piece| !matches!(piece.kind, TextTokenKind::Comment { .. }));
         Cursor { text, pieces, levels: Vec::new(), in_comment: false, is_crossed: false }
     }
 
-    /// Takes a token into the open brackets.
+    /// Advances over a token and updates the open brackets.
     pub fn enter(&mut self, index: usize) {
         let name = |index: usize| match self.pieces.get(index).map(|piece| piece.kind) {
             Some(TextTokenKind::Name) => Some(self.slice(index).to_string()),
@@ -267,12 +267,12 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Text of a piece.
+    /// Text of a token.
     pub fn slice(&self, index: usize) -> &'a str {
         &self.text[self.pieces[index].range.clone()]
     }
 
-    /// The kind of a piece.
+    /// Kind of a token.
     pub fn kind(&self, index: usize) -> Option<TextTokenKind> {
         self.pieces.get(index).map(|piece| piece.kind)
     }

@@ -1,7 +1,8 @@
-//! Declarations of a script text and the uses of each, found without the engine, so that unfinished text is understood, too.
+//! Declarations of a script text and their uses, found without the engine, so that incomplete text can be analyzed.
 //!
-//! Rules of the language: a variable is visible from the end of its statement to the end of its block; a function sees its parameters
-//! alone, a closure the variables around it, too; functions are visible everywhere, constants of the script in functions as `global::NAME`.
+//! Rules of the language: a variable is visible from the end of its statement to the end of its block; a function has access to its
+//! parameters only, a closure also to the surrounding variables; functions are visible everywhere, constants of the script in functions as
+//! `global::NAME`.
 
 use std::ops::Range;
 
@@ -130,7 +131,7 @@ struct Scope {
     /// True if names outside are not visible.
     is_function: bool,
     names: Vec<usize>,
-    /// A declaration whose statement is not at its end.
+    /// Declaration whose statement is not complete.
     begun: Option<usize>,
 }
 
@@ -166,7 +167,7 @@ impl Reader<'_> {
         self.is(index, TextTokenKind::Name) && !KEYWORDS.contains(&self.word(index))
     }
 
-    /// Reads the piece at an index; returns the index of the next one.
+    /// Reads the token at an index; returns the index of the next one.
     fn read(&mut self, index: usize, calls: &mut Vec<Range<usize>>) -> usize {
         let Some(kind) = self.kind(index) else { return index + 1 };
         match kind {
@@ -185,9 +186,7 @@ impl Reader<'_> {
             TextTokenKind::Sign('|') => return self.bar(index),
             TextTokenKind::Name => return self.name(index, calls),
             // `Fn("name")`
-            TextTokenKind::Text { closed: true }
-                if index > 1 && self.is(index - 1, TextTokenKind::Open('(')) && self.word(index - 2) == "Fn" =>
-            {
+            TextTokenKind::Text { closed: true } if index > 1 && self.is(index - 1, TextTokenKind::Open('(')) && self.word(index - 2) == "Fn" => {
                 let range = self.range(index);
                 calls.push(range.start + 1..range.end.saturating_sub(1).max(range.start + 1));
             }
@@ -215,7 +214,7 @@ impl Reader<'_> {
         self.depth += 1;
     }
 
-    /// Ends the scopes with at least `depth` brackets around what they hold.
+    /// Ends the scopes that contain at least `depth` open brackets.
     fn end_scopes(&mut self, depth: usize, end: usize) {
         self.pending.retain(|scope| scope.depth < depth);
         while self.scopes.len() > 1 && self.scopes.last().is_some_and(|scope| scope.depth + usize::from(!scope.is_expression) >= depth) {
@@ -269,7 +268,7 @@ impl Reader<'_> {
         self.found.all.len() - 1
     }
 
-    /// Reads the names of a list up to a closing piece; returns their declarations and the index behind.
+    /// Reads the names of a list up to a closing token; returns their declarations and the index behind.
     fn parameters(&mut self, mut index: usize, close: TextTokenKind) -> (Vec<usize>, usize) {
         let mut names = Vec::new();
         while let Some(kind) = self.kind(index) {
@@ -344,7 +343,7 @@ impl Reader<'_> {
 
     /// Reads `let name` or `const name`.
     fn variable(&mut self, index: usize) -> usize {
-        // A statement that was not ended by a semicolon ends here.
+        // A statement without a semicolon ends here.
         self.end_statement(self.range(index).start);
         if !self.is_name(index + 1) {
             return index + 1;
@@ -372,7 +371,7 @@ impl Reader<'_> {
         next
     }
 
-    /// Reads the variables of `for x in`, `for (x, i) in` or `catch (error)`, which the next block has.
+    /// Reads the variables of `for x in`, `for (x, i) in` or `catch (error)`, which are visible in the next block.
     fn head(&mut self, index: usize, first: usize) -> usize {
         let (names, next) = match self.is(first, TextTokenKind::Open('(')) {
             true => self.parameters(first + 1, TextTokenKind::Close(')')),
@@ -386,11 +385,10 @@ impl Reader<'_> {
         next
     }
 
-    /// Notes the use of a name, unless it is the key of a map.
+    /// Records the use of a name, unless it is the key of a map.
     fn used(&mut self, index: usize, before: Option<TextTokenKind>, calls: &mut Vec<Range<usize>>) {
         let follows = self.kind(index + 1);
-        let is_key =
-            matches!(before, Some(TextTokenKind::Open('#') | TextTokenKind::Sign(','))) && follows == Some(TextTokenKind::Sign(':'));
+        let is_key = matches!(before, Some(TextTokenKind::Open('#') | TextTokenKind::Sign(','))) && follows == Some(TextTokenKind::Sign(':'));
         if is_key {
             return;
         }
@@ -409,7 +407,7 @@ impl Reader<'_> {
         for scope in self.scopes.iter().rev() {
             let visible = |number: &usize| !is_outside || self.found.all[*number].role == Role::Module;
             if let Some(number) = scope.names.iter().rev().copied().find(|number| wanted(number) && visible(number)) {
-                // A call of a variable's name is a call of a function.
+                // A call refers to a function, not to a variable of the same name.
                 if follows != Some(TextTokenKind::Open('(')) {
                     self.found.uses.push((range, number));
                     return;

@@ -1,7 +1,7 @@
-//! A script in an editor: what is wrong with it, what its names mean, what may stand at a place.
+//! A script in an editor: errors, meanings of names, completions.
 //!
-//! The text is never run. A check builds the models, as `conserva check` does, and takes no step; its values are those that completion and
-//! hover show until the next one. Places are bytes of the text.
+//! The text is never run. A check builds the models, as `conserva check` does, without steps; completion and hover show the values of the
+//! last check. Places are bytes of the text.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,10 +31,10 @@ use crate::script::language::registry::Registry;
 use crate::script::language::settings::{Mode, Settings};
 use crate::script::language::sources::Place;
 
-/// Lines of a value that are shown.
+/// Largest number of lines shown of a value.
 const LINES: usize = 12;
 
-/// Variables without a known value, each with its type as far as that is known.
+/// Variables without a known value, with the type if known.
 type Unknown = BTreeMap<String, Option<&'static str>>;
 
 /// Observer that keeps the warnings.
@@ -57,7 +57,7 @@ impl Observer for Warnings {
 pub struct Checked {
     /// Errors and warnings.
     pub findings: Vec<Diagnostic>,
-    /// Place of the first use of a result, behind which nothing was checked.
+    /// Place of the first use of a result, after which only names were checked.
     pub stopped: Option<Place>,
 }
 
@@ -92,7 +92,7 @@ pub struct Document {
     declarations: Declarations,
     /// Functions of the last text that compiled.
     tree: AST,
-    /// Session that compiles and describes.
+    /// Session that compiles texts and describes names.
     reader: Session,
     /// Warnings of the reader.
     warnings: Rc<Warnings>,
@@ -104,7 +104,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// An empty document with a name in messages, below the folder `home` of the files that it reads.
+    /// An empty document with a name for messages, and the folder `home` of the files that it may read.
     ///
     /// # Errors
     /// A folder that does not exist.
@@ -152,7 +152,7 @@ impl Document {
         Some(texts.join("\n\n"))
     }
 
-    /// Replaces the text; returns the mistakes that are found without building its models, and true if the text can be compiled.
+    /// Replaces the text; returns the errors found without building its models, and true if the text can be compiled.
     pub fn set_text(&mut self, text: &str) -> (Vec<Diagnostic>, bool) {
         self.text = text.into();
         self.declarations = Declarations::of(text);
@@ -191,7 +191,7 @@ impl Document {
         Place { source: self.name.clone(), text: self.text.clone(), range }
     }
 
-    /// Mistakes that are found in the text alone.
+    /// Errors found in the text alone.
     fn inspected(&self) -> Vec<Diagnostic> {
         let place = self.place(0..0);
         let mut found = unknown_calls(&self.reader.registry(), &self.of_engine, &self.declarations, &place);
@@ -211,7 +211,7 @@ impl Document {
         self.checked = Some(session);
         let mut findings: Vec<Diagnostic> = report.error.into_iter().collect();
         findings.extend(warnings.0.take());
-        // An error has been explained with its values; the same without them adds nothing.
+        // A finding of the text at a place that the check has reported, with values, is left out.
         let is_told = |other: &Diagnostic| {
             let begin = |of: &Diagnostic| of.place.as_ref().map(|place| place.range.start);
             findings.iter().any(|known| begin(known) == begin(other))
@@ -249,7 +249,7 @@ impl Document {
         Words { engine, scope, unknown, registry, functions: &self.tree, modules: &self.modules, home }
     }
 
-    /// True for the last variable of its name outside of all blocks, the value of which is that of the scope at the end.
+    /// True for the last variable of its name outside of all blocks: its value is that in the scope at the end.
     fn is_last(&self, declaration: &Declaration) -> bool {
         let last =
             self.declarations.all.iter().rfind(|other| other.is_global && other.role == Role::Variable && other.name == declaration.name);
@@ -282,7 +282,7 @@ impl Document {
         if cursor.in_comment || cursor.in_string().is_some() || !is_member {
             return (start, Vec::new());
         }
-        // The type of the object is not known: members of all types.
+        // For an object of unknown type the members of all types are listed.
         let registry = self.reader.registry();
         let members = registry.functions().iter().filter(|function| matches!(function.form, Form::Method(_) | Form::Property(_)));
         let members = members.filter(|function| function.name.starts_with(word));
@@ -327,7 +327,7 @@ impl Document {
         Some(Explained { range, text: self.help(name)? })
     }
 
-    /// True for a name behind a dot that the language has: a function of the script of that name is hidden by it.
+    /// True for a member name of the language, which takes precedence over a function of the script.
     fn is_method(&self, cursor: &Cursor, index: usize) -> bool {
         let registry = self.reader.registry();
         cursor.is_member(index) && registry.named(cursor.slice(index)).any(|function| function.form.receiver().is_some())
@@ -358,7 +358,7 @@ impl Document {
         }
     }
 
-    /// Type and text of a variable's value in the last check.
+    /// Type and text of the value of a variable in the last check.
     fn value_of(&self, declaration: &Declaration) -> Option<(String, String)> {
         let session = self.checked.as_ref().filter(|_| self.is_last(declaration))?;
         let value = session.scope.get(&declaration.name)?.flatten_clone();
@@ -421,10 +421,10 @@ impl Document {
         self.declarations.at(byte).map(|number| self.declarations.occurrences(number)).unwrap_or_default()
     }
 
-    /// Places of the name at a byte, all of which take the new name.
+    /// Places of the name at a byte, all of which are renamed.
     ///
     /// # Errors
-    /// A new name that is none, or with which the text would mean something else; in words.
+    /// An invalid name, or one that would change the meaning of the text; as a text.
     pub fn rename(&self, byte: usize, name: &str) -> Result<Vec<Range<usize>>, String> {
         let number = self.declarations.at(byte).ok_or("only variables, functions and modules of the script can be renamed")?;
         let is_word = name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');

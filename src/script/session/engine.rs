@@ -110,7 +110,7 @@ fn limit(engine: &mut Engine, host: &Host) {
     engine.set_max_modules(1000);
 }
 
-/// Operations after which the clock is looked at: each may make an array of [`MAX_ARRAY`] entries.
+/// Number of operations between checks of the clock: each operation may make an array of [`MAX_ARRAY`] entries.
 const LOOK: u64 = 8;
 /// Period at which the free memory is checked.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(20);

@@ -66,10 +66,10 @@ impl Calls {
         Ok(Dynamic::from(StateHandle { state, history, name, simulation: None }))
     }
 
-    /// Calls a function that writes a file; the bytes of the file in place of writing it. `None` where it has written none.
+    /// Calls a function that writes a file and returns its bytes instead of writing it; `None` if the function wrote no file.
     ///
     /// # Errors
-    /// The message that a script would end with.
+    /// The message with which a script would end.
     pub fn file(&self, function: usize, values: Vec<Dynamic>) -> Result<Option<Vec<u8>>, Box<Diagnostic>> {
         let wanted: Rc<RequestedFile> = self.session.borrow().host.slots.get();
         wanted.ask();
@@ -78,10 +78,10 @@ impl Calls {
         outcome.map(|_| bytes)
     }
 
-    /// Runs a text with variables; a map of its variables afterwards, and the value of its last expression under an empty name.
+    /// Runs a text with variables; returns a map of its variables, and the value of its last expression under an empty name.
     ///
     /// # Errors
-    /// The message that a script would end with.
+    /// The message with which a script would end.
     pub fn text(&self, text: &str, variables: Vec<(String, Dynamic)>) -> Result<Map, Box<Diagnostic>> {
         match catch_unwind(AssertUnwindSafe(|| self.text_unguarded(text, variables))) {
             Ok(outcome) => outcome,
@@ -95,7 +95,7 @@ impl Calls {
             (session.engine.clone(), session.host.clone())
         };
         let engine = engine.borrow();
-        // Closures of earlier texts keep their places.
+        // Closures of earlier texts keep their source names.
         let (source, mut scope): (_, Scope) = (format!("cell {}", host.sources.all().len()), constants());
         let constant = scope.len();
         for (name, value) in variables {

@@ -1,6 +1,6 @@
 //! Layout of a script text: indentation by open brackets, no white space at ends of lines, one line break at the end.
 //!
-//! Texts inside of lines stay as they are, and so do lines that begin inside of a string or a comment.
+//! Text inside of lines does not change, nor do lines that begin inside of a string or a comment.
 
 use super::cursor::{TextTokenKind, pieces};
 
@@ -20,14 +20,14 @@ pub fn formatted(text: &str) -> String {
         let content = line.trim();
         let first = pieces.get(next).filter(|piece| piece.range.start < end).map(|piece| piece.kind);
         if is_inside {
-            // A multi-line string or comment: only what follows it may be laid out, and that is left.
+            // A line that begins inside of a string or comment does not change.
             result += line.trim_end_matches('\n');
         } else if !content.is_empty() {
             let is_closing = |letter: &char| matches!(letter, ')' | ']' | '}');
             let closing = content.chars().take_while(|letter| is_closing(letter) || *letter == ' ').filter(is_closing).count();
             let mut levels: Vec<usize> = depths.clone();
             let closed = levels.split_off(levels.len().saturating_sub(closing));
-            // What closes stands below the line that opened it, which may have opened more.
+            // A closing bracket is aligned with the line of the opening one, which may have opened more.
             levels.retain(|opened| closed.first() != Some(opened));
             // Brackets that were opened in one line indent once.
             levels.dedup();
@@ -52,11 +52,8 @@ pub fn formatted(text: &str) -> String {
         }
         at = end;
     }
-    // The end of a string that is not closed belongs to it.
-    if pieces
-        .last()
-        .is_some_and(|last| matches!(last.kind, TextTokenKind::Text { closed: false } | TextTokenKind::Comment { closed: false }))
-    {
+    // The text after an unclosed quote is part of the string.
+    if pieces.last().is_some_and(|last| matches!(last.kind, TextTokenKind::Text { closed: false } | TextTokenKind::Comment { closed: false })) {
         return text.to_string();
     }
     let kept = result.trim_end().len();
@@ -67,7 +64,7 @@ pub fn formatted(text: &str) -> String {
     result
 }
 
-/// True if a statement goes on in a line: between the last token before and the first one in it.
+/// True if a statement continues in a line, judged from the last token before it and its first token.
 fn continues(last: Option<TextTokenKind>, first: Option<TextTokenKind>) -> bool {
     let is_open = !matches!(last, None | Some(TextTokenKind::Sign(';' | ',') | TextTokenKind::Open(_) | TextTokenKind::Close('}')));
     let is_operator = matches!(first, Some(TextTokenKind::Dot)) || matches!(first, Some(TextTokenKind::Sign(sign)) if sign != ';');

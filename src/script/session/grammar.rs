@@ -1,4 +1,4 @@
-//! The language as a TextMate grammar, by which editors color scripts.
+//! The language as a TextMate grammar for syntax highlighting in editors.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use super::completion::KEYWORDS;
 use super::reference::Reference;
 use crate::script::language::function::{Form, Function};
 
-/// Words that open and close no statement.
+/// Words that are neither functions nor control statements.
 const CONSTANTS: [&str; 4] = ["true", "false", "PI", "this"];
 
 impl Reference {
@@ -66,7 +66,7 @@ impl Reference {
     }
 }
 
-/// Names as alternatives, longer ones first, so that none is taken for the beginning of another.
+/// Names as alternatives, longer ones first, so that no name is matched by a prefix.
 fn names(functions: &[&Function]) -> String {
     let mut names: Vec<&str> =
         functions.iter().map(|function| function.name).filter(|name| name.starts_with(|first: char| first.is_alphabetic())).collect();

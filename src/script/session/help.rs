@@ -37,7 +37,7 @@ pub fn help(registry: &Registry, name: &str) -> String {
     let listed = |entries: &[Entry]| entries.iter().take(MENTIONS).map(|entry| format!("\n  {}", entry.line())).collect::<String>();
     match found.as_slice() {
         [] => format!("{refusal}; {suggestion}"),
-        // What is meant comes first, and whole.
+        // The best match is shown first and in full.
         [first, others @ ..] if is_meant(first, name) => {
             let others = if others.is_empty() { String::new() } else { format!("\n\nit is mentioned in{}", listed(others)) };
             format!("{refusal}; it is part of\n\n{}{others}", first.text())
@@ -46,7 +46,7 @@ pub fn help(registry: &Registry, name: &str) -> String {
     }
 }
 
-/// Text of the entries of a name. What only reads a value is not all that a person means by a word of the field.
+/// Text of the entries of a name. If they only read values and the name is a term of the field, the best match of a search follows.
 fn found_text(reference: &Reference, name: &str, entries: &[Entry]) -> String {
     let text = entries.iter().map(Entry::text).collect::<Vec<_>>().join("\n\n");
     let reads = |entry: &Entry| matches!(entry, Entry::Function(function) if function.reads());

@@ -38,7 +38,7 @@ impl Imports {
         self.imports.iter().map(|import| import.text.as_str()).collect()
     }
 
-    /// Blank lines with the imports in their places.
+    /// Blank lines with the imports at their original places.
     pub fn padding(&self, lines: usize) -> String {
         let mut text = String::new();
         let (mut line, mut column) = (0, 0);

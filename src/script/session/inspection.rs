@@ -1,7 +1,7 @@
-//! Mistakes that are found without running a text: calls of functions that do not exist, keys that an options map does not have.
+//! Errors that are found without running a text: calls of unknown functions, unknown keys of options maps.
 //!
-//! Only what fails wherever it is reached is reported: names that neither the language, nor its engine, nor the text knows. Types of
-//! expressions are found as far as calls and members tell them.
+//! Only certain errors are reported: names that exist neither in the language, nor in its engine, nor in the text. Types of expressions are
+//! inferred from calls and members.
 
 use std::collections::BTreeSet;
 
@@ -18,10 +18,10 @@ use crate::script::language::registry::Registry;
 use crate::script::language::sources::Place;
 use crate::script::language::wording::did_you_mean;
 
-/// Mistakes of a kind that are reported at most: a suggestion takes a millisecond.
+/// Largest number of reported errors of a kind: a suggestion takes a millisecond.
 const MOST: usize = 50;
 
-/// Functions that the parser of the engine knows by itself.
+/// Functions built into the parser of the engine.
 const OF_THE_PARSER: [&str; 9] = ["print", "debug", "type_of", "is_def_fn", "is_def_var", "is_shared", "Fn", "call", "curry"];
 
 /// Names of the functions of the engine itself.
@@ -30,11 +30,11 @@ pub fn engine_functions(engine: &Engine) -> BTreeSet<String> {
     names.into_iter().chain(OF_THE_PARSER.map(String::from)).collect()
 }
 
-/// Calls of names that nothing has.
+/// Calls of unknown names.
 pub fn unknown_calls(registry: &Registry, of_engine: &BTreeSet<String>, declared: &Declarations, place: &Place) -> Vec<Diagnostic> {
     let text: &str = &place.text;
     let is_known = |name: &str| of_engine.contains(name) || registry.named(name).next().is_some();
-    // A map may hold a closure under any key.
+    // A map may contain a closure under any key.
     let is_key =
         |name: &str| text.contains(&format!("{name}:")) || text.contains(&format!("\"{name}\"")) || text.contains(&format!("{name} ="));
     let mut found = Vec::new();
@@ -68,7 +68,7 @@ pub fn unknown_calls(registry: &Registry, of_engine: &BTreeSet<String>, declared
 }
 
 impl Words<'_> {
-    /// Keys in literal options maps that the called function does not have.
+    /// Unknown keys in literal options maps.
     pub fn unknown_keys(&self, place: &Place) -> Vec<Diagnostic> {
         let mut cursor = Cursor::at_start(&place.text);
         let mut found = Vec::new();
@@ -87,11 +87,11 @@ impl Words<'_> {
         found
     }
 
-    /// The called function, the key at the end of the cursor's brackets if no function of that name has it, and the keys it has.
+    /// Called function, unknown key at the end of the cursor's brackets, and the valid keys of the function.
     fn unknown_key(&self, cursor: &Cursor) -> Option<(&Function, String, Vec<&'static str>)> {
         let [.., call, map] = cursor.levels.as_slice() else { return None };
         let key = map.key.clone().filter(|_| map.bracket == '#')?;
-        // The map is the whole argument.
+        // Only a map that is the whole argument is checked.
         let before = map.piece.checked_sub(1).and_then(|before| cursor.kind(before));
         let is_argument = matches!(before, Some(TextTokenKind::Open('(') | TextTokenKind::Sign(',')));
         let function = self.called_at(cursor, call).filter(|_| is_argument)?;
@@ -110,7 +110,7 @@ impl Words<'_> {
 }
 
 impl Words<'_> {
-    /// Type of the value of an expression of calls and members, as far as known without its evaluation.
+    /// Type of an expression of calls and members, as far as known without evaluation.
     pub fn type_of(&self, text: &str) -> Option<&'static str> {
         let cursor = Cursor::new(text);
         let mut depth = 0usize;

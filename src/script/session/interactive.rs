@@ -90,7 +90,7 @@ pub struct Interactive {
     earlier: Vec<Earlier>,
     /// Moment at which the last entry was answered.
     answered: Instant,
-    /// Digits of the numbers that are shown; all of them without a limit.
+    /// Number of digits of displayed numbers; `None`: all digits.
     pub digits: Option<usize>,
 }
 
@@ -98,7 +98,7 @@ pub struct Interactive {
 struct Earlier {
     scope: Scope<'static>,
     functions: AST,
-    /// Texts of these functions.
+    /// Number of texts with functions.
     units: usize,
     recorded: usize,
     effects: u64,
@@ -208,7 +208,7 @@ impl Interactive {
         Ok(())
     }
 
-    /// Adds to an error of an entry the changes that remain.
+    /// Adds the remaining changes to an error of an entry.
     fn told_what_stays(&self, error: Diagnostic) -> Diagnostic {
         let Some(earlier) = self.earlier.last() else { return error };
         let all: Vec<&str> = self.session.scope.iter_raw().map(|(name, ..)| name).collect();
@@ -266,7 +266,7 @@ impl Interactive {
         if cursor.is_crossed {
             return false;
         }
-        // A comment that belongs to the function that follows.
+        // A comment before the function to which it belongs.
         if text.trim_end().rsplit('\n').next().is_some_and(|last| last.trim_start().starts_with("///")) {
             return true;
         }
@@ -416,7 +416,7 @@ fn own_help(function: &ScriptFnMetadata) -> String {
     format!("{}({}){comments}", function.name, function.params.join(", "))
 }
 
-/// True if `else` may follow: the last statement is an `if` of several lines without one, and no empty line ends it.
+/// True if `else` may follow: the last statement is an `if` of several lines without `else`, and no empty line ends it.
 fn may_go_on(lexemes: &[Lexeme], text: &str) -> bool {
     let Some(last) = statements(lexemes).pop().filter(|_| text.ends_with('}')) else { return false };
     let (statement, mut depth, mut has_else) = (&lexemes[last], 0usize, false);

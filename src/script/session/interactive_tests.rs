@@ -337,7 +337,7 @@ fn the_record_of_a_long_exploration_runs_to_the_same_bytes() {
     stop(0);
     assert_eq!(shown(&mut session, "[k, list.len(), other.steps - sim.steps]"), "[3, 3, 3]");
     stop(0);
-    // objects that are made and changed on the way
+    // objects made and changed during the entry
     stop(7);
     message(
         &mut session,
@@ -370,7 +370,7 @@ fn the_record_of_a_long_exploration_runs_to_the_same_bytes() {
         simulations[number].0.history.borrow().rows(0, usize::MAX).iter().map(|row| format!("{row:?}")).collect()
     };
     assert_eq!(rows(0), first);
-    // the branch of the interrupted loop, and the simulations of the one that made and changed several
+    // the branch of the interrupted loop, and the simulations that the interrupted entry made and changed
     assert!(simulations.len() > 3, "{script}");
     for number in 1..simulations.len() {
         assert_eq!(rows(number), history_of(&session, number), "simulation {number}:\n{script}");
@@ -405,7 +405,7 @@ fn columns_are_completed_in_brackets() {
     assert!(completions(&session, "[\"kin").is_empty());
 }
 
-/// Completion in under 20 ms: the best of several, for a machine with much else to do.
+/// Completion in under 20 ms: the best of several, because the machine may be busy.
 #[test]
 fn completion_is_there_at_once() {
     let mut session = session();
@@ -434,7 +434,7 @@ fn studies_at_the_prompt_know_all_entries() {
     }
     let asked = "sweep(#{ vary: #{ x: 2..4 }, run: |p| f(p.x) + two::twice(k) + C }).map(|row| row.value)";
     assert_eq!(shown(&mut session, asked), "[110, 115]");
-    // Objects that are made on other threads are none of this session, so these points were computed there.
+    // Objects made on other threads do not count as effects of this session, so these points were computed there.
     let effects = session.session.host.effects();
     let making = "sweep(#{ vary: #{ x: 2..4 }, run: |p| { model(`${p.x}`).gravity([0.0, -1.0]); f(k) } }).map(|row| row.value)";
     assert_eq!(shown(&mut session, making), "[9, 9]");
@@ -444,7 +444,7 @@ fn studies_at_the_prompt_know_all_entries() {
     session.evaluate("let mesh = rectangle(#{ size: [1.0, 1.0], cells: [1, 1] });").unwrap();
     session.evaluate("sweep(#{ vary: #{ x: [1] }, run: |p| { model(`${mesh}`).gravity([0.0, -1.0]); 1 } });").unwrap();
     assert_eq!(session.session.host.effects(), effects + 1);
-    // A closure of an earlier entry, a name in place of a closure, and what is no longer there.
+    // A closure of an earlier entry, a name in place of a closure, and a removed closure.
     session.evaluate("let g = |p| f(p.x)").unwrap();
     session.evaluate("let y = 1; y.nothing()").unwrap_err();
     assert_eq!(shown(&mut session, "sweep(#{ vary: #{ x: 2..4 }, run: g }).map(|row| row.value)"), "[4, 9]");

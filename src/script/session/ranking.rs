@@ -1,4 +1,4 @@
-//! Order of the entries that a search finds: what a person means with a word comes first.
+//! Order of the entries found by a search: the best match comes first.
 
 use std::cmp::Reverse;
 use std::rc::Rc;
@@ -8,10 +8,10 @@ use super::synonyms::meant;
 use crate::script::language::function::Function;
 use crate::script::language::parameter::Parameter;
 
-/// Rank of an entry that is meant by a text, and not only mentions it.
+/// Rank of an entry whose subject is the text; entries that only mention it have larger ranks.
 const MEANT: usize = 50;
 
-/// Returns all entries that a text means or that mention all its words, those that are about it first.
+/// Returns all entries whose subject is a text or that mention all its words, the best matches first.
 pub fn ranked(reference: &Reference, text: &str) -> Vec<Entry> {
     let mut found = reference.search(text);
     let names: Vec<&str> = meant(text).into_iter().flat_map(|(_, names)| names.iter().copied()).collect();
@@ -24,7 +24,7 @@ pub fn ranked(reference: &Reference, text: &str) -> Vec<Entry> {
     found
 }
 
-/// True if the text means the entry.
+/// True if the text is the subject of the entry.
 pub fn is_meant(entry: &Entry, text: &str) -> bool {
     rank(entry, text) >= MEANT
 }
@@ -39,7 +39,7 @@ fn rank(entry: &Entry, text: &str) -> usize {
             let place = synonyms.iter().position(|name| *name == function.name);
             let of_synonyms = place.map_or(0, |place| 2 * MEANT - place);
             let of_key = if has_key(&function.parameters, &wanted) { MEANT } else { 0 };
-            // A method that makes something comes before one that reads it.
+            // Methods that create objects precede methods that read them.
             let of_form = if function.reads() { 0 } else { 1 };
             let of_name = if function.name == wanted {
                 if function.reads() { MEANT } else { 4 * MEANT }

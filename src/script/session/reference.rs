@@ -346,7 +346,7 @@ fn parameters(function: &Function) -> Vec<(String, &Parameter)> {
     }
     let mut rows = Vec::new();
     for parameter in &function.parameters {
-        // a map that is the only parameter needs no row of its own
+        // an options map that is the only parameter needs no row of its own
         if function.parameters.len() > 1 || parameter.kind.keys().is_none() {
             rows.push((parameter.name.to_string(), parameter));
         }
@@ -459,8 +459,7 @@ fn pretty(value: &Value) -> String {
     text
 }
 
-/// Titles of the last two chapters.
-/// Names that begin as one that is not known, which are told at most, and its letters at least.
+/// Largest number of names suggested for an unknown one that is their beginning, and smallest number of its letters.
 const LONGER: usize = 6;
 const BEGINNING: usize = 3;
 
@@ -469,6 +468,7 @@ fn begins(name: &str, with: &str) -> bool {
     with.len() >= BEGINNING && name.to_lowercase().starts_with(with)
 }
 
+/// Titles of the last two chapters.
 const LANGUAGE: &str = "The language itself";
 const WORDS: &str = "Words";
 

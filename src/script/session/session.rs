@@ -108,7 +108,7 @@ pub struct Session {
     pub(super) scope: Scope<'static>,
     pub(super) host: Rc<Host>,
     begun: Instant,
-    /// Time for which a prompt waited for entries, which is not counted.
+    /// Waiting time of the prompt for entries, which is not counted.
     pub(super) idle: Duration,
 }
 
@@ -211,7 +211,7 @@ impl Session {
         Ok(Outline { functions: functions.collect(), has_statements: !tree.statements().is_empty(), parameters: asked })
     }
 
-    /// Evaluates, and turns a defect of the program into a message, so that the files of the run are still completed.
+    /// Evaluates, and converts a panic into a message, so that the files of the run are still completed.
     fn guarded(&mut self, work: impl FnOnce(&mut Self) -> Result<Dynamic, Box<Diagnostic>>) -> Option<Box<Diagnostic>> {
         match catch_unwind(AssertUnwindSafe(|| work(self))) {
             Ok(outcome) => outcome.err(),
@@ -247,7 +247,7 @@ impl Session {
         let outcome =
             compile(&engine, &self.scope, name, text).and_then(|tree| engine.call_fn::<Dynamic>(&mut self.scope, &tree, function, ()));
         let outcome = outcome.map_err(|mut error| {
-            // Failures that end a run at once have no place; at least the function is known.
+            // Failures that end a run at once have no place; the name of the function serves as place.
             let defined = scan::functions(&scan::lexemes(&engine, text)).into_iter().find(|(name, _)| name == function);
             if let (true, Some((_, start))) = (error.position().is_none(), defined) {
                 error.set_position(position_of_name(text, start));
@@ -323,7 +323,7 @@ impl Session {
         }
     }
 
-    /// Notes where `conserva check` stopped.
+    /// Records where `conserva check` stopped.
     fn stopped_at(&self, error: &Diagnostic) -> bool {
         let place = error.place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
         let finding = format!("{place}{}; what follows depends on it and was not checked", error.title);
@@ -339,7 +339,7 @@ impl Drop for Session {
     }
 }
 
-/// The position of the name of a function that is defined from a byte of the text on.
+/// Position of the name of a function whose definition starts at a byte of the text.
 fn position_of_name(text: &str, start: usize) -> Position {
     let start = start + text[start..].strip_prefix("fn").map_or(0, |rest| 2 + rest.len() - rest.trim_start().len());
     let before = &text[..start];

@@ -9,13 +9,13 @@ use crate::script::language::registry::Registry;
 use crate::script::language::tables::table;
 use crate::script::language::values::as_number;
 
-/// Significant digits of a number at the prompt, unless others are asked for.
+/// Default number of significant digits at the prompt.
 pub const DIGITS: usize = 6;
 
 /// Largest number of array entries shown.
 const SHOWN: usize = 24;
 
-/// The kind of a value in the words of the language.
+/// Type of a value in terms of the language.
 pub fn kind_of(engine: &Engine, value: &Dynamic) -> String {
     if value.is_fnptr() {
         return "closure".into();

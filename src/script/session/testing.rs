@@ -148,7 +148,7 @@ impl TestCase {
     }
 }
 
-/// The folder in which a script stands.
+/// Folder of a script.
 pub fn home(script: &Path) -> &Path {
     script.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -3,9 +3,6 @@
 //!
 //! In texts `{m}` stands for the variable of the model, `{b}` for that of its first body, `{s}` for that of the simulation, `{x}` for a
 //! suffix that makes further names unique.
-//!
-//! In texts `{m}` stands for the variable of the model, `{b}` for that of its first body, `{s}` for that of the simulation, `{x}` for what
-//! makes further names unique.
 
 /// A model with statements that read its results.
 pub struct Scene {

@@ -2,9 +2,6 @@
 //!
 //! A new row of a catalogue is drawn automatically. Data that a script needs besides the name (the place of an obstacle, the ends of a
 //! spring) are in `script.rs`; [`Catalogue::strangers`] lists rows without such data.
-//!
-//! A row that is new in a catalogue is drawn by itself. What a script needs besides its name (the place of an obstacle, the ends of a
-//! spring) stands in `script.rs`; [`Catalogue::strangers`] lists rows for which nothing stands there.
 
 use std::path::Path;
 use std::rc::Rc;

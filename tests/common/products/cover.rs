@@ -2,9 +2,6 @@
 //!
 //! The construction is greedy and deterministic. A product that the program refuses covers nothing: it is reduced to the rows that cause
 //! the refusal, and later products do not combine these.
-//!
-//! Greedy and deterministic. A product that the program refuses covers nothing: it is made smaller to the rows that are to blame, and no
-//! later product has these together.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -4,11 +4,6 @@
 //! and reduced ([`shrink`]). [`run`] executes it, [`oracle`] judges the outcome from printed lines and files, and [`cover`] chooses
 //! products so that they contain every allowed pair of rows. Factors come from the registry of the language and from the catalogues of the
 //! kernels ([`catalogue`]).
-//!
-//! A [`Product`] is a row of each factor and a seed for its numbers. It is a script ([`script`]), so that it can be kept, read and made
-//! smaller ([`shrink`]). [`run`] takes it through the program, [`oracle`] judges the outcome from what was printed and from the files, and
-//! [`cover`] chooses products so that every pair of rows that is allowed together is in one of them. Factors come from the registry of the
-//! language and from the catalogues of the kernels ([`catalogue`]).
 
 // Each program uses a part of this file.
 #![allow(dead_code)]

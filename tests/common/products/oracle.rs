@@ -2,9 +2,6 @@
 //!
 //! Ledger and sums, momenta, signs of works, friction cone, constraints, penetration, exit code against outcome, and agreement of the
 //! history with the printed state, the frames and the summary. No function here calls a kernel.
-//!
-//! The ledger and its sums, momenta, the signs of works, the cone of friction, constraints, depth, the exit code against the outcome, and
-//! the agreement of the history with the state that the script sees, with the frames and with the summary. Nothing here calls a kernel.
 
 use std::path::Path;
 

@@ -5,12 +5,6 @@
 //! evaluates after every nominal step only positions and velocities: energy, momenta, penetration.
 //!
 //! Bodies are numbered in their order; the whole hull of each body is in contact with all earlier bodies and with every wall.
-//!
-//! A [`Scene`] is what a script would say: shapes, places, constants, velocities, walls. From it come a model of the kernels
-//! ([`Scene::model`]), the same as a script ([`Scene::script`]), its mirror image and the turned one. [`run`](run::run) takes it through
-//! time and looks, after every nominal step, at nothing but positions and velocities: energy, momenta, depth.
-//!
-//! Bodies are numbered in their order; each touches all before it with its whole hull, and every wall.
 
 // Each program uses a part of this file.
 #![allow(dead_code)]

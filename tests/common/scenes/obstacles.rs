@@ -2,8 +2,6 @@
 //! each in the other, and whether they passed through each other.
 //!
 //! Evaluated from the positions of the nodes and the prescribed place of the obstacle alone.
-//!
-//! Judged from the positions of the nodes and the obstacle's prescribed place alone.
 
 use std::f64::consts::TAU;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -2,9 +2,6 @@
 //!
 //! No function here calls the kernels; nodes and cells are numbered as in the mesh. Energies are integrated with two by two Gauss points in
 //! each quadrilateral, which is exact for the kinetic energy and equals the discretization for the strain energy.
-//!
-//! Nothing here calls the kernels; the numbering of nodes and cells is the mesh's. Energies: two by two Gauss points in each
-//! quadrilateral, which is exact for the kinetic energy and, for the strain energy, the discretization itself.
 
 use conserva::mesh::MeshError;
 

@@ -2,9 +2,6 @@
 //!
 //! Bodies are added one by one: each moves in from far away as far as its clearance from all others permits (steps equal the remaining
 //! distance, so bodies cannot pass through another one). Clearances are at most two facets, so that all bodies meet within the run.
-//!
-//! Bodies are put down one by one: each flies in from far away, as far as its clearance from all that is there allows (steps as long
-//! as the distance that is left, so none can pass through another). Clearances are up to two facets, so that all meet within the run.
 
 use std::f64::consts::TAU;
 

@@ -7,9 +7,6 @@ use super::{Scene, Shape};
 ///
 /// The reduced scene is about as bad as the original: at least half the penetration, a hundredth of the gained or lost energy, so that the
 /// reduction does not end at a scene that only just exceeds the limit. The scene ends with its worst step.
-///
-/// What is left is about as bad as the original: half as deep, and a hundredth of what it gains or lacks, so that it does not end at a
-/// scene that only just crosses the limit. It ends with its worst step.
 pub fn shrink(scene: &Scene, fault: Fault, told: &mut dyn FnMut(&str)) -> Scene {
     let worst = |scene: &Scene| run(scene, &mut |_| ()).findings.into_iter().find(|finding| finding.fault == fault);
     let Some(original) = worst(scene) else { return scene.clone() };

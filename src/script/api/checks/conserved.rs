@@ -76,7 +76,7 @@ fn conserved(call: &Call) -> Result<Dynamic, Box<EvalAltResult>> {
             .into());
     };
     let mut drift = worst_drift(&quantity, &*rows, first, kinetic, Inertia::of(&handle.0.model.model));
-    // Forces on what is held do work on the round-off of positions, which may be all the energy there is.
+    // Reactions do work on the round-off of the positions of supported nodes, which may be the only energy of the model.
     let round_off = handle.0.simulation.try_borrow().map_or(0.0, |simulation| simulation.round_off());
     if matches!(&*quantity, "energy" | "ledger") && drift.size * drift.scale <= round_off {
         drift.size = 0.0;

@@ -1,4 +1,4 @@
-//! Materials that turn energy into heat: viscosity and branches that relax.
+//! Dissipative materials: viscosity and relaxing branches (Maxwell elements).
 
 use rhai::Dynamic;
 

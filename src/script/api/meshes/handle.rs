@@ -102,10 +102,10 @@ pub fn made(call: &Call, make: impl FnOnce() -> Result<Mesh, MeshError> + Send +
     mesh_value(call, call.host.watched(make)?)
 }
 
-/// Number of cells up to which a mesh takes less time than a thread of its own, which a busy machine starts late.
+/// Number of cells below which a mesh is made on the calling thread, because starting a thread takes longer than the mesh.
 const FEW_CELLS: f64 = 5e3;
 
-/// Makes a mesh with so many cells along its directions: few at once, many as by [`made`].
+/// Makes a mesh with `cells` cells along its directions: a small one on the calling thread, others as [`made`].
 pub fn made_of(
     call: &Call,
     cells: &[usize],

@@ -1,4 +1,4 @@
-//! Solid meshes from plane ones: drawn out, turned about an axis, or between two.
+//! Solid meshes from plane ones: extruded, revolved about an axis, or lofted between two.
 
 use std::f64::consts::TAU;
 
@@ -110,12 +110,12 @@ fn extrude() -> Function {
     }
 }
 
-/// Returns the cells over triangles.
+/// Division of triangles into solid cells.
 fn prisms_of(options: &Options) -> Result<Prisms, Failure> {
     Ok(if options.flag("wedges")? { Prisms::Kept } else { Prisms::Cut })
 }
 
-/// Returns a factor for both directions, or one for each.
+/// Scale factors of both directions, given as one number or two.
 fn scale_of(options: &Options) -> Result<[f64; 2], Failure> {
     let argument = options.argument("scale");
     if !argument.is_given() {

@@ -53,7 +53,7 @@ pub fn change_without_bodies(call: &Call, handle: &ModelHandle, apply: impl FnOn
 #[derive(Default)]
 struct Simulated(RefCell<Vec<ModelHandle>>);
 
-/// Records that a simulation was made of the present model.
+/// Records that a simulation was made of the current state of the model.
 pub fn keep_model(host: &Host, model: &ModelHandle) {
     let mut data = model.0.borrow_mut();
     (data.is_simulated, data.unseen) = (true, None);

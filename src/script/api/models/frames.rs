@@ -1,4 +1,4 @@
-//! Frames that turn.
+//! Rotating frames of reference.
 
 use std::sync::Arc;
 

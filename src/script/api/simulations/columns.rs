@@ -1,5 +1,5 @@
-//! The columns of a simulation's history behind those of the ledger: totals of contact pairs, reactions of supports, readings of springs
-//! and other parts, what joints exert, impacts of rigid bodies, values of probes.
+//! Columns of the history of a simulation after those of the ledger: totals of contact pairs, reactions of supports, quantities of springs
+//! and other force elements, forces of joints, impacts of rigid bodies, probes.
 
 use crate::dynamics::{ContactTotals, JointTotals, LedgerRow, Model, PartTotals, ProbeValues, Quantity, Reaction};
 

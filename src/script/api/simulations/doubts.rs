@@ -31,19 +31,19 @@ const MODULI: RangeInclusive<f64> = 1e3..=1.3e12;
 /// Densities of solids in kg/m^3, from foams to osmium.
 const DENSITIES: RangeInclusive<f64> = 10.0..=25_000.0;
 
-/// Gravity of the earth in m/s^2, from the equator to the poles with what is rounded.
+/// Gravity of the earth in m/s^2, from the equator to the poles, including rounded values.
 const GRAVITY: RangeInclusive<f64> = 9.7..=9.9;
 
 /// Kilograms per cubic meter in a tonne per cubic millimeter.
 const DENSE: f64 = 1e12;
 
-/// Units in which a number may be meant that no solid has in the declared ones.
+/// Units of stress that are suggested if a number is implausible in the declared unit.
 const OF_STRESS: [&str; 6] = ["GPa", "MPa", "kPa", "Pa", "psi", "ksi"];
 const OF_DENSITY: [&str; 4] = ["kg/m^3", "g/cm^3", "t/mm^3", "kg/mm^3"];
 const OF_GRAVITY: [&str; 6] = ["m/s^2", "mm/s^2", "cm/s^2", "in/s^2", "ft/s^2", "mm/ms^2"];
 
-/// Warns of numbers of a model that are of other units: with declared units of what no solid has, without them of numbers that do not fit
-/// together. `has_inertia`: densities matter.
+/// Warns of numbers that indicate wrong units: with declared units of implausible values, without declared units of inconsistent values.
+/// `has_inertia`: densities matter.
 pub(super) fn warn_of_numbers(call: &Call, model: &Model, has_inertia: bool) {
     match DeclaredUnits::set(call.host) {
         Some(units) => warn_of_impossible_numbers(call, model, &units),
@@ -56,13 +56,13 @@ pub(super) fn warn_of_numbers(call: &Call, model: &Model, has_inertia: bool) {
     }
 }
 
-/// Warns of moduli, densities and gravity that no solid and no planet has in the declared units.
+/// Warns of moduli, densities and gravity that are implausible in the declared units.
 fn warn_of_impossible_numbers(call: &Call, model: &Model, units: &UnitSet) {
     let warn = |title: String, code: &str, cause: String, hint: String| {
         call.host.warn(Diagnostic::warning(title, call.place(&Target::Call)).code(code).cause(cause).hint(hint));
     };
     let read = |name: &str| Unit::parse(name).unwrap_or(Unit::ONE);
-    // The first unit in which the number would be one of the range, told as what to write.
+    // The first unit in which the number would be plausible, in the form to be written.
     let meant = |number: f64, names: &[&str], range: &RangeInclusive<f64>, declared: &str| {
         let in_si = |name: &&&str| range.contains(&read(name).scale.of(number));
         names.iter().find(in_si).map_or_else(
@@ -97,7 +97,7 @@ fn warn_of_impossible_numbers(call: &Call, model: &Model, units: &UnitSet) {
     }
 }
 
-/// Warns of the earth's gravity in m/s^2 beside densities in t/mm^3, and in mm/s^2 beside densities in kg/m^3.
+/// Warns of the earth's gravity in m/s^2 together with densities in t/mm^3, and in mm/s^2 together with densities in kg/m^3.
 fn warn_of_gravity(call: &Call, model: &Model) {
     let size = length(model.gravity);
     let densities =

@@ -46,7 +46,7 @@ static NODAL: &[(&str, Value)] = &[
 static NAMES: LazyLock<Vec<&str>> =
     LazyLock::new(|| NODAL.iter().map(|row| row.0).chain(POINT_FIELDS.iter().map(|field| field.name)).collect());
 
-/// The field with a name of [`NAMES`].
+/// Field with a name of [`NAMES`].
 fn named(name: &str) -> Value {
     let of_points = || POINT_FIELDS.iter().find(|field| field.name == name).map(Value::Point);
     NODAL.iter().find(|row| row.0 == name).map(|row| row.1).or_else(of_points).unwrap_or(Value::Position)
@@ -100,7 +100,7 @@ fn of_points(field: &PointField, points: impl Iterator<Item = CellStress>, frame
     }
 }
 
-/// Values of a field at points whose values are sums over nodes with shares; not a number where a list of shares is missing.
+/// Values of a field at points, interpolated from the nodes with weights; NaN for points without weights.
 pub(super) fn at_shares(name: &str, body: &BodyFields, frame: &LocalFrame, points: &[Option<Vec<(u32, f64)>>], dimension: usize) -> Array {
     let sum = |shares: &Option<Vec<(u32, f64)>>, read: &dyn Fn(usize) -> f64| {
         shares.as_ref().map_or(f64::NAN, |shares| shares.iter().map(|&(node, share)| share * read(node as usize)).sum())

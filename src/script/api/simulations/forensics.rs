@@ -89,7 +89,7 @@ impl Handle for FailedStepHandle {
     }
 }
 
-/// The cause in two words.
+/// Short name of a cause.
 fn name_of(cause: &FailureCause) -> &'static str {
     match cause {
         FailureCause::CyclingContact { is_slip: true, .. } => "cycling friction",

@@ -117,7 +117,7 @@ impl Handle for SimulationHandle {
     const MAKER: &'static str = "make one with `simulate(model, #{ integrator, dt })`";
 
     fn describe(&self) -> String {
-        // Errors are reported by the caller's next access.
+        // Errors are reported at the next access by the caller.
         let _ = self.looked();
         let data = &self.0;
         let Ok(simulation) = data.simulation.try_borrow() else {
@@ -260,7 +260,7 @@ impl SimulationHandle {
         call.host.observer.began(&format!("{what} of \"{}\"", self.0.name));
         let found = self.0.simulation.try_borrow_mut().map_err(|_| busy(call)).map(|mut simulation| search(&mut simulation));
         call.host.observer.ended();
-        // An interrupted closure of time may have been taken for one without a value.
+        // An interrupt inside a closure of time may have been taken for a missing value.
         call.host.go_on()?;
         found
     }
@@ -287,7 +287,7 @@ impl SimulationHandle {
         }
     }
 
-    /// Notes which contact pairs are closed now.
+    /// Records which contact pairs are closed now.
     pub fn note_contact(&self) {
         let Ok(simulation) = self.0.simulation.try_borrow() else { return };
         self.note_closed(self.0.script_time(simulation.time()), simulation.closed_nodes());

@@ -16,7 +16,7 @@ use crate::script::language::parameter::{Kind, Parameter};
 pub struct JointHandle {
     name: String,
     time: f64,
-    /// Time to which force and moment belong.
+    /// Time of force and moment.
     acting: f64,
     dimension: usize,
     load: JointLoad,
@@ -77,8 +77,8 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-/// Function `name` of scripts: a number that joints of some kinds have. Others are refused with what they lack and a hint, which `read`
-/// gives.
+/// Function `name` of scripts: a quantity that some kinds of joints have. For other kinds `read` returns the missing property and a hint
+/// for the message.
 fn reading(
     name: &'static str,
     summary: &'static str,
@@ -102,7 +102,7 @@ fn reading(
     }
 }
 
-/// Function `name` of scripts: a value of the friction of a joint.
+/// Function `name` of scripts: a quantity of the friction of a joint.
 fn rubbed(name: &'static str, summary: &'static str, read: fn(JointFrictionLoad) -> f64) -> Function {
     let hint = "`add_joint` gives it friction: `friction`, `friction_moment`, `friction_force`";
     reading(name, summary, ["swing", "kind: \"point\", friction_moment: 0.5"], move |joint| {

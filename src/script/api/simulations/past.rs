@@ -57,7 +57,7 @@ impl SimulationHandle {
         while !past.is_empty() && (past.len() >= PAST_STATES || size > PAST_BYTES) {
             let gone = past.pop_front();
             let first = past.front_mut().unwrap_or(&mut before);
-            // It has its data alone from now on.
+            // The oldest state now owns the data that it shared.
             let alone = first.state.as_ref().map_or(0, |state| state.size(None));
             size = size + alone - first.size - gone.map_or(0, |gone| gone.size);
             first.size = alone;

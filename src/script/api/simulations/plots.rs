@@ -88,7 +88,7 @@ pub(super) fn plot() -> Function {
             let known = handle.0.column_units();
             let unit = |name: &str| known.get(name).map_or(String::new(), |unit| format!(" [{}]", pretty_unit(unit)));
             let units: Vec<String> = columns.iter().map(|(name, _)| unit(name)).collect();
-            // One unit of all curves stands at the axis, several stand in the legend.
+            // A common unit of all curves is shown at the axis, different units in the legend.
             let is_common = units.iter().all(|unit| *unit == units[0]);
             let label = if is_common { format!("{label}{}", units[0]).trim_start().to_string() } else { label };
             let curve = |(index, (name, y)): (usize, &mut (String, Vec<f64>))| Curve {

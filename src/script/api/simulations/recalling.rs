@@ -1,4 +1,4 @@
-//! Computations that are taken from the journal, and checkpoints of all simulations: where the [journal](Journal) meets the simulations.
+//! Computations taken from the journal, and checkpoints of all simulations: the connection of the [journal](Journal) with the simulations.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -151,7 +151,7 @@ impl SimulationHandle {
         simulation.count_from(&tally);
         if let Outcome::Stepped(rows) = &outcome {
             rows.last().into_iter().for_each(|row| simulation.recall(row));
-            // Evaluating the loads marks those that acted.
+            // Evaluating the loads marks those with nonzero values.
             let asked = || rows.iter().flat_map(|row| [row.time - 0.5 * row.dt, row.time]);
             let idle = self.0.model.loads.iter().filter(|load| !load.amplitude.has_acted());
             idle.for_each(|load| asked().for_each(|time| drop(load.amplitude.value(time))));

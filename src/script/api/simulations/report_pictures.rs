@@ -1,4 +1,4 @@
-//! Pictures and movies of a script, as they stand in the page of a run.
+//! Pictures and movies of a script in the page of a run.
 
 use super::artifacts::Artifacts;
 use crate::machine::files;
@@ -7,10 +7,10 @@ use crate::script::api::files::run_folder::RunFolder;
 use crate::script::api::files::shown::Pictures;
 use crate::script::language::host::Host;
 
-/// Size of all pictures in a page `[bytes]`; further ones are named only, so that a page can still be sent.
+/// Largest size of all pictures in a page `[bytes]`; further ones are listed by name only, so that the page stays small.
 const SIZE: usize = 4 << 20;
 
-/// Returns the pictures of a simulation and those of no simulation.
+/// Returns the pictures in the folder of a simulation and those in the folder of the run.
 pub fn pictures(host: &Host, name: &str, artifacts: &Artifacts) -> Vec<ReportPicture> {
     let run = RunFolder::of(host).files(host).ok().flatten();
     let mut left = SIZE;
@@ -27,7 +27,7 @@ pub fn pictures(host: &Host, name: &str, artifacts: &Artifacts) -> Vec<ReportPic
     Pictures::of(host).into_iter().filter_map(shown).collect()
 }
 
-/// Returns the content of a file; `None` of a file that is missing or larger than `most` bytes.
+/// Returns the content of a file; `None` for a file that is missing or larger than `most` bytes.
 fn content(files: &RunFiles, path: &str, most: usize) -> Option<Vec<u8>> {
     let place = files.place(path).ok()?;
     let length = std::fs::metadata(&place).ok()?.len();

@@ -265,7 +265,7 @@ fn joints(model: &Model) -> Vec<Vec<String>> {
     model.joints.iter().map(row).collect()
 }
 
-/// Tables of what the script has found: results and checks that held.
+/// Tables of results and passed checks of the script.
 fn outcomes(host: &Host) -> Vec<ReportTable> {
     let results = Results::of(host).into_iter().map(|(name, value)| vec![name, value.as_f64().map_or(value.to_string(), brief)]).collect();
     // Without folders, which differ between machines.

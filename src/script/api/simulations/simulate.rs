@@ -188,7 +188,7 @@ fn make(call: &Call) -> Result<SimulationHandle, Failure> {
     Ok(handle)
 }
 
-/// Warns of bodies whose elements lock, whose laws are unsound at rest, or which gravity accelerates without bound.
+/// Warns of bodies with locking elements, of laws that are unsound in the undeformed state, and of bodies without support under gravity.
 fn warn_of_bodies(call: &Call, model: &Model) {
     for body in model.locking() {
         call.host.warn(Diagnostic::warning(body.to_string(), call.place(&Target::Call)).code(body.code()).hint(body.remedy()));
@@ -259,10 +259,10 @@ fn check_joints(call: &Call, model: &ModelData, simulation: &Simulation) -> Resu
     Ok(())
 }
 
-/// Largest number of times that sound may cross a body within a step; beyond, the density is taken for a mistake of units.
+/// Largest number of passages of sound through a body within a step; beyond it the density is taken for a mistake of units.
 const CROSSINGS: f64 = 1e9;
 
-/// Warns of bodies whose mass is so small that no choice of `dt` explains it.
+/// Warns of bodies whose mass is too small for the time step size.
 fn warn_of_units(call: &Call, model: &Model, dt: f64) {
     for body in model.bodies.iter().filter(|body| body.rigid.is_none()) {
         let (density, modulus) = (body.material.density(), body.material.youngs_modulus());
@@ -282,7 +282,7 @@ fn warn_of_units(call: &Call, model: &Model, dt: f64) {
     }
 }
 
-/// Warns of velocities, loads and supports on nodes that something else holds or moves.
+/// Warns of velocities, loads and supports on nodes that are constrained or prescribed elsewhere.
 fn warn_of_held(call: &Call, model: &Model) {
     for held in model.held() {
         let warning = Diagnostic::warning(held.to_string(), call.place(&Target::Call)).code(held.code());
@@ -337,7 +337,7 @@ pub fn create(
     // The first simulation writes into the folder of the run itself.
     let below = Some(name.as_str()).filter(|_| !Simulations::of(call.host).0.borrow().is_empty());
     DeclaredUnits::settle(call.host);
-    // The numbers of a model that a check moves into other units are not in the declared ones.
+    // In a check of other units the numbers of the model are not in the declared units.
     let is_same = motion.is_none_or(|motion| motion.units == Units::SAME);
     let units = model_units(call.host, &model.model).filter(|_| is_same);
     let journal = Journal::of(call.host);

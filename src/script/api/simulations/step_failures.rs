@@ -71,7 +71,7 @@ impl SimulationHandle {
 
     fn no_equilibrium(&self, cause: String, hint: String) -> Failure {
         let failure = self.not_converged("no static equilibrium was found".into(), cause, hint);
-        // The gaps of this method jump where a node passes the end of the other surface or settles in one of its corners.
+        // Gaps of this method jump when a node passes the end of the other surface or enters one of its corners.
         let failure = match self.crushed() {
             Some(hint) => failure.hint(hint),
             None => failure,
@@ -137,7 +137,7 @@ impl SimulationHandle {
         model.interactions.iter().find(keeps).map(|interaction| interaction.name.as_str())
     }
 
-    /// True if the iterations of the last failure diverged, stalled or cycled, while supports and loads seem to be in order.
+    /// True if the iterations of the last failure diverged, stalled or cycled without an apparent fault of supports and loads.
     fn is_lost(&self) -> bool {
         use FailureCause::{CyclingContact, Divergence, InvertedCell, NoEquilibrium, SlowConvergence};
         let simulation = self.0.simulation.try_borrow();

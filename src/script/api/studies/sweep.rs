@@ -1,4 +1,4 @@
-//! `sweep`: a closure for many points, side by side, and their results as rows.
+//! `sweep`: a closure evaluated at many points, in parallel, with results as rows.
 
 use rhai::{Array, Dynamic, Engine, EvalAltResult, FnPtr, Map};
 
@@ -20,7 +20,7 @@ use crate::script::language::values::describe;
 use crate::script::language::wording::listed;
 use crate::script::language::worker_pool::{Computed, Outcome};
 
-/// Threads of a study at most.
+/// Largest number of threads of a study.
 const MOST_THREADS: f64 = 1024.0;
 
 /// Function `sweep` of scripts.

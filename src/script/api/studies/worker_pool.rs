@@ -165,7 +165,7 @@ fn blueprint(call: &Call, threads: usize) -> Option<Blueprint> {
     for (name, value) in global.constants.iter().flat_map(|constants| constants.borrow().clone()) {
         match Plain::of(&value) {
             Some(value) => constants.push((name.to_string(), value)),
-            // An object that functions may use.
+            // An object that functions of the script may use.
             None if sources.iter().any(|(_, text)| text.contains(&format!("global::{name}"))) => return None,
             None => {}
         }
@@ -212,7 +212,7 @@ struct Threads {
     jobs: Option<Sender<Job>>,
     news: Receiver<WorkerMessage>,
     threads: Vec<Thread>,
-    /// The last point of interest.
+    /// Index of the last point whose result is needed.
     last: Arc<AtomicUsize>,
 }
 
@@ -382,7 +382,7 @@ mod tests {
     use crate::script::language::sandbox::Sandbox;
     use std::rc::Rc;
 
-    /// Doubles numbers; 3 is a defect, which changes the session.
+    /// Closure caller that doubles numbers; the number 3 causes a panic, which changes the session.
     struct Doubler(bool);
 
     impl ClosureCaller for Doubler {
@@ -449,7 +449,7 @@ mod tests {
             threads.compute(&host, "test", &points, &mut taken).unwrap();
             let defect = "the program has a defect and had to stop; three is too many";
             assert_eq!(taken.0, ["0.0", "known", "4.0", defect, "8.0"], "{count} threads");
-            // What ends a study ends it.
+            // An error of the receiver ends the study.
             let points: Vec<Vec<Plain>> = (4..1000).map(|number| vec![Plain::Number(f64::from(number))]).collect();
             let mut taken = Taken::default();
             let failure = threads.compute(&host, "test", &points, &mut taken).unwrap_err();

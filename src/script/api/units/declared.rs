@@ -1,7 +1,7 @@
-//! `units`: in which consistent units the numbers of a script are.
+//! `units`: declaration of the consistent units of a script.
 //!
-//! One declaration holds for the whole script, because quantities are written and materials are made before there is a model, and because
-//! models of one script share meshes and materials.
+//! One declaration holds for the whole script, because quantities and materials are made before there is a model, and because models of one
+//! script share meshes and materials.
 
 use std::cell::{Cell, RefCell};
 
@@ -32,7 +32,7 @@ pub struct DeclaredUnits {
 }
 
 impl DeclaredUnits {
-    /// Units that were declared elsewhere, such as in the session of which this one is a worker.
+    /// Units declared elsewhere, such as in the session for which a worker computes.
     pub fn of_names(names: &[String]) -> Self {
         DeclaredUnits { set: RefCell::new(UnitSet::of(names).ok()), ..DeclaredUnits::default() }
     }
@@ -47,7 +47,7 @@ impl DeclaredUnits {
         host.slots.get::<DeclaredUnits>().set.borrow().clone()
     }
 
-    /// Refuses declarations from now on: the files of a simulation name its units.
+    /// Refuses declarations from now on: the files of a simulation contain its units.
     pub fn settle(host: &Host) {
         host.slots.get::<DeclaredUnits>().is_settled.set(true);
     }
@@ -114,7 +114,7 @@ pub fn units() -> Function {
     }
 }
 
-/// The set that a call of `units` names.
+/// Set of units in a call of `units`.
 fn set_of(call: &Call) -> Result<UnitSet, Failure> {
     let given: Vec<&str> = NAMES.into_iter().filter(|name| call.argument(name).is_given()).collect();
     let mut names: Vec<String> = given.iter().map(|name| call.text(name)).collect::<Result<_, _>>()?;
@@ -153,7 +153,7 @@ fn set_of(call: &Call) -> Result<UnitSet, Failure> {
     })
 }
 
-/// Completes the failure of an expression that is no unit.
+/// Completes the failure of an invalid unit expression.
 pub(super) fn refused_unit(failure: Failure, error: &UnitError) -> Failure {
     let near = match error {
         UnitError::Unknown(name) => did_you_mean(name, Unit::names()).map(|hint| hint.replace('`', "\"")),

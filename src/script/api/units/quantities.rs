@@ -92,11 +92,11 @@ fn unit_of(call: &Call) -> Result<Unit, Failure> {
     Unit::parse(&call.text("unit")?).map_err(|error| refused_unit(call.argument("unit").fail(error.to_string()), &error))
 }
 
-/// The argument `value` converted between a unit and those of the script.
+/// The argument `value`, converted between a unit and the declared units.
 fn converted(call: &Call, unit: &Unit, convert: fn(&UnitSet, f64, &Unit) -> f64) -> Result<Dynamic, Box<rhai::EvalAltResult>> {
     let set = match DeclaredUnits::set(call.host) {
         Some(set) => set,
-        // Angles are numbers in any units.
+        // Angles are pure numbers in all sets of units.
         None if unit.dimension == Dimension::default() => UnitSet::si(),
         None => {
             let failure = call.fail(format!("{} does not know the units of this script", call.function.title())).code("C1078");

@@ -55,7 +55,7 @@ impl Explainer<'_> {
         let known: Vec<_> = Registry::of(self.host).named(name).cloned().collect();
         let defined = self.defined_functions(source);
         let own: Vec<&Signature> = defined.iter().filter(|(function, _)| function == name).collect();
-        // A function of the script hides a property of that name, unless it is called on an object.
+        // A function of the script hides a property of the same name, except in a call on an object.
         if !own.is_empty() && (known.is_empty() || !after_dot) {
             return wrong_own_call(name, given.len(), &own);
         }
@@ -63,7 +63,7 @@ impl Explainer<'_> {
             return self.wrong_call(name, &given, &known, after_dot);
         }
         let mut builtin = self.builtin_functions();
-        // Functions of numbers that no script has are no help.
+        // Functions for number types that scripts do not have are not suggested.
         builtin.retain(|(_, types)| !types.iter().any(|name| FOREIGN_NUMBERS.contains(&name.as_str())));
         let same: Vec<&Signature> = builtin.iter().filter(|(function, _)| function == name).collect();
         if !same.is_empty() {
@@ -135,7 +135,7 @@ impl Explainer<'_> {
         if matches!(function.form, Form::Property(_)) {
             return script(format!("`{name}` is a property, not a function")).hint("leave out the parentheses");
         }
-        // The object is written once, in front of a dot or not.
+        // The object of a method is written once, in front of a dot or as the first argument.
         let object = usize::from(function.form.receiver().is_some());
         let (counted, more) = if after_dot { (given.len() - object, 0) } else { (given.len(), object) };
         let least = more + function.parameters.iter().filter(|parameter| !parameter.is_optional()).count();
@@ -235,5 +235,5 @@ fn wrong_own_call(name: &str, count: usize, own: &[&Signature]) -> Diagnostic {
         .hint("give as many arguments as it has parameters")
 }
 
-/// Types of numbers for which the engine brings functions, though scripts have whole numbers and fractions only.
+/// Number types with functions in the engine that scripts do not have.
 const FOREIGN_NUMBERS: [&str; 12] = ["f32", "i8", "i16", "i32", "i128", "u8", "u16", "u32", "u64", "u128", "isize", "usize"];
